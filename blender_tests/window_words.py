@@ -31,3 +31,11 @@ def words(screen):
     screen.observed["states"] = {word.text: word.state for word in addon_state.readings.newest.words}
     yield 1.0
     screen.shoot("told")
+    yield from screen.click_on("vibe.reading", 185, (0.12, 0.3, 0.5))
+    yield 1.0
+    screen.shoot("menu_again")
+    screen.press("Escape")
+    settings.prompt = ""
+    yield 0.3
+    bpy.ops.vibe.recall(prompt="glossy red monkey")
+    screen.observed["recalled"] = settings.told()

@@ -5,12 +5,12 @@ import time
 
 import bpy
 import pytest
+from vibe_render.session import word_readings as session_readings
 from vibe_render.session.state import addon_state
 from vibe_render.ui import live as live_ui
 from vibe_render.ui import word_readings
-from vibe_render.ui.operators import words
 
-from proxy_renderer.prompt.binding.told import GENERAL
+from proxy_renderer.schema.targets import GENERAL
 
 
 @pytest.fixture
@@ -66,9 +66,44 @@ def test_what_a_word_describes_is_told_with_a_click_and_stays_with_the_scene(typ
     assert not typing.vibe.targets
 
 
-@pytest.mark.parametrize("target", words.GENERAL)
-def test_the_engine_knows_what_the_menu_offers(target):
-    assert target in GENERAL
+def test_the_menu_offers_what_the_word_can_describe_in_the_scene(typing):
+    red = read(typing, "glossy red cube, warm light")["red"]
+    offered = [*red.candidates, *red.targets]
+    assert len(offered) == len({*offered})
+    assert {"Subject", "Floor", "not used"} <= {*offered}
+    assert {*offered} <= {*GENERAL, *typing.objects.keys()}
+
+
+def test_marks_follow_a_change_of_the_scene_when_it_is_quiet(typing):
+    cube = typing.objects["Subject"]
+    assert "Subject" in read(typing, "glossy red subject")["red"].candidates
+    cube.name = "Teapot"
+    bpy.context.view_layer.update()
+    word_readings.addon_state.readings.scene_changed([cube])
+    assert word_readings.addon_state.readings.due(typing)
+    red = reread(typing)["red"]
+    assert "Teapot" in (*red.candidates, *red.targets)
+    assert "Subject" not in (*red.candidates, *red.targets)
+
+
+def test_a_word_can_describe_what_the_menu_has_no_room_for(typing):
+    typing.vibe.prompt = "glossy cube"
+    assert bpy.ops.vibe.describe_another(word="glossy", target="Floor") == {"FINISHED"}
+    assert typing.vibe.told() == ["glossy=Floor"]
+    typing.vibe.targets.clear()
+
+
+def test_a_letter_needs_no_new_sketch(typing, monkeypatch):
+    made = []
+    monkeypatch.setattr(session_readings, "sketch_scene", lambda *given: made.append(given))
+    for prompt in ("g", "gl", "glossy", "glossy red"):
+        read(typing, prompt)
+    assert len(made) <= 1
+
+
+def test_a_scene_that_cannot_be_exported_has_marks_too(typing):
+    typing.camera = None
+    assert "Floor" in read(typing, "glossy red floor, warm light")["glossy"].candidates
 
 
 def test_a_choice_for_a_word_that_is_gone_is_not_sent(typing):

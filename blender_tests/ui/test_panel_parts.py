@@ -32,6 +32,9 @@ def test_earlier_prompts_come_newest_first_and_once(folder, addon):
     for number in range(40):
         prompt_history.remember(str(number))
     assert prompt_history.prompts() == [str(number) for number in range(39, 9, -1)]
+    prompt_history.remember("copper cup", ["copper=Cup"])
+    assert prompt_history.targets_of("copper cup") == ["copper=Cup"]
+    assert prompt_history.prompts()[:2] == ["copper cup", "39"]
     assert bpy.ops.vibe.clear_history() == {"FINISHED"}
     assert prompt_history.prompts() == []
 

@@ -128,6 +128,7 @@ def test_a_click_on_a_word_says_what_it_describes(walk):
     word, _, target = told.partition("=")
     assert target == "not used"
     assert observed["states"][word] == "left out"
+    assert observed["recalled"] == observed["told"]
 
 
 def test_preferences_find_and_try_the_engine(walk):

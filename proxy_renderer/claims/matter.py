@@ -31,8 +31,8 @@ def of_matter(attribute: Attribute, beside: Iterable[Attribute], vocabulary: Voc
         beside: All of the prompt: a color that is named for the same thing is the color of what may have any, as leather.
         vocabulary: Knows the material.
     """
-    entry, part = vocabulary.entries[attribute.entry], part_of(attribute)
-    if entry.slot != "material" or part == "picture":
+    entry, part = vocabulary.entries.get(attribute.entry), part_of(attribute)
+    if entry is None or entry.slot != "material" or part == "picture":
         return
     painted = any(_paints(other, attribute) for other in beside)
     for effect in entry.effects:

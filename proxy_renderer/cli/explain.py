@@ -114,7 +114,7 @@ def _read(
         proxy = Proxy(data, context.picture_size(data.resolution, _LOOK), device="cpu", seed=0)
         u = vector.encode({})
         now = context.plan_context(proxy, vector.values(u), draw(proxy, vector, u))
-        return addition.understood.words, dict(vector.instances), now, addition
+        return addition.understood.scene, dict(vector.instances), now, addition
 
 
 def _plain() -> tuple[SceneWords, dict[str, Instance], PlanContext]:

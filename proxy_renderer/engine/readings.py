@@ -3,46 +3,70 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Sequence
+from pathlib import Path
 
+from ..optimize.context import scene_words
 from ..prompt.lexicon.nearest import Nearest
 from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.types import Attribute, LightWords, Parsed, SceneWords
+from ..prompt.types import LightWords, PromptWord, SceneWords
 from ..prompt.understood import Understood
-from ..schema import VibeError
-from ..schema.limits import LONGEST_PROMPT
+from ..scene import load_scene
 from ..schema.messages import AskReadings, Readings, WordReading
+from ..schema.targets import GENERAL, listed
 
 _OTHERS = 2  # known words that are offered in place of one that is not used
 
 
-def readings(request: AskReadings) -> Readings:
-    """Reads the words of a prompt in a scene of which only names are known.
+class WordReader:
+    """Reads prompts against exported scenes, the last of which it remembers."""
+
+    def __init__(self) -> None:
+        self._job: tuple[str, int] = ("", 0)
+        self._scene = SceneWords()
+
+    def read(self, request: AskReadings) -> Readings:
+        """The words of a prompt as a vibe of the exported scene understands them.
+
+        Args:
+            request: The words, and the scene.
+
+        Raises:
+            VibeError: The scene cannot be read.
+        """
+        scene = self._described(request.job) if request.job else _named(request)
+        return readings(request.prompt, scene, request.target)
+
+    def _described(self, job: str) -> SceneWords:
+        """The names in an exported scene."""
+        try:
+            known = job, (Path(job) / "scene.json").stat().st_mtime_ns
+        except OSError:  # Live has ended, and its job is gone: the panel asks again
+            return SceneWords()
+        if known != self._job:
+            self._scene, self._job = scene_words(load_scene(job)), known
+        return self._scene
+
+
+def readings(prompt: str, scene: SceneWords, target: Sequence[str] = ()) -> Readings:
+    """The words of a prompt as a vibe of a scene understands them.
 
     Args:
-        request: The words, and the names.
+        prompt: What the artist has typed so far.
+        scene: The names in the scene.
+        target: "copper=Cup": what the artist says that words describe.
     """
-    if not request.prompt.strip():
-        return Readings(request.prompt)
-    note = ""
-    try:
-        parsed = Understood(request.prompt, _names(request), request.target).parsed
-    except VibeError as error:
-        note, parsed = str(error), Parsed(request.prompt, ignored=_offered(request.prompt))
-    told = [*_understood(parsed), *map(_left_out, dict.fromkeys(parsed.ignored))]
-    said = request.prompt.casefold()
-    return Readings(request.prompt, sorted(told, key=lambda word: _place(said, word.text)), note)
+    if not prompt.strip():
+        return Readings(prompt)
+    understood = Understood(prompt, scene, target)
+    note = str(understood.unknown or "")
+    if not understood.words:  # a target that cannot be is taken back by a click on its word
+        understood = Understood(prompt, scene)
+    return Readings(prompt, [*map(_reading, understood.words)], note)
 
 
-def _offered(prompt: str) -> list[str]:
-    """The unknown words of a prompt in which no look is understood, for which known ones are offered."""
-    words = re.findall(r"[^\W\d_]+", prompt[:LONGEST_PROMPT].lower())
-    return [word for word in words if default_vocabulary().made(Nearest).may_be_a_look(word)]
-
-
-def _names(request: AskReadings) -> SceneWords:
-    """The scene as readers take it; what is the subject is not known before the scene is read."""
+def _named(request: AskReadings) -> SceneWords:
+    """A scene of which only names are known: everything may be the subject."""
     return SceneWords(
         objects=dict.fromkeys(request.objects, "subject"),
         materials=dict.fromkeys((m for names in request.objects.values() for m in names), "subject"),
@@ -51,41 +75,17 @@ def _names(request: AskReadings) -> SceneWords:
     )
 
 
-def _understood(parsed: Parsed) -> Iterator[WordReading]:
-    """The look words that the prompt itself says, each with all that it describes."""
-    of_word: dict[str, list[Attribute]] = {}
-    for attribute in parsed.attributes:
-        if not attribute.cause:
-            of_word.setdefault(attribute.word, []).append(attribute)
-    for word, attributes in of_word.items():
-        things = ", ".join(dict.fromkeys(_described(a) for a in attributes))
-        if mistyped := _guessed(word, parsed.guesses):
-            known = parsed.guesses[mistyped]
-            yield WordReading(word, "guessed", f"taken for “{known}”, describes {things}")
-        else:
-            yield WordReading(word, "understood", f"describes {things}")
-
-
-def _described(attribute: Attribute) -> str:
-    """What a look word describes, for people."""
-    region = "the picture" if attribute.region == "whole" else f"the {attribute.region}"
-    if attribute.thing and attribute.thing not in attribute.word:  # a noun of the prompt's own
-        return attribute.thing
-    return ", ".join(attribute.owners) or region
-
-
-def _guessed(word: str, guesses: Mapping[str, str]) -> str:
-    """The misspelled word in a look word with its intensity: "glosy" of "very glosy"; "" if all is known."""
-    return next((unknown for unknown in guesses if word.endswith(unknown)), "")
-
-
-def _left_out(word: str) -> WordReading:
-    return WordReading(
-        word, "left out", "not used", default_vocabulary().made(Nearest).choices(word, _OTHERS)
-    )
-
-
-def _place(said: str, word: str) -> int:
-    """Where a prompt says a word; behind everything else where it says it in other letters."""
-    place = said.find(word.casefold())
-    return len(said) if place < 0 else place
+def _reading(word: PromptWord) -> WordReading:
+    """A word with what it describes; one that is not used, with known words in its place."""
+    names = [candidate.name for candidate in word.candidates]
+    if not word.is_used:
+        unknown = not word.candidates
+        others = default_vocabulary().made(Nearest).choices(word.text, _OTHERS) if unknown else []
+        return WordReading(word.text, "left out", word.target, others, word.key, names, [*word.others])
+    is_general = word.target in GENERAL and word.thing not in word.target
+    describes = f"describes {listed(word.target)}" + (f" ({word.thing})" if is_general else "")
+    if word.guess:
+        state, meaning = "guessed", f"taken for “{word.guess}”, {describes}"
+    else:
+        state, meaning = "understood", describes
+    return WordReading(word.text, state, meaning, [], word.key, names, [*word.others])

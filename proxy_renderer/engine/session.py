@@ -20,6 +20,8 @@ from ..optimize import context, pipeline
 from ..optimize.anchoring import BlenderPictures
 from ..optimize.progress import Observer
 from ..optimize.shots import ShotInput
+from ..planning.explanation import word_rows
+from ..prompt.understood import Understood
 from ..reference.like import Reference
 from ..render.proxy import Proxy
 from ..scene import load_scene
@@ -55,6 +57,7 @@ class EngineSession:
     ) -> None:
         self.shots, self.prompt, self.options, self._observer = shots, prompt, options, observer
         self._caption = prompt
+        self._understood: Understood | None = None
         self._encoder: Encoder | None = None
         self._outcome: pipeline.Outcome | None = None
         endpoint = find_endpoint(options, vlm_key)
@@ -80,7 +83,7 @@ class EngineSession:
         found = [load_scene(Path(shot.job)) for shot in self.shots]
         self._observer.stage("setting the light")
         addition = with_additions(found, self.prompt, self.options.new_lights, self.options.target)
-        scenes = addition.scenes
+        scenes, self._understood = addition.scenes, addition.understood
         clock.lap("load scene")
         advisor = self._advisor(addition)
         ask, seed = self._observer.ask, self.options.seed
@@ -237,6 +240,7 @@ class EngineSession:
                 "classes": goals.classes,
                 "ignored": goals.parsed.ignored,
                 "guesses": goals.parsed.guesses,
+                "words": word_rows(self._understood.words if self._understood else ()),
                 "notes": list(dict.fromkeys([*goals.parsed.notes, *outcome.plan.notes])),
             },
             "versions": report.versions(),

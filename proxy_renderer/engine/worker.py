@@ -131,15 +131,16 @@ def _glance(wire: Wire, request: messages.Glance, glances: Glances) -> messages.
 
 def _read_words(wire: Wire) -> None:
     """Says how words are understood, without end; of several that wait, only the newest."""
-    from .readings import readings
+    from .readings import WordReader
 
+    reader = WordReader()
     while True:
         request = wire.asked.get()
         while not wire.asked.empty():
             request = wire.asked.get()
         try:
             check_schema(request.schema, "add-on")
-            answer = readings(request)
+            answer = reader.read(request)
         except Exception as error:  # the panel says so, and the next letter is another try
             answer = messages.Readings(request.prompt, note=_fault(error).message)
         wire.send(answer)

@@ -87,16 +87,15 @@ def preset(name: str) -> str:
     return name
 
 
-def words(text: str) -> None:
-    """Makes sure that at least one word of the prompt names a look.
+def words(prompt: str) -> None:
+    """Refuses a prompt that says nothing in any scene; what its words describe is read in Blender's scene alone.
 
     Raises:
-        VibeError: None does.
+        VibeError: It has no look word.
     """
-    from ..prompt.parser import parse
-    from ..prompt.types import SceneWords
+    from ..prompt.parser import refuse_without_look
 
-    parse(text, SceneWords())
+    refuse_without_look(prompt)
 
 
 def model(arguments: argparse.Namespace) -> bool:

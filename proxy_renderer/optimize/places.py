@@ -25,8 +25,10 @@ def places(scene: SceneData) -> dict[str, Place]:
     corners = torch.from_numpy(mesh.vertices.astype(np.float32)).T
     depth = -(view.rotation.T @ (corners - view.position[:, None]))[2].detach().numpy()
     across = view.project(corners)[0].detach().numpy() / _SIDE
+    order = np.argsort(mesh.object, kind="stable")
+    ends = np.searchsorted(mesh.object[order], np.arange(len(scene.objects) + 1))
     for number, thing in enumerate(scene.objects):
-        own = np.unique(mesh.faces[mesh.object == number])
+        own = np.unique(mesh.faces[order[ends[number] : ends[number + 1]]])
         if len(own) and depth[own].min() > view.clip[0]:
             low, high = across[own].min(), across[own].max()
             seen[thing.name] = (float(low + high - 1.0), float(depth[own].mean()), float(high - low))

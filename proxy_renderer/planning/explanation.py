@@ -3,8 +3,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import asdict
+from typing import Any
+
 from ..goals.resolve import Goals
-from ..prompt.types import Parsed, Prompts
+from ..prompt.types import Parsed, Prompts, PromptWord
 from ..schema import Values, labels
 from .types import Plan
 
@@ -22,6 +26,7 @@ def explain(goals: Goals, prompts: Prompts, plan: Plan) -> str:
     lines += [f"  guessed: '{word}' as '{entry}'" for word, entry in parsed.guesses.items()]
     if parsed.ignored:
         lines.append(f"  not used: {', '.join(parsed.ignored)}")
+    lines += ["", "Words (--target WORD=NAME says what a word describes)", *map(_word, parsed.words)]
     lines += ["", "Told to the encoder", f"  subject: {prompts.subject}"]
     lines.append(f"  surroundings: {prompts.surroundings or '(left open)'}")
     lines.append(f"  picture: {prompts.whole}")
@@ -40,6 +45,22 @@ def explain(goals: Goals, prompts: Prompts, plan: Plan) -> str:
     return "\n".join(lines)
 
 
+def word_rows(words: Iterable[PromptWord]) -> list[dict[str, Any]]:
+    """Words as the report and `--json` have them.
+
+    Args:
+        words: Of a prompt.
+    """
+    return [{name: value for name, value in asdict(word).items() if name != "others"} for word in words]
+
+
+def _word(word: PromptWord) -> str:
+    """A word with what it describes, how sure that is, and what else it may describe."""
+    others = "".join(f"; {each.name} {each.probability:.0%}" for each in word.candidates[1:])
+    sure = f" ({word.confidence:.0%}{others})" if word.candidates else ""
+    return f"  {word.key}: {word.target}{sure}"
+
+
 def as_dict(goals: Goals, prompts: Prompts, plan: Plan) -> dict:
     """The same for `--json`: objects, prompts, plan, and what was ignored or guessed."""
     parsed = goals.parsed
@@ -55,6 +76,7 @@ def as_dict(goals: Goals, prompts: Prompts, plan: Plan) -> dict:
             key: {"lower": list(e.lower), "upper": list(e.upper), "priority": e.priority, "reason": e.reason}
             for key, e in plan.items()
         },
+        "words": word_rows(parsed.words),
         "ignored": parsed.ignored,
         "guesses": parsed.guesses,
         "notes": list(plan.notes),

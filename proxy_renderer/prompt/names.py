@@ -5,11 +5,14 @@ from __future__ import annotations
 
 import re
 import tomllib
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
+from ..schema.spec import Region
 from .lexicon.entries import normalize
 from .types import SceneWords
+
+_NAMES = 16_384  # names of scenes that are remembered
 
 
 @cache
@@ -29,7 +32,7 @@ def spaced(name: str) -> list[str]:
     return normalize(re.sub(r"(?<=[a-z0-9])(?=[A-Z])|[\W_]|\d+", " ", name)).split()
 
 
-@cache
+@lru_cache(_NAMES)
 def plain_name(name: str) -> str:
     """A name as somebody would say it: "WoodTable.001" -> "wood table", "SM_Cup.001_low" -> "cup", "Tyre Two" -> "tyre"."""
     every = spaced(name)
@@ -68,19 +71,26 @@ def _whole(name: str) -> str:
     return whole if last in name_words("limbs") else ""
 
 
-def limbs_of(name: str, words: SceneWords) -> tuple[str, ...]:
-    """The materials of an object's parts that are objects of their own: the duck's head, the only teapot's lid.
+def limbs(words: SceneWords) -> dict[str, tuple[str, ...]]:
+    """Of each object the materials of its parts that are objects of their own: the duck's head, the only teapot's lid.
 
     Args:
-        name: Of the object.
         words: The names in the scene.
     """
-    spoken, region = plain_name(name), words.objects[name]
-    near = {other: plain_name(other).rpartition(" ") for other, its in words.objects.items() if its == region}
     parts = name_words("limbs") | name_words("details")
-    heads = {"".join(its) for its in near.values() if its[2] not in parts}
-    if spoken not in heads:
-        return ()
-    wholes = {spoken, ""} if heads == {spoken} else {spoken}
-    limbs = [o for o, its in near.items() if its[2] in name_words("limbs") and its[0] in wholes]
-    return tuple(dict.fromkeys(m for limb in limbs for m in words.object_materials.get(limb, ())))
+    heads: dict[Region, set[str]] = {"subject": set(), "surroundings": set()}
+    theirs: dict[Region, dict[str, list[str]]] = {"subject": {}, "surroundings": {}}
+    for name, region in words.objects.items():
+        whole, _, last = plain_name(name).rpartition(" ")
+        if last not in parts:
+            heads[region].add(plain_name(name))
+        elif last in name_words("limbs"):
+            theirs[region].setdefault(whole, []).append(name)
+    found = {}
+    for name, region in words.objects.items():
+        spoken = plain_name(name)
+        is_head = spoken in heads[region]
+        wholes = {spoken, *([""] if heads[region] == {spoken} else [])} if is_head else set()
+        mine = [limb for whole, its in theirs[region].items() if whole in wholes for limb in its]
+        found[name] = tuple(dict.fromkeys(m for limb in mine for m in words.object_materials.get(limb, ())))
+    return found

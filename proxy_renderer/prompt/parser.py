@@ -4,13 +4,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 from ..schema import VibeError
 from ..schema.limits import LONGEST_PROMPT
 from .binding.model import FactWeights
+from .binding.pairs import looks
 from .binding.reader import PromptReader
-from .keyed import spoken
+from .binding.told import plain_key
+from .binding.words import prompt_words
+from .keyed import KeyedSpan, keyed_spans, spoken
 from .languages.gloss import Gloss, gloss
 from .languages.retell import Retelling
 from .languages.unread import other_language, understood
@@ -38,10 +42,18 @@ def prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> str:
     return _prepared(gloss(text, scene, vocabulary).english, scene, vocabulary)[0]
 
 
-def _prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> tuple[str, list[Spared]]:
-    """A prompt with hours, temperatures and lists as sentences say them, and apart from it what is to stay as it is."""
-    told = kelvins.told(hours.told(text, vocabulary))
-    return without_spared(spoken(told, vocabulary, scene_names(scene)), scene, vocabulary)
+def _prepared(
+    text: str, scene: SceneWords, vocabulary: Vocabulary
+) -> tuple[str, list[KeyedSpan], list[Spared]]:
+    """A prompt with hours, temperatures and lists as sentences say them; apart from it what it says after keys, and what stays."""
+    told, own = kelvins.told(hours.told(text, vocabulary)), scene.made(_own_names, vocabulary)
+    said, spared = without_spared(spoken(told, vocabulary, scene_names(scene), own), scene, vocabulary)
+    return *keyed_spans(said, own), spared
+
+
+def _own_names(scene: SceneWords, _: Vocabulary) -> dict[str, str]:
+    """The names of a scene's objects, materials and lights, by how they are in lower case."""
+    return {name.lower(): name for name in (*scene.lights, *scene.materials, *scene.object_materials)}
 
 
 def _checked(prompt: str) -> str:
@@ -56,7 +68,91 @@ def _checked(prompt: str) -> str:
     return text
 
 
+@dataclass(frozen=True)
+class _OpenedPrompt:
+    """A prompt before its words are bound.
+
+    Attributes:
+        text: Without tags and needless white space.
+        glossed: In English words.
+        mixed: Whether some of it is in a language that is not understood.
+        said: As readers take it.
+        keyed: What it says of things that it sets before with a colon.
+        spared: What is to stay as it is.
+    """
+
+    text: str
+    glossed: Gloss
+    mixed: bool
+    said: str
+    keyed: list[KeyedSpan]
+    spared: list[Spared]
+
+    @property
+    def foreign_words(self) -> set[str]:
+        """Words of another language that are left in it."""
+        return {normalize(word) for word in self.glossed.unknown}
+
+
+def _opened(prompt: str, scene: SceneWords, vocabulary: Vocabulary) -> _OpenedPrompt:
+    """A prompt in English words; VibeError where it is empty, too long, or in a language that is not understood."""
+    text = _checked(prompt)
+    glossed = gloss(text, scene, vocabulary)
+    foreign = "" if glossed.language else other_language(text)
+    if foreign == "all":
+        raise VibeError(f"The prompt '{text[:60]}' is in a language that is not understood.", understood())
+    return _OpenedPrompt(text, glossed, bool(foreign), *_prepared(glossed.english, scene, vocabulary))
+
+
+def refuse_without_look(prompt: str) -> None:
+    """Refuses a prompt that says nothing in any scene, before Blender is started.
+
+    It only looks for look words. What they describe is read later, against the scene, see `understood.Understood`.
+
+    Args:
+        prompt: What the artist typed.
+
+    Raises:
+        VibeError: The prompt is empty, too long, in a language that is not understood, or has no look word.
+    """
+    scene, vocabulary = SceneWords(), default_vocabulary()
+    opened = _opened(prompt, scene, vocabulary)
+    found = looks(opened.said, scene, vocabulary, opened.foreign_words)
+    if not found.looks:
+        raise _without_look(opened, [" ".join(words) for words in found.wishes])
+
+
+def _without_look(opened: _OpenedPrompt, undone: Sequence[str], lacking: Iterable[str] = ()) -> VibeError:
+    """The error for a prompt in which no look is understood."""
+    language = opened.glossed.language or ("English" if opened.mixed else "")
+    return VibeError(
+        f"Nothing in the prompt '{opened.text[:60]}' names a look{f' in {language}' if language else ''}"
+        + (f": {_THINGS_STAY}" if undone else ".")
+        + "".join(f" {note}" for note in lacking),
+        "Name colors (teal), materials (glossy, gold), light (warm soft light), fog, grading (noir, vignette) "
+        "or a mood (cosy, ominous).",
+    )
+
+
 def parse(
+    prompt: str,
+    scene: SceneWords,
+    vocabulary: Vocabulary | None = None,
+    weights: FactWeights | None = None,
+    told: Mapping[str, str] | None = None,
+) -> Parsed:
+    """As `read`.
+
+    Raises:
+        VibeError: The prompt is empty, too long, or holds no look word at all.
+    """
+    parsed = read(prompt, scene, vocabulary, weights, told)
+    if parsed.unknown:
+        raise parsed.unknown
+    return parsed
+
+
+def read(
     prompt: str,
     scene: SceneWords,
     vocabulary: Vocabulary | None = None,
@@ -72,49 +168,40 @@ def parse(
         weights: Of the reader; those that are shipped if None.
         told: Word -> what the artist says that it describes: a name in the scene, "lights", "not used" and so on.
 
+    Returns:
+        What is understood; `unknown` says why nothing is.
+
     Raises:
-        VibeError: The prompt is empty, too long, or holds no look word at all.
+        VibeError: The prompt is empty, too long, or in a language that is not understood; a target cannot be.
     """
-    text, vocabulary = _checked(prompt), vocabulary or default_vocabulary()
-    glossed = gloss(text, scene, vocabulary)
-    foreign = "" if glossed.language else other_language(text)
-    if foreign == "all":
-        raise VibeError(f"The prompt '{text[:60]}' is in a language that is not understood.", understood())
-    said, spared = _prepared(glossed.english, scene, vocabulary)
-    found = PromptReader(vocabulary, scene, weights, told=told)
-    parsed = found.read(said, {normalize(word) for word in glossed.unknown})
-    parsed.prompt = text
-    parsed.notes += map(str, spared)
-    parsed.protected = tuple(dict.fromkeys(key for each in spared for key in each.kept))
+    vocabulary = vocabulary or default_vocabulary()
+    opened = _opened(prompt, scene, vocabulary)
+    glossed, retelling = opened.glossed, Retelling(opened.glossed)
+    english = {word: retelling.english(word) for word in map(plain_key, told or ()) if glossed.language}
+    found = PromptReader(vocabulary, scene, weights, told=told, english=english)
+    parsed = found.read(opened.said, opened.foreign_words, opened.keyed)
+    parsed.prompt = opened.text
+    parsed.notes += map(str, opened.spared)
+    parsed.protected = tuple(dict.fromkeys(key for each in opened.spared for key in each.kept))
     if found.beyond:
         parsed.notes.append(
             f"{_quoted(found.beyond)}: no value of a material, light, world, fog or film gives that."
         )
     if found.undone:
         parsed.notes.append(f"{_quoted(found.undone)}: {_THINGS_STAY}")
-    if foreign:
+    if opened.mixed:
         parsed.notes.append(f"Some of the prompt is in a language that is not understood. {understood()}")
-    if not parsed.attributes or (foreign and all(a.guess or a.cause for a in parsed.attributes)):
-        raise VibeError(
-            f"Nothing in the prompt '{text[:60]}' names a look{_in(glossed, foreign)}"
-            + (f": {_THINGS_STAY}" if found.undone else ".")
-            + "".join(f" {note}" for note in found.lacking),
-            "Name colors (teal), materials (glossy, gold), light (warm soft light), fog, grading (noir, vignette) "
-            "or a mood (cosy, ominous).",
-        )
+    if not parsed.attributes or (opened.mixed and all(a.guess or a.cause for a in parsed.attributes)):
+        parsed.unknown = _without_look(opened, found.undone, found.lacking)
     complete(parsed, vocabulary, found.subject, found.mentioned, scene.sky)
     if glossed.language:
-        Retelling(glossed).retell(parsed)
+        retelling.retell(parsed)
         if unknown := glossed.unknown:
             lacks = f"The prompt was read as {glossed.language}, which lacks: {_quoted(unknown)}."
             parsed.notes.append(lacks)
+    parsed.words = prompt_words(found, parsed, retelling.said)
     return parsed
 
 
 def _quoted(words: Iterable[str]) -> str:
     return ", ".join(f"'{word}'" for word in dict.fromkeys(words))
-
-
-def _in(glossed: Gloss, foreign: str) -> str:
-    """The language in which no look is named."""
-    return f" in {glossed.language}" if glossed.language else " in English" if foreign else ""

@@ -78,7 +78,7 @@ class _Finder:
     """Finds what of a scene stays."""
 
     def __init__(self, scene: SceneWords, vocabulary: Vocabulary) -> None:
-        self._scene, self._vocabulary, self._index = scene, vocabulary, SceneIndex(scene)
+        self._scene, self._vocabulary, self._index = scene, vocabulary, scene.made(SceneIndex, vocabulary)
 
     def kept(self, what: str) -> Iterator[str]:
         """The owners of parameters that nouns name: "material/Plaster", "light/Key", "world"."""

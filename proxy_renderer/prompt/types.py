@@ -3,11 +3,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from ..schema import Values
+from ..schema import Values, VibeError
 from ..schema.spec import Region
+from ..schema.targets import NOT_USED
+
+if TYPE_CHECKING:
+    from .lexicon.vocabulary import Vocabulary
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -77,6 +84,21 @@ class SceneWords:
     places: dict[str, tuple[float, float, float]] = field(default_factory=dict)
     looks: Mapping[str, MaterialLook] = field(default_factory=dict)
     sky: bool = True
+    _made: dict[Any, tuple[Vocabulary, Any]] = field(
+        init=False, repr=False, compare=False, default_factory=dict
+    )
+
+    def made(self, make: Callable[[SceneWords, Vocabulary], T], vocabulary: Vocabulary) -> T:
+        """What is made of the names with a vocabulary, once for all prompts.
+
+        Args:
+            make: Takes the names and the vocabulary.
+            vocabulary: What words mean.
+        """
+        if make not in self._made or self._made[make][0] is not vocabulary:
+            self._made[make] = vocabulary, make(self, vocabulary)
+        made: T = self._made[make][1]
+        return made
 
 
 @dataclass(frozen=True)
@@ -95,6 +117,7 @@ class Attribute:
         lamp: Number of the light that is meant, where the prompt tells several apart by color or side; else 0.
         phrases: Numbers of the lights that the prompt describes one by one and that this word is said of, as
             `mentions.light_phrases` counts them.
+        look: Number of the look word in the prompt, from 0; -1 where no reader has bound it.
         role: The lights that are meant: "key", "fill", "rim" or "others"; "" for light in general.
         color: The named color, sRGB in [0, 1]; None unless the slot is "color".
         thing: What the prompt calls the thing that it describes: "teapot", "wall", "key light".
@@ -125,6 +148,7 @@ class Attribute:
     english: str = ""
     place: tuple[int, int] | None = None
     phrases: tuple[int, ...] = ()
+    look: int = field(default=-1, compare=False)
 
     @property
     def of_glows(self) -> bool:
@@ -159,6 +183,57 @@ class PromptObject:
     materials: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True)
+class Candidate:
+    """Something that a word may describe.
+
+    Attributes:
+        name: As `--target` takes it, see `schema.targets`.
+        probability: By the reader's weights, in the prompt as a whole.
+    """
+
+    name: str
+    probability: float
+
+
+@dataclass(frozen=True)
+class PromptWord:
+    """A word of the prompt, understood: a look word, or a word that is not used.
+
+    Attributes:
+        text: As the prompt says it, with its intensity or negation: "very glossy".
+        key: What `--target` calls it: "glossy", or "red#2" where the prompt says it several times.
+        place: Where it begins and ends in the prompt; None if unknown.
+        entry: Its sense: name of the vocabulary entry, or of the color; "" where it is not used.
+        strength: 1 as named; below for "slightly", above for "very".
+        negated: "no", "without", "not".
+        target: Name of what it describes, see `schema.targets`; "not used" where it is left out.
+        thing: What the prompt calls that: "cube"; "" where it says only the word.
+        confidence: Probability of the target; 1 where the artist says so, or the scene lacks what the prompt names.
+        candidates: What it may describe, the target first, then the likeliest; empty for a word that is no look word.
+        others: What else of the scene it can describe.
+        guess: The known word that it is taken for, where it is misspelled.
+    """
+
+    text: str
+    key: str
+    place: tuple[int, int] | None = None
+    entry: str = ""
+    strength: float = 1.0
+    negated: bool = False
+    target: str = NOT_USED
+    thing: str = ""
+    confidence: float = 1.0
+    candidates: tuple[Candidate, ...] = ()
+    others: tuple[str, ...] = ()
+    guess: str = ""
+
+    @property
+    def is_used(self) -> bool:
+        """Whether it describes something."""
+        return self.target != NOT_USED
+
+
 @dataclass
 class Parsed:
     """A prompt, understood.
@@ -171,6 +246,8 @@ class Parsed:
         guesses: Misspelled word -> the known word, or the name in the scene, that it was taken for.
         notes: What the artist should hear of how the prompt was read, one sentence each.
         protected: Owners of parameters that the prompt says should stay: "material/Plaster", "light/Key", "world".
+        words: Its look words and what is left out, in the order of the text.
+        unknown: Why nothing in it is understood; None where something is.
     """
 
     prompt: str
@@ -180,6 +257,8 @@ class Parsed:
     guesses: dict[str, str] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     protected: tuple[str, ...] = ()
+    words: tuple[PromptWord, ...] = ()
+    unknown: VibeError | None = None
 
 
 @dataclass(frozen=True)

@@ -4,46 +4,52 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from copy import deepcopy
+from dataclasses import InitVar, dataclass, field
 
 from ..schema import VibeError
 from ..schema.options import checks
 from .lexicon.user_words import default_vocabulary
-from .parser import parse
-from .types import Parsed, SceneWords
+from .parser import read
+from .types import Parsed, PromptWord, SceneWords
 
 
+@dataclass(frozen=True)
 class Understood:
     """What a prompt says of a scene.
 
-    Args:
-        prompt: What the artist typed.
-        words: The names in the scene.
-        told: "copper=Cup": what the artist says that words describe.
-
     Attributes:
         prompt: What the artist typed.
-        words: The names in the scene.
+        scene: The names in the scene.
+        told: "copper=Cup": what the artist says that words describe.
+        words: The look words of the prompt and the words that are left out, in its order.
         unknown: Why nothing in the prompt is understood; None where something is.
     """
 
-    def __init__(self, prompt: str, words: SceneWords, told: Iterable[str] = ()) -> None:
-        self.prompt, self.words = prompt, words
-        self.unknown: VibeError | None = None
-        self._parsed: Parsed | None = None
+    prompt: str
+    scene: SceneWords
+    told: InitVar[Iterable[str]] = ()
+    words: tuple[PromptWord, ...] = field(default=(), init=False)
+    unknown: VibeError | None = field(default=None, init=False)
+    _parsed: Parsed = field(default_factory=lambda: Parsed(""), init=False, repr=False)
+
+    def __post_init__(self, told: Iterable[str]) -> None:
+        """Reads the prompt."""
         try:
-            self._parsed = parse(prompt, words, default_vocabulary(), told=checks.targets(told))
+            parsed = read(self.prompt, self.scene, default_vocabulary(), told=checks.targets(told))
         except VibeError as error:
-            self.unknown = error
+            object.__setattr__(self, "unknown", error)
+        else:
+            object.__setattr__(self, "_parsed", parsed)
+            object.__setattr__(self, "words", parsed.words)
+            object.__setattr__(self, "unknown", parsed.unknown)
 
     @property
     def parsed(self) -> Parsed:
-        """What is understood, for its caller alone: planners take words out of it.
+        """What is understood; the same for everyone, who leave it as it is.
 
         Raises:
             VibeError: Nothing is.
         """
-        if self._parsed is None:
-            assert self.unknown
+        if self.unknown:
             raise self.unknown
-        return deepcopy(self._parsed)
+        return self._parsed

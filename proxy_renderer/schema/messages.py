@@ -92,14 +92,16 @@ class AskReadings:
     Attributes:
         schema: Blender's schema hash.
         prompt: What the artist has typed so far.
-        objects: Object that a render shows -> names of its materials.
-        lights: Light -> its type, "AREA" and so on.
+        job: The job folder, with or without surfaces and textures; "" where the scene cannot be exported.
+        objects: Where there is no job: object that a render shows -> names of its materials.
+        lights: Likewise: light -> its type, "AREA" and so on.
         target: "copper=Cup": what the artist says that words describe.
     """
 
     type: ClassVar[str] = "ask_readings"
     schema: str
     prompt: str
+    job: str = ""
     objects: dict[str, list[str]] = field(default_factory=dict)
     lights: dict[str, str] = field(default_factory=dict)
     target: tuple[str, ...] = ()
@@ -112,14 +114,20 @@ class WordReading:
     Attributes:
         text: As the prompt says it.
         state: "understood", "guessed" or "left out".
-        meaning: What is made of it, in words for the artist: "describes vase".
+        meaning: What is made of it, in words for the artist: "describes Vase".
         others: Known words that it could be taken for instead, the likeliest first.
+        key: What a target calls it: "red#2" for the second one.
+        candidates: Names of what it may describe, the one that it is taken for first, then the likeliest; see `targets`.
+        targets: What else it can describe; with no candidates, it can describe nothing.
     """
 
     text: str
     state: str
     meaning: str = ""
     others: list[str] = field(default_factory=list)
+    key: str = ""
+    candidates: list[str] = field(default_factory=list)
+    targets: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)

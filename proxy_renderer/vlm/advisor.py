@@ -54,7 +54,7 @@ class ModelAdvisor:
     ) -> None:
         self._prompt, self._words, self._client, self._tell = (
             understood.prompt,
-            understood.words,
+            understood.scene,
             client,
             tell,
         )

@@ -90,6 +90,10 @@ def test_a_vibe_and_its_measure(worker, job, tmp_path):
     assert (job / progress[0].preview).is_file()
     assert result.report["prompt"] == PROMPT
     assert set(result.values) <= set(result.report["parameters"])
+    worker.send(messages.AskReadings(schema_hash(), PROMPT, str(job)))
+    marks = {word.key: word.candidates[:1] for word in worker.until(messages.Readings).words}
+    words = result.report["understood"]["words"]
+    assert marks == {word["key"]: [word["candidates"][0]["name"]] for word in words}
 
     gray = tmp_path / "gray.png"
     Image.fromarray(np.full((48, 64, 3), 128, np.uint8)).save(gray)

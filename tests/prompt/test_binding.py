@@ -109,7 +109,7 @@ def test_without_the_weights_it_would_be_otherwise():
     ],
 )
 def test_names_fit(said, name, way):
-    assert fit(parts(said), parts(name)) == way
+    assert fit(parts(said), parts(name), shipped_vocabulary()) == way
 
 
 @pytest.mark.parametrize(("weight", "things"), [(-3.0, 2), (3.0, 1)])

@@ -7,8 +7,12 @@ from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.binding.pairs import reading
+from proxy_renderer.prompt.lexicon.things import senses
+from proxy_renderer.prompt.lexicon.user_words import extend
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.names import is_detail, kind_of
+from proxy_renderer.prompt.mentions import names as fitted
+from proxy_renderer.prompt.mentions.names import fit
+from proxy_renderer.prompt.names import is_detail, kind_of, plain_name
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import FAMILIES, Instance
@@ -245,3 +249,16 @@ def test_a_thing_is_told_from_words_that_are_called_alike(
     prompt: str, things: dict[str, str], owner: str
 ) -> None:
     assert {a.owners for a in parse(prompt, scene(things)).attributes} == {(owner,)}
+
+
+def test_names_are_fitted_by_the_artists_own_vocabulary(tmp_path):
+    path = tmp_path / "own.toml"
+    path.write_text("[look.kryptonite]\nslot = 'material'\ndo = ['material/roughness 0.1..0.2 !2']\n")
+    own = extend(shipped_vocabulary(), path)
+    name = ("glorb", "kryptonite")
+    assert [fit(("glorb",), name, v) for v in (shipped_vocabulary(), own)] == ["part", "last"]
+
+
+def test_what_is_remembered_of_names_is_bounded():
+    for cached in (plain_name, fitted.parts, fitted._corrected, senses):
+        assert cached.cache_info().maxsize

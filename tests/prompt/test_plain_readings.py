@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.parser import parse
+from proxy_renderer.prompt.parser import parse, refuse_without_look
 from proxy_renderer.prompt.types import GLOW, LightWords, SceneWords
 
 SCENES = tomllib.loads(Path(__file__).with_name("plain_readings.toml").read_text("utf-8"))
@@ -56,7 +56,8 @@ def rows(table):
 
 
 @pytest.mark.parametrize(("name", "prompt", "right"), rows("readings"))
-def test_a_plain_prompt_is_read_right(name, prompt, right):
+def test_a_plain_prompt_is_read_right_and_never_refused_before_the_scene_is_known(name, prompt, right):
+    refuse_without_look(prompt)
     assert reading(name, prompt) == right
 
 

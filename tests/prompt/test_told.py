@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import pytest
 
-from proxy_renderer.prompt.binding.told import GENERAL
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import LightWords, SceneWords
 from proxy_renderer.prompt.understood import Understood
 from proxy_renderer.schema import VibeError
+from proxy_renderer.schema.targets import GENERAL
 
 SCENE = SceneWords(
     objects={"Cube.003": "subject", "Cube.004": "subject", "Plane": "surroundings"},
@@ -78,3 +78,55 @@ def test_what_cannot_be_is_one_line_with_its_remedy(pairs):
 @pytest.mark.parametrize("name", sorted(GENERAL))
 def test_what_every_scene_has_can_be_told(name):
     told("misty teal", teal=name)
+
+
+@pytest.mark.parametrize(
+    ("prompt", "names"),
+    [
+        ("Cube.003: copper, Plane: glossy teal, warm light", {"copper": "Cube.003", "glossy": "Plane", "teal": "Plane"}),
+        ("misty; cube.004 = gold; plane: velvet", {"gold": "Cube.004", "velvet": "Plane"}),
+        ("Area.001: warm, dim light", {"warm": "Area.001"}),
+    ],
+)  # fmt: skip
+def test_a_name_before_a_colon_is_a_target(prompt, names):
+    words = {word.text: word.target for word in Understood(prompt, SCENE).words}
+    assert {word: words[word] for word in names} == names
+
+
+def test_a_key_that_a_word_can_say_nothing_of_is_read_as_before():
+    assert not Understood("Cube.003: misty, glossy", SCENE).unknown
+
+
+@pytest.mark.parametrize("key", ["kupferner", "kupfern", "copper"])
+def test_a_word_of_another_language_is_told_as_it_is_typed(key):
+    understood = Understood("ein kupferner Würfel, warmes Licht", SCENE, [f"{key}=Plane"])
+    (copper, warm) = understood.words
+    assert (copper.key, copper.target) == ("kupferner", "Plane")
+    assert warm.target == "lights"
+    assert not any("target" in note for note in understood.parsed.notes)
+
+
+def test_several_names_are_one_target():
+    attributes, _ = told("copper teapot", copper="Cube.003 + Cube.004")
+    assert [a.owners for a in attributes] == [("Material", "Material.001")]
+
+
+def test_a_name_of_the_scene_comes_before_what_every_scene_has():
+    scene = SceneWords(
+        objects={"Light": "subject"},
+        materials={"Chalk": "subject"},
+        object_materials={"Light": ("Chalk",)},
+        lights={"Sun": LightWords("SUN", "key")},
+    )
+    (word,) = Understood("warm", scene, ["warm=Light"]).words
+    assert [a.owners for a in Understood("warm", scene, ["warm=Light"]).parsed.attributes] == [("Chalk",)]
+    assert word.target == "Light"
+
+
+def test_equal_words_of_another_language_are_told_apart():
+    prompt = "roter Würfel, rote Ebene"
+    first, second = Understood(prompt, SCENE).words
+    assert (first.text, second.text) == ("roter", "rote")
+    assert [key.partition("#")[2] for key in (first.key, second.key)] == ["1", "2"]
+    told_first, told_second = Understood(prompt, SCENE, [f"{second.key}=Cube.003"]).words
+    assert (told_first.target, told_second.target) == (first.target, "Cube.003")

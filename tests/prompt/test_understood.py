@@ -13,8 +13,8 @@ from proxy_renderer.schema import VibeError
 
 def test_each_caller_gets_a_copy_of_one_reading(monkeypatch):
     read = []
-    parse = module.parse
-    monkeypatch.setattr(module, "parse", lambda *given, **more: read.append(given) or parse(*given, **more))
+    parse = module.read
+    monkeypatch.setattr(module, "read", lambda *given, **more: read.append(given) or parse(*given, **more))
     understood = Understood("glossy teal, warm light", SceneWords())
     first = understood.parsed
     first.attributes.clear()

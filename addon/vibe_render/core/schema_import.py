@@ -5,18 +5,38 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from proxy_renderer import schema
-    from proxy_renderer.schema import atomic, faults, labels, limits, messages, preset, verdicts, wire
+    from proxy_renderer.schema import (
+        atomic,
+        faults,
+        labels,
+        limits,
+        messages,
+        preset,
+        targets,
+        verdicts,
+        wire,
+    )
     from proxy_renderer.schema.options import checks, command_line
     from proxy_renderer.schema.options import table as options
 else:
     try:
         from .. import schema
-        from ..schema import atomic, faults, labels, limits, messages, preset, verdicts, wire
+        from ..schema import atomic, faults, labels, limits, messages, preset, targets, verdicts, wire
         from ..schema.options import checks, command_line
         from ..schema.options import table as options
     except ImportError:
         from proxy_renderer import schema
-        from proxy_renderer.schema import atomic, faults, labels, limits, messages, preset, verdicts, wire
+        from proxy_renderer.schema import (
+            atomic,
+            faults,
+            labels,
+            limits,
+            messages,
+            preset,
+            targets,
+            verdicts,
+            wire,
+        )
         from proxy_renderer.schema.options import checks, command_line
         from proxy_renderer.schema.options import table as options
 
@@ -31,6 +51,7 @@ __all__ = [
     "options",
     "preset",
     "schema",
+    "targets",
     "verdicts",
     "wire",
 ]

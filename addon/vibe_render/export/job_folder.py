@@ -19,8 +19,11 @@ from ..scene.nodes import shaders
 from . import measured, notes, sanitize, standby, view, view_faults, world_light
 from .analysis import SceneAnalysis
 from .materials import NO_MATERIAL, ExportedMaterial
+from .materials import export as export_material
 
 FORMAT = 1
+_OF_WORDS = ("camera", "light", "material")
+"""Groups of parameters that say what words may mean: where lights stand, and what glows."""
 
 
 @dataclass
@@ -74,7 +77,50 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
     warnings = [*spoiling, *notes.by_reason(_material_notes(analysis, materials)), *geometry.warnings]
     warnings += [*view.ignored(scene), *mended]
     world, note = _write_world(scene.world, folder)
-    content = {
+    content = _content(analysis, materials, instances, folder) | {
+        "standby": {
+            "lights": spare,
+            "parameters": {key: _parameter(instance) for key, instance in spare_instances.items()},
+        },
+        "world": world,
+        "volume": _volume(analysis, instances),
+        "unseen": {key: _parameter(i) for key, i in _unseen(analysis).items() if key not in instances},
+    }
+    _write(content, analysis, folder, warnings)
+    said = list(dict.fromkeys(w for w in (*warnings, note) if w))
+    return SceneJob(folder, analysis, instances, spare_instances, said, spoiling)
+
+
+def write_sketch(analysis: SceneAnalysis, folder: Path) -> None:
+    """Writes what words may mean in a scene: a job folder without textures, world and fog, for which nothing is rendered.
+
+    Args:
+        analysis: The scene's, from bounding boxes.
+        folder: Made if it does not exist.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot, _OF_WORDS)
+    named = {m.name_full: m for m in bpy.data.materials}
+    exported = [export_material(named.get(name), {}) for name in analysis.geometry.materials]
+    materials = {each.row["name"]: each for each in exported}
+    instances = sanitize.instances(_with_materials(bound, analysis, materials))[0]
+    content = _content(analysis, materials, instances, folder) | {
+        "world": {"kind": "color"},
+        "volume": {"kind": "none", "center": analysis.pivot, "half_size": (1.0, 1.0, 1.0), "base": 0.0},
+    }
+    _write(content, analysis, folder, [])
+
+
+def _content(
+    analysis: SceneAnalysis,
+    materials: Mapping[str, ExportedMaterial],
+    instances: Mapping[str, schema.Instance],
+    folder: Path,
+) -> dict[str, Any]:
+    """The entries of scene.json that every job has; textures are written."""
+    scene, geometry = analysis.scene, analysis.geometry
+    flags = zip(geometry.objects, analysis.is_subject, geometry.hidden, strict=True)
+    return {
         "format": FORMAT,
         "schema": schema.schema_hash(),
         "blender": bpy.app.version_string,
@@ -85,28 +131,21 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
         "references": bindings.references(scene, analysis.objects, analysis.pivot),
         "camera": view.camera(analysis),
         "lights": view.lights(analysis),
-        "standby": {
-            "lights": spare,
-            "parameters": {key: _parameter(instance) for key, instance in spare_instances.items()},
-        },
         "materials": _write_textures(analysis, materials, folder),
         "objects": [
             {"name": name, "subject": bool(chosen), "hidden": sorted(hidden)}
-            for (name, _), chosen, hidden in zip(
-                geometry.objects, analysis.is_subject, geometry.hidden, strict=True
-            )
+            for (name, _), chosen, hidden in flags
         ],
-        "world": world,
-        "volume": _volume(analysis, instances),
         "film": view.film(scene),
         "parameters": {key: _parameter(instance) for key, instance in instances.items()},
-        "unseen": {key: _parameter(i) for key, i in _unseen(analysis).items() if key not in instances},
     }
+
+
+def _write(content: dict[str, Any], analysis: SceneAnalysis, folder: Path, warnings: list[str]) -> None:
+    """Writes meshes and, last and atomically, scene.json without numbers that are none."""
     _write_meshes(analysis, folder)
-    content = sanitize.content(content, "", warnings)
-    atomic.write_text(folder / "scene.json", json.dumps(content, indent=1, allow_nan=False))
-    said = list(dict.fromkeys(w for w in (*warnings, note) if w))
-    return SceneJob(folder, analysis, instances, spare_instances, said, spoiling)
+    sound = sanitize.content(content, "", warnings)
+    atomic.write_text(folder / "scene.json", json.dumps(sound, indent=1, allow_nan=False))
 
 
 def _write_world(world: bpy.types.World | None, folder: Path) -> tuple[dict[str, Any], str]:

@@ -85,6 +85,14 @@ def hidden(obj: Object) -> bool:
     return obj.hide_render or all(c.hide_render for c in obj.users_collection)
 
 
+def shown(scene: Scene) -> set[Object]:
+    """The objects that a render shows, see `visible`; of thousands, much faster than asking each."""
+    collections = (*bpy.data.collections, *(each.collection for each in bpy.data.scenes))
+    open_ones = {o for c in collections if not c.hide_render for o in c.objects}
+    here = filter(None, layer(scene).objects)  # what was removed just now is there as None
+    return {o for o in here if not o.hide_render and o in open_ones}
+
+
 def depsgraph(scene: Scene) -> bpy.types.Depsgraph:
     """The evaluated scene, up to date."""
     chosen = layer(scene)
@@ -118,9 +126,7 @@ def placed(obj: Object) -> bool:
 
 def meshes(scene: Scene) -> list[Object]:
     """The objects with a surface that a render sees, by name; fog boxes of ours are none."""
-    objects = [
-        o for o in scene.objects if o.type in GEOMETRY and visible(scene, o) and not owned.is_unseen(o)
-    ]
+    objects = [o for o in shown(scene) if o.type in GEOMETRY and not owned.is_unseen(o)]
     return sorted(objects, key=lambda o: o.name_full)
 
 

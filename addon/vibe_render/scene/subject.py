@@ -89,13 +89,15 @@ def automatic(scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: Visible
         VibeError: The camera sees nothing.
     """
     count = len(geometry.objects)
-    weight = np.array([(_centrality() * (surfaces.object == i)).sum() for i in range(count)])
+    seen = surfaces.object >= 0
+    weight = np.bincount(surfaces.object[seen], _centrality()[seen], minlength=count)
     if not weight.any():
         raise schema.VibeError("The camera sees no mesh.", "Point the scene's camera at something.")
     visible = weight > 0
     borders = _borders(surfaces.object, count)
     loose = visible & ~_enclosing(scene, geometry.boxes) & (borders < 3)
-    apart = loose & ~_grounds(geometry.boxes, visible, borders)
+    apart = loose.copy()  # of thousands of objects, few are visible
+    apart[visible] &= ~_grounds(geometry.boxes[visible], borders[visible])
     if not apart.any():  # a close-up fills the picture, and is what it is about
         apart = weight == weight.max()
     subject = apart & (weight >= _PROMINENT * weight[apart].max())
@@ -116,11 +118,12 @@ def _enclosing(scene: bpy.types.Scene, boxes: np.ndarray) -> np.ndarray:
 def _borders(owner: np.ndarray, count: int) -> np.ndarray:
     """(N,): on how many of the picture's four sides an object shows."""
     sides = (owner[0], owner[-1], owner[:, 0], owner[:, -1])
-    return np.array([sum(bool((side == i).any()) for side in sides) for i in range(count)])
+    shown = np.concatenate([np.unique(side) for side in sides])
+    return np.bincount(shown[shown >= 0], minlength=count)
 
 
-def _grounds(boxes: np.ndarray, visible: np.ndarray, borders: np.ndarray) -> np.ndarray:
-    """(N,): flat things that leave the picture or that something visible stands on or in front of."""
+def _grounds(boxes: np.ndarray, borders: np.ndarray) -> np.ndarray:
+    """(N,): of visible things, flat ones that leave the picture or that another stands on or in front of."""
     size = boxes[:, 1] - boxes[:, 0]
     widest = np.maximum(size.max(1), 1e-9)
     low = size[:, 2] < _FLAT * widest
@@ -129,7 +132,7 @@ def _grounds(boxes: np.ndarray, visible: np.ndarray, borders: np.ndarray) -> np.
     over = (boxes[:, None, 0, :2] < middle[None, :, :2]) & (middle[None, :, :2] < boxes[:, None, 1, :2])
     above = boxes[None, :, 0, 2] > boxes[:, None, 1, 2] - slack
     smaller = widest[None] < 0.7 * widest[:, None]
-    carries = (over.all(2) & above & smaller & visible[None]).any(1)
+    carries = (over.all(2) & above & smaller).any(1)
     return (_thin(boxes) & (borders > 0)) | (low & carries)
 
 

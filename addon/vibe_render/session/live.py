@@ -6,6 +6,7 @@ from __future__ import annotations
 import time
 from collections.abc import Generator, Iterable
 from dataclasses import asdict, replace
+from pathlib import Path
 from typing import Any
 
 import bpy
@@ -13,7 +14,7 @@ import bpy
 from ..core.schema_import import messages, schema
 from ..engine.process import Engine
 from ..scene import snapshot
-from .scene_session import SceneSession
+from .scene_session import SceneSession, scene_settings
 
 _PAUSE = 0.3  # seconds without a key, after which the words are looked at
 _SIZE = 96
@@ -49,6 +50,12 @@ class Live(SceneSession):
     def typing(self) -> bool:
         """Whether words were typed that no vibe has taken over yet."""
         return bool(self._words)
+
+    @property
+    def job(self) -> Path | None:
+        """The job folder of the scene as it is now; None before it is read, or after it has changed."""
+        scene = self._scene_if_there()
+        return self._job if scene and self._read is not None and self._read == scene_settings(scene) else None
 
     def typed(self, words: str) -> None:
         """Takes the words so far; what is under way for others is given up.
@@ -132,7 +139,8 @@ class Live(SceneSession):
                 self._take_look_away()
                 continue
             yield from self._ready_engine()
-            if self._read is None or self._read != self._settings():
+            if self.job is None:
+                self._read = None  # nobody reads a job that is being written
                 yield from self._read_scene()
             if not self._due:
                 yield from self._glance()
@@ -147,7 +155,7 @@ class Live(SceneSession):
             if scene_now := self._scene_if_there():
                 with self._without_look(scene_now):
                     self._restore(start, vibed)
-        self._read = self._settings()
+        self._read = scene_settings(self._find_scene())
 
     def _glance(self) -> Generator[str]:
         options = replace(self._find_scene().vibe.engine_options(bpy.context), size=_SIZE)
@@ -165,12 +173,3 @@ class Live(SceneSession):
                         self.receive(message)
                         self.before = self._job / message.before
                         self._show(message)
-
-    def _settings(self) -> tuple[Any, ...]:
-        """What counts of the scene's own settings."""
-        scene = self._find_scene()
-        render, view, vibe = scene.render, scene.view_settings, scene.vibe
-        picture = render.resolution_x, render.resolution_y, render.resolution_percentage
-        subject = vibe.subject, vibe.collection and vibe.collection.name
-        camera = scene.camera and scene.camera.name
-        return camera, scene.frame_current, view.view_transform, view.look, *picture, *subject

@@ -9,7 +9,7 @@ from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import bpy
 
@@ -25,6 +25,15 @@ from .status import SessionStatus
 READING = "Reading the scene"
 
 T = TypeVar("T")
+
+
+def scene_settings(scene: bpy.types.Scene) -> tuple[Any, ...]:
+    """What counts of a scene's own settings for how it is read; they change without a word where nothing else does."""
+    render, view, vibe = scene.render, scene.view_settings, scene.vibe
+    picture = render.resolution_x, render.resolution_y, render.resolution_percentage
+    subject = vibe.subject, vibe.collection and vibe.collection.name
+    camera = scene.camera and scene.camera.name
+    return camera, scene.frame_current, view.view_transform, view.look, *picture, *subject
 
 
 class SceneSession(SessionStatus):

@@ -56,6 +56,10 @@ class AddonState:
             self.live = Live(context, self.engine(context))
         return self.live
 
+    def live_job(self, scene: bpy.types.Scene) -> Path | None:
+        """The job folder that Live has exported of a scene, if it has not changed since."""
+        return self.live.job if self.live and self.live.scene == scene.name else None
+
     def end_live(self) -> None:
         """Ends the looks of what is typed; the scene is as it was."""
         if self.live:

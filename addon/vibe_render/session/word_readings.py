@@ -3,18 +3,29 @@
 
 from __future__ import annotations
 
+import time
+import uuid
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
 import bpy
 
 from ..core.schema_import import messages, schema
 from ..engine.process import Engine
-from ..scene.scene_context import GEOMETRY, hidden, layer
+from ..export.sketch import sketch_scene
+from ..scene import scene_context
+from .scene_session import scene_settings
 
+_QUIET = 0.5  # seconds without a change of the scene, after which its words are read anew
 _Words = tuple[str, tuple[str, ...]]
 """A prompt and its targets: "copper=Cup"."""
 
 
 class WordReadings:
     """The newest readings of a prompt's words.
+
+    They are read against the exported scene: what Live has exported, or else a sketch, which is made anew after a change.
 
     Attributes:
         newest: What the engine last said; of no words before that.
@@ -24,17 +35,40 @@ class WordReadings:
         self.newest = messages.Readings("")
         self._asked: _Words | None = None  # those whose readings are on their way
         self._read: _Words = ("", ())
+        self._folder: Path | None = None  # of the sketch
+        self._is_sketched = False  # not where the scene cannot be exported
+        self._sketched: tuple[Any, ...] | None = None  # settings of the scene; None if the sketch is stale
+        self._job = ""  # that the newest readings are of
+        self._changed = 0.0  # when the scene last changed
 
-    def due(self, scene: bpy.types.Scene) -> bool:
-        """Whether the words of a scene have not been read yet, as its artist wants them read."""
-        return self._asked is not None or _words(scene) != self._read
+    def due(self, scene: bpy.types.Scene, live: Path | None = None) -> bool:
+        """Whether the words of a scene have not been read yet, as it is now and as its artist wants them read.
 
-    def step(self, engine: Engine, scene: bpy.types.Scene) -> bool:
+        Args:
+            scene: Has the prompt.
+            live: The job folder that Live has exported, if the scene has not changed since.
+        """
+        words = _words(scene)
+        return (
+            self._asked is not None or words != self._read or bool(words[0] and self._is_stale(scene, live))
+        )
+
+    def scene_changed(self, changed: Iterable[bpy.types.ID]) -> None:
+        """Hears what has changed in Blender.
+
+        Args:
+            changed: Data-blocks. Scenes change with every letter that is typed; see `scene_settings`.
+        """
+        if not all(isinstance(block, bpy.types.Scene) for block in changed):
+            self._sketched, self._changed = None, time.monotonic()
+
+    def step(self, engine: Engine, scene: bpy.types.Scene, live: Path | None = None) -> bool:
         """Takes what has arrived, and asks about the words of now; never waits.
 
         Args:
             engine: Runs already; it may be at work on something else.
-            scene: Has the prompt, and the names that it may mean.
+            scene: Has the prompt, and what it may mean.
+            live: As for `due`.
 
         Returns:
             Whether there is something new to show.
@@ -46,9 +80,12 @@ class WordReadings:
         if arrived:
             self.newest, self._read, self._asked = arrived, self._asked or self._read, None
         words = _words(scene)
-        if self._asked is None and words != self._read:
+        typed = words != self._read
+        if self._asked is None and (typed or (self._is_quiet and self.due(scene, live))):
             prompt, targets = words
-            engine.send(messages.AskReadings(schema.schema_hash(), prompt, *names(scene), targets))
+            self._job = str(live or self._described(scene) or "") if prompt else ""
+            names = ({}, {}) if self._job else _names(scene)
+            engine.send(messages.AskReadings(schema.schema_hash(), prompt, self._job, *names, targets))
             self._asked = words
         return arrived is not None
 
@@ -56,22 +93,45 @@ class WordReadings:
         """Waits for nothing any more: the engine is another one."""
         self._asked = None
 
+    @property
+    def _is_quiet(self) -> bool:
+        return time.monotonic() - self._changed > _QUIET
+
+    def _is_stale(self, scene: bpy.types.Scene, live: Path | None) -> bool:
+        """Whether the newest readings are of another scene than that of now."""
+        return self._job != str(live) if live else self._sketched != _settings(scene)
+
+    def _described(self, scene: bpy.types.Scene) -> Path | None:
+        """The folder of the sketch of the scene as it is now; None where it cannot be exported."""
+        settings = _settings(scene)
+        if self._sketched != settings:
+            self._folder = self._folder or Path(bpy.app.tempdir) / f"vibe-words-{uuid.uuid4().hex[:8]}"
+            try:
+                sketch_scene(scene, self._folder, scene.vibe.choice())
+                self._is_sketched = True
+            except Exception:  # a vibe says what is wrong; its words are marked all the same
+                self._is_sketched = False
+            self._sketched = settings
+        return self._folder if self._is_sketched else None
+
 
 def _words(scene: bpy.types.Scene) -> _Words:
     """The prompt, and what its artist says that words describe."""
     return scene.vibe.prompt, tuple(scene.vibe.told())
 
 
-def names(scene: bpy.types.Scene) -> tuple[dict[str, list[str]], dict[str, str]]:
-    """What a prompt may call by name: objects with their materials, and lights with their types."""
-    objects: dict[str, list[str]] = {}
-    lights: dict[str, str] = {}
-    for obj in layer(scene).objects:
-        if hidden(obj):
-            continue
-        if obj.type in GEOMETRY:
-            slots = (slot.material for slot in obj.material_slots)
-            objects[obj.name] = [material.name for material in slots if material]
-        elif obj.type == "LIGHT":
-            lights[obj.name] = obj.data.type
-    return objects, lights
+def _names(scene: bpy.types.Scene) -> tuple[dict[str, list[str]], dict[str, str]]:
+    """All that is known of a scene that cannot be exported yet, such as one without a camera: objects with their materials, and lights."""
+    shown = sorted(scene_context.shown(scene), key=lambda obj: obj.name)
+    things = {o.name: o.material_slots for o in shown if o.type in scene_context.GEOMETRY}
+    objects = {
+        name: [slot.material.name for slot in slots if slot.material] for name, slots in things.items()
+    }
+    return objects, {o.name: o.data.type for o in shown if o.type == "LIGHT"}
+
+
+def _settings(scene: bpy.types.Scene) -> tuple[Any, ...]:
+    """What counts of the scene's own settings, for a sketch of it."""
+    chosen = scene.vibe.subject == "SELECTED"
+    selected = tuple(o.name for o in scene.objects if o.select_get()) if chosen else ()
+    return scene.session_uid, *scene_settings(scene), selected

@@ -16,7 +16,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..core.schema_import import labels, messages, options, schema
+from ..core.schema_import import labels, messages, options, schema, targets
 from ..render import reference
 from ..scene import stored_subject
 from ..scene.subject import SubjectChoice
@@ -166,8 +166,22 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
 
     def told(self) -> list[str]:
         """What the artist says that words of the prompt describe: "copper=Cup"."""
-        said = self.prompt.casefold()
-        return [f"{each.name}={each.target}" for each in self.targets if each.name.casefold() in said]
+        said = (each for each in self.targets if targets.is_said(each.name, self.prompt))
+        return [f"{each.name}={each.target}" for each in said]
+
+    def tell(self, word: str, target: str) -> None:
+        """Keeps what the artist says that a word describes.
+
+        Args:
+            word: As `--target` calls it.
+            target: A name, see `schema.targets`; "" to have the word described as it is read.
+        """
+        place = self.targets.find(word)
+        if place >= 0:
+            self.targets.remove(place)
+        if target:
+            told = self.targets.add()
+            told.name, told.target = word, target
 
     def groups(self) -> tuple[str, ...]:
         """The groups that a vibe may change."""

@@ -16,7 +16,7 @@ _TICK = 0.02  # seconds between two looks at what the engine says
 
 def keep_up(context: bpy.types.Context) -> None:
     """Has new words read, where an engine runs already; a panel may call this whenever it is drawn."""
-    due = addon_state.readings.due(context.scene)
+    due = addon_state.readings.due(context.scene, addon_state.live_job(context.scene))
     if due and addon_state.engine_runs and not bpy.app.timers.is_registered(_tick):
         bpy.app.timers.register(_tick, first_interval=0.0)
 
@@ -27,9 +27,9 @@ def _tick() -> float | None:
         readings.forget()
         return None
     with contextlib.suppress(schema.VibeError):  # the next vibe says why the engine is gone
-        if readings.step(addon_state.engine(context), context.scene):
+        if readings.step(addon_state.engine(context), context.scene, addon_state.live_job(context.scene)):
             drawing.redraw()
-    return _TICK if readings.due(context.scene) else None
+    return _TICK if readings.due(context.scene, addon_state.live_job(context.scene)) else None
 
 
 def stop() -> None:

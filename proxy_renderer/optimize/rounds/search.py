@@ -121,7 +121,7 @@ class Search:
             goals = goals_or_why(understood)
         offline = OfflineAdvisor(goals, plan)
         self.offline, asked = (
-            beside(self.reference, each, prompt, len(views), understood.words.lights)
+            beside(self.reference, each, prompt, len(views), understood.scene.lights)
             for each in (offline, advisor or offline)
         )
         self.confiner = Confiner(self.vector, self.shots, asked, options.baseline)

@@ -5,11 +5,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from ..mentions.passage import Passage
 from .model import likeliest
 from .pairs import PromptPairs, TargetPair
 from .targets import NOWHERE
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 def assigned(read: PromptPairs, weights: Mapping[str, float]) -> list[TargetPair]:
@@ -28,25 +32,65 @@ def assigned(read: PromptPairs, weights: Mapping[str, float]) -> list[TargetPair
     return _likeliest(read.passage, somewhere, weights)
 
 
+def probabilities(read: PromptPairs, weights: Mapping[str, float]) -> list[list[tuple[TargetPair, float]]]:
+    """The likeliest pairs of each look word with their marginal probabilities, in a prompt as a whole; the likeliest first.
+
+    Forward and backward sums over all rows of pairs (Rabiner, 1989).
+
+    Args:
+        read: The prompt with all pairs.
+        weights: Of the facts about pairs and links.
+    """
+    import numpy as np
+
+    if not read.pairs:
+        return []
+    rows, scores, links = _chain(read.passage, read.pairs, weights)
+    forward, backward = [scores[0]], [np.zeros(len(rows[-1]))]
+    for tie, score in zip(links, scores[1:], strict=True):
+        forward.append(np.logaddexp.reduce(forward[-1][:, None] + tie, axis=0) + score)
+    for tie, score in zip(reversed(links), reversed(scores[1:]), strict=True):
+        backward.append(np.logaddexp.reduce(tie + score + backward[-1], axis=1))
+    found = []
+    for row, before, after in zip(rows, forward, reversed(backward), strict=True):
+        both = before + after
+        marginal = np.exp(both - np.logaddexp.reduce(both)).tolist()
+        found.append(sorted(zip(row, marginal, strict=True), key=lambda each: -each[1]))
+    return found
+
+
 def _likeliest(
     passage: Passage, pairs: Sequence[Sequence[TargetPair]], weights: Mapping[str, float]
 ) -> list[TargetPair]:
-    import numpy as np
-
     if not pairs:
         return []
-    rows = [likeliest(each, weights) for each in pairs]
-    total = np.array([score for _, score in rows[0]])
+    rows, scores, links = _chain(passage, pairs, weights)
+    total = scores[0]
     before: list[np.ndarray] = []
-    for one, other in pairwise(rows):
-        links = np.array([[weights.get(link(passage, a, b), 0.0) for b, _ in other] for a, _ in one])
-        both = total[:, None] + links
+    for tie, score in zip(links, scores[1:], strict=True):
+        both = total[:, None] + tie
         before.append(both.argmax(0))
-        total = both.max(0) + np.array([score for _, score in other])
+        total = both.max(0) + score
     places = [int(total.argmax())]
     for came in reversed(before):
         places.append(int(came[places[-1]]))
-    return [row[place][0] for row, place in zip(rows, reversed(places), strict=True)]
+    return [row[place] for row, place in zip(rows, reversed(places), strict=True)]
+
+
+def _chain(
+    passage: Passage, pairs: Sequence[Sequence[TargetPair]], weights: Mapping[str, float]
+) -> tuple[list[list[TargetPair]], list[np.ndarray], list[np.ndarray]]:
+    """The likeliest pairs of each look word, their scores, and the weights of the links between two words."""
+    import numpy as np
+
+    found = [likeliest(each, weights) for each in pairs]
+    rows = [[pair for pair, _ in each] for each in found]
+    scores = [np.array([score for _, score in each]) for each in found]
+    links = [
+        np.array([[weights.get(link(passage, a, b), 0.0) for b in other] for a in one])
+        for one, other in pairwise(rows)
+    ]
+    return rows, scores, links
 
 
 def link(passage: Passage, one: TargetPair, other: TargetPair) -> str:

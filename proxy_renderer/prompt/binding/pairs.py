@@ -35,7 +35,7 @@ class TargetPair:
         becoming: What it would be there.
         features: What can be said of the two, each once, in order: sums are the same in every process.
         names_itself: The look word is in the noun that names the target: "sunlight".
-        told: The artist has chosen the target.
+        told: Name of the target that the artist has chosen; "" where the reader has.
     """
 
     look: PromptLook
@@ -43,7 +43,7 @@ class TargetPair:
     becoming: Becoming
     features: tuple[str, ...]
     names_itself: bool = False
-    told: bool = False
+    told: str = ""
 
 
 @dataclass(frozen=True)
@@ -61,6 +61,19 @@ class PromptPairs:
     pairs: list[list[TargetPair]]
 
 
+def looks(text: str, words: SceneWords, vocabulary: Vocabulary, foreign: Collection[str] = ()) -> Passage:
+    """A prompt with its look words, of which nothing is bound.
+
+    Args:
+        text: The prompt, prepared.
+        words: The names in the scene.
+        vocabulary: What is known.
+        foreign: Words of another language that are left in the prompt.
+    """
+    clauses = with_changes(Lexer(vocabulary, words, foreign).clauses(text), vocabulary)
+    return passage(clauses, vocabulary)
+
+
 def reading(
     text: str, words: SceneWords, vocabulary: Vocabulary, foreign: Collection[str] = ()
 ) -> PromptPairs:
@@ -72,9 +85,8 @@ def reading(
         vocabulary: What is known.
         foreign: Words of another language that are left in the prompt.
     """
-    clauses = with_changes(Lexer(vocabulary, words, foreign).clauses(text), vocabulary)
-    found = passage(clauses, vocabulary)
-    nouns = mentions(found, SceneIndex(words), vocabulary)
+    found = looks(text, words, vocabulary, foreign)
+    nouns = mentions(found, words.made(SceneIndex, vocabulary), vocabulary)
     every = targets(nouns, words)
     forms = ClauseForms(found, nouns, vocabulary)
     own, pairs = OwnNouns(found, nouns, vocabulary), []

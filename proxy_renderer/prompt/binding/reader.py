@@ -7,8 +7,10 @@ import math
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
+from functools import cached_property
 
 from ...schema import VibeError
+from ..keyed import KeyedSpan
 from ..lexicon.entries import VocabularyEntry
 from ..lexicon.rigs import TIMES, rig_table
 from ..lexicon.vocabulary import Vocabulary
@@ -18,13 +20,13 @@ from ..mentions.passage import PromptLook
 from ..shading import shaded
 from ..types import Attribute, Parsed, SceneWords
 from .absent import AbsentObjects
-from .assignment import assigned
+from .assignment import assigned, probabilities
 from .becoming import becoming
 from .bound import Thing, Things
 from .model import scores, shipped_weights
-from .pairs import PromptPairs, TargetPair, reading
-from .targets import LAMPS, MATTER, TINGE
-from .told import ToldTargets
+from .pairs import PromptPairs, TargetPair, looks, reading
+from .targets import LAMPS, MATTER, NOWHERE, TINGE
+from .told import ToldTargets, told_thing
 
 _PLAIN = "Use plain look words that the vocabulary knows."
 _UNSURE = 0.35
@@ -41,6 +43,7 @@ class PromptReader:
         weights: By feature; None for those that are shipped.
         is_part: What is read is what a mood stands for; no mood may be in it.
         told: Word -> what the artist says that it describes.
+        english: Word -> the same in English, where the artist's prompt is in another language.
 
     Attributes:
         mentioned: The nouns with a surface: name, region and materials.
@@ -50,6 +53,8 @@ class PromptReader:
         lacking: Says which words describe objects that the scene lacks.
         found: The pairs of the prompt.
         chosen: The pair of each of its look words.
+        absent: The pairs of words whose object the scene lacks, by id.
+        unused: Numbers of the look words that are left out.
     """
 
     def __init__(
@@ -59,9 +64,10 @@ class PromptReader:
         weights: Mapping[str, float] | None = None,
         is_part: bool = False,
         told: Mapping[str, str] | None = None,
+        english: Mapping[str, str] | None = None,
     ) -> None:
         self.vocabulary, self.scene, self.is_part = vocabulary, scene, is_part
-        self.told = ToldTargets(told or {}, scene, vocabulary)
+        self._given = told or {}, english or {}
         self.weights = shipped_weights() if weights is None else weights
         self.subject = scene.subject
         self.mentioned: list[NamedThing] = []
@@ -69,52 +75,36 @@ class PromptReader:
         self.undone: list[str] = []
         self.lacking: list[str] = []
 
-    def read(self, text: str, foreign: Collection[str] = ()) -> Parsed:
+    def read(self, text: str, foreign: Collection[str] = (), keyed: Collection[KeyedSpan] = ()) -> Parsed:
         """Binds every look word; the result lacks what `meaning.complete` adds.
 
         Args:
             text: The prompt, prepared.
             foreign: Words of another language that are left in it.
+            keyed: What it says of things that it sets before with a colon.
+
+        Raises:
+            VibeError: The scene has nothing of a name that was told.
         """
+        told, english = self._given
+        self.told = ToldTargets(
+            told, self.scene, self.vocabulary, english, self._after_keys(text, foreign, keyed)
+        )
         self.found: PromptPairs = reading(text, self.scene, self.vocabulary, foreign)
         self._phrases = light_phrases(self.found.passage, self.vocabulary, rig_table())
         bound = zip(assigned(self.found, self.weights), self.found.pairs, strict=True)
-        self.chosen: list[TargetPair] = [self._where_it_stands(*each) for each in bound]
-        self.chosen = [self.told.of(pair) or pair for pair in self.chosen]
+        self.chosen: list[TargetPair] = self.told.bound(self._where_it_stands(*each) for each in bound)
         things = Things(self.found, self.chosen, self.scene)
-        parsed, absent = Parsed(text), self._without_object(things)
-        tinge: TargetPair | None = None
+        parsed, self.absent = Parsed(text), self._without_object(things)
+        self.unused: list[int] = []
         for number, pair in enumerate(self.chosen):
-            if pair.told:
-                self._take_told(pair, things, parsed)
-                continue
-            unsure = self._is_unsure(pair, self.found.pairs[number])
-            if (
-                pair.look.index in self._phrases.gone and pair.target.kind not in MATTER
-            ):  # "replace the harsh lamp"
+            said = self._told(pair, things) if pair.told else self._said(number, things)
+            parsed.attributes += [replace(attribute, look=number) for attribute in said or ()]
+            if said == []:
+                self.unused.append(number)
                 parsed.ignored.append(pair.look.text)
-            elif (pair.target.kind == "none" or unsure) and self._is_a_light(pair.look, things):
-                parsed.attributes.append(_light(pair.look, self._lights(pair.look)))
-            elif (
-                pair.target.kind == "light"
-                and self._is_a_name(pair.look.index)
-                and self._is_described(pair.look, things)
-            ):
-                continue
-            elif id(pair) in absent or unsure:
-                parsed.ignored.append(pair.look.text)
-            elif pair.target.kind == "none":
-                if not self._is_a_name(pair.look.index):
-                    parsed.ignored.append(pair.look.text)
-            elif pair.target.kind == TINGE:
-                tinge = pair
-            else:
-                entry = self._entry(pair, self.chosen[number + 1 : number + 2])
-                said = self._attributes(pair.look, entry, things.of(pair), self._lights(pair.look))
-                parsed.attributes += [self._tinged(each, tinge.look) for each in said] if tinge else said
-                if pair.look.token.guess:
-                    parsed.guesses[pair.look.token.text] = pair.look.token.guess
-                tinge = None
+            elif said and pair.look.token.guess:
+                parsed.guesses[pair.look.token.text] = pair.look.token.guess
         things.notes += [
             f"'{word}' is no look word here: its target is not used." for word in self.told.unused()
         ]
@@ -125,13 +115,46 @@ class PromptReader:
         parsed.guesses |= dict(self._guessed_names())
         return parsed
 
-    def _take_told(self, pair: TargetPair, things: Things, parsed: Parsed) -> None:
-        """What a look word says of what the artist has chosen for it."""
+    @cached_property
+    def probabilities(self) -> list[list[tuple[TargetPair, float]]]:
+        """The likeliest pairs of each look word with their probabilities, whatever the artist says."""
+        return probabilities(self.found, self.weights)
+
+    def _told(self, pair: TargetPair, things: Things) -> list[Attribute]:
+        """What a look word says of what the artist has chosen for it; nothing where it is not to be used."""
         if pair.target.kind == "none":
-            parsed.ignored.append(pair.look.text)
-            return
-        thing = self.told.thing(pair, things.of(pair))
-        parsed.attributes += self._attributes(pair.look, self._entry(pair, []), thing, ())
+            return []
+        return [*self._attributes(pair.look, self._entry(pair, []), told_thing(pair, things.of(pair)), ())]
+
+    def _said(self, number: int, things: Things) -> list[Attribute] | None:
+        """What a look word says; nothing where it is not used, None where it is part of another word or of a name."""
+        pair = self.chosen[number]
+        look, kind, is_a_name = pair.look, pair.target.kind, self._is_a_name(pair.look.index)
+        unsure = self._is_unsure(pair, self.found.pairs[number])
+        if look.index in self._phrases.gone and kind not in MATTER:  # "replace the harsh lamp"
+            return []
+        if (kind == "none" or unsure) and self._is_a_light(look, things):
+            return [_light(look, self._lights(look))]
+        if kind == "light" and is_a_name and self._is_described(look, things):
+            return None
+        if id(pair) in self.absent or unsure:
+            return []
+        if kind in NOWHERE:
+            return None if kind == TINGE or is_a_name else []
+        entry = self._entry(pair, self.chosen[number + 1 : number + 2])
+        said = self._attributes(look, entry, things.of(pair), self._lights(look))
+        before = self.chosen[number - 1] if number else pair
+        return [self._tinged(each, before.look) for each in said] if before.target.kind == TINGE else [*said]
+
+    def _after_keys(
+        self, text: str, foreign: Collection[str], keyed: Collection[KeyedSpan]
+    ) -> dict[int, str]:
+        """Number of each look word after a key -> the key."""
+
+        def count(end: int) -> int:
+            return len(looks(text[:end], self.scene, self.vocabulary, foreign).looks)
+
+        return {number: span.name for span in keyed for number in range(count(span.start), count(span.end))}
 
     def _lights(self, look: PromptLook) -> tuple[int, ...]:
         """The numbers of the lights in whose description a word stands."""

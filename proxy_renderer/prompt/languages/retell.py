@@ -50,6 +50,13 @@ class Retelling:
         found = self._find(english, again=True)
         return self._text(found) if found else english
 
+    def english(self, word: str) -> str:
+        """The English words for one of the prompt; "" where the prompt lacks it."""
+        start = self.gloss.prompt.casefold().find(word.casefold())
+        end = start + len(word)
+        meant = (piece for piece in self.gloss.pieces if piece.start < end and start < piece.end)
+        return " ".join(piece.english for piece in meant) if start >= 0 else ""
+
     def _attribute(self, attribute: Attribute, again: bool = False) -> Attribute:
         if attribute.cause:
             return replace(attribute, cause=self.said(attribute.cause))

@@ -6,7 +6,7 @@ from __future__ import annotations
 import tomllib
 from collections import defaultdict
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 from .entries import normalize
@@ -16,6 +16,7 @@ from .vocabulary import shipped_vocabulary
 from .word_table import table
 
 _SHORTEST = 4  # letters of a word that may be a part of a compound ("Obermaterial")
+_WORDS = 16_384  # words whose senses are remembered
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class ThingWords:
         return found | {plain}
 
 
-@cache
+@lru_cache(_WORDS)
 def senses(word: str) -> frozenset[str]:
     """What a word may name by the words that are shipped, see `ThingWords.senses`."""
     return thing_words().senses(word)

@@ -21,7 +21,7 @@ import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import cache
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +36,7 @@ VARIABLE = "VIBE_VOCABULARY"
 _TABLES = {"look": "entries", "colors": "color names"}
 _CODE = re.compile("#[0-9a-fA-F]{6}")
 _QUOTED = re.compile("'([^']+)'")
+_VERSIONS = 2  # of the file that are remembered
 _LARGEST = 2_000_000  # bytes; a vocabulary is text that somebody wrote
 
 
@@ -49,7 +50,7 @@ def default_vocabulary() -> Vocabulary:
     return _extended(path, path.stat().st_mtime_ns) if path else shipped_vocabulary()
 
 
-@cache
+@lru_cache(_VERSIONS)
 def _extended(path: Path, changed: int) -> Vocabulary:
     return extend(shipped_vocabulary(), path)
 

@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .vocabulary import shipped_vocabulary
+from .vocabulary import Vocabulary, shipped_vocabulary
 
 if TYPE_CHECKING:
     import numpy as np
@@ -100,12 +100,20 @@ def table() -> WordTable:
 
 def stem(word: str) -> str:
     """What is left of a word without its endings: "gloominess" and "gloomy" have the same stem."""
-    endings = shipped_vocabulary().words["endings"]
-    while shorter := {base for e in endings if _SHORTEST <= len(base := word.removesuffix(e)) < len(word)}:
+    endings = shipped_vocabulary().made(_endings)
+    while len(word) > _SHORTEST and word.endswith(endings):
+        shorter = {base for e in endings if _SHORTEST <= len(base := word.removesuffix(e)) < len(word)}
+        if not shorter:
+            break
         word = min(shorter, key=len)
     if len(word) > _SHORTEST and word[-1] == word[-2]:  # "walnutty", "foggy"
         word = word[:-1]
     return word.removesuffix("i") if len(word) > _SHORTEST else word
+
+
+def _endings(vocabulary: Vocabulary) -> tuple[str, ...]:
+    """What ends words without a change of what they say of looks."""
+    return tuple(sorted(vocabulary.words["endings"]))
 
 
 def denied(word: str) -> str:

@@ -50,47 +50,78 @@ def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> L
         vocabulary: What words mean.
         rigs: Names of setups that are lights.
     """
-    found = LightPhrases()
-    number, several = 0, False
-    group: list[int] = []  # places of what is said of lights that are counted, and their numbers
-    listed: list[int] = []
-    spoken_of: tuple[int, ...] = ()
+    reader = _PhraseReader(passage, vocabulary, rigs)
     for places in _segments(passage, vocabulary):
-        items = [passage.items[place] for place in places]
+        reader.read(places)
+    return reader.found
+
+
+class _PhraseReader:
+    """Reads the segments of a prompt one after the other, and remembers which lights are spoken of.
+
+    Args:
+        passage: The prompt.
+        vocabulary: What words mean.
+        rigs: Names of setups that are lights.
+
+    Attributes:
+        found: The lights so far.
+    """
+
+    def __init__(self, passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> None:
+        self.found = LightPhrases()
+        self._passage, self._vocabulary, self._rigs = passage, vocabulary, rigs
+        self._number = 0  # of the last light
+        self._several = False  # whether lights were counted before they are described
+        self._spoken_of: tuple[int, ...] = ()  # lights that words say something of now
+        self._counted: list[int] = []  # places of what is said of lights that are counted: "two rim lights"
+        self._listed: list[int] = []  # the numbers of these lights
+
+    def read(self, places: list[int]) -> None:
+        """Takes the next segment.
+
+        Args:
+            places: Of its items.
+        """
+        items = [self._passage.items[place] for place in places]
+        goes_on = all(_goes_on(item, self._rigs, self._vocabulary) for item in items)
+        expected = self._several or bool(self._spoken_of)
         if _counts_lights(items):  # "two lights only: a pink one ..."
-            several, spoken_of = True, ()
-        elif _exchanges(items, vocabulary) and _is_followed(places, passage, vocabulary):
-            found.gone |= {*places}
-            spoken_of = ()
-        elif _has_head(items, vocabulary, rigs, several or bool(spoken_of)):
-            number += 1
-            spoken_of = (number,)
-            found.of |= dict.fromkeys(places, spoken_of)
-            group, listed = (places if any(_is_counted(item, vocabulary) for item in items) else []), []
-            if role := next((item.noun for item in items if item.noun in _ROLES), ""):
-                found.roles[number] = role
-        elif (
-            group
-            and any(item.color for item in items)
-            and all(_goes_on(item, rigs, vocabulary) for item in items)
-        ):
-            number += bool(listed)  # "two rims from behind: orange on the left, blue on the right"
-            listed.append(number)
-            spoken_of = (number,)
-            found.of |= dict.fromkeys(places, spoken_of) | dict.fromkeys(group, tuple(listed))
-            if role := found.roles.get(listed[0], ""):
-                found.roles[number] = role
-        elif not all(_goes_on(item, rigs, vocabulary) for item in items):
-            spoken_of = ()
-        elif spoken_of and any(item.text in vocabulary.words["together"] for item in items):
-            spoken_of = tuple(range(1, number + 1))
-        if spoken_of:  # "cup, warm light, pale blue": a color there may be a thing's
-            found.of |= {
-                place: spoken_of
-                for place in places
-                if place in found.of or _may_be_of_light(passage.items[place])
-            }
-    return found
+            self._several, self._spoken_of = True, ()
+        elif _exchanges(items, self._vocabulary) and _is_followed(places, self._passage, self._vocabulary):
+            self.found.gone |= {*places}
+            self._spoken_of = ()
+        elif _has_head(items, self._vocabulary, self._rigs, expected):
+            self._begin(places, items)
+        elif self._counted and goes_on and any(item.color for item in items):
+            self._tell_apart(places)
+        elif not goes_on:
+            self._spoken_of = ()
+        elif self._spoken_of and any(item.text in self._vocabulary.words["together"] for item in items):
+            self._spoken_of = tuple(range(1, self._number + 1))
+        if self._spoken_of:  # "cup, warm light, pale blue": a color there may be a thing's
+            theirs = (p for p in places if p in self.found.of or _may_be_of_light(self._passage.items[p]))
+            self.found.of |= dict.fromkeys(theirs, self._spoken_of)
+
+    def _begin(self, places: list[int], items: list[Token]) -> None:
+        """A light is named."""
+        self._number += 1
+        self._spoken_of = (self._number,)
+        self.found.of |= dict.fromkeys(places, self._spoken_of)
+        is_counted = any(_is_counted(item, self._vocabulary) for item in items)
+        self._counted, self._listed = (places if is_counted else []), []
+        if role := next((item.noun for item in items if item.noun in _ROLES), ""):
+            self.found.roles[self._number] = role
+
+    def _tell_apart(self, places: list[int]) -> None:
+        """One of the counted lights gets a color: "two rims from behind: orange on the left, blue on the right"."""
+        self._number += bool(self._listed)
+        self._listed.append(self._number)
+        self._spoken_of = (self._number,)
+        self.found.of |= dict.fromkeys(places, self._spoken_of)
+        self.found.of |= dict.fromkeys(self._counted, tuple(self._listed))
+        if role := self.found.roles.get(self._listed[0], ""):
+            self.found.roles[self._number] = role
 
 
 def _segments(passage: Passage, vocabulary: Vocabulary) -> Iterator[list[int]]:

@@ -5,11 +5,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from difflib import SequenceMatcher, get_close_matches
-from functools import cache
+from functools import lru_cache
 
 from ..lexicon.spelling import folded, singular
 from ..lexicon.things import english_things, senses, thing_words
-from ..lexicon.vocabulary import shipped_vocabulary
+from ..lexicon.vocabulary import Vocabulary
 from ..lexicon.word_table import table
 from ..names import name_words, spaced
 
@@ -21,9 +21,10 @@ _MISSPELLED = 0.8  # share of letters that are right
 _SURFACE = ("material", "finish")
 _PLACES = ("setting", "mood")
 _SHORTEST = 4  # letters of a word that may be misspelled
+_NAMES, _WORDS = 16_384, 1024  # names of scenes, and words of prompts, that are remembered
 
 
-@cache
+@lru_cache(_NAMES)
 def parts(name: str) -> tuple[str, ...]:
     """What a name is made of: "SM_WoodTable.001" -> ("wood", "table"); a letter comes first, as in ("l", "lamp")."""
     every = [singular(folded(w)) for w in spaced(name)]
@@ -34,13 +35,13 @@ def parts(name: str) -> tuple[str, ...]:
     return (*letters, *([w for w in words if w not in name_words("pipeline")] or words))
 
 
-@cache
-def fit(words: tuple[str, ...], name: tuple[str, ...]) -> str:
+def fit(words: tuple[str, ...], name: tuple[str, ...], vocabulary: Vocabulary) -> str:
     """How words fit a name.
 
     Args:
         words: Of the prompt, as `parts` gives them.
         name: Parts of the name.
+        vocabulary: Says which words of a name are about its surface.
 
     Returns:
         One of `FITS`; "" if they do not.
@@ -51,15 +52,15 @@ def fit(words: tuple[str, ...], name: tuple[str, ...]) -> str:
     if words in (name, tuple(n for n in name if len(n) > 1)) or joined == "".join(name):
         return "exact"
     if len(words) > 1:
-        meant = all(w in name or any(_means(w, n) for n in name) for w in words)
+        meant = all(w in name or any(_means(w, n, vocabulary) for n in name) for w in words)
         return "all" if meant or joined in name else ""
     (word,) = words
-    mine, ends = senses(word), {name[-1], _head(name)[-1]}
+    mine, ends = senses(word), {name[-1], _head(name, vocabulary)[-1]}
     ways = (
         ("last", word in ends or word == "".join(name[-2:])),
-        (_as_part(word, name, "part"), word in name),
+        (_as_part(word, name, "part", vocabulary), word in name),
         ("synonym", _is_one_of(mine, (*ends, " ".join(name)))),
-        (_as_part(word, name, "part's synonym"), _is_one_of(mine, name[:-1])),
+        (_as_part(word, name, "part's synonym", vocabulary), _is_one_of(mine, name[:-1])),
     )
     return next((way for way, holds in ways if holds), "")
 
@@ -69,56 +70,56 @@ def _is_one_of(mine: frozenset[str], others: Iterable[str]) -> bool:
     return any(mine & senses(other) for other in others)
 
 
-def _means(word: str, part: str) -> bool:
+def _means(word: str, part: str, vocabulary: Vocabulary) -> bool:
     """Whether a word stands for a part of a name; a look only for itself: "rubber tire" is no "tire", "oak floor" no "floor wood"."""
-    return bool(senses(word) & senses(part)) and not _is_of_surfaces(word)
+    return bool(senses(word) & senses(part)) and not _is_of_surfaces(word, vocabulary)
 
 
-def _head(name: tuple[str, ...]) -> tuple[str, ...]:
+def _head(name: tuple[str, ...], vocabulary: Vocabulary) -> tuple[str, ...]:
     """A name without what follows its noun: "frame" of "frame black", "tent" of "tent small", "bathtub" of "bathtub freestanding"."""
-    ends = [n for n, word in enumerate(name, 1) if not (_is_of_surfaces(word) or _picks(word))]
+    ends = [
+        n
+        for n, word in enumerate(name, 1)
+        if not (_is_of_surfaces(word, vocabulary) or _picks(word, vocabulary))
+    ]
     things = [n for n in ends if name[n - 1] in thing_words().rows]
     return name[: max(things or ends, default=None)]
 
 
-def _picks(word: str) -> bool:
+def _picks(word: str, vocabulary: Vocabulary) -> bool:
     """Whether a word of a name says which one of several alike things it is: "small", "left"."""
-    return word in shipped_vocabulary().picks or word in name_words("order")
+    return word in vocabulary.picks or word in name_words("order")
 
 
-@cache
-def _is_of_surfaces(word: str) -> bool:
+def _is_of_surfaces(word: str, vocabulary: Vocabulary) -> bool:
     """Whether a word of a name says what a thing is made of, or its color or finish."""
-    vocabulary = shipped_vocabulary()
     return word in vocabulary.colors or vocabulary.slot(word) in _SURFACE
 
 
-@cache
-def stuff_of(name: str) -> frozenset[str]:
+def stuff_of(name: str, vocabulary: Vocabulary) -> frozenset[str]:
     """The materials that a name speaks of: "bakelite" of "Handle_Bakelite", nothing of "Head"."""
-    return frozenset(word for word in parts(name) if shipped_vocabulary().slot(word) == "material")
+    return frozenset(word for word in parts(name) if vocabulary.slot(word) == "material")
 
 
-def _as_part(word: str, name: tuple[str, ...], otherwise: str) -> str:
+def _as_part(word: str, name: tuple[str, ...], otherwise: str, vocabulary: Vocabulary) -> str:
     """Of "car" in "car shell" and in "car wheel": a limb stands for the whole, a detail does not, nor what is in a place: "garage door"."""
-    if name[-1] in name_words("details") or shipped_vocabulary().slot(word) in _PLACES:
+    if name[-1] in name_words("details") or vocabulary.slot(word) in _PLACES:
         return "detail's whole"
     as_whole = {"part": "whole", "part's synonym": "synonym"}
     return as_whole[otherwise] if name[-1] in name_words("limbs") else otherwise
 
 
-@cache
-def guessed_fit(word: str, name: tuple[str, ...]) -> str:
+def guessed_fit(word: str, name: tuple[str, ...], vocabulary: Vocabulary) -> str:
     """How a word that fits no name may still mean one: "misspelled", or "" for no way."""
     if not name or table().is_english(word) or len(word) < _SHORTEST:
         return ""
     near = max(SequenceMatcher(None, word, part).ratio() for part in name)
     meant = _corrected(word)
-    known = bool(meant) and _is_one_of(senses(meant), (name[-1], _head(name)[-1]))
+    known = bool(meant) and _is_one_of(senses(meant), (name[-1], _head(name, vocabulary)[-1]))
     return "misspelled" if near >= _MISSPELLED or known else ""
 
 
-@cache
+@lru_cache(_WORDS)
 def _corrected(word: str) -> str:
     """The known thing that a misspelled word is nearest to; "" if none is near."""
     known = [w for w in sorted(english_things()) if w[0] == word[0]]

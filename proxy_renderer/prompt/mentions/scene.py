@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from functools import partial
+from collections.abc import Iterable, Iterator, Mapping
+from functools import lru_cache
 
-from ..names import is_detail, limbs_of, plain_name
+from ..lexicon.vocabulary import Vocabulary
+from ..names import is_detail, limbs, plain_name
 from ..types import GLOW, SceneWords
 from .names import best, fit, guessed_fit, parts, stuff_of
 from .nouns import Named
@@ -18,25 +19,59 @@ _OF_ITS_KIND = ("exact", "last", "whole", "synonym")
 """Ways to fit the name of a thing that is what a word says, or a limb of it."""
 _OF_THE_WORD = ("exact", "last", "part")
 """Ways to fit a name that has the very word: "stone" in "Ruin_Stone" and "Stone_Mossy"."""
-_Fits = Callable[[Mapping[str, tuple[str, ...]]], dict[str, str]]
+_SAID = 512  # words of prompts whose names are remembered
 _Found = tuple[Iterable[str], tuple[str, ...]]
 """Names, and the signs by which they were found."""
 
 
+class _Fits:
+    """How words fit names; of thousands, many have the same parts.
+
+    Args:
+        said: Words of the prompt, as `parts` gives them.
+        guess: Whether things of nearly the same spelling count.
+        vocabulary: What words mean.
+    """
+
+    def __init__(self, said: tuple[str, ...], guess: bool, vocabulary: Vocabulary) -> None:
+        self._said, self._guess, self._vocabulary = said, guess, vocabulary
+        self._ways: dict[tuple[str, ...], str] = {}
+
+    def __call__(self, names: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
+        """The names that the words fit, with the way.
+
+        Args:
+            names: Names with their parts.
+        """
+        return {name: way for name, its in names.items() if (way := self._way(its))}
+
+    def _way(self, name: tuple[str, ...]) -> str:
+        if name not in self._ways:
+            self._ways[name] = (
+                guessed_fit(self._said[0], name, self._vocabulary)
+                if self._guess
+                else fit(self._said, name, self._vocabulary)
+            )
+        return self._ways[name]
+
+
 class SceneIndex:
-    """Finds what words may name.
+    """Finds what words may name; `SceneWords.made` keeps it with the scene.
 
     Args:
         words: The names in the scene.
+        vocabulary: What words mean.
     """
 
-    def __init__(self, words: SceneWords) -> None:
-        self.words = words
+    def __init__(self, words: SceneWords, vocabulary: Vocabulary) -> None:
+        self.words, self._vocabulary = words, vocabulary
         self._materials = {name: parts(name) for name in words.materials}
         self._objects = {name: parts(name) for name in words.objects}
         self._groups = {name: parts(name) for name in words.groups}
         self._lights = {name: parts(name) for name in words.lights}
-        self._limbs = {name: limbs_of(name, words) for name in words.objects}
+        self._stuff = {name: stuff_of(name, vocabulary) for name in words.materials}
+        self._found = lru_cache(_SAID)(self._find)
+        self._limbs = limbs(words)
         self._worn_by_limbs = {name for worn in self._limbs.values() for name in worn}
 
     def named(self, said: tuple[str, ...], plural: bool = False, guess: bool = False) -> list[Named]:
@@ -47,11 +82,10 @@ class SceneIndex:
             plural: Whether they speak of several, so that all of the kind may be meant, and not only what is called exactly so.
             guess: Whether things of nearly the same spelling count.
         """
-        how = partial(guessed_fit, said[0]) if guess else partial(fit, said)
+        return list(self._found(said, plural, guess))
 
-        def fits(names: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
-            return {name: way for name, its in names.items() if (way := how(its))}
-
+    def _find(self, said: tuple[str, ...], plural: bool, guess: bool) -> list[Named]:
+        fits = _Fits(said, guess, self._vocabulary)
         found: dict[tuple[str, frozenset[str]], set[str]] = defaultdict(set)
         for kind, named in (("things", self._of_things(fits, plural)), ("lights", self._of_lights(fits))):
             for names, signs in named:
@@ -65,9 +99,9 @@ class SceneIndex:
         Args:
             said: Words of the prompt, as `parts` gives them.
         """
-        ways = {name: fit(said, p) for name, p in self._objects.items()}
+        ways = _Fits(said, False, self._vocabulary)(self._objects)
         surest = best(ways.values())
-        return [name for name, way in ways.items() if surest and way == surest]
+        return [name for name, way in ways.items() if way == surest]
 
     def is_several(self, named: Named) -> bool:
         """Whether several objects wear what is named.
@@ -117,8 +151,8 @@ class SceneIndex:
         signs = (*signs, "of one object") if len(objects) == 1 else signs
         yield from self._split(worn, (*signs, "whole"))
         yield [m for m in worn if not is_detail(m)], (*signs, "without details")
-        stuff = {word for m in own for word in stuff_of(m)}
-        alike = [m for m in worn if m in own or stuff.issuperset(stuff_of(m))]
+        stuff = {word for m in own for word in self._stuff[m]}
+        alike = [m for m in worn if m in own or stuff.issuperset(self._stuff[m])]
         if {*alike} < {*worn}:
             yield alike, (*signs, "of the same stuff")
         if self._worn_by_limbs.isdisjoint(worn):  # limbs look like their whole

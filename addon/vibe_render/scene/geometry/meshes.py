@@ -67,7 +67,7 @@ class _Shown:
 
 def _shown(thing: bpy.types.Object, meshes: dict[tuple, SourceMesh], uv_of: UvLookup) -> _Shown:
     """Reads an object with a mesh, unless the same mesh with the same materials has been read already."""
-    slots = _materials(thing)
+    slots = slots_of(thing)
     names = tuple(m.name_full if m else DEFAULT_MATERIAL for m in slots)
     key = (thing.data.as_pointer(), *names)
     mesh = meshes.get(key) or meshes.setdefault(key, _read(thing.data, slots, uv_of))
@@ -87,7 +87,7 @@ def _special(thing: bpy.types.Object) -> list[str]:
     return [f"{thing.name} is {kind}: the prediction shows it as a plain surface."]
 
 
-def _materials(thing: bpy.types.Object) -> list[bpy.types.Material | None]:
+def slots_of(thing: bpy.types.Object) -> list[bpy.types.Material | None]:
     """What the slots hold; at least one slot, which may hold nothing."""
     slots = [slot.material for slot in thing.material_slots] or list(thing.data.materials)
     return [m.original if m else None for m in slots] or [None]

@@ -10,7 +10,7 @@ import bpy
 from bpy.props import EnumProperty, StringProperty
 
 from ...core import drawing
-from ...core.schema_import import schema
+from ...core.schema_import import checks, schema, targets
 from ...session import prompt_history
 from ...session.state import addon_state
 
@@ -115,9 +115,19 @@ class VIBE_OT_recall(bpy.types.Operator):
         return properties.prompt
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Sets the prompt."""
-        context.scene.vibe.prompt = self.prompt
+        """Sets the prompt, and what its words describe as far as the scene has that."""
+        settings = context.scene.vibe
+        settings.prompt = self.prompt
+        for word, target in checks.targets(prompt_history.targets_of(self.prompt)).items():
+            if _is_in(context.scene, target):
+                settings.tell(word, target)
         return {"FINISHED"}
+
+
+def _is_in(scene: bpy.types.Scene, target: str) -> bool:
+    """Whether a scene has all of what a target names."""
+    known = (targets.GENERAL, scene.objects, bpy.data.materials)
+    return all(any(name in names for names in known) for name in targets.parted(target))
 
 
 class VIBE_OT_clear_history(bpy.types.Operator):

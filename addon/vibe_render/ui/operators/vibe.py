@@ -106,7 +106,7 @@ class VIBE_OT_run(bpy.types.Operator):
             settings.prompt = settings.vibed_prompt
             settings.seed += 1
         if words := settings.prompt.strip():
-            prompt_history.remember(words)
+            prompt_history.remember(words, settings.told())
         return addon_state.begin(context, ask)
 
     def _escape(self, context: bpy.types.Context) -> set[str]:

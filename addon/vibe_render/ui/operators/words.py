@@ -5,18 +5,20 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from typing import ClassVar
 
 import bpy
-from bpy.props import StringProperty
+from bpy.props import EnumProperty, StringProperty
 
 from ...core import drawing
-from ...session import word_readings
+from ...core.schema_import import messages, targets
+from ...scene import scene_context
+from ...session.state import addon_state
 
-GENERAL = {"lights": "LIGHT", "key light": "LIGHT", "world": "WORLD", "image": "IMAGE_DATA", "not used": "X"}
-"""What every word can be told to describe, as the engine knows it, and the icon."""
-_SAYS = {"not used": "Do not use it"}
-_MOST = 16  # things of a kind that a menu shows
+_ICONS = {"light": "LIGHT", "sky": "WORLD", "picture": "IMAGE_DATA", "air": "MOD_FLUID", "none": "X"}
+"""Kind of target -> icon, of those that every scene has."""
+_DO_NOT_USE = "Do not use it"
 
 
 class VIBE_OT_reading(bpy.types.Operator):
@@ -26,10 +28,9 @@ class VIBE_OT_reading(bpy.types.Operator):
     bl_label = "Reading of a Word"
     bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
-    word: StringProperty()
+    key: StringProperty(description="What a target calls the word")
     state: StringProperty()
     meaning: StringProperty()
-    others: StringProperty(description="Known words, in lines")
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
@@ -39,32 +40,103 @@ class VIBE_OT_reading(bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Opens a menu."""
-        context.window_manager.popup_menu(self._draw, title=f"“{self.word}”: {self.state}")
+        word = self._word()
+        if word is None:
+            return {"CANCELLED"}
+        context.window_manager.popup_menu(self._draw, title=f"“{word.text}”: {word.state}")
         return {"FINISHED"}
 
-    def _draw(self, menu: bpy.types.Menu, context: bpy.types.Context) -> None:
-        layout = menu.layout
-        layout.label(text=self.meaning)
-        for other in self.others.splitlines():
-            button = layout.operator("vibe.reword", text=f"Say “{other}” instead")
-            button.word, button.other = self.word, other
-        self._draw_targets(layout, context.scene)
+    def _word(self) -> messages.WordReading | None:
+        """The newest reading of the word; None where the prompt does not say it any more."""
+        return next((word for word in addon_state.readings.newest.words if word.key == self.key), None)
 
-    def _draw_targets(self, layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
-        """What the word may be said to describe: things of the scene, and what every scene has."""
-        told = scene.vibe.targets.get(self.word)
-        objects, lights = word_readings.names(scene)
-        layout.separator()
+    def _draw(self, menu: bpy.types.Menu, context: bpy.types.Context) -> None:
+        layout, word = menu.layout, self._word()
+        if word is None:
+            return
+        if not word.candidates or word.meaning != f"describes {targets.listed(word.candidates[0])}":
+            layout.label(text=word.meaning[:1].upper() + word.meaning[1:])
+        for other in word.others:
+            button = layout.operator("vibe.reword", text=f"Say “{other}” instead")
+            button.word, button.other = word.text, other
+        self._draw_targets(layout, context.scene, word)
+
+    def _draw_targets(
+        self, layout: bpy.types.UILayout, scene: bpy.types.Scene, word: messages.WordReading
+    ) -> None:
+        """What the word may be said to describe: what it is taken for first, then the likeliest, then the rest of the scene."""
+        told = scene.vibe.targets.get(word.key)
         if told:
             self._target(layout, "", "As it is read", "LOOP_BACK")
-        own = dict.fromkeys([*objects][:_MOST], "OBJECT_DATA") | dict.fromkeys([*lights][:_MOST], "LIGHT")
-        for name, icon in (*own.items(), *GENERAL.items()):
-            chosen = told is not None and told.target == name
-            self._target(layout, name, _SAYS.get(name, f"Describes {name}"), "CHECKMARK" if chosen else icon)
+        for name in word.candidates:
+            self._named(layout, scene, name, is_taken=name == word.candidates[0])
+        if word.targets:
+            layout.separator()
+        for name in word.targets:
+            self._named(layout, scene, name)
+        names = {*word.candidates, *word.targets} & {*scene.objects.keys()}
+        if names and len(names) < sum(1 for _ in _own_names(scene)):
+            layout.operator_context = "INVOKE_DEFAULT"
+            layout.operator("vibe.describe_another", icon="VIEWZOOM").word = self.key
+
+    def _named(
+        self, layout: bpy.types.UILayout, scene: bpy.types.Scene, name: str, is_taken: bool = False
+    ) -> None:
+        text = _DO_NOT_USE if name == targets.NOT_USED else f"Describes {targets.listed(name)}"
+        self._target(layout, name, text, "CHECKMARK" if is_taken else _icon(scene, name))
 
     def _target(self, layout: bpy.types.UILayout, target: str, text: str, icon: str) -> None:
         button = layout.operator("vibe.describe", text=text, icon=icon)
-        button.word, button.target = self.word, target
+        button.word, button.target = self.key, target
+
+
+def _icon(scene: bpy.types.Scene, name: str) -> str:
+    """The icon of a target."""
+    if name in targets.GENERAL:
+        return _ICONS.get(targets.GENERAL[name], "LIGHT" if "light" in name else "OBJECT_DATA")
+    thing = scene.objects.get(targets.parted(name)[0])
+    if thing is None:
+        return "MATERIAL"
+    return "LIGHT" if thing.type == "LIGHT" else "OBJECT_DATA"
+
+
+def _own_names(scene: bpy.types.Scene) -> Iterator[str]:
+    """The objects and lights that a render shows."""
+    for obj in scene_context.shown(scene):
+        if obj.type == "LIGHT" or (obj.type in scene_context.GEOMETRY and obj.material_slots):
+            yield obj.name
+
+
+_items: list[tuple[str, str, str]] = []
+"""Of the search: Blender does not keep the texts of a list that is made when it is asked for."""
+
+
+def _names(_operator: bpy.types.Operator, context: bpy.types.Context) -> list[tuple[str, str, str]]:
+    _items[:] = [(name, name, "") for name in sorted(_own_names(context.scene), key=str.casefold)]
+    return _items
+
+
+class VIBE_OT_describe_another(bpy.types.Operator):
+    """Search all objects and lights for what this word describes"""
+
+    bl_idname = "vibe.describe_another"
+    bl_label = "Describes Another…"
+    bl_property = "target"
+    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
+
+    word: StringProperty(description="What a target calls the word")
+    target: EnumProperty(items=_names)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Opens the search."""
+        context.window_manager.invoke_search_popup(self)
+        return {"FINISHED"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Keeps the choice in the scene."""
+        context.scene.vibe.tell(self.word, self.target)
+        drawing.redraw()
+        return {"FINISHED"}
 
 
 class VIBE_OT_describe(bpy.types.Operator):
@@ -74,18 +146,12 @@ class VIBE_OT_describe(bpy.types.Operator):
     bl_label = "Describes"
     bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
-    word: StringProperty()
+    word: StringProperty(description="What a target calls the word")
     target: StringProperty(description="Empty: as the word is read")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Keeps the choice in the scene."""
-        targets = context.scene.vibe.targets
-        place = targets.find(self.word)
-        if place >= 0:
-            targets.remove(place)
-        if self.target:
-            told = targets.add()
-            told.name, told.target = self.word, self.target
+        context.scene.vibe.tell(self.word, self.target)
         drawing.redraw()
         return {"FINISHED"}
 
@@ -118,4 +184,4 @@ class VIBE_OT_reword(bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (VIBE_OT_reading, VIBE_OT_describe, VIBE_OT_reword)
+CLASSES = (VIBE_OT_reading, VIBE_OT_describe, VIBE_OT_describe_another, VIBE_OT_reword)

@@ -15,7 +15,7 @@ _ICON_LETTERS = 5  # room that an icon and its margins take, in letters
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context, readings: messages.Readings) -> None:
-    """Draws the words as buttons, which tell more of each, in lines; or why nothing is understood.
+    """Draws the words as buttons, which tell more of each, in lines; and why nothing is understood, if so.
 
     Args:
         layout: Where.
@@ -24,7 +24,6 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, readings: messa
     """
     if readings.note:
         paragraph(layout, context, readings.note, "INFO", faint=True)
-        return
     column = layout.column(align=True)
     column.scale_y = 0.9
     for line in _lines(readings.words, columns(context)):
@@ -34,8 +33,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, readings: messa
             place = row.row(align=True)
             place.alignment, place.active = "LEFT", word.state != "left out"
             button = place.operator("vibe.reading", text=word.text, icon=_ICONS[word.state], emboss=False)
-            button.word, button.state, button.meaning = word.text, word.state, word.meaning
-            button.others = "\n".join(word.others)
+            button.key, button.state, button.meaning = word.key, word.state, word.meaning
 
 
 def _lines(words: Iterable[messages.WordReading], width: int) -> Iterator[list[messages.WordReading]]:

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Names of what a word may describe: those that every scene has, and how several names are written as one."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+GENERAL = {
+    "lights": "light", "light": "light", "key light": "key", "fill light": "fill", "rim light": "rim", "world": "sky", "sky": "sky",
+    "air": "air", "image": "picture", "subject": "subject", "surroundings": "surroundings", "shadows": "shadow",
+    "highlights": "highlight", "not used": "none",
+}  # fmt: skip
+"""Name that `--target` takes in every scene -> kind of target, as the reader calls it. Of two names of a kind, the first is shown."""
+OFFERED = ("lights", "key light", "world", "image", "not used")
+"""Names that every word's menu offers."""
+NOT_USED = "not used"
+NAME_OF = {kind: name for name, kind in reversed(GENERAL.items())}
+"""Kind of target -> its name."""
+NUMBER = "#"
+"""Between a word and its number, where the prompt says it several times: "red#2"."""
+_AND = " + "
+
+
+def joined(names: Iterable[str]) -> str:
+    """Several names of the scene as one target: "Cup + Table"."""
+    return _AND.join(names)
+
+
+def parted(target: str) -> list[str]:
+    """The names in a target, see `joined`."""
+    return [name.strip() for name in target.split(_AND)]
+
+
+def listed(target: str) -> str:
+    """A target as a sentence has it: "Cup and Table", "the key light"."""
+    names = [f"the {name}" if name in GENERAL and name != NOT_USED else name for name in parted(target)]
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def is_said(key: str, prompt: str) -> bool:
+    """Whether a prompt says the word of a key.
+
+    Args:
+        key: As `--target` calls the word: "very glossy", "red#2".
+        prompt: What the artist typed.
+    """
+    words = re.findall(r"[^\W_]+", key.partition(NUMBER)[0].casefold())
+    said = prompt.casefold().replace("colour", "color")
+    return bool(words) and words[-1] in said  # an intensity may stand elsewhere
