@@ -12,7 +12,7 @@ from ..color.shades import warm
 from ..prompt.lexicon.claim_text import ClaimText
 from ..prompt.lexicon.entries import Effect
 from ..schema import Values
-from .wish import Wish
+from .wish import PAINTED, Wish
 
 _DARK, _LIGHT = 38.0, 72.0
 """L* of surroundings that leave no bright image, and no dark one."""
@@ -86,7 +86,7 @@ def _lit_role(role: str) -> str:
 
 def _other_class(first: Wish, later: Wish) -> bool:
     """Whether two wishes name classes that no image can be of together; of colors, claims say that."""
-    if not (first.named and later.named) or first.named == later.named or first.about.name.endswith("color"):
+    if not (first.named and later.named) or first.named == later.named or first.quantity in PAINTED:
         return False
     classes = first.about.classes
     return not _overlapping(classes[first.named], classes[later.named])

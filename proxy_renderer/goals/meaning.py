@@ -6,13 +6,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
+from ..prompt.colors import color_class
 from ..prompt.lexicon.entries import OWNERS, Effect, Meaning, VocabularyEntry
 from ..prompt.lexicon.quantities import quantities
 from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.types import Attribute
 from ..schema import FAMILIES
 from ..schema.means import may_serve
-from .wish import Wish, breadth_of
+from .wish import PAINTED, Wish, breadth_of
 
 _SOFT = 0.8
 """Strength below which a word is said softly."""
@@ -48,7 +49,9 @@ def _of_word(attribute: Attribute, vocabulary: Vocabulary) -> Iterator[Wish]:
             quantity = _OF_COLORS.get(attribute.kind, "light_color")
             effects = _allowed(vocabulary.painted.get(attribute.kind, ()), attribute)
             anything = attribute.kind == "ambience"  # a color that is said of nothing
-            yield Wish(attribute, quantity, effects=effects, strength=attribute.strength, vague=anything)
+            named = color_class(attribute) if quantity in PAINTED else ""
+            strength = attribute.strength
+            yield Wish(attribute, quantity, named, effects=effects, strength=strength, vague=anything)
         return
     entry = vocabulary.entries.get(attribute.entry)
     if entry is None:

@@ -19,6 +19,8 @@ _OWN: Mapping[str, tuple[str, ...]] = {
 }
 """Slots of words that say only what is usual of other quantities than these: a rainy day is gray, but not if it is said to be golden,
 and gold is shiny, but not if it is matte."""
+PAINTED = ("color", "surroundings_color")
+"""Quantities of which a class is a basic color."""
 _CHANGES = ("times", "plus", "shade")
 """Modes of effects that only change what is there."""
 _MAIN = 1

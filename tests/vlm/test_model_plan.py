@@ -11,13 +11,12 @@ from model_server import KEY, MODEL, document, has_picture, plan_for, refuses, s
 from tiny_job import write_job
 
 from proxy_renderer.engine.report import changed_values, parameter_records
-from proxy_renderer.goals.resolve import goals_of, goals_or_why
+from proxy_renderer.goals.resolve import Goals, goals_of, goals_or_why
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import context, pipeline
 from proxy_renderer.optimize.rounds.refinement import Refinement
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.planning.types import Plan, PlanContext
-from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.prompt.types import Parsed, Prompts, SceneWords
 from proxy_renderer.prompt.understood import Understood
 from proxy_renderer.scene import load_scene
@@ -52,7 +51,7 @@ def encoder():
 
 
 def told(table, look=PROMPT, known=None):
-    empty = (Parsed(look), Prompts("", "", ""), Plan())
+    empty = (Goals(Parsed(look)), Prompts("", "", ""), Plan())
     return make_question(look, table, known or PlanContext(), empty, None)
 
 
@@ -86,13 +85,13 @@ class TestQuestion:
         )
         said = json.loads(question.text)
         assert said["parameters"]["material1/roughness"]["draft"]["why"].startswith("'glossy'")
-        assert said["draft"]["targets"]["subject_color"] == "teal"
+        assert said["draft"]["targets"]["color"] == "teal"
 
     def test_the_schema_is_strict_and_comes_from_the_table(self, scene):
         schema = answer_schema(AliasTable(scene.instances, PlanContext()))
         key = schema["properties"]["plan"]["items"]["properties"]["parameter"]
         assert {"material1/base_color", "light2/strength", "film/contrast"} <= set(key["enum"])
-        assert schema["properties"]["targets"]["properties"]["fog"]["enum"] == [*ATTRIBUTES["fog"], ""]
+        assert schema["properties"]["targets"]["properties"]["haze"]["enum"] == ["none", "light", "thick", ""]
 
         def strict(node):
             if node.get("type") == "object":
