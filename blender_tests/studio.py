@@ -3,15 +3,15 @@
 
 import bpy
 import numpy as np
-from vibe_render.bench.camera_hits import save_camera_hits
-from vibe_render.bench.scenes import making
 from vibe_render.export import reading
 from vibe_render.render import final_render
 from vibe_render.scene import bindings
 from vibe_render.scene.stage import parts
 from vibe_render.scene.subject import SubjectChoice
 
-from proxy_renderer.bench.paper import finished
+from lab.bench.paper import finished
+from lab.blender.camera_hits import save_camera_hits
+from lab.blender.scenes import making
 
 SIZE, SAMPLES = 96, 16
 

@@ -22,7 +22,7 @@ DATA = (
     "proxy_renderer/py.typed",
     "vibe_render/py.typed",
     "vibe_render/blender_manifest.toml",
-    *(f"proxy_renderer/guidance/{encoder}/{name}" for encoder in ("embedded", "judge") for name in _ENCODER),
+    *(f"proxy_renderer/guidance/embedded/{name}" for name in _ENCODER),
     "proxy_renderer/guidance/embedded/skill.json",
     "proxy_renderer/prompt/lexicon/binding.json",
     "proxy_renderer/prompt/lexicon/colors.txt",
@@ -40,15 +40,8 @@ DATA = (
     "proxy_renderer/batch/page/*.js",
     "proxy_renderer/batch/page/*.css",
     "proxy_renderer/batch/page/*.html",
-    "proxy_renderer/bench/unseen_words.txt",
-    "proxy_renderer/bench/paper/*.css",
-    "proxy_renderer/bench/paper/*.toml",
-    "proxy_renderer/bench/sealed/*.json",
-    "proxy_renderer/bench/sealed/*.toml",
-    "proxy_renderer/bench/sealed/*.txt",
     "vibe_render/looks/shipped/*.jpg",
     "vibe_render/looks/shipped/*.json",
-    "vibe_render/looks/shipped/prompts.toml",
 )
 """All files beside the modules: the wheel's places, with * for a name. A new kind of data gets a line here."""
 
@@ -114,9 +107,9 @@ def test_data_that_the_clone_has_lost_is_missed(wheel, monkeypatch):
         "tests/test_wheel.py",
         "blender_tests/dump.py",
         "out/vibed.blend",
-        "proxy_renderer/bench/__pycache__/speed.cpython-313.pyc",
-        "proxy_renderer/bench/paper/index.html",
-        "proxy_renderer/train/sentences/development/scenes.toml",
+        "proxy_renderer/render/__pycache__/proxy.cpython-313.pyc",
+        "proxy_renderer/batch/page/index.txt",
+        "lab/train/sentences/development/scenes.toml",
         "vibe_render/looks/shipped/noir.png",
     ],
 )

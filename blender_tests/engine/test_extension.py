@@ -43,7 +43,6 @@ def test_zip_holds_the_schema_and_what_the_engine_runs_from(built):
     assert {"blender_manifest.toml", "__init__.py", "schema/parameters.py", "engine.txt"} <= set(names)
     assert {"carried/requirements.txt", "carried/proxy_renderer/engine/worker.py"} <= set(names)
     assert {"looks/shipped/noir.json", "looks/shipped/noir.jpg"} <= set(names)
-    assert not {"looks/shipped/prompts.toml", "bench/make_looks.py"} & set(names)
     assert not [n for n in names if "__pycache__" in n or "/bench/" in n or "/train/" in n or "tests/" in n]
 
 

@@ -21,10 +21,6 @@ from ..schema import VibeError, atomic
 _IGNORED = shutil.ignore_patterns(
     "__pycache__",
     "*.pyc",
-    "bench",  # measurements and training are the command's
-    "train",
-    "make_looks.py",  # looks are made here, and come made
-    "prompts.toml",
 )
 
 

@@ -20,8 +20,8 @@ from torch import Tensor, nn
 from ..schema.errors import VibeError
 from . import network  # noqa: F401 - makes timm know our picture tower
 
-EMBEDDED, JUDGE = (Path(__file__).with_name(name) for name in ("embedded", "judge"))
-"""The encoder that guides by default, and another one that only judges results: nothing may be optimized against it."""
+EMBEDDED = Path(__file__).with_name("embedded")
+"""The encoder that guides by default."""
 MERGES = "merges.txt.gz"
 """The merges of a folder's own, smaller vocabulary, read by open_clip's tokenizer."""
 _REMEDY = "Use the embedded encoder (leave --encoder out), or a tag such as ViT-B-32-256/datacomp_s34b_b86k."

@@ -13,13 +13,13 @@ import torch
 from huggingface_hub import constants
 from PIL import Image
 
+from lab.train import evaluate
+from lab.train.encoder import HELD_OUT
+from lab.train.pictures import bank
+from lab.train.pictures.shapes import shape
 from proxy_renderer.guidance.encoder import EMBEDDED, MERGES, Encoder, load_encoder
 from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.schema import VibeError
-from proxy_renderer.train import evaluate
-from proxy_renderer.train.__main__ import HELD_OUT
-from proxy_renderer.train.pictures import bank
-from proxy_renderer.train.pictures.shapes import shape
 
 
 @pytest.fixture(scope="module")
