@@ -75,6 +75,8 @@ def test_the_whole_engine_runs_without_blender():
 
 def test_the_checks_can_fail(tmp_path):
     culprit = tmp_path / "bad.py"
-    culprit.write_text("def later():\n    from bpy.types import Scene\n    import torch.nn as nn\n    import lab.bench\n")
+    culprit.write_text(
+        "def later():\n    from bpy.types import Scene\n    import torch.nn as nn\n    import lab.bench\n"
+    )
     assert tops(culprit) == {"bpy", "torch", "lab"}
     assert loaded("import numpy", HEAVY) == ["numpy"]

@@ -16,15 +16,14 @@ from proxy_renderer.guidance.guide import Weights
 from proxy_renderer.guidance.losses import claims_loss
 from proxy_renderer.optimize.context import plan_context, scene_words
 from proxy_renderer.optimize.inner.descent import fixed_views
-from proxy_renderer.optimize.rounds.judges import make_guidance
+from proxy_renderer.optimize.rounds.method import Method
 from proxy_renderer.planning.advice import OfflineAdvisor
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.understood import Understood
 from proxy_renderer.render.proxy import Proxy
-from proxy_renderer.schema.messages import Options
 
 TERMS = ("similarity", "claims")
-"""The parts of the objective: what the encoder and its heads say of regions, and what the words claim."""
+"""The parts of the objective: what the encoder says of regions, and what the words claim."""
 
 
 def objective(proxy: Proxy, prompt: str, encoder: Encoder) -> Callable[[Tensor], Tensor]:
@@ -35,7 +34,7 @@ def objective(proxy: Proxy, prompt: str, encoder: Encoder) -> Callable[[Tensor],
     Args:
         proxy: Of the scene.
         prompt: What is asked of it.
-        encoder: Judges similarity; its heads guide beside it.
+        encoder: Judges similarity.
 
     Returns:
         Display picture (H, W, 3) → the weighted `TERMS` (2,), differentiable.
@@ -50,7 +49,7 @@ def objective(proxy: Proxy, prompt: str, encoder: Encoder) -> Callable[[Tensor],
         advice = OfflineAdvisor(Understood(prompt, scene_words(scene))).advise(
             picture.display, scene.instances, now
         )
-        guidance = make_guidance(encoder, encoder, prompt, Options(), advice, picture)
+        guidance = Method().guidance(encoder, prompt, advice, picture)
         wanted = claims_of(advice.parsed, default_vocabulary())
         claims = ClaimSet.about(wanted, MeasuredPicture(picture.display, seen))
 

@@ -6,14 +6,12 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 
+from lab.methods import BASELINES, PROJECTION
 from proxy_renderer.schema.options import command_line
-from proxy_renderer.schema.options.table import BASELINES, named
+from proxy_renderer.schema.options.table import named
 
 HALVES = ("development", "held-out", "all")
 """Of a corpus of scenes: where faults may be looked for, where not, and both."""
-
-PROJECTION = "projection"
-"""The rival that has the words' ranges and no gradients: the artist's values, projected."""
 
 
 def _speed(sub: argparse.ArgumentParser) -> None:

@@ -4,13 +4,14 @@
     python -m lab.blender.paper --work runs.json [--only GLOB] [--skip A,B]
 
 The file holds a list of runs: `name`, `folder`, `set` (a name in `sets.SETS`) or `mesh` (a file), `arguments` as for
-`batch.py`, and `clear`, whether the result is wanted without its fog too.
+`batch.py`, `environment`, variables of the engine, and `clear`, whether the result is wanted without its fog too.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
 import time
 from pathlib import Path
 from typing import Any
@@ -41,12 +42,13 @@ class _Quiet(Reporter):
 
 
 class PaperRuns:
-    """Runs with one warm engine, which is replaced after a run that failed."""
+    """Runs with one warm engine, which is replaced after a run that failed, and for other variables."""
 
     def __init__(self) -> None:
         self._reporter = _Quiet(events=False)
         self._engine: Engine | None = None
         self._talk: Conversation | None = None
+        self._environment: dict[str, str] = {}
 
     def vibe(self, run: dict[str, Any]) -> None:
         """Carries out one run: all files of `vibe run`, and the camera hits before and after."""
@@ -54,6 +56,12 @@ class PaperRuns:
         given = ["run", run.get("mesh", ""), f"--out={folder}", *run["arguments"]]
         if "set" in run:
             given += [f"--subject={name}" for name in build_set(run["set"])]
+        if run["environment"] != self._environment:
+            self.close()
+            for name in self._environment:
+                del os.environ[name]
+            self._environment = run["environment"]
+            os.environ.update(self._environment)
         try:
             analysis = vibe.run_with_engine(parse(given), self._reporter, self._conversation())
         except BaseException:

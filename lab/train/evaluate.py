@@ -17,6 +17,7 @@ import torch
 import trimesh
 from torch import Tensor
 
+from lab.heads import OF_SURFACES, folder_of, heads_of
 from lab.train.data import Batch, make_batch
 from lab.train.pictures import bank as banks
 from lab.train.pictures.looks import INDEX, NAMES
@@ -24,7 +25,7 @@ from lab.train.pictures.surfaces import Shape
 from lab.train.text.captions import caption
 from lab.train.text.wording import NOUNS, TRAINED, WordingSplit
 from proxy_renderer.guidance import regions
-from proxy_renderer.guidance.encoder import OF_SURFACES, Encoder, load_encoder
+from proxy_renderer.guidance.encoder import Encoder, load_encoder
 from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.schema import atomic
 
@@ -60,7 +61,7 @@ def evaluate(model: Path, held_out: Path, meshes: list[Path], out: Path | None =
     }
     results |= {key: results["sets"]["procedural"][key] for key in ("attribute_flip", "swap", "heads_mean")}
     if skills := skill(results["sets"].values()):
-        _write(model / "skill.json", skills)
+        _write(folder_of(model) / "skill.json", skills)
     if out:
         _write(out, results)
     return results
@@ -129,11 +130,11 @@ def judge(
     """
     right: dict[str, list[bool]] = defaultdict(list)
     shown: dict[str, list[int]] = defaultdict(list)
-    dice = random.Random(_SEED)
+    dice, readers = random.Random(_SEED), heads_of(encoder)
     for batch in batches:
         with torch.no_grad():
             features, framed = looks_at(encoder, batch)
-            logits = encoder.heads.read(features, framed) if encoder.heads else {}
+            logits = readers.read(features, framed) if readers else {}
         features, framed = features.cpu(), framed.cpu()
         logits = {name: value.cpu() for name, value in logits.items()}
         for name, value in logits.items():

@@ -15,12 +15,13 @@ from open_clip.model import CLIP
 from safetensors.torch import load_file, save_file
 from torch import Tensor, nn
 
+from lab.heads import AttributeHeads, folder_of
 from lab.judge import network as judge_network  # noqa: F401 - makes timm know the judge's picture tower
 from lab.train.data import LOOKS, Batch, choices, contradicts
 from lab.train.pictures.dense import MapReader
 from lab.train.pictures.looks import STRESS
 from proxy_renderer.guidance import network
-from proxy_renderer.guidance.encoder import MERGES, AttributeHeads
+from proxy_renderer.guidance.encoder import MERGES
 from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.schema import VibeError, atomic
 
@@ -106,8 +107,11 @@ class Student(nn.Module):
             )
         weights = {
             prefix + key: value.float()
-            for prefix, name in (("clip.", "open_clip_model.safetensors"), ("heads.", "heads.safetensors"))
-            for key, value in load_file(folder / name).items()
+            for prefix, path in (
+                ("clip.", folder / "open_clip_model.safetensors"),
+                ("heads.", folder_of(folder) / "heads.safetensors"),
+            )
+            for key, value in load_file(path).items()
         }
         token_ids = SimpleTokenizer(str(folder / MERGES)).encoder
         rows = self.clip.token_embedding.weight.detach().clone()

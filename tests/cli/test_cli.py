@@ -66,7 +66,6 @@ def test_prompts_that_cannot_be_one(mesh, prompt, word):
         (["--cameras", "Wide,Close"], ["Only .blends can share a look"]),
         (["--grade-each"], ["--grade-each is for several shots", "--cameras"]),
         (["--device", "gpu"], ["'gpu'", "cuda"]),
-        (["--baseline", "magic"], ["clip-only"]),
         (["--stage", "moon"], ["cyclorama"]),
         (["--vlm-model", "eyes", "--vlm-url", "localhost:11434"], ["'localhost:11434'", "http://"]),
     ],

@@ -332,7 +332,7 @@ def vibe(scene, encoder, model, prompt=PROMPT, **options):
     client = Client(Endpoint(MODEL, model.url, KEY, 5.0))
     advisor = ModelAdvisor(Understood(prompt, context.scene_words(scene)), client, watch.stage)
     chosen = Options(**{"rounds": 2, "steps": 2, "size": 48, **options})
-    outcome = pipeline.run([ShotInput(scene)], prompt, chosen, encoder, encoder, watch, advisor)
+    outcome = pipeline.run([ShotInput(scene)], prompt, chosen, encoder, watch, advisor)
     return outcome, advisor.account(), watch.seen
 
 
@@ -393,7 +393,7 @@ class TestLoop:
         with serving(lambda body, n: answer) as model:
             outcome, account, _ = vibe(scene, encoder, model)
         offline = pipeline.run(
-            [ShotInput(scene)], PROMPT, Options(rounds=2, steps=2, size=48), encoder, encoder, Silent()
+            [ShotInput(scene)], PROMPT, Options(rounds=2, steps=2, size=48), encoder, Silent()
         )
         assert torch.equal(outcome.u, offline.u)
         assert all(r["advice"].startswith("offline planner: ") for r in outcome.rounds)

@@ -17,28 +17,27 @@ from rich.table import Table
 from lab.bench.paper import finished, runs, verdict
 from lab.bench.paper.pairs import WIDER, read_pairs
 from lab.bench.paper.runs import Run, RunBudget
+from lab.methods import OURS, PROJECTION, Variation
 from proxy_renderer.schema import FAMILIES, Instance, VibeError, atomic, split_key
 
-RUNGS: dict[str, tuple[str, ...]] = {
-    "projection only": ("--inner=none",),
-    "middle of the ranges": ("--inner=middle",),
-    "Adam": ("--inner=adam",),
-    "without the encoder": ("--leave-out=encoder",),
-    "without the claims": ("--leave-out=claims",),
-    "without sharing": ("--leave-out=sharing",),
-    "without anchors": ("--no-anchor",),
-    "full": (),
+RUNGS = {
+    "projection only": Variation(PROJECTION),
+    "middle of the ranges": Variation("middle"),
+    "Adam": Variation("adam"),
+    "without the encoder": Variation("without-encoder"),
+    "without the claims": Variation("without-claims"),
+    "without sharing": Variation("without-sharing"),
+    "without anchors": Variation(options=("--no-anchor",)),
+    "full": OURS,
 }
-"""Options of `vibe run`; the artist's own scene is the rung below them."""
+"""By name; the artist's own scene is the rung below them."""
 
 BASELINE_STEPS = ("--rounds=1", "--steps=240")
 """As the authors' code has them."""
 
-BASELINES: dict[str, tuple[str, ...]] = {
-    f"clip-only, {rate / 10:g} %": ("--baseline=clip-only", f"--rate={rate}", *BASELINE_STEPS)
-    for rate in (40, 10, 3)
-} | {"clip-authors": ("--baseline=clip-authors", *BASELINE_STEPS)}
-"""Options of `vibe run`; a rate is a share of a parameter's whole range."""
+BASELINES = {
+    f"clip-only, {rate / 10:g} %": Variation("clip-only", rate, BASELINE_STEPS) for rate in (40, 10, 3)
+} | {"clip-authors": Variation("clip-authors", options=BASELINE_STEPS)}
 
 _ARTIST = "the artist's scene"
 _DRAWS = 2000
@@ -73,7 +72,7 @@ def run(
         VibeError: No pair that has a set of its own has such a name, or no rung.
     """
     ladder = BASELINES if baselines else RUNGS
-    taken = {name: options for name, options in ladder.items() if fnmatch.fnmatch(name, rungs)}
+    taken = {name: rung for name, rung in ladder.items() if fnmatch.fnmatch(name, rungs)}
     if not taken:
         raise VibeError(f"No rung has a name like {rungs!r}.", f"Choose from: {', '.join(ladder)}.")
     pairs = [pair for pair in read_pairs(only) if pair.set and pair.group == WIDER]

@@ -49,7 +49,9 @@ def run(out: Path, only: str = "*", draw: int = 0, size: int = 160, samples: int
     if not chosen:
         raise VibeError(f"Nothing has a name like {only!r}.", "Use *, or a part of a name: *glass*.")
     vibes = _Vibes(
-        out, _studio(out / "studio"), [f"--size={size}", f"--samples={samples}", "--vlm-model=off"]
+        out,
+        _studio(out / "studio"),
+        [f"--size={size}", f"--samples={samples}", "--vlm-model=off", "--figures"],
     )
     materials = [row for kind, row in chosen if kind == "material"]
     references = _references(out, vibes.scene, materials, size, samples)

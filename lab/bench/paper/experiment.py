@@ -11,7 +11,8 @@ from typing import Any
 
 from lab.bench.paper import figures, finished, judge, page, runs, verdict
 from lab.bench.paper.pairs import COMPARED, Pair, read_pairs
-from lab.bench.paper.runs import BASELINE, OURS, Run, RunBudget
+from lab.bench.paper.runs import BASELINE, Run, RunBudget
+from lab.methods import OURS
 from proxy_renderer.schema import VibeError, atomic
 from proxy_renderer.schema.messages import Options
 from proxy_renderer.vlm.client import Client
@@ -52,7 +53,7 @@ def run(
     broken = runs.carry_out(planned, budget, out, meshes)
     results = summary(planned, budget) | {
         "failed": {
-            f"{r.pair.name}, {r.baseline or 'ours'}, seed {r.seed}": broken[r.folder]
+            f"{r.pair.name}, {r.variation}, seed {r.seed}": broken[r.folder]
             for r in planned
             if r.folder in broken
         }
@@ -117,10 +118,10 @@ def _compared(pair: Pair, mine: Sequence[Run], readings: Mapping[Path, verdict.R
     """One pair over its seeds; empty while no seed has both methods."""
     seeds: list[dict[str, Any]] = []
     for seed in sorted({r.seed for r in mine}):
-        both = {r.baseline: readings[r.folder] for r in mine if r.seed == seed}
+        both = {r.variation: readings[r.folder] for r in mine if r.seed == seed}
         if len(both) == 2:
             scores = verdict.compare(pair, both[OURS], both[BASELINE])
-            folders = {r.baseline: r.folder.name for r in mine if r.seed == seed}
+            folders = {r.variation: r.folder.name for r in mine if r.seed == seed}
             seeds.append(
                 {
                     "seed": seed,
@@ -165,7 +166,7 @@ def _rows(planned: Sequence[Run], group: str) -> list[tuple[Pair, Path, Path]]:
     """The pairs of a group with both folders of the first seed; an ablation's second one is its first."""
     rows = []
     for pair in dict.fromkeys(r.pair for r in planned if r.pair.group == group):
-        folders = {r.baseline: r.folder for r in planned if r.pair == pair and r.seed == 0 and r.done}
+        folders = {r.variation: r.folder for r in planned if r.pair == pair and r.seed == 0 and r.done}
         if OURS in folders and (BASELINE in folders or group not in COMPARED):
             rows.append((pair, folders[OURS], folders.get(BASELINE, folders[OURS])))
     return rows

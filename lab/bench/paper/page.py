@@ -13,8 +13,9 @@ from typing import Any
 from lab.bench.paper import figures
 from lab.bench.paper.measures import NOTICES, SAYS, UNITS
 from lab.bench.paper.pairs import COMPARED, Ask, Pair
-from lab.bench.paper.runs import BASELINE, OURS, Run
+from lab.bench.paper.runs import BASELINE, Run
 from lab.bench.paper.verdict import RULE
+from lab.methods import OURS
 from proxy_renderer.color.floats import srgb_from_lab
 
 _LONGEST = 420  # pixels of a picture's longer side
@@ -84,7 +85,7 @@ def _section(group: str, results: Mapping[str, Any], planned: Sequence[Run]) -> 
 
 def _card(pair: Pair, row: Mapping[str, Any], results: Mapping[str, Any], planned: Sequence[Run]) -> str:
     """A pair: its prompt, the pictures of the first seed, the measures of all."""
-    done = {r.baseline: r.folder for r in planned if r.pair == pair and r.seed == 0 and r.done}
+    done = {r.variation: r.folder for r in planned if r.pair == pair and r.seed == 0 and r.done}
     compared = pair.group in COMPARED
     panels = [("before", done[OURS], "before"), ("ours", done[OURS], "after")] if OURS in done else []
     panels += [("CLIP-only", done[BASELINE], "after")] if BASELINE in done else []

@@ -11,12 +11,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import proxy_renderer
+from lab import methods
 from lab.bench import blender
 from lab.bench.paper.pairs import COMPARED, Pair
+from lab.methods import OURS, Variation
 from proxy_renderer.blender.launch import blender_side
 from proxy_renderer.schema import VibeError, atomic
 
-OURS, BASELINE = "", "clip-only"
+BASELINE = Variation("clip-only")
 _CODE = ("claims", "color", "guidance", "optimize", "planning", "prompt", "render", "scene", "schema")
 """What a result depends on in this package; of Blender's side it is all."""
 
@@ -48,17 +50,15 @@ class Run:
 
     Attributes:
         pair: What is asked for.
-        baseline: `OURS` or `BASELINE`.
+        variation: `OURS`, `BASELINE` or another one.
         seed: Of all chance in it.
         folder: Where it is kept.
-        options: More options of `vibe run`.
     """
 
     pair: Pair
-    baseline: str
+    variation: Variation
     seed: int
     folder: Path
-    options: tuple[str, ...] = ()
 
     @property
     def done(self) -> bool:
@@ -79,24 +79,23 @@ def plan(pairs: Sequence[Pair], budget: RunBudget, out: Path, meshes: Path | Non
     planned = []
     for seed in range(budget.seeds):
         for pair in pairs:
-            for baseline in (OURS, BASELINE) if pair.group in COMPARED else (OURS,):
-                given = arguments(pair, baseline, seed, budget)
-                planned.append(Run(pair, baseline, seed, _folder(pair, given, out, meshes, code)))
+            for each in (OURS, BASELINE) if pair.group in COMPARED else (OURS,):
+                planned.append(Run(pair, each, seed, _folder(pair, each, seed, budget, out, meshes, code)))
     return planned
 
 
 def plan_rungs(
     pairs: Sequence[Pair],
-    rungs: Mapping[str, tuple[str, ...]],
+    rungs: Mapping[str, Variation],
     budget: RunBudget,
     out: Path,
     meshes: Path | None,
 ) -> dict[str, list[Run]]:
-    """Runs of the product with other options, by rung; those of a pair are told apart by their folders.
+    """Runs of each rung; those of a pair are told apart by their folders.
 
     Args:
         pairs: What is asked for.
-        rungs: Name -> options of `vibe run`.
+        rungs: By name.
         budget: How much each run may do.
         out: The results folder.
         meshes: Folder of the paper's meshes; None if no pair needs it.
@@ -104,23 +103,31 @@ def plan_rungs(
     code = _fingerprint()
     planned: dict[str, list[Run]] = {name: [] for name in rungs}
     for seed, pair in itertools.product(range(budget.seeds), pairs):
-        for name, options in rungs.items():
-            given = [*arguments(pair, OURS, seed, budget), *options]
-            planned[name].append(Run(pair, OURS, seed, _folder(pair, given, out, meshes, code), options))
+        for name, each in rungs.items():
+            planned[name].append(Run(pair, each, seed, _folder(pair, each, seed, budget, out, meshes, code)))
     return planned
 
 
-def _folder(pair: Pair, given: Sequence[str], out: Path, meshes: Path | None, code: str) -> Path:
-    what = [pair.set, _content(meshes, pair), *given, code]
+def _folder(
+    pair: Pair,
+    variation: Variation,
+    seed: int,
+    budget: RunBudget,
+    out: Path,
+    meshes: Path | None,
+    code: str,
+) -> Path:
+    given = arguments(pair, variation, seed, budget)
+    what = [pair.set, _content(meshes, pair), str(variation), *given, code]
     return out / "runs" / hashlib.sha256("\n".join(what).encode()).hexdigest()[:20]
 
 
-def arguments(pair: Pair, baseline: str, seed: int, budget: RunBudget) -> list[str]:
+def arguments(pair: Pair, variation: Variation, seed: int, budget: RunBudget) -> list[str]:
     """The options of a run, as `vibe run` has them; no model plans, so that both methods have the encoder alone.
 
     Args:
         pair: What is asked for.
-        baseline: `OURS` or `BASELINE`.
+        variation: With options of its own.
         seed: Of the run.
         budget: How much it may do.
     """
@@ -133,8 +140,9 @@ def arguments(pair: Pair, baseline: str, seed: int, budget: RunBudget) -> list[s
         "seed": seed,
         "vlm-model": "off",
         "device": "cpu",
-    } | ({"baseline": baseline} if baseline else {})
-    return [f"--{name}={value}" for name, value in given.items()] + ([] if budget.anchor else ["--no-anchor"])
+    }
+    anchor = [] if budget.anchor else ["--no-anchor"]
+    return [f"--{name}={value}" for name, value in given.items()] + [*anchor, "--figures", *variation.options]
 
 
 def carry_out(runs: Sequence[Run], budget: RunBudget, out: Path, meshes: Path | None) -> dict[Path, str]:
@@ -157,10 +165,9 @@ def carry_out(runs: Sequence[Run], budget: RunBudget, out: Path, meshes: Path | 
     for name, run in todo.items():
         pair = run.pair
         scene = {"set": pair.set} if pair.set else {"mesh": str(_mesh(meshes, pair))}
-        given = [*arguments(pair, run.baseline, run.seed, budget), *run.options]
-        rows.append(
-            {"name": name, "folder": str(run.folder), "clear": pair.foggy, "arguments": given} | scene
-        )
+        given = arguments(pair, run.variation, run.seed, budget)
+        row = {"name": name, "folder": str(run.folder), "clear": pair.foggy, "arguments": given}
+        rows.append(row | {"environment": run.variation.environment} | scene)
     atomic.write_text(work, json.dumps(rows, indent=1))
     failed = {}
     done = len(runs) - len(todo)
@@ -173,8 +180,9 @@ def carry_out(runs: Sequence[Run], budget: RunBudget, out: Path, meshes: Path | 
         if event["type"] == "failed":
             failed[run.folder] = event["message"]
             outcome = f"FAILED: {event['message']}"
-        method = "CLIP-only" if run.baseline else " ".join(run.options) or "ours"
-        print(f"[{done}/{len(runs)}] {run.pair.name}, {method}, seed {run.seed}: {outcome}", flush=True)
+        print(
+            f"[{done}/{len(runs)}] {run.pair.name}, {run.variation}, seed {run.seed}: {outcome}", flush=True
+        )
     return failed
 
 
@@ -211,7 +219,8 @@ def _fingerprint() -> str:
     """A hash of the code and weights that a result depends on."""
     digest = hashlib.sha256()
     here = Path(proxy_renderer.__file__).parent
-    files = [path for name in _CODE for path in (here / name).rglob("*") if path.is_file()]
+    folders = [*(here / name for name in _CODE), Path(methods.__file__).parent]
+    files = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
     files += blender_side().parent.rglob("*.py")
     for path in sorted(files):
         if path.suffix in (".py", ".toml", ".txt", ".json", ".safetensors"):

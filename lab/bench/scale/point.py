@@ -116,7 +116,7 @@ def measure(jobs: Sequence[Path], size: int) -> dict[str, dict[str, float]]:
     del proxies
     options = Options(rounds=1, steps=1, starts=1, anchor=False)
     with watch.phase("search"):
-        pipeline.run([ShotInput(s) for s in scenes], _PROMPT, options, encoder, encoder, _Follower())
+        pipeline.run([ShotInput(s) for s in scenes], _PROMPT, options, encoder, _Follower())
     return watch.costs
 
 

@@ -10,9 +10,9 @@ from typing import Any
 
 from rich.console import Console
 
-from lab.bench.options import PROJECTION
 from lab.bench.paper.verdict import tally
 from lab.bench.sealed.table import JobResult, claims_of, share
+from lab.methods import PROJECTION, Variation
 
 _FEWEST = 12
 """A baseline's first steps, in one round; they tell how long a step takes."""
@@ -22,21 +22,21 @@ _SPARE = 1.1
 
 
 def rival_row(
-    rival: str, rate: int, ours: JobResult, carry_out: Callable[[Sequence[str]], JobResult]
+    rival: str, rate: int, ours: JobResult, carry_out: Callable[[Variation], JobResult]
 ) -> JobResult:
     """The rival's row of a job; a baseline's is of a run that had at least as many seconds in the loop as the product.
 
     Args:
-        rival: A baseline, as for `vibe run`, or `PROJECTION`.
-        rate: A baseline's greatest step, as for `vibe run`.
+        rival: A baseline or `PROJECTION`.
+        rate: A baseline's greatest step, see `Variation`.
         ours: The product's row.
-        carry_out: Takes options of `vibe run`, and returns the row of a run with them.
+        carry_out: Carries the job out in another way, and returns its row.
     """
     if rival == PROJECTION:
-        return carry_out(["--inner=none"])
+        return carry_out(Variation(PROJECTION))
     steps = _FEWEST
     while True:
-        row = carry_out([f"--baseline={rival}", f"--rate={rate}", "--rounds=1", f"--steps={steps}"])
+        row = carry_out(Variation(rival, rate, ("--rounds=1", f"--steps={steps}")))
         if not 0.0 < _seconds(row) < _seconds(ours):
             return row
         steps = math.ceil(_SPARE * steps * _seconds(ours) / _seconds(row))

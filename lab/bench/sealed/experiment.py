@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from lab.bench.sealed.commit import judged_commit
 from lab.bench.sealed.prompts import SealedJob, draw
 from lab.bench.sealed.trial import SealedTrial
 from lab.bench.sheet import Strip, save_sheets
+from lab.methods import OURS, Variation
 from proxy_renderer.schema import VibeError, atomic
 
 _MOST = 100_000
@@ -41,7 +42,7 @@ def run(
         size: Longer side of the pictures, pixels.
         samples: Of Cycles.
         rival: One that gets the same jobs, see `contest.rival_row`; "" for none.
-        rate: The rival's, as for `vibe run`.
+        rate: The rival's greatest step, in thousandths of a range; 0 for its own.
 
     Returns:
         The content of results.json; see `table.summary`, and `contest.summary` for `contest`. Beside that `seed`, and `changed_files`: whether the clone has
@@ -59,8 +60,8 @@ def run(
     rows, rivals, strips = [], [], []
     for number in range(jobs):
 
-        def carried_out(options: Sequence[str] = (), number: int = number) -> table.JobResult:
-            return _row(_trial(out, chosen, draw(chosen, number, long), size, samples, options))
+        def carried_out(variation: Variation = OURS, number: int = number) -> table.JobResult:
+            return _row(_trial(out, chosen, draw(chosen, number, long), size, samples, variation))
 
         row = carried_out()
         print(f"[{number + 1}/{jobs}] {row['prompt']}: {table.line(row)}", flush=True)
@@ -83,13 +84,13 @@ def run(
 
 
 def _trial(
-    out: Path, seed: str, job: SealedJob, size: int, samples: int, options: Sequence[str]
+    out: Path, seed: str, job: SealedJob, size: int, samples: int, variation: Variation
 ) -> SealedTrial:
     """A trial in a folder that is named by all that it depends on, but for changed files."""
-    depends = [seed, job.number, size, samples, *options, job.prompt, job.scene.plain]
+    depends = [seed, job.number, size, samples, *variation, job.prompt, job.scene.plain]
     name = hashlib.sha256(json.dumps(depends).encode()).hexdigest()[:16]
     folder = out / "runs" / f"{job.number:03d}-{name}"
-    return SealedTrial(job, folder, size, samples, ["--vlm-model=off", *options])
+    return SealedTrial(job, folder, size, samples, variation)
 
 
 def _row(trial: SealedTrial) -> table.JobResult:

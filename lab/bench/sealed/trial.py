@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,7 @@ from lab.bench.sealed.judge import Evidence, judged
 from lab.bench.sealed.prompts import SealedJob
 from lab.bench.sealed.rules import rule
 from lab.bench.wild import product
+from lab.methods import OURS, Variation
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.schema import atomic
 
@@ -29,21 +29,21 @@ class SealedTrial:
         folder: Gets "scene.blend", "sight.npz", "built.json", "ended.json", "log.txt", and in "out" what `vibe run` writes.
         size: Longer side of the pictures, pixels.
         samples: Of Cycles.
-        options: More options of `vibe run`.
+        variation: How it is searched.
     """
 
     job: SealedJob
     folder: Path
     size: int
     samples: int
-    options: Sequence[str] = ()
+    variation: Variation = OURS
 
     def row(self) -> dict[str, Any]:
         """What came of it: from the folder if it has been carried out, always judged anew."""
         subject = [f"--subject={name}" for name in self._subject()]
-        budget = [f"--size={self.size}", f"--samples={self.samples}"]
+        budget = [f"--size={self.size}", f"--samples={self.samples}", "--vlm-model=off", "--figures"]
         scene, prompt = self.folder / "scene.blend", self.job.prompt
-        ended = product.vibe_once(scene, prompt, self.folder, [*subject, *budget, *self.options])
+        ended = product.vibe_once(scene, prompt, self.folder, [*subject, *budget], self.variation)
         return {"prompt": prompt, **ended, **(self._verdict() if ended["code"] == 0 else {})}
 
     def _subject(self) -> list[str]:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from lab.methods import OURS, Variation
 from proxy_renderer.blender import launch, process_tree
 from proxy_renderer.schema import atomic
 
@@ -38,7 +39,9 @@ class Ended:
     last_line: str
 
 
-def vibe(scene: Path, prompt: str, folder: Path, options: Sequence[str]) -> Ended:
+def vibe(
+    scene: Path, prompt: str, folder: Path, options: Sequence[str], variation: Variation = OURS
+) -> Ended:
     """Vibes a scene; its files lie in FOLDER/out then, and what it said in FOLDER/log.txt.
 
     Args:
@@ -46,14 +49,16 @@ def vibe(scene: Path, prompt: str, folder: Path, options: Sequence[str]) -> Ende
         prompt: The words.
         folder: Of the trial; "current" and "temporary" in it are the vibe's own, and both are made.
         options: More options of `vibe run`.
+        variation: How it searches.
     """
     current, temporary, log = folder / "current", folder / "temporary", folder / "log.txt"
     for each in (current, temporary):
         each.mkdir(parents=True, exist_ok=True)
     command = [sys.executable, "-m", "proxy_renderer.cli", "run", str(scene.resolve())]
-    command += ["--prompt", prompt, "--out", str((folder / "out").resolve()), *options]
+    command += ["--prompt", prompt, "--out", str((folder / "out").resolve()), *options, *variation.options]
     environment = {
         **launch.environment(),
+        **variation.environment,
         "TMPDIR": str(temporary.resolve()),
         "TORCHINDUCTOR_CACHE_DIR": str(folder / "inductor"),
     }
@@ -76,7 +81,9 @@ def vibe(scene: Path, prompt: str, folder: Path, options: Sequence[str]) -> Ende
     return Ended(process.returncode, seconds, most, _last_line(log) if process.returncode else "")
 
 
-def vibe_once(scene: Path, prompt: str, folder: Path, options: Sequence[str]) -> dict[str, Any]:
+def vibe_once(
+    scene: Path, prompt: str, folder: Path, options: Sequence[str], variation: Variation = OURS
+) -> dict[str, Any]:
     """Vibes a scene, unless that has been done: FOLDER/ended.json says so. One that was killed is tried again.
 
     Args:
@@ -84,6 +91,7 @@ def vibe_once(scene: Path, prompt: str, folder: Path, options: Sequence[str]) ->
         prompt: The words.
         folder: Of the trial; only the results stay in it.
         options: More options of `vibe run`.
+        variation: How it searches.
 
     Returns:
         `code`; `error`, what was said last, "" for code 0; `seconds`.
@@ -92,7 +100,7 @@ def vibe_once(scene: Path, prompt: str, folder: Path, options: Sequence[str]) ->
     if kept.is_file():
         content: dict[str, Any] = json.loads(kept.read_text(encoding="utf-8"))
         return content
-    ended = vibe(scene, prompt, folder, options)
+    ended = vibe(scene, prompt, folder, options, variation)
     for each in ("inductor", "current", "temporary"):
         shutil.rmtree(folder / each, ignore_errors=True)
     row = {"code": ended.code, "error": ended.last_line, "seconds": round(ended.seconds, 1)}

@@ -253,7 +253,7 @@ def test_a_half_done_experiment_is_summed_up_and_shown(tmp_path, monkeypatch):
     budget = RunBudget(seeds=1)
     planned = runs.plan(known, budget, tmp_path, None)
     for run in planned[:3]:  # the second pair lacks its baseline
-        finished(run, "#777777" if run.baseline else "#e50000")
+        finished(run, "#777777" if run.variation.method else "#e50000")
     results = experiment.summary(planned, budget)
     assert (results["win"], results["tie"], results["loss"], results["pairs"]) == (1, 0, 0, 1)
     assert results["win_rate"] == 1.0
@@ -272,7 +272,7 @@ def test_a_model_is_asked_by_the_papers_prompt(tmp_path, monkeypatch):
     known = [replace(pair("subject: red"), name=n, group="benchmark") for n in judge.PAPER]
     planned = runs.plan([replace(p, prompt=p.name) for p in known], RunBudget(seeds=1), tmp_path, None)
     for run in planned:
-        finished(run, "#777777" if run.baseline else "#e50000")
+        finished(run, "#777777" if run.variation.method else "#e50000")
     words = [says("WINNER = OURS\nREASON = Red."), says("WINNER = TIE\nREASON = Even."), (401, {}, {})]
     with serving(lambda body, n: words[min(n - 1, 2)]) as model:
         monkeypatch.setenv("VIBE_VLM_MODEL", MODEL)

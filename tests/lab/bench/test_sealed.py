@@ -11,6 +11,7 @@ from ball_pictures import DISC, SIDE, X, Y, gray, lit, painted, shot
 from lab.bench.sealed import commit, contest, experiment, judge, prompts, rules, table
 from lab.bench.sealed.prompts import STRICT, Looseness, SealedAsk
 from lab.bench.sealed.scenes import things
+from lab.methods import Variation
 from proxy_renderer.color.floats import srgb_from_hex
 from proxy_renderer.schema import VibeError
 
@@ -367,8 +368,8 @@ def test_a_baseline_has_as_many_seconds_as_the_product(loop, asked):
     """A stand-in for runs: one second for anything, and eight steps a second."""
     steps = []
 
-    def carry_out(options):
-        steps.append(int(options[-1].partition("=")[2]))
+    def carry_out(variation):
+        steps.append(int(variation.options[-1].partition("=")[2]))
         return row([True], loop_seconds=1 + steps[-1] / 8)
 
     last = contest.rival_row("clip-only", 10, row([True], loop_seconds=loop), carry_out)
@@ -377,11 +378,11 @@ def test_a_baseline_has_as_many_seconds_as_the_product(loop, asked):
 
 
 def test_the_plan_alone_is_a_rival_without_steps():
-    options = []
+    asked = []
     contest.rival_row(
-        "projection", 0, row([True], loop_seconds=9.0), lambda told: options.extend(told) or row([True])
+        "projection", 0, row([True], loop_seconds=9.0), lambda told: asked.append(told) or row([True])
     )
-    assert options == ["--inner=none"]
+    assert asked == [Variation("projection")]
 
 
 def test_a_baseline_that_fails_is_not_tried_for_ever():
@@ -393,8 +394,7 @@ def test_a_contest_puts_both_before_the_same_judge(tmp_path, monkeypatch, capsys
     """A stand-in for runs: the product shows all, the baseline nothing."""
 
     def vibed(trial):
-        baseline = any(option.startswith("--baseline") for option in trial.options)
-        return row([not baseline] * len(trial.job.asks), loop_seconds=9.0)
+        return row([not trial.variation.method] * len(trial.job.asks), loop_seconds=9.0)
 
     monkeypatch.setattr(experiment.SealedTrial, "row", vibed)
     results = experiment.run(tmp_path, jobs=3, drawn_from="a", rival="clip-authors")

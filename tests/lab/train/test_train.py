@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import torch
 
+from lab.heads import heads_of
 from lab.train.data import LOOKS, choices, contradicts, gather, make_batch
 from lab.train.evaluate import skill
 from lab.train.pictures import bank as banks
@@ -300,7 +301,7 @@ def test_training_resumes_bit_for_bit_and_exports(bank: dict[str, np.ndarray], t
         other.load(tmp_path / "checkpoint.pt")
     encoder = load_encoder(str(tmp_path / "model"))
     assert encoder.size == SIZE
-    assert encoder.heads is not None
+    assert heads_of(encoder) is not None
     assert encoder.encode_images(torch.rand(2, 3, SIZE, SIZE)).shape == (2, 32)
 
 

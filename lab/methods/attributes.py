@@ -4,17 +4,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from copy import copy
 
 import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from . import regions
+from lab.heads import AttributeHeads, heads_of
+from proxy_renderer.guidance import regions
+from proxy_renderer.guidance.encoder import Encoder
+from proxy_renderer.guidance.guide import Guidance
 
-if TYPE_CHECKING:
-    from .encoder import AttributeHeads, Encoder
-
+_WEIGHT = 0.5  # of the term
 _SURE = 0.1  # cross-entropy below which an attribute counts as there: p > 0.9
 _FULL_FRAME = ("vignette", "brightness")  # attributes that a crop changes
 
@@ -73,29 +74,38 @@ class Attributes:
             losses.append(self._heads.skill[attribute] * F.relu(entropy - _SURE))
         return torch.stack(losses).mean()
 
-    @torch.no_grad()
-    def measure(self, display: Tensor, mask: Tensor) -> dict[str, float]:
-        """Attribute -> probability of its class, in a picture (H, W, 3) with a subject (H, W).
 
-        Args:
-            display: (H, W, 3) in [0, 1].
-            mask: (H, W) subject coverage in [0, 1].
-        """
-        logits = self._heads.read(*self.look(display, mask, 1, torch.Generator().manual_seed(0)))
-        return {a: round(float(logits[a].softmax(-1)[0, c]), 3) for a, c in self.targets.items()}
-
-
-def attributes(encoder: Encoder | None, targets: Mapping[str, str]) -> Attributes | None:
-    """What an encoder's heads are to say.
+class WithHeads:
+    """A guidance, and a term for the attributes that words ask for.
 
     Args:
+        guidance: The other terms.
         encoder: The one whose heads are asked.
-        targets: As for `Attributes`.
+        targets: Attribute -> class that the words ask for.
 
-    Returns:
-        None if it has no heads, or they are asked for nothing that they know.
+    Attributes:
+        views: How many crops of each region it looks at.
     """
-    if encoder is None or encoder.heads is None:
-        return None
-    asked = Attributes(encoder, encoder.heads, targets)
-    return asked if asked.targets else None
+
+    def __init__(self, guidance: Guidance, encoder: Encoder, targets: Mapping[str, str]) -> None:
+        heads = heads_of(encoder)
+        self._guidance = guidance
+        self._wanted = Attributes(encoder, heads, targets) if heads else None
+
+    @property
+    def views(self) -> regions.Views:
+        """Those of the other terms."""
+        return self._guidance.views
+
+    @views.setter
+    def views(self, views: regions.Views) -> None:
+        self._guidance = copy(self._guidance)
+        self._guidance.views = views
+
+    def __call__(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
+        """The weighted terms. Arguments as for `Guidance`."""
+        terms = self._guidance(display, mask, generator)
+        if self._wanted and self._wanted.targets:
+            seen = self._wanted.look(display, mask, self.views.whole, generator)
+            terms["attributes"] = _WEIGHT * self._wanted.loss(*seen)
+        return terms

@@ -4,15 +4,54 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
 
 import torch
 from torch import Tensor
 
-from ..vector import project
-from .descent import Descent, Objective, fixed_views
+from lab.methods import RATE
+from proxy_renderer.guidance.encoder import Encoder
+from proxy_renderer.guidance.guide import Guidance
+from proxy_renderer.optimize.inner.descent import Descent, fixed_views
+from proxy_renderer.optimize.objective import RoundObjective
+from proxy_renderer.optimize.rounds.confiner import Confined
+from proxy_renderer.optimize.rounds.method import Method
+from proxy_renderer.optimize.rounds.selection import Selection
+from proxy_renderer.optimize.vector import project
+from proxy_renderer.planning.advice import Advice
+from proxy_renderer.render.proxy import Render
+
+
+class Objective(Protocol):
+    """Pictures of u, and how far they are from the words."""
+
+    @property
+    def shots(self) -> int:
+        """How many pictures there are: steps take them in turn, points are judged on all of them."""
+
+    def render(self, u: Tensor, shot: int) -> Any:
+        """A picture of u, differentiable in what may move.
+
+        Args:
+            u: (N,) in [0, 1].
+            shot: Which picture, from 0.
+        """
+
+    def loss(self, picture: Any, u: Tensor, generator: torch.Generator, shot: int) -> Tensor:
+        """How far a picture is from the words.
+
+        Args:
+            picture: As `render` returns it.
+            u: (N,) the values that it shows.
+            generator: Chooses the views.
+            shot: Which picture it is, from 0.
+
+        Returns:
+            A scalar, differentiable in the picture and in u.
+        """
 
 
 @dataclass(frozen=True)
@@ -35,6 +74,65 @@ class StepSettings:
     progress: float = 2e-3
     patience: int = 3
     repairs: int = 4
+
+
+class Adam(Method):
+    """The product's plan, claims and selection, and the paper's loop and raw text.
+
+    Attributes:
+        settings: Of the loop; `lab.methods.RATE` in the environment has another rate.
+    """
+
+    settings = StepSettings()
+
+    def __init__(self) -> None:
+        rate = int(os.environ.get(RATE, "0"))
+        if rate:
+            self.settings = replace(self.settings, rate=rate / 1000)
+
+    def guidance(self, encoder: Encoder, prompt: str, advice: Advice, start: Render) -> Guidance:
+        """The product's, but the paper's full-image term has the raw text."""
+        raw = replace(advice, prompts=replace(advice.prompts, whole=prompt))
+        return super().guidance(encoder, prompt, raw, start)
+
+    def descend(
+        self,
+        now: Confined,
+        chosen: Selection,
+        movable: Tensor,
+        steps: int,
+        seed: int,
+        follow: Callable[[int, float, Any], bool],
+    ) -> Descent:
+        """Lines 8 to 15 of the paper."""
+        where = SampledObjective(chosen.objective), now.u, movable, now.lower, now.upper
+        return descend(*where, steps, seed, self.settings, follow)
+
+
+class SampledObjective:
+    """A round's objective on views that are drawn anew for each step, see `Objective`.
+
+    Args:
+        objective: The round's.
+    """
+
+    def __init__(self, objective: RoundObjective) -> None:
+        self._objective = objective
+
+    @property
+    def shots(self) -> int:
+        """How many pictures there are."""
+        return self._objective.shots
+
+    def render(self, u: Tensor, shot: int) -> Render:
+        """The proxy's picture of u (N,), of a shot."""
+        return self._objective.render(u, shot)
+
+    def loss(self, picture: Render, u: Tensor, generator: torch.Generator, shot: int) -> Tensor:
+        """The sum of all terms. Arguments as for `Objective.loss`."""
+        terms = self._objective.terms(picture, generator, shot)
+        total = sum(terms.values(), picture.display.new_zeros(()))
+        return total + self._objective.held(u).to(total)
 
 
 def descend(

@@ -6,7 +6,7 @@ import math
 import pytest
 import torch
 
-from proxy_renderer.optimize.inner.adam import StepSettings, descend
+from lab.methods.adam import StepSettings, descend
 
 
 class Bowl:
