@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What people do today with a picture and a render: color transfer from one flat picture to another.
 
-scikit-image, pilgram and color-matcher come with `pip install vibe-render[like]`; color-matcher is under the GPL and runs as
+scikit-image, pilgram and color-matcher come with `pip install -e '.[lab]'` in a clone; color-matcher is under the GPL and runs as
 a program of its own.
 """
 
@@ -77,7 +77,7 @@ def filtered(picture: Image.Image, name: str) -> Image.Image:
         VibeError: pilgram is not installed.
     """
     if not importlib.util.find_spec("pilgram"):
-        raise VibeError("The photo filters are not installed.", "pip install 'vibe-render[like]'")
+        raise VibeError("The photo filters are not installed.", "pip install -e '.[lab]' in the clone.")
     made: Image.Image = getattr(import_module("pilgram"), name)(picture)
     return made.convert("RGB")
 

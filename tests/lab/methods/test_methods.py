@@ -11,7 +11,7 @@ from tiny_job import write_job
 from lab.methods import METHODS, RATE, Variation
 from lab.methods.adam import Adam
 from lab.methods.clip import ClipAuthors, ClipOnly, GlobalGuidance
-from lab.methods.parts import Middle, Projection, WithoutClaims, WithoutEncoder, WithoutSharing
+from lab.methods.parts import Middle, Projection, WithoutClaims, WithoutEncoder
 from proxy_renderer.engine.report import changed_values
 from proxy_renderer.guidance.encoder import Encoder, load_encoder
 from proxy_renderer.optimize import pipeline
@@ -77,17 +77,6 @@ def test_adam_earns_a_claim_that_is_not_satisfied_yet(search):
     found = begun.descend(darker, begun.select(darker, darker.u))
     assert found.loss < found.start_loss
     assert begun.missed(found.u) < before
-
-
-def test_without_sharing_nothing_is_held(search, monkeypatch):
-    monkeypatch.setattr(selection, "ALIKE", selection.ALIKE)
-    shared = []
-    for method in (Method, WithoutSharing):
-        begun = search("very bright picture", method())
-        now, home = confined(begun)
-        shared.append(begun.select(now, home).shared)
-    assert shared[0]
-    assert not shared[1]
 
 
 @pytest.mark.slow
