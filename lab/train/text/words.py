@@ -37,18 +37,11 @@ DIMENSIONS = 96
 LICENSE = "Derived from WordNet 3.1 (c) Princeton University, all-MiniLM-L6-v2 (Apache-2.0) and GloVe (PDDL)"
 _SHRINKAGE = 1.0  # of the scatter within entries, towards the same in all directions
 _COMMON = 30_000  # of the most frequent words: known to be English, though they say nothing about looks
-_THINGS, _THING_AXES = 50_000, 64  # how frequent a thing has to be to be known, and dimensions of its vector
-_THING_FILES = {
-    "noun.artifact",
-    "noun.animal",
-    "noun.plant",
-    "noun.food",
-    "noun.object",
-    "noun.person",
-    "noun.body",
-}
 _ROUNDS, _STAY = 6, 1.0  # of retrofitting, and the weight of a word's own vector
 _LINKS = {"&": 0.8, "@": 0.35, "+": 0.6, "\\": 0.7, "<": 0.7, "^": 0.3, "=": 0.4}
+
+STEP = 3
+"""Between two values of a component."""
 
 
 def neighbors(net: WordNet, words: dict[str, int]) -> list[dict[int, float]]:
@@ -220,45 +213,19 @@ def build(vocabulary: Vocabulary, model: Path, wordnet: Path, glove: Path, work:
     entries = {name: i for i, name in enumerate(sorted({*vocabulary.synonyms.values()}))}
     labels = np.array([entries[vocabulary.synonyms[words[i]]] for i in by_heart])
     places = unit((vectors - vectors[by_heart].mean(0)) @ projection(vectors[by_heart], labels))
-    named, sorts = things(net, wink, model, work)
     common = [w for w in wink["words"][:_COMMON] if w.isalpha() and len(w) > 2 and w not in kinds]
     tensors = {
-        "vectors": eight_bits(places),
+        "vectors": coarse(places),
         "kinds": np.array([kinds[word] for word in words], np.uint8),
-        "things": eight_bits(sorts),
     }
-    lists = {"words": words, "things": named, "common": common}
+    lists = {"words": words, "common": common}
     save_file(tensors, FILE, {name: "\n".join(some) for name, some in lists.items()} | {"license": LICENSE})
-    print(f"{len(words)} words, {len(named)} things, {FILE.stat().st_size / 1e6:.1f} MB")
+    print(f"{len(words)} words, {FILE.stat().st_size / 1e6:.1f} MB")
 
 
-def things(net: WordNet, wink: dict, model: Path, work: Path) -> tuple[list[str], np.ndarray]:
-    """Names of things that stand in scenes, with vectors in which a mug is like a cup.
-
-    Args:
-        net: WordNet.
-        wink: "words", the most frequent ones first, and "vectors".
-        model: Folder of the sentence encoder.
-        work: Folder in which its vectors are kept.
-
-    Returns:
-        N names, and (N, _THING_AXES) unit vectors.
-    """
-    named = [
-        w
-        for w in wink["words"][:_THINGS]
-        if w.isalpha()
-        and len(w) > 2
-        and any(net.synsets[k].file in _THING_FILES for k, _ in net.senses.get(w, [])[:3])
-    ]
-    vectors = features(named, net, wink["vectors"], model, work)
-    axes = np.linalg.svd(vectors.T @ vectors)[0][:, :_THING_AXES]
-    return named, unit(vectors @ axes)
-
-
-def eight_bits(vectors: np.ndarray) -> np.ndarray:
-    """The same directions in steps of 1/127 of the largest component."""
-    return np.clip(np.round(vectors * (127 / np.abs(vectors).max())), -127, 127).astype(np.int8)
+def coarse(vectors: np.ndarray) -> np.ndarray:
+    """The same directions in multiples of `STEP`, of 127 for the largest component: they pack smaller, and name the same."""
+    return STEP * np.round(vectors * (127 / STEP / np.abs(vectors).max())).astype(np.int8)
 
 
 def main(argv: Sequence[str]) -> None:
