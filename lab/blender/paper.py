@@ -25,7 +25,7 @@ from vibe_render.headless.reporter import Reporter
 from vibe_render.render import final_render
 from vibe_render.scene import snapshot
 
-from lab.blender import side
+from lab.blender import clear, side
 from lab.blender.camera_hits import save_camera_hits
 from lab.blender.scenes.build import build
 from lab.blender.scenes.sets import SETS
@@ -70,7 +70,7 @@ class PaperRuns:
         save_camera_hits(analysis, folder / "after.npz", CAMERA_HITS)
         size, samples = (_number(run, name) for name in ("size", "samples"))
         if run["clear"]:
-            final_render.render_clear(analysis.scene, folder / "clear.png", size, samples)
+            clear.render_clear(analysis.scene, folder / "clear.png", size, samples)
         snapshot.revert(analysis.scene)
         save_camera_hits(analysis, folder / "before.npz", CAMERA_HITS)
         final_render.render_mask(analysis.scene, folder / "mask_before.png", size, analysis.objects)

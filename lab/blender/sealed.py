@@ -20,10 +20,9 @@ import bpy
 from bpy.types import Object
 from vibe_render.export.analysis import analyze
 from vibe_render.headless.scenes import open_blend, save_blend
-from vibe_render.render import final_render
 from vibe_render.scene.subject import SubjectChoice
 
-from lab.blender import side
+from lab.blender import clear, side
 from lab.blender.camera_hits import save_camera_hits
 from lab.blender.scenes.build import build
 from lab.blender.scenes.recipe import (
@@ -118,7 +117,7 @@ def render_clear(path: Path, picture: Path, size: int, samples: int) -> dict[str
         samples: Of Cycles.
     """
     open_blend(path)
-    final_render.render_clear(bpy.context.scene, picture, size, samples)
+    clear.render_clear(bpy.context.scene, picture, size, samples)
     return {}
 
 
