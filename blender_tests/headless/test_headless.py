@@ -143,7 +143,14 @@ def test_a_preset_is_applied(vibed, tmp_path):
 @pytest.mark.slow
 def test_an_interrupt_saves_the_best_so_far(vibed, tmp_path):
     command = [sys.executable, str(BATCH_PY), "--events", "run", str(vibed[0] / "shot.blend")]
-    command += ["--prompt=blue box", f"--out={tmp_path}", "--rounds=500", "--steps=500", *QUICK[2:]]
+    command += [
+        "--prompt=blue box",
+        f"--out={tmp_path}",
+        "--rounds=500",
+        "--steps=500",
+        "--figures",
+        *QUICK[2:],
+    ]
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8"
     ) as process:
@@ -156,7 +163,9 @@ def test_an_interrupt_saves_the_best_so_far(vibed, tmp_path):
         process.send_signal(signal.SIGINT)
         output = process.stdout.read()
     assert process.wait() == 0, output
-    assert {p.name for p in tmp_path.iterdir()} == FILES
+    assert {p.name for p in tmp_path.iterdir()} == {*FILES, "mask.png"}
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert set(report["prediction"]) == {"shown", "before_last_anchor", "unanchored"}
     assert json.loads((tmp_path / "report.json").read_text())["stopped"]
 
 
