@@ -10,10 +10,10 @@ import pytest
 import torch
 from PIL import Image
 
+from lab.__main__ import main
 from lab.bench.like import experiment, flat, table, trial, values
 from lab.bench.like.tasks import FILTERS, PARTS, SETS, tasks
 from lab.bench.wild import product
-from proxy_renderer.cli.main import main
 from proxy_renderer.color.blackbody import blackbody
 from proxy_renderer.schema import VibeError
 
@@ -145,7 +145,7 @@ def test_bad_input(tmp_path, options, word):
         experiment.run(tmp_path, **options)
 
 
-def ended(scene, prompt, folder, options):
+def ended(scene, prompt, folder, options, *_):
     """A vibe that finds the picture to a shade, without Blender."""
     RUNS.append(folder.name)
     picture = next(Path(o.removeprefix("--like=")) for o in options if o.startswith("--like="))
@@ -194,7 +194,7 @@ def test_the_command_line_reaches_it(tmp_path, monkeypatch):
     monkeypatch.setattr(product, "vibe", ended)
     monkeypatch.setattr(trial.blender, "command", hidden)
     options = ["--tasks", "1", "--parts", "recovery", "--budget", "quick", "--size", "32"]
-    assert main(["bench", "like", "--out", str(tmp_path), *options]) == 0
+    assert main(["like", "--out", str(tmp_path), *options]) == 0
     assert json.loads((tmp_path / "results.json").read_text())["budget"] == "quick"
 
 

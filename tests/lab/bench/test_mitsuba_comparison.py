@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
+from lab.__main__ import main
 from lab.bench.mitsuba import twin
 from lab.bench.scenes import balls
-from proxy_renderer.cli.main import main
 from proxy_renderer.schema import VibeError
 
 
@@ -17,7 +17,7 @@ def test_a_missing_mitsuba_is_told_before_anything_is_measured(monkeypatch, tmp_
     monkeypatch.setattr(
         importlib.util, "find_spec", lambda name, *a: (name != "mitsuba" and found(name, *a)) or None
     )
-    assert main(["bench", "speed", "--mitsuba", "--out", str(tmp_path)]) == 2
+    assert main(["speed", "--mitsuba", "--out", str(tmp_path)]) == 2
     said = capsys.readouterr().err
     assert "pip install mitsuba" in said
     assert "LLVM" in said
