@@ -49,7 +49,7 @@ class Studio:
             old.unlink()
         final_render.render(self.scene, self.folder / "after.png", SIZE, SAMPLES)
         if clear:
-            clear.render_clear(self.scene, self.folder / "clear.png", SIZE, SAMPLES)
+            render_clear(self.scene, self.folder / "clear.png", SIZE, SAMPLES)
         final_render.render_mask(self.scene, self.folder / "mask.png", SIZE, self.job.analysis.objects)
         save_camera_hits(self.job.analysis, self.folder / "after.npz", SIZE)
         return finished.load(self.folder, "after")

@@ -5,8 +5,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from proxy_renderer.optimize.rounds.method import VARIABLE
-
 RATE = "LAB_RATE"
 """Environment variable with the greatest step of `adam` and of the baselines, in thousandths of a range."""
 
@@ -45,6 +43,8 @@ class Variation(NamedTuple):
     @property
     def environment(self) -> dict[str, str]:
         """The environment variables with which an engine uses it."""
+        from proxy_renderer.optimize.rounds.method import VARIABLE  # imports torch
+
         return {VARIABLE: METHODS[self.method], RATE: str(self.rate)} if self.method else {}
 
     def __str__(self) -> str:
