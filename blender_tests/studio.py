@@ -11,6 +11,7 @@ from vibe_render.scene.subject import SubjectChoice
 
 from lab.bench.paper import finished
 from lab.blender.camera_hits import save_camera_hits
+from lab.blender.clear import render_clear
 from lab.blender.scenes import making
 
 SIZE, SAMPLES = 96, 16
