@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a vibe may leave in a .blend, and what it must not: `vibe_render.bench.contents` without Blender's own doings."""
+"""What a vibe may leave in a .blend, and what it must not: `lab.blender.contents` without Blender's own doings."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ import re
 from typing import Any
 
 import bpy
-from vibe_render.bench.contents import difference as difference
-from vibe_render.bench.contents import dump as dump
 from vibe_render.core import compat
+
+from lab.blender.contents import difference as difference
+from lab.blender.contents import dump as dump
 
 _COUNTED = re.compile(r"scenes\[.*?\]\.users")
 """Blender's own counting: a Render Layers node that comes a second time counts twice, though both are gone."""

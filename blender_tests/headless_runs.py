@@ -17,7 +17,6 @@ FILES = {
     "before.png",
     "predicted.png",
     "after.png",
-    "mask.png",
     "compare.png",
     "vibed.blend",
     "preset.json",

@@ -3,15 +3,16 @@
 
 import bpy
 import numpy as np
-from vibe_render.bench.camera_hits import save_camera_hits
-from vibe_render.bench.scenes import making
 from vibe_render.export import reading
 from vibe_render.render import final_render
 from vibe_render.scene import bindings
 from vibe_render.scene.stage import parts
 from vibe_render.scene.subject import SubjectChoice
 
-from proxy_renderer.bench.paper import finished
+from lab.bench.paper import finished
+from lab.blender.camera_hits import save_camera_hits
+from lab.blender.clear import render_clear
+from lab.blender.scenes import making
 
 SIZE, SAMPLES = 96, 16
 
@@ -49,7 +50,7 @@ class Studio:
             old.unlink()
         final_render.render(self.scene, self.folder / "after.png", SIZE, SAMPLES)
         if clear:
-            final_render.render_clear(self.scene, self.folder / "clear.png", SIZE, SAMPLES)
+            render_clear(self.scene, self.folder / "clear.png", SIZE, SAMPLES)
         final_render.render_mask(self.scene, self.folder / "mask.png", SIZE, self.job.analysis.objects)
         save_camera_hits(self.job.analysis, self.folder / "after.npz", SIZE)
         return finished.load(self.folder, "after")

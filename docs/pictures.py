@@ -7,8 +7,8 @@ demo.jpg       vibe demo --out out/demo
 dolphin.jpg    vibe run dolphin.obj --prompt "Glossy teal dolphin, white studio background." --out out/dolphin
 tree.jpg       vibe run tree.obj --prompt "Misty tree silhouette, cool blue fog, vignette." --out out/tree
 like.jpg       vibe demo --like coffee.png --out out/like, coffee.png being skimage.data.coffee()
-fidelity.jpg   vibe bench fidelity --out out/fidelity
-sealed.jpg     vibe bench sealed --out out/sealed
+fidelity.jpg   python -m lab fidelity --out out/fidelity
+sealed.jpg     python -m lab sealed --out out/sealed
 rigs.jpg       vibe batch rigs.toml --out out/rigs: four scenes, and the prompts of `RIGS`
 results/       results.json of out/sealed, out/ladder and out/materials, those that are there; sealed-long.json is copied by hand
 tutorial/      the tutorial's own commands

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from proxy_renderer.bench.paper.finished import FinishedPicture
+from lab.bench.paper.finished import FinishedPicture
 from proxy_renderer.color.floats import srgb_from_hex
 
 SIDE = 64

@@ -17,7 +17,7 @@ from proxy_renderer.schema import VibeError
 ROOT = Path(__file__).parents[1]
 PAGES = sorted(
     path.relative_to(ROOT).as_posix()
-    for pattern in ("*.md", "docs/*.md", "LICENSES/*.md", "proxy_renderer/**/*.md")
+    for pattern in ("*.md", "docs/*.md", "LICENSES/*.md", "proxy_renderer/**/*.md", "lab/**/*.md")
     for path in ROOT.glob(pattern)
 )
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.M | re.S)
@@ -74,7 +74,13 @@ def wrong_commands(markdown):
 
 def missing_files(page, markdown):
     """Source files in backquotes, by their path from the repository or a package, that do not exist."""
-    roots = (ROOT, ROOT / "proxy_renderer", ROOT / "addon" / "vibe_render", (ROOT / page).parent)
+    roots = (
+        ROOT,
+        ROOT / "proxy_renderer",
+        ROOT / "addon" / "vibe_render",
+        ROOT / "lab",
+        (ROOT / page).parent,
+    )
     named = re.findall(r"`([\w.-]+(?:/[\w.-]+)+\.(?:py|toml|txt|md))`", prose(markdown))
     return [name for name in named if not any((root / name).exists() for root in roots)]
 

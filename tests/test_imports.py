@@ -36,6 +36,11 @@ def test_the_engine_never_imports_blender():
     assert not offenders(ENGINE, ["bpy", "mathutils", "bpy_extras", "gpu", "vibe_render"])
 
 
+def test_nothing_shipped_imports_the_laboratory():
+    assert not offenders(ENGINE, ["lab"])
+    assert not offenders(ADDON, ["lab"])
+
+
 def test_the_addon_never_imports_what_blender_does_not_have():
     assert not offenders(
         ADDON, ["torch", "torchvision", "open_clip", "trimesh", "embreex", "PIL", "scipy", "PyOpenColorIO"]
@@ -70,6 +75,8 @@ def test_the_whole_engine_runs_without_blender():
 
 def test_the_checks_can_fail(tmp_path):
     culprit = tmp_path / "bad.py"
-    culprit.write_text("def later():\n    from bpy.types import Scene\n    import torch.nn as nn\n")
-    assert tops(culprit) == {"bpy", "torch"}
+    culprit.write_text(
+        "def later():\n    from bpy.types import Scene\n    import torch.nn as nn\n    import lab.bench\n"
+    )
+    assert tops(culprit) == {"bpy", "torch", "lab"}
     assert loaded("import numpy", HEAVY) == ["numpy"]

@@ -9,23 +9,32 @@ import pytest
 from imports import circles, folder, module_graph, modules
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = {"proxy_renderer": ROOT / "proxy_renderer", "vibe_render": ROOT / "addon" / "vibe_render"}
+PACKAGES = {
+    "proxy_renderer": ROOT / "proxy_renderer",
+    "vibe_render": ROOT / "addon" / "vibe_render",
+    "lab": ROOT / "lab",
+}
 
 # Folders of each package, lowest first: a module imports from its own folder and from those above it in this list.
 # Two joined by = are one room in two parts, on the same layer.
 LAYERS = {
     "proxy_renderer": """
         schema=schema.options . blender color scene
-        prompt.lexicon prompt=prompt.mentions=prompt.binding=prompt.languages planning=planning.lights vlm inputs batch.manifest batch
+        prompt.lexicon prompt=prompt.mentions=prompt.binding=prompt.languages goals planning=planning.lights vlm inputs batch.manifest batch
         render.film render.geometry render.material render.lights=render.lights.types render.transport render.edges render.surface
         render.cycles render claims.measures claims rigs reference.files reference
-        train.sentences train.pictures train.text guidance train optimize=optimize.inner=optimize.rounds engine
-        bench.mitsuba bench bench.speed bench.encoder bench.paper bench.ladder bench.wild bench.sealed bench.scale bench.materials bench.binding bench.like cli=cli.commands
+        guidance optimize=optimize.inner=optimize.rounds engine
+        cli=cli.commands
     """,
     "vibe_render": """
         core engine scene.geometry scene.lights scene.nodes scene scene.stage render export session.notes session looks
         headless ui ui.operators ui.panels
-        bench.scenes bench bench.like .
+        .
+    """,
+    "lab": """
+        blender.scenes blender blender.like judge heads methods train.sentences train.pictures train.text train
+        bench.mitsuba bench bench.speed bench.encoder bench.paper bench.ladder bench.wild bench.sealed bench.scale bench.materials
+        bench.binding bench.like .
     """,
 }
 # Modules of a folder without its __init__: what one still reads as a list. One more asks for a folder.

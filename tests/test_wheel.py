@@ -1,124 +1,68 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The built wheel: it holds everything that an installed copy reads, and nothing that a run or a test has left behind."""
+"""The built wheel: all that an installed copy reads, nothing that cannot be reached, nothing that a run or a test has left behind."""
 
-import sys
 import zipfile
 from pathlib import Path
 
 import pytest
 from hatchling.build import build_wheel
+from reach import unreachable
 
 ROOT = Path(__file__).parents[1]
-PLACES = {"proxy_renderer": "proxy_renderer", "vibe_render": "addon/vibe_render"}
-_ENCODER = (
-    "heads.json",
-    "heads.safetensors",
-    "merges.txt.gz",
-    "open_clip_config.json",
-    "open_clip_model.safetensors",
-    "README.md",
+PLACES = {"proxy_renderer": ROOT / "proxy_renderer", "vibe_render": ROOT / "addon" / "vibe_render"}
+ENTRIES = (
+    "proxy_renderer.cli.main",
+    "proxy_renderer.cli.__main__",
+    "proxy_renderer.engine.worker",
+    "vibe_render",
+    "vibe_render.batch",
 )
-DATA = (
-    "proxy_renderer/py.typed",
-    "vibe_render/py.typed",
-    "vibe_render/blender_manifest.toml",
-    *(f"proxy_renderer/guidance/{encoder}/{name}" for encoder in ("embedded", "judge") for name in _ENCODER),
-    "proxy_renderer/guidance/embedded/skill.json",
-    "proxy_renderer/prompt/lexicon/binding.json",
-    "proxy_renderer/prompt/lexicon/colors.txt",
-    "proxy_renderer/prompt/lexicon/hours.toml",
-    "proxy_renderer/prompt/lexicon/things.toml",
-    "proxy_renderer/prompt/lexicon/names.toml",
-    "proxy_renderer/prompt/lexicon/modifiers.toml",
-    "proxy_renderer/prompt/lexicon/rigs.toml",
-    "proxy_renderer/prompt/lexicon/vocabulary.toml",
-    "proxy_renderer/prompt/lexicon/words.safetensors",
-    "proxy_renderer/prompt/languages/*.toml",
-    "proxy_renderer/prompt/languages/unread.txt",
-    "proxy_renderer/claims/heads.toml",
-    "proxy_renderer/batch/flamenco.js",
-    "proxy_renderer/batch/page/*.js",
-    "proxy_renderer/batch/page/*.css",
-    "proxy_renderer/batch/page/*.html",
-    "proxy_renderer/bench/unseen_words.txt",
-    "proxy_renderer/bench/paper/*.css",
-    "proxy_renderer/bench/paper/*.toml",
-    "proxy_renderer/bench/sealed/*.json",
-    "proxy_renderer/bench/sealed/*.toml",
-    "proxy_renderer/bench/sealed/*.txt",
-    "vibe_render/looks/shipped/*.jpg",
-    "vibe_render/looks/shipped/*.json",
-    "vibe_render/looks/shipped/prompts.toml",
-)
-"""All files beside the modules: the wheel's places, with * for a name. A new kind of data gets a line here."""
-
-
-def in_tree(pattern):
-    """What the clone has of a pattern, as the wheel names it."""
-    package, _, rest = pattern.partition("/")
-    folder = ROOT / PLACES[package]
-    return {
-        f"{package}/{path.relative_to(folder).as_posix()}" for path in folder.glob(rest) if path.is_file()
-    }
-
-
-def missing(names):
-    """Patterns that match nothing, and files of the clone that a wheel lacks."""
-    sought = (*DATA, *(f"{package}/**/*.py" for package in PLACES))
-    files = {pattern: in_tree(pattern) for pattern in sought}
-    return {pattern for pattern in sought if not files[pattern]} | set().union(*files.values()) - names
-
-
-def strange(names):
-    """What is neither a module, nor known data, nor the wheel's own description."""
-    data = {file for pattern in DATA for file in in_tree(pattern)}
-    return {name for name in names - data if not (".dist-info/" in name or is_module(name))}
-
-
-def is_module(name):
-    return name.partition("/")[0] in PLACES and name.endswith(".py")
 
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
-    """The names of all files in a wheel that is built from this clone."""
+    """A folder with all files of a wheel that is built from this clone."""
     folder = tmp_path_factory.mktemp("wheel")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(ROOT)
         name = build_wheel(str(folder))
     with zipfile.ZipFile(folder / name) as archive:
-        return set(archive.namelist())
+        archive.extractall(folder / "all")
+    return folder / "all"
 
 
-def test_the_wheel_is_whole(wheel):
-    assert not missing(wheel)
+def files(folder):
+    """Names of a folder's files, as the wheel has them."""
+    return {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
 
 
-def test_the_wheel_holds_nothing_else(wheel):
-    assert not strange(wheel)
+def in_clone():
+    """Names of all that the clone's packages hold, but documents and what Python leaves behind."""
+    found = {f"{name}/{each}" for name, folder in PLACES.items() for each in files(folder)}
+    return {name for name in found if not name.endswith((".pyc", ".md"))}
 
 
-def test_a_wheel_without_a_file_is_not_whole(wheel):
-    lost = {min(in_tree(pattern)) for pattern in DATA}
-    assert missing(wheel - lost) == lost
+def test_the_wheel_holds_all_of_its_packages_and_nothing_else(wheel):
+    its_own = {name for name in files(wheel) if ".dist-info/" not in name}
+    assert its_own == in_clone()
 
 
-def test_data_that_the_clone_has_lost_is_missed(wheel, monkeypatch):
-    monkeypatch.setattr(sys.modules[__name__], "DATA", (*DATA, "proxy_renderer/prompt/lexicon/verbs.txt"))
-    assert missing(wheel) == {"proxy_renderer/prompt/lexicon/verbs.txt"}
+def test_all_of_it_can_be_reached(wheel):
+    assert not unreachable(wheel, PLACES, ENTRIES)
 
 
-@pytest.mark.parametrize(
-    "stray",
-    [
-        "tests/test_wheel.py",
-        "blender_tests/dump.py",
-        "out/vibed.blend",
-        "proxy_renderer/bench/__pycache__/speed.cpython-313.pyc",
-        "proxy_renderer/bench/paper/index.html",
-        "proxy_renderer/train/sentences/development/scenes.toml",
+def test_what_nothing_reaches_is_noticed(wheel):
+    strays = {
+        "proxy_renderer/render/nobody.py",
+        "proxy_renderer/train/__init__.py",
+        "proxy_renderer/guidance/judge/heads.safetensors",
+        "proxy_renderer/guidance/embedded/heads.safetensors",
+        "proxy_renderer/prompt/lexicon/verbs.txt",
+        "proxy_renderer/batch/page/index.txt",
         "vibe_render/looks/shipped/noir.png",
-    ],
-)
-def test_output_in_a_wheel_is_noticed(wheel, stray):
-    assert strange(wheel | {stray}) == {stray}
+        "vibe_render/looks/shipped/prompts.toml",
+    }
+    for stray in strays:
+        (wheel / stray).parent.mkdir(exist_ok=True)
+        (wheel / stray).write_text("import proxy_renderer\n")
+    assert unreachable(wheel, PLACES, ENTRIES) == strays

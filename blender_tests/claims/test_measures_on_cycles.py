@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measures of claims on real renders: a scene that is moved along a measure is seen to rise in it.
 
-Gloss, vignette, hardness and the light's direction are tried in `bench/test_paper.py`, on the same studio.
+Gloss, vignette, hardness and the light's direction are tried in `lab/bench/test_paper.py`, on the same studio.
 """
 
 import pytest

@@ -3,13 +3,13 @@
 
 import pytest
 import torch
-from vibe_render.bench.scenes.build import build
-from vibe_render.bench.scenes.recipe import CameraRecipe, FinishRecipe, SceneRecipe, WorldRecipe
 from vibe_render.export import reading
 from vibe_render.render import final_render
 from vibe_render.scene.subject import SubjectChoice
 
-from proxy_renderer.bench.metrics import difference
+from lab.bench.metrics import difference
+from lab.blender.scenes.build import build
+from lab.blender.scenes.recipe import CameraRecipe, FinishRecipe, SceneRecipe, WorldRecipe
 from proxy_renderer.engine.report import load_picture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene

@@ -4,8 +4,13 @@
 import pytest
 import torch
 from marks import few_of
-from vibe_render.bench.scenes.build import build
-from vibe_render.bench.scenes.recipe import (
+from vibe_render.export import reading
+from vibe_render.render import final_render
+from vibe_render.scene.subject import SubjectChoice
+
+from lab.bench.metrics import difference
+from lab.blender.scenes.build import build
+from lab.blender.scenes.recipe import (
     CameraRecipe,
     FinishRecipe,
     FogRecipe,
@@ -13,11 +18,6 @@ from vibe_render.bench.scenes.recipe import (
     SceneRecipe,
     WorldRecipe,
 )
-from vibe_render.export import reading
-from vibe_render.render import final_render
-from vibe_render.scene.subject import SubjectChoice
-
-from proxy_renderer.bench.metrics import difference
 from proxy_renderer.engine.report import load_picture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene

@@ -41,7 +41,7 @@ def test_it_writes_all_its_files_and_nothing_else(vibed):
     folder, _ = vibed
     assert {p.name for p in (folder / "out").iterdir()} == FILES
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    for name in ("before.png", "after.png", "mask.png"):
+    for name in ("before.png", "after.png"):
         assert tuple(bpy.data.images.load(str(folder / "out" / name)).size) == (48, 32)
 
 
@@ -57,7 +57,7 @@ def test_its_report_says_what_was_done(vibed):
     assert set(color) == {"before", "after", "lower", "upper", "moved", "priority", "optimized", "reason"}
     assert color["after"][0] > 2 * color["after"][1]
     assert set(report["similarity"]) == {"before", "after"}
-    assert set(report["prediction"]) == {"shown", "before_last_anchor", "unanchored"}
+    assert set(report["prediction"]) == {"shown"}
     assert report["delta_e"] == report["prediction"]["shown"]["mean"]
     assert {row["word"] for row in report["claims"]} > {""}
     assert all(row["holds"] in (True, False, None) for row in report["claims"])
@@ -130,7 +130,7 @@ def test_a_preset_is_applied(vibed, tmp_path):
         "apply", folder / "out" / "preset.json", folder / "shot.blend", f"--out={tmp_path}", *QUICK[2:]
     )
     assert code == 0, output
-    assert {p.name for p in tmp_path.iterdir()} == {"before.png", "after.png", "mask.png", "vibed.blend"}
+    assert {p.name for p in tmp_path.iterdir()} == {"before.png", "after.png", "vibed.blend"}
     bpy.ops.wm.open_mainfile(filepath=str(folder / "out" / "vibed.blend"))
     wanted = tuple(
         bpy.data.materials["Box"].node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value
@@ -143,7 +143,14 @@ def test_a_preset_is_applied(vibed, tmp_path):
 @pytest.mark.slow
 def test_an_interrupt_saves_the_best_so_far(vibed, tmp_path):
     command = [sys.executable, str(BATCH_PY), "--events", "run", str(vibed[0] / "shot.blend")]
-    command += ["--prompt=blue box", f"--out={tmp_path}", "--rounds=500", "--steps=500", *QUICK[2:]]
+    command += [
+        "--prompt=blue box",
+        f"--out={tmp_path}",
+        "--rounds=500",
+        "--steps=500",
+        "--figures",
+        *QUICK[2:],
+    ]
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8"
     ) as process:
@@ -156,7 +163,9 @@ def test_an_interrupt_saves_the_best_so_far(vibed, tmp_path):
         process.send_signal(signal.SIGINT)
         output = process.stdout.read()
     assert process.wait() == 0, output
-    assert {p.name for p in tmp_path.iterdir()} == FILES
+    assert {p.name for p in tmp_path.iterdir()} == {*FILES, "mask.png"}
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert set(report["prediction"]) == {"shown", "before_last_anchor", "unanchored"}
     assert json.loads((tmp_path / "report.json").read_text())["stopped"]
 
 

@@ -12,7 +12,9 @@ from vibe_render.looks import library, thumbnail, use
 from vibe_render.scene.subject import SubjectChoice
 from vibe_render.session.session import result
 
-ROWS = tomllib.loads((library.SHIPPED / "prompts.toml").read_text(encoding="utf-8"))["look"]
+from lab.blender import make_looks
+
+ROWS = tomllib.loads(make_looks.PROMPTS.read_text(encoding="utf-8"))["look"]
 
 
 @pytest.fixture(autouse=True)

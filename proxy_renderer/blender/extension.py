@@ -18,14 +18,12 @@ from pathlib import Path
 
 from ..schema import VibeError, atomic
 
-_IGNORED = shutil.ignore_patterns(
-    "__pycache__",
-    "*.pyc",
-    "bench",  # measurements and training are the command's
-    "train",
-    "make_looks.py",  # looks are made here, and come made
-    "prompts.toml",
+_LEFTOVERS = ("__pycache__", "*.pyc", "*.md")
+_OF_THE_COMMAND = (
+    *("cli", "batch", "blender"),
+    *("command_line.py", "explanation.py", "own_entry.py", "plain.py", "preset.py", "trial.py", "why.py"),
 )
+"""Folders and modules of the engine's package that the command `vibe` alone runs."""
 
 
 def build(out: Path) -> Path:
@@ -108,9 +106,12 @@ def _blender(chosen: str) -> str:
 def _assemble(package: Path) -> None:
     """Puts the add-on, the schema, the engine's code and the note about this Python together."""
     here = Path(__file__).parents[1]
-    shutil.copytree(_addon(), package, ignore=_IGNORED)
-    shutil.copytree(here / "schema", package / "schema", ignore=_IGNORED)
-    shutil.copytree(here, package / "carried" / here.name, ignore=_IGNORED)
+    leftovers = shutil.ignore_patterns(*_LEFTOVERS)
+    shutil.copytree(_addon(), package, ignore=leftovers)
+    schema = shutil.ignore_patterns(*_LEFTOVERS, "means.py")  # the planner's alone
+    shutil.copytree(here / "schema", package / "schema", ignore=schema)
+    engine = shutil.ignore_patterns(*_LEFTOVERS, *_OF_THE_COMMAND)
+    shutil.copytree(here, package / "carried" / here.name, ignore=engine)
     (package / "carried" / "requirements.txt").write_text("\n".join(_requirements()), encoding="utf-8")
     (package / "engine.txt").write_text(sys.executable, encoding="utf-8")
 

@@ -115,8 +115,7 @@ def _encoder() -> str:
     from ..guidance.encoder import load_encoder
 
     encoder = load_encoder(None, "cpu")
-    heads = "with" if encoder.heads is not None else "without"
-    return f"{encoder.name}, {encoder.size} pixels, {heads} attribute heads"
+    return f"{encoder.name}, {encoder.size} pixels"
 
 
 def _model() -> str:

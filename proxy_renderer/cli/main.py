@@ -10,7 +10,7 @@ from types import ModuleType
 
 from .. import __version__
 from ..schema import VibeError, faults
-from .commands import apply, batch, bench, demo, doctor, explain, extension, flamenco, revert, run, vocabulary
+from .commands import apply, batch, demo, doctor, explain, extension, flamenco, revert, run, vocabulary
 from .parser import Help, Parser
 
 COMMANDS: dict[str, ModuleType] = {
@@ -23,7 +23,6 @@ COMMANDS: dict[str, ModuleType] = {
     "explain": explain,
     "vocabulary": vocabulary,
     "doctor": doctor,
-    "bench": bench,
     "extension": extension,
 }
 """In the order of the help."""

@@ -14,9 +14,11 @@ from ..schema.options.table import named
 class Parser(argparse.ArgumentParser):
     """Argument mistakes in one line, like every other mistake."""
 
+    program = "vibe"
+
     def error(self, message: str) -> NoReturn:
         """Exits with code 2."""
-        self.exit(2, f"vibe: {message[:1].upper()}{message[1:]}. See `{self.prog} --help`.\n")
+        self.exit(2, f"{self.program}: {message[:1].upper()}{message[1:]}. See `{self.prog} --help`.\n")
 
 
 class Help(argparse.HelpFormatter):

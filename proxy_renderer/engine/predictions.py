@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from ..optimize.pipeline import Outcome
 from ..render.proxy import Proxy, Render
 from . import report
 
-PREDICTION, MASK = "prediction.png", "mask.png"
+PREDICTION = "prediction.png"
 PICTURES = {
     "shown": PREDICTION,
     "before_last_anchor": "prediction-earlier.png",
@@ -31,30 +32,39 @@ def variant(number: int) -> str:
     return f"variant-{number}.png"
 
 
-def predict(proxy: Proxy, outcome: Outcome, number: int, job: Path, measured: bool = True) -> list[str]:
-    """Draws a shot of the values found, and what would have been predicted without the last anchor.
+@dataclass(frozen=True)
+class Predicted:
+    """The predictions of a shot.
+
+    Attributes:
+        names: Which of `PICTURES` there are.
+        mask: The share of each pixel that the subject covers, as an image.
+    """
+
+    names: list[str]
+    mask: Image.Image
+
+
+def predict(proxy: Proxy, outcome: Outcome, number: int, job: Path, figures: bool) -> Predicted:
+    """Draws a shot of the values found.
 
     Args:
         proxy: Of the shot, at full size.
         outcome: What was found.
         number: Of the shot.
         job: Its folder, for the pictures.
-        measured: Whether a finished picture will be compared with them; otherwise only what is shown is drawn.
-
-    Returns:
-        Which of `PICTURES` there are; those without the last anchor where there is one.
+        figures: Whether also to draw what would have been predicted without the last anchor, where there is one, and without any.
     """
     anchoring = outcome.shots[number].anchoring
     last = anchoring.proxy.correction
     corrections = {"shown": last}
-    if last is not None and measured:
+    if last is not None and figures:
         corrections |= {"before_last_anchor": anchoring.earlier, "unanchored": None}
     for name, correction in corrections.items():
         proxy.correction = correction
         picture = _drawn(proxy, outcome, number)
         report.save_picture(picture.display, job / PICTURES[name])
-    report.save_picture(picture.mask, job / MASK)
-    return list(corrections)
+    return Predicted(list(corrections), report.image(picture.mask))
 
 
 def variants(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> list[Image.Image]:

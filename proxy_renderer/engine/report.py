@@ -108,14 +108,19 @@ def save_picture(picture: Tensor, path: Path) -> None:
     """Writes (H, W, 3) or (H, W) in [0, 1] as an 8-bit PNG, all at once or not at all.
 
     Args:
-        picture: (H, W, 3) or (H, W) in [0, 1]; what is outside is clipped.
+        picture: As for `image`.
         path: Of the PNG.
 
     Raises:
         OSError: It cannot be written.
     """
+    save_image(image(picture), path)
+
+
+def image(picture: Tensor) -> Image.Image:
+    """An 8-bit image of a picture (H, W, 3) or (H, W) in [0, 1]; what is outside is clipped."""
     data = (picture.detach().cpu().numpy().clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
-    save_image(Image.fromarray(data), path)
+    return Image.fromarray(data)
 
 
 def save_image(image: Image.Image, path: Path) -> None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -19,6 +20,7 @@ from ..guidance.encoder import Encoder, load_encoder
 from ..optimize import context, pipeline
 from ..optimize.anchoring import BlenderPictures
 from ..optimize.progress import Observer
+from ..optimize.rounds.method import VARIABLE, load_method
 from ..optimize.shots import ShotInput
 from ..planning.explanation import word_rows
 from ..prompt.understood import Understood
@@ -56,13 +58,14 @@ class EngineSession:
         vlm_key: str = "",
     ) -> None:
         self.shots, self.prompt, self.options, self._observer = shots, prompt, options, observer
+        self._method = load_method()
         self._caption = prompt
         self._understood: Understood | None = None
         self._encoder: Encoder | None = None
         self._outcome: pipeline.Outcome | None = None
         endpoint = find_endpoint(options, vlm_key)
-        self._model = Client(endpoint, observer.stopped) if endpoint and not options.baseline else None
-        self._predicted: list[list[str]] = []  # names of the predictions of each shot
+        self._model = Client(endpoint, observer.stopped) if endpoint else None
+        self._predicted: list[predictions.Predicted] = []  # of each shot
         self._reference: Reference | None = None
         self._claims: list[ShotClaims] = []  # one for each shot
         self._rows: list[list[tuple[str, Image.Image]]] = []  # of compare.png: one for each shot
@@ -77,7 +80,6 @@ class EngineSession:
         self._observer.stage("loading the encoder")
         device = pick_device(self.options.device)
         encoder = self._encoder = load_encoder(self.options.encoder or None, device)
-        heads = encoder if encoder.heads is not None else _embedded(device)
         clock.lap("load encoder")
         self._observer.stage("loading the scene")
         found = [load_scene(Path(shot.job)) for shot in self.shots]
@@ -93,7 +95,7 @@ class EngineSession:
             for scene, blender, shot in zip(scenes, blenders, self.shots, strict=True)
         ]
         outcome = pipeline.run(
-            views, self.prompt, self.options, encoder, heads, self._observer, advisor, addition
+            views, self.prompt, self.options, encoder, self._observer, advisor, addition, self._method
         )
         clock.lap("loop", {"wait for Blender": sum(blender.waited for blender in blenders)})
         self._outcome = outcome
@@ -135,8 +137,9 @@ class EngineSession:
         for number, (shot, seen) in enumerate(zip(self.shots, outcome.shots, strict=True)):
             size = context.picture_size(seen.scene.resolution, self.options.size)
             proxy = Proxy(seen.scene, size, str(encoder.device), self.options.seed, fine=True)
-            measured = not self._observer.wants_looks  # the panel renders nothing at the end
-            self._predicted.append(predictions.predict(proxy, outcome, number, Path(shot.job), measured))
+            self._predicted.append(
+                predictions.predict(proxy, outcome, number, Path(shot.job), self.options.figures)
+            )
             pictures = predictions.variants(proxy, outcome, number, Path(shot.job))
             rows.append(
                 [
@@ -167,7 +170,8 @@ class EngineSession:
         before, after = (report.load_picture(Path(p)) for p in (request.before, request.after))
         shape, shot = (after.shape[1], after.shape[0]), self.shots[request.shot]
         job = Path(shot.job)
-        drawn = {n: _drawn(job / predictions.PICTURES[n], shape) for n in self._predicted[request.shot]}
+        found = self._predicted[request.shot]
+        drawn = {n: _drawn(job / predictions.PICTURES[n], shape) for n in found.names}
         predicted = drawn["shown"]
         panels = [("before", before), ("the proxy's prediction", predicted), ("after (Cycles)", after)]
         if reference := self._reference:
@@ -181,11 +185,7 @@ class EngineSession:
         ]
         self._rows = [*self._rows[: request.shot], images]
         report.save_image(report.compare(self._rows, self.prompt, self._fonts()), Path(request.compare_out))
-        with Image.open(job / predictions.MASK) as picture:
-            mask = picture.resize(shape, Image.Resampling.LANCZOS)
-        if request.mask_out:
-            report.save_image(mask, Path(request.mask_out))
-        subject = np.asarray(mask, np.float32) / 255.0
+        subject = np.asarray(found.mask.resize(shape, Image.Resampling.LANCZOS), np.float32) / 255.0
         return messages.Finished(
             prediction={name: predictions.apart(each, after, subject) for name, each in drawn.items()},
             similarity={"before": self._similarity(before), "after": self._similarity(after)},
@@ -230,7 +230,7 @@ class EngineSession:
             "prompt": self.prompt,
             "encoder": encoder.name,
             "seed": self.options.seed,
-            "baseline": self.options.baseline,
+            "method": os.environ.get(VARIABLE, ""),
             "parameters": report.parameter_records(outcome),
             "rounds": outcome.rounds,
             "understood": {
@@ -263,14 +263,6 @@ def _drawn(path: Path, shape: tuple[int, int]) -> np.ndarray:
     with Image.open(path) as image:
         resized = image.convert("RGB").resize(shape, Image.Resampling.LANCZOS)
     return np.asarray(resized, np.float32) / 255.0
-
-
-def _embedded(device: str) -> Encoder | None:
-    """The embedded encoder, whose heads guide beside an encoder that has none; None if it is missing."""
-    try:
-        return load_encoder(None, device)
-    except VibeError:
-        return None
 
 
 class _Laps:

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The encoder that judges pictures by words: any open_clip model, by default the one shipped here.
 
-The shipped model is an open_clip folder like any other; beside it lie attribute heads, which read
-exact attributes (colors, finish, light, fog, grade) off the same picture features.
+The shipped model is an open_clip folder like any other.
 """
 
-import json
 import logging
 import urllib.error
 import urllib.request
@@ -14,79 +12,18 @@ from typing import Any
 
 import torch
 import torch.nn.functional as F
-from safetensors.torch import load_file
-from torch import Tensor, nn
+from torch import Tensor
 
 from ..schema.errors import VibeError
 from . import network  # noqa: F401 - makes timm know our picture tower
 
-EMBEDDED, JUDGE = (Path(__file__).with_name(name) for name in ("embedded", "judge"))
-"""The encoder that guides by default, and another one that only judges results: nothing may be optimized against it."""
+EMBEDDED = Path(__file__).with_name("embedded")
+"""The encoder that guides by default."""
 MERGES = "merges.txt.gz"
 """The merges of a folder's own, smaller vocabulary, read by open_clip's tokenizer."""
 _REMEDY = "Use the embedded encoder (leave --encoder out), or a tag such as ViT-B-32-256/datacomp_s34b_b86k."
 _PATIENCE = 8.0
 """Seconds to wait for the hub's answer."""
-
-
-OF_SURFACES = ("subject_finish", "subject_metal")
-"""Attributes that are read off the subject alone."""
-
-
-class AttributeHeads(nn.Module):
-    """Reads every attribute's class off picture features, by one small network for all of them.
-
-    Attributes:
-        names: Attribute name → its classes, in the order of the logits.
-        skill: Attribute name → how far above a blind guess its head has been measured to be, in [0, 1];
-            1 where nobody has measured.
-    """
-
-    def __init__(self, dim: int, names: dict[str, list[str]], hidden: int = 192) -> None:
-        super().__init__()
-        self.names = names
-        self.skill = dict.fromkeys(names, 1.0)
-        self.scale = dim**0.5
-        self.layers = nn.Sequential(
-            nn.Linear(dim, hidden), nn.GELU(), nn.Linear(hidden, sum(map(len, names.values())))
-        )
-
-    def logits(self, features: Tensor) -> dict[str, Tensor]:
-        """Attribute name → logits (B, classes), from unit features (B, D)."""
-        parts = self.layers(features * self.scale).split(
-            [len(classes) for classes in self.names.values()], -1
-        )
-        return dict(zip(self.names, parts, strict=True))
-
-    def read(self, whole: Tensor, subject: Tensor) -> dict[str, Tensor]:
-        """As `logits`, of features of whole pictures (B, D) and of the subject, framed closely (C, D), which shows its surface better.
-
-        Args:
-            whole: (B, D) unit features of whole pictures.
-            subject: (C, D) unit features of their subjects, framed closely.
-
-        Returns:
-            Attribute name -> logits (B, classes), or (C, classes) for `OF_SURFACES`.
-        """
-        of_surfaces = self.logits(subject)
-        return self.logits(whole) | {name: of_surfaces[name] for name in OF_SURFACES if name in self.names}
-
-    def loss(self, features: Tensor, labels: Tensor, stress: Tensor) -> Tensor:
-        """Mean cross-entropy of the heads.
-
-        Args:
-            features: (B, D) unit features of pictures.
-            labels: (B, A) indices of classes; -100 where an attribute cannot be seen.
-            stress: (A,) how much each attribute weighs.
-
-        Returns:
-            A scalar.
-        """
-        terms = [
-            F.cross_entropy(logits, labels[:, i], reduction="sum") / (labels[:, i] >= 0).sum().clamp_min(1)
-            for i, logits in enumerate(self.logits(features).values())
-        ]
-        return (torch.stack(terms) * stress).sum() / stress.sum()
 
 
 class Encoder:
@@ -95,17 +32,13 @@ class Encoder:
     Attributes:
         name: What the user asked for.
         size: Side of the square picture that the model sees, in pixels.
-        heads: Attribute heads, where the model has some.
     """
 
-    def __init__(
-        self, name: str, model: Any, tokenizer: Any, heads: AttributeHeads | None, device: torch.device
-    ) -> None:
+    def __init__(self, name: str, model: Any, tokenizer: Any, device: torch.device) -> None:
         self.name, self.device = name, device
         # Channels last is a fifth faster for convolutions on the CPU.
         self._model = model.to(device, memory_format=torch.channels_last).eval().requires_grad_(False)
         self._tokenizer = tokenizer
-        self.heads = heads.to(device).eval().requires_grad_(False) if heads else None
         config = model.visual.preprocess_cfg
         size = config["size"]
         self.size: int = size if isinstance(size, int) else size[0]
@@ -194,7 +127,7 @@ def load_encoder(spec: str | None = None, device: str | torch.device = "cpu") ->
         raise VibeError(f"The encoder {name!r} cannot be loaded: {reason.rstrip('.')}.", _REMEDY) from error
     finally:
         logging.disable(logging.NOTSET)
-    return Encoder(name, model, tokenizer, _load_heads(place), torch.device(device))
+    return Encoder(name, model, tokenizer, torch.device(device))
 
 
 def _check_folder(folder: Path) -> None:
@@ -232,15 +165,3 @@ def _check_reachable(name: str, repository: str) -> None:
             f"The encoder {name!r} cannot be downloaded: {reason}.",
             "Connect to the internet once, or pass a local open_clip folder, or leave --encoder out to use the embedded one.",
         ) from error
-
-
-def _load_heads(folder: Path) -> AttributeHeads | None:
-    if not (folder / "heads.json").is_file():
-        return None
-    names = json.loads((folder / "heads.json").read_text())
-    weights = {key: w.float() for key, w in load_file(folder / "heads.safetensors").items()}
-    heads = AttributeHeads(weights["layers.0.weight"].shape[1], names, weights["layers.0.weight"].shape[0])
-    heads.load_state_dict(weights)
-    if (folder / "skill.json").is_file():
-        heads.skill |= json.loads((folder / "skill.json").read_text())
-    return heads

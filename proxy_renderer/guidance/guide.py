@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import torch
@@ -13,10 +13,8 @@ from torch import Tensor
 from ..color.constants import Lab
 from ..color.tensors import lab_from_srgb
 from ..prompt.types import Prompts
-from ..schema import VibeError
 from ..schema.spec import Region
 from . import regions
-from .attributes import Attributes, attributes
 from .losses import (
     border_loss,
     color_loss,
@@ -52,7 +50,6 @@ class Weights:
         direction: Change of the whole picture in the direction of the words.
         negative: λ_neg.
         color: Named colors; the paper's for the background's, used for the subject's too.
-        attributes: Cross-entropy of the attribute heads, where claims do not measure what they guess.
         border: Subject on the picture's border.
         visibility: A subject that cannot be told from its surroundings, or cannot be seen.
         claims: What the words claim of the picture, see `claims.claim`.
@@ -66,35 +63,15 @@ class Weights:
     direction: float = 0.2
     negative: float = 0.8
     color: float = 0.6
-    attributes: float = 0.5
     border: float = 0.5
     visibility: float = 2.5
     claims: float = 0.5
     prior: float = 0.5
     hue: float = 2.0
 
-    def without(self, parts: Collection[str]) -> Weights:
-        """The same without some of `PARTS`: what each is worth can be measured so.
-
-        Raises:
-            VibeError: One of them is not a part.
-        """
-        if strange := sorted(set(parts) - set(PARTS)):
-            raise VibeError(f"The method has no part {strange[0]!r}.", f"Use some of: {', '.join(PARTS)}.")
-        left_out = {name: 0.0 for part in parts for name in PARTS[part]}
-        return replace(self, **left_out)
-
-
-PARTS = {
-    "encoder": ("subject", "surroundings", "whole", "direction", "negative", "attributes"),
-    "claims": ("claims",),
-    "sharing": (),
-}
-"""Parts of the method that can be left out, and the weights that they have."""
-
 
 class Guidance(Protocol):
-    """What judges a picture: `PromptGuidance`, or the baseline's.
+    """What judges a picture: `PromptGuidance`, or a plug-in's.
 
     Attributes:
         views: How many crops of each region it looks at.
@@ -111,14 +88,6 @@ class Guidance(Protocol):
             generator: Chooses crops and backgrounds.
         """
 
-    def measure(self, display: Tensor, mask: Tensor) -> dict[str, float]:
-        """Attribute -> probability of the class that the words ask for.
-
-        Args:
-            display: (H, W, 3) in [0, 1].
-            mask: (H, W) subject coverage.
-        """
-
 
 class NoGuidance:
     """Nothing but the claims: where there are no words."""
@@ -129,17 +98,12 @@ class NoGuidance:
         """No terms. Arguments as for `Guidance`."""
         return {}
 
-    def measure(self, display: Tensor, mask: Tensor) -> dict[str, float]:
-        """Nothing. Arguments as for `Guidance.measure`."""
-        return {}
-
 
 class PromptGuidance:
     """The objective for one prompt.
 
     Args:
         encoder: Judges similarity.
-        heads: Encoder whose attribute heads are asked (often the same); None for none.
         prompts: Phrases by region.
         targets: Attribute -> class that the words ask for.
         colors: "subject"/"surroundings" -> Lab.
@@ -153,7 +117,6 @@ class PromptGuidance:
     def __init__(
         self,
         encoder: Encoder,
-        heads: Encoder | None,
         prompts: Prompts,
         targets: Mapping[str, str],
         colors: Mapping[Region, Lab],
@@ -167,7 +130,6 @@ class PromptGuidance:
         self._light = _DIM if targets.get("brightness") == "dark" else _LIT
         flat = targets.get("brightness") == "dark" or targets.get("contrast") == "low"
         self._shading = _FLAT if flat else _SHADING
-        self.wanted = attributes(heads, targets)
         self.positive = {
             region: _texts(encoder, (text,))
             for region, text in zip(
@@ -202,9 +164,6 @@ class PromptGuidance:
         if len(self.positive["whole"]):
             toward = direction_loss(features["whole"], self.start, self.positive["whole"], self.plain)
             terms["direction"] = w.direction * toward
-        if self.wanted and w.attributes:
-            for_heads = self._of_heads(self.wanted, display, mask, features, generator)
-            terms["attributes"] = w.attributes * self.wanted.loss(*for_heads)
         lab = lab_from_srgb(display)
         for region, target in self.colors.items():
             terms[f"{region} color"] = w.color * color_loss(
@@ -217,15 +176,6 @@ class PromptGuidance:
             terms["shading contrast"] = w.visibility * shading_contrast_loss(lab, mask, self._shading)
         return terms
 
-    def measure(self, display: Tensor, mask: Tensor) -> dict[str, float]:
-        """Attribute -> probability of the class that the words ask for; empty if they ask for none.
-
-        Args:
-            display: (H, W, 3) in [0, 1].
-            mask: (H, W) subject coverage.
-        """
-        return self.wanted.measure(display, mask) if self.wanted else {}
-
     def _features(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
         """Image features (views, D) of each region, in one batch."""
         size, views = self.encoder.size, self.views
@@ -236,19 +186,6 @@ class PromptGuidance:
         }
         features = self.encoder.encode_images(torch.cat(list(batch.values())))
         return dict(zip(batch, features.split([len(v) for v in batch.values()]), strict=True))
-
-    def _of_heads(
-        self,
-        wanted: Attributes,
-        display: Tensor,
-        mask: Tensor,
-        features: dict[str, Tensor],
-        dice: torch.Generator,
-    ) -> tuple[Tensor, Tensor]:
-        """Features of the whole and of the subject for the heads; of their own encoder there are some already."""
-        if wanted.encoder is not self.encoder:
-            return wanted.look(display, mask, self.views.whole, dice)
-        return features["whole"], features["subject"][:: regions.EVERY_PLAIN]
 
     def _margin(self, features: Tensor, region: str) -> float:
         """How alike this encoder finds the starting picture and the region's phrases on average."""

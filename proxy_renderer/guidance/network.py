@@ -14,7 +14,7 @@ import torch.nn.functional as F
 from timm.models import register_model
 from torch import Tensor, nn
 
-_PATCH = 4
+PATCH = 4
 _DARK = 0.03
 """Added before logarithms are taken: black noise says nothing."""
 GRID = 5
@@ -44,21 +44,6 @@ class Block(nn.Module):
         return F.relu(self.second_norm(self.second(inner)) + self.shortcut(x))
 
 
-class Patches(nn.Conv2d):
-    """A convolution of patches of a picture and of its logarithm.
-
-    In the logarithm light and color add up, so that a shaded side, a cast of the light or a highlight looks alike
-    on every color.
-    """
-
-    def __init__(self, outputs: int) -> None:
-        super().__init__(6, outputs, _PATCH, _PATCH, bias=False)
-
-    def forward(self, x: Tensor) -> Tensor:
-        """(B, 3, H, W) display values, less 0.5 and over 0.25 → (B, outputs, H / 4, W / 4)."""
-        return super().forward(_with_logarithm(x))
-
-
 class Stem(nn.Module):
     """Patches, and what is inside them: one linear step cannot tell a sharp edge from a blurred one.
 
@@ -67,7 +52,7 @@ class Stem(nn.Module):
 
     def __init__(self, outputs: int) -> None:
         super().__init__()
-        self.patches = nn.Conv2d(6, outputs, _PATCH, _PATCH, bias=False)
+        self.patches = nn.Conv2d(6, outputs, PATCH, PATCH, bias=False)
         self.edges = nn.Sequential(
             nn.Conv2d(6, outputs // 2, 3, 2, 1, bias=False),
             nn.BatchNorm2d(outputs // 2),
@@ -76,12 +61,19 @@ class Stem(nn.Module):
         )
 
     def forward(self, x: Tensor) -> Tensor:
-        """As `Patches` does."""
-        both = _with_logarithm(x)
+        """(B, 3, H, W) display values, less 0.5 and over 0.25 → (B, outputs, H / 4, W / 4)."""
+        both = with_logarithm(x)
         return self.patches(both) + self.edges(both)
 
 
-def _with_logarithm(x: Tensor) -> Tensor:
+def with_logarithm(x: Tensor) -> Tensor:
+    """A picture (B, 3, H, W) and its logarithm, as six channels.
+
+    In the logarithm light and color add up, so that a shaded side, a cast of the light or a highlight looks alike on every color.
+
+    Args:
+        x: Display values, less 0.5 and over 0.25.
+    """
     return torch.cat([x, torch.log((0.25 * x + 0.5).clamp_min(0) + _DARK) + 1], 1)
 
 
@@ -124,15 +116,3 @@ def vibe_resnet(pretrained: bool = False, num_classes: int = 128, **unused: Any)
         **unused: What else timm passes.
     """
     return Tower(num_classes, Stem, (32, 64, 96, 160), (2, 2, 2, 2), (1, 2, 2, 1))
-
-
-@register_model
-def vibe_resnet_judge(pretrained: bool = False, num_classes: int = 192, **unused: Any) -> Tower:
-    """A tower of other proportions, which sees patches alone, for an encoder that judges results and never guides.
-
-    Args:
-        pretrained: As for `vibe_resnet`.
-        num_classes: As for `vibe_resnet`.
-        **unused: As for `vibe_resnet`.
-    """
-    return Tower(num_classes, Patches, (32, 64, 128, 256), (1, 1, 1, 1), (1, 2, 2, 2))

@@ -10,7 +10,7 @@ from torch import Tensor
 
 from . import augment
 
-EVERY_PLAIN = 2
+_EVERY_PLAIN = 2
 """Step between the views of a subject that stand on the mean color of its surroundings; the first one does."""
 
 
@@ -57,7 +57,7 @@ def subject_views(display: Tensor, mask: Tensor, count: int, generator: torch.Ge
     box = _frame(mask)
     display, mask = display[box], mask[box]
     backgrounds = torch.rand(count, 3, generator=generator).to(display)
-    backgrounds[::EVERY_PLAIN] = mean(display, 1.0 - mask).detach()
+    backgrounds[::_EVERY_PLAIN] = mean(display, 1.0 - mask).detach()
     layers = torch.cat([display * mask[..., None], mask[..., None]], -1).permute(2, 0, 1)[None]
     cut = augment.warp(layers, augment.keeping(mask, count, generator), size)
     return cut[:, :3] + (1.0 - cut[:, 3:]) * backgrounds[:, :, None, None]

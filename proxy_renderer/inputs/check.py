@@ -102,7 +102,7 @@ def model(arguments: argparse.Namespace) -> bool:
     """Whether a vision-language model is configured: it knows more words than we do.
 
     Args:
-        arguments: The options `vlm_model`, `vlm_url` and `baseline`.
+        arguments: The options `vlm_model` and `vlm_url`.
 
     Raises:
         VibeError: It is configured wrongly.
@@ -111,7 +111,7 @@ def model(arguments: argparse.Namespace) -> bool:
     from ..vlm.endpoint import find_endpoint
 
     options = Options(vlm_model=arguments.vlm_model, vlm_url=arguments.vlm_url)
-    return find_endpoint(options) is not None and not arguments.baseline
+    return find_endpoint(options) is not None
 
 
 def vocabulary(name: str) -> None:

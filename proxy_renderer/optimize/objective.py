@@ -34,7 +34,7 @@ of a picture may be lifted, not tinted."""
 
 
 class RoundObjective:
-    """What one round minimizes, see `inner.descent.Objective` and `inner.least_squares.ClaimObjective`.
+    """What one round minimizes, see `inner.least_squares.ClaimObjective`.
 
     Args:
         seen: Draws and judges the shots, one or several.
@@ -92,21 +92,6 @@ class RoundObjective:
             shot: Which one is drawn, from 0.
         """
         return self.seen[shot].draw(u, self.free)
-
-    def loss(self, picture: Render, u: Tensor, generator: torch.Generator, shot: int) -> Tensor:
-        """The sum of all terms.
-
-        Args:
-            picture: As `render` returns it.
-            u: (N,) the values that it shows.
-            generator: Chooses the views.
-            shot: Which one it shows, from 0.
-
-        Returns:
-            A scalar, differentiable in the picture and in u.
-        """
-        total = sum(self._terms(picture, generator, shot).values(), picture.display.new_zeros(()))
-        return total + self._held(u).to(total)
 
     @property
     def claim_weight(self) -> float:
@@ -170,7 +155,7 @@ class RoundObjective:
             torch.cat([u.new_zeros(0), *(row[i].to(u) for row in rows)]) for i in range(3)
         )
         numbers = [torch.full(row[0].shape, number) for number, row in enumerate(rows)]
-        rest = sum(similar, pictures[0].display.new_zeros(())).to(u) / self.shots + self._held(u)
+        rest = sum(similar, pictures[0].display.new_zeros(())).to(u) / self.shots + self.held(u)
         return Assessment(
             values, lower, upper, torch.cat([torch.zeros(0).long(), *numbers]), rest, pictures[0]
         )
@@ -182,18 +167,23 @@ class RoundObjective:
             u: (N,) in [0, 1].
 
         Returns:
-            "terms": term -> weighted value; "seen": attribute -> probability that the picture shows it.
+            "terms": term -> weighted value.
         """
-        terms, probabilities = [], []
+        terms = []
         for number, shot in enumerate(self.seen):
             with torch.no_grad():
                 picture = shot.draw(u)
-                terms.append({k: float(v) for k, v in self._terms(picture, fixed_views(), number).items()})
-            assert shot.guidance is not None
-            probabilities.append(shot.guidance.measure(picture.display, picture.mask))
-        return {"terms": _means(terms, 4), "seen": _means(probabilities, 3)}
+                terms.append({k: float(v) for k, v in self.terms(picture, fixed_views(), number).items()})
+        return {"terms": {key: round(sum(row[key] for row in terms) / len(terms), 4) for key in terms[0]}}
 
-    def _terms(self, picture: Render, generator: torch.Generator, shot: int) -> dict[str, Tensor]:
+    def terms(self, picture: Render, generator: torch.Generator, shot: int) -> dict[str, Tensor]:
+        """The weighted terms of a picture, differentiable in it.
+
+        Args:
+            picture: As `render` returns it.
+            generator: Chooses the views.
+            shot: Which one it shows, from 0.
+        """
         terms = self._similar(picture, generator, shot)
         if self.claim_weight and (residuals := self.seen[shot].residuals(picture)):
             terms["claims"] = self.claim_weight * claims_loss(residuals)
@@ -204,13 +194,9 @@ class RoundObjective:
         assert guidance is not None
         return guidance(picture.display, picture.mask, generator)
 
-    def _held(self, u: Tensor) -> Tensor:
-        """() the pull home, and that of a color's components to each other."""
+    def held(self, u: Tensor) -> Tensor:
+        """() the pull home at u (N,), and that of a color's components to each other."""
         where, home = ((x - self._lower) / self._span for x in (u, self._home))
         prior = prior_loss(where, home.clamp(0.0, 1.0), self._pull)
         hue = hue_consistency_loss(where, self._colors, self._hued)
         return self._weights.prior * prior + self._weights.hue * hue
-
-
-def _means(rows: Sequence[dict[str, float]], digits: int) -> dict[str, float]:
-    return {key: round(sum(row[key] for row in rows) / len(rows), digits) for key in rows[0]}

@@ -9,6 +9,7 @@ from ..guidance.encoder import Encoder
 from ..planning.advice import Advisor
 from ..schema.messages import Options
 from .progress import Observer
+from .rounds.method import Method
 from .rounds.refinement import Outcome as Outcome
 from .rounds.refinement import Refinement
 from .rounds.search import LightAsked, Search
@@ -21,10 +22,10 @@ def run(
     prompt: str,
     options: Options,
     encoder: Encoder,
-    heads: Encoder | None,
     observer: Observer,
     advisor: Advisor | None = None,
     light: LightAsked | None = None,
+    method: Method | None = None,
 ) -> Outcome:
     """Finds the values that make the scene look like the prompt.
 
@@ -33,10 +34,10 @@ def run(
         prompt: What the artist typed.
         options: Budget, seed, locks; the same options give the same values, bit for bit, on a CPU.
         encoder: Judges similarity.
-        heads: Encoder whose attribute heads guide beside it; None for none.
         observer: Follows the loop, and may end it.
         advisor: Parses, composes and confines; None for the offline planner.
         light: The rig that the words ask for; None for none.
+        method: How it searches; None for the product's way.
 
     Returns:
         The outcome of least loss; all of them are in its `variants`, where several were asked for.
@@ -44,7 +45,7 @@ def run(
     Raises:
         VibeError: If no word of the prompt is known, or nothing that the words touch may change.
     """
-    search = Search(views, prompt, options, encoder, heads, observer, advisor, light)
+    search = Search(views, prompt, options, encoder, observer, advisor, light, method)
     search.show_plan()
     outcomes = []
     for start in find_starts(search):

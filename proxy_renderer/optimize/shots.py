@@ -57,7 +57,7 @@ class ShotState:
         proxy: Renders the loop's pictures.
         anchoring: The proxy's corrections.
         guidance: Judges the pictures as the round's advice says; calibrated on the artist's picture.
-        claims: What the words say that its pictures have to look like; None for the baseline.
+        claims: What the words say that its pictures have to look like; None before the loop.
         seen: What its camera saw when the round began.
         before: The artist's picture, with which the loop began, and what its camera saw.
     """

@@ -318,7 +318,6 @@ class Finish:
         before: Cycles' picture of the original scene, a PNG path.
         after: Cycles' picture of the result.
         compare_out: Where to write before | prediction | after.
-        mask_out: Where to write the subject's mask at the size of `after`; "" for nowhere.
         shot: Which of several shots, from 0; those before it are on `compare_out` as well.
     """
 
@@ -326,7 +325,6 @@ class Finish:
     before: str
     after: str
     compare_out: str
-    mask_out: str = ""
     shot: int = 0
 
 
@@ -335,8 +333,8 @@ class Finished:
     """Engine → Blender: how well the prediction held and the words are met.
 
     Attributes:
-        prediction: How far predictions are from `after`, in CIEDE2000: the one that is "shown", and what would have been
-            predicted "before_last_anchor" and "unanchored". Each has the `mean` and `p95` over the pixels, and the
+        prediction: How far predictions are from `after`, in CIEDE2000: the one that is "shown", and with the option
+            `figures` what would have been predicted "before_last_anchor" and "unanchored". Each has the `mean` and `p95` over the pixels, and the
             mean over the `subject`, if it can be seen.
         similarity: {"before": s, "after": s}, cosine of picture and prompt.
         judge: A vision-language model's verdict on before and after: winner, reason and what it cost, or

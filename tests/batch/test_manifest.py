@@ -194,7 +194,6 @@ def test_mistakes_in_shots_are_found_with_their_line(place, old, new, line, word
         ("size = 256", 'size = "256"', 10, ["size cannot be '256'", "size = 512"]),
         ("size = 256", "size = 7", 10, ["out of range", "32 to 8192"]),
         ("size = 256", "seed = 7", 10, ["'seed'", "at the top"]),
-        ("size = 256", 'baseline = "clip"', 10, ["clip-only"]),
         ("size = 256", 'groups = ["lights"]', 10, ["'lights'", "material"]),
         ("size = 256", 'vocabulary = "mine.toml"', 10, ["mine.toml", "Check the path"]),
         ("size = 256", 'like = "still.jpg"', 10, ["no picture", "still.jpg", "Check the path"]),

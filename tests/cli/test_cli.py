@@ -66,7 +66,6 @@ def test_prompts_that_cannot_be_one(mesh, prompt, word):
         (["--cameras", "Wide,Close"], ["Only .blends can share a look"]),
         (["--grade-each"], ["--grade-each is for several shots", "--cameras"]),
         (["--device", "gpu"], ["'gpu'", "cuda"]),
-        (["--baseline", "magic"], ["clip-only"]),
         (["--stage", "moon"], ["cyclorama"]),
         (["--vlm-model", "eyes", "--vlm-url", "localhost:11434"], ["'localhost:11434'", "http://"]),
     ],
@@ -112,7 +111,6 @@ def test_presets_are_files_or_names(tmp_path, monkeypatch):
 def test_other_commands_refuse_too(tmp_path, mesh):
     assert_refused(vibe("apply", "nope.json", mesh, "--out", "o", cwd=tmp_path), "no preset nope.json")
     assert_refused(vibe("revert", mesh, cwd=tmp_path), "not a .blend")
-    assert_refused(vibe("bench", "beauty", "--out", "o", cwd=tmp_path), "speed")
     assert_refused(vibe("dance", cwd=tmp_path), "'dance'")
     assert_refused(vibe(cwd=tmp_path), "COMMAND")
 

@@ -13,10 +13,20 @@ PAGES = [
     ROOT / "CHANGELOG.md",
     *sorted((ROOT / "docs").glob("*.md")),
 ]
-PAGES += sorted((ROOT / "LICENSES").glob("*.md")) + sorted((ROOT / "proxy_renderer").glob("**/README.md"))
-BASES = (ROOT, ROOT / "proxy_renderer", ROOT / "proxy_renderer" / "prompt", ROOT / "addon" / "vibe_render")
+PAGES += (
+    sorted((ROOT / "LICENSES").glob("*.md"))
+    + sorted((ROOT / "proxy_renderer").glob("**/README.md"))
+    + sorted((ROOT / "lab").glob("**/README.md"))
+)
+BASES = (
+    ROOT,
+    ROOT / "proxy_renderer",
+    ROOT / "proxy_renderer" / "prompt",
+    ROOT / "addon" / "vibe_render",
+    ROOT / "lab",
+)
 """What paths in documents are relative to."""
-TOPS = {p.name for base in BASES for p in base.iterdir() if p.is_dir()} - {"train", "bench"}
+TOPS = {p.name for base in BASES for p in base.iterdir() if p.is_dir()}
 PATH = re.compile(r"`((?:[\w.-]+/)+[\w.-]*|\w+\.(?:py|toml))`(?:, `(\w+)(?:\.(?!py)\w+)?`)?")
 
 

@@ -97,18 +97,15 @@ def test_a_vibe_and_its_measure(worker, job, tmp_path):
 
     gray = tmp_path / "gray.png"
     Image.fromarray(np.full((48, 64, 3), 128, np.uint8)).save(gray)
-    worker.send(
-        messages.Finish(str(gray), str(gray), str(tmp_path / "compare.png"), str(tmp_path / "mask.png"))
-    )
+    worker.send(messages.Finish(str(gray), str(gray), str(tmp_path / "compare.png")))
     finished = worker.until(messages.Finished, messages.Error)
     with Image.open(job / result.prediction) as picture:  # it is drawn while Blender renders
         assert picture.size == (64, 48)
     assert set(finished.prediction) == {"shown"}
     assert min(finished.prediction["shown"].values()) > 0.0
     assert set(finished.similarity) == {"before", "after"}
-    for name in ("compare.png", "mask.png"):
-        with Image.open(tmp_path / name) as picture:
-            picture.load()
+    with Image.open(tmp_path / "compare.png") as picture:
+        picture.load()
 
 
 def test_a_vibe_whose_anchors_fail(worker, job):

@@ -13,13 +13,12 @@ import torch
 from huggingface_hub import constants
 from PIL import Image
 
+from lab.train import evaluate
+from lab.train.encoder import HELD_OUT
+from lab.train.pictures import bank
+from lab.train.pictures.shapes import shape
 from proxy_renderer.guidance.encoder import EMBEDDED, MERGES, Encoder, load_encoder
-from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.schema import VibeError
-from proxy_renderer.train import evaluate
-from proxy_renderer.train.__main__ import HELD_OUT
-from proxy_renderer.train.pictures import bank
-from proxy_renderer.train.pictures.shapes import shape
 
 
 @pytest.fixture(scope="module")
@@ -85,26 +84,6 @@ def test_preprocessing_is_the_models_own(tmp_path: Path, mode: str) -> None:
     ours = load_encoder(str(folder)).preprocess(torch.from_numpy(picture).permute(2, 0, 1)[None])[0]
     inside = slice(30, 98)  # away from padding, where the fill is a matter of taste
     assert (ours - own)[:, inside, inside].abs().mean() < 0.02
-
-
-def test_heads_read_the_attributes_of_the_language(encoder: Encoder) -> None:
-    assert encoder.heads is not None
-    assert encoder.heads.names == {name: list(classes) for name, classes in ATTRIBUTES.items()}
-    logits = encoder.heads.logits(encoder.encode_images(torch.rand(3, 3, 64, 64)))
-    assert {name: tuple(value.shape) for name, value in logits.items()} == {
-        n: (3, len(c)) for n, c in ATTRIBUTES.items()
-    }
-
-
-def test_surfaces_are_read_off_the_subject_alone(encoder: Encoder) -> None:
-    heads = encoder.heads
-    assert heads is not None
-    whole, subject = encoder.encode_images(torch.rand(2, 3, 64, 64)).split(1)
-    read, of_whole, of_subject = heads.read(whole, subject), heads.logits(whole), heads.logits(subject)
-    for name in heads.names:
-        seen = of_subject if name in ("subject_finish", "subject_metal") else of_whole
-        assert torch.equal(read[name], seen[name])
-        assert not torch.equal(of_subject[name], of_whole[name])
 
 
 @pytest.mark.slow

@@ -42,7 +42,7 @@ class Elsewhere:
 def run(scene, source, prompt=PROMPT, **options):
     encoder = load_encoder(None, "cpu")
     chosen = Options(**{"rounds": 2, "steps": 4, "size": 48, **options})
-    return pipeline.run([ShotInput(scene, source)], prompt, chosen, encoder, encoder, Silent())
+    return pipeline.run([ShotInput(scene, source)], prompt, chosen, encoder, Silent())
 
 
 def test_every_round_starts_from_a_picture_and_so_does_the_prediction(scene, monkeypatch):

@@ -23,7 +23,6 @@ def begun(scene, encoder, prompt, **options):
         prompt,
         Options(**{"rounds": 3, "steps": 6, "size": 64, **options}),
         encoder,
-        encoder,
         Silent(),
         None,
     )

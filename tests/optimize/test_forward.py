@@ -20,7 +20,7 @@ PROMPT = "glossy deep red ball, warm soft light from the left, thin fog, vignett
 @pytest.fixture(scope="module")
 def begun(scene, encoder):
     """A round's objective, and where it begins."""
-    search = Search([ShotInput(scene)], PROMPT, Options(rounds=1, size=48), encoder, encoder, Silent(), None)
+    search = Search([ShotInput(scene)], PROMPT, Options(rounds=1, size=48), encoder, Silent(), None)
     home = search.vector.encode({})
     now = search.confine(home, Plan(), Start(home))
     return search.select(now, now.u).objective, now

@@ -9,7 +9,7 @@ import pytest
 from plan_parts import CONTEXT, make_plan
 from tiny_job import KEY_LIGHT, write_job
 
-from proxy_renderer.bench.scenes import balls
+from lab.bench.scenes import balls
 from proxy_renderer.optimize.headroom import elevations, nearer, sizes
 from proxy_renderer.planning.types import PlanEntry
 from proxy_renderer.render.proxy import Proxy

@@ -22,7 +22,7 @@ TRACED = ("size", "angle", "azimuth", "elevation", "distance", "rotation", "ior"
 @pytest.fixture(scope="module")
 def begun(scene, encoder):
     """A round's objective, and where it begins."""
-    search = Search([ShotInput(scene)], PROMPT, Options(rounds=1, size=48), encoder, encoder, Silent(), None)
+    search = Search([ShotInput(scene)], PROMPT, Options(rounds=1, size=48), encoder, Silent(), None)
     home = search.vector.encode({})
     now = search.confine(home, Plan(), Start(home))
     return search.select(now, now.u).objective, now.u

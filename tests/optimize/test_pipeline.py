@@ -11,19 +11,18 @@ from proxy_renderer.guidance.guide import Weights
 from proxy_renderer.guidance.losses import claims_loss
 from proxy_renderer.optimize import objective as objectives
 from proxy_renderer.optimize import pipeline
-from proxy_renderer.optimize.baseline import GlobalGuidance
 from proxy_renderer.optimize.inner.descent import fixed_views
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.prompt import understood
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import VibeError
-from proxy_renderer.schema.messages import Options, Progress
+from proxy_renderer.schema.messages import Options
 
 
 def vibe(scene, encoder, prompt=PROMPT, watch=None, **options):
     chosen = Options(**{"rounds": 2, "steps": 8, "size": 64, **options})
-    return pipeline.run([ShotInput(scene)], prompt, chosen, encoder, encoder, watch or Silent())
+    return pipeline.run([ShotInput(scene)], prompt, chosen, encoder, watch or Silent())
 
 
 @pytest.fixture(scope="module")
@@ -127,41 +126,6 @@ def test_progress_counts_to_the_end(scene, encoder):
     vibe(scene, encoder, watch=watch, rounds=1, steps=3)
     assert [(p.round, p.step) for p in watch.seen] == [(1, 1), (1, 2), (1, 3)]
     assert all(p.seconds_left >= 0 for p in watch.seen)
-
-
-@pytest.mark.slow
-def test_the_baseline_uses_everything_without_a_plan(scene, encoder):
-    outcome = vibe(scene, encoder, baseline="clip-only", rounds=1, camera=True)
-    assert len(outcome.optimized) > 40
-    assert {"camera/azimuth", "film/hue", "volume/density"} <= outcome.optimized
-    start, end = outcome.rounds[0]["loss"]
-    assert end < start
-
-
-def test_the_authors_baseline_leaves_camera_and_fog_alone(scene, encoder):
-    outcome = vibe(scene, encoder, baseline="clip-authors", rounds=1, camera=True)
-    assert len(outcome.optimized) > 30
-    assert not [
-        k for k in {*outcome.optimized, *changed_values(outcome)} if k.startswith(("camera", "volume"))
-    ]
-
-
-@pytest.mark.slow
-def test_a_baseline_takes_all_its_steps_though_they_bring_nothing(scene, encoder, monkeypatch):
-    monkeypatch.setattr(
-        GlobalGuidance, "__call__", lambda self, display, mask, generator: {"whole": 0.0 * display.mean()}
-    )
-    watch = Silent()
-    vibe(scene, encoder, watch=watch, baseline="clip-only", rounds=1, steps=24, size=32)
-    assert [p.step for p in watch.seen if isinstance(p, Progress)] == list(range(1, 25))
-
-
-def test_no_step_of_a_baseline_is_greater_than_its_rate(scene, encoder):
-    outcome = vibe(scene, encoder, baseline="clip-only", rounds=1, steps=4, rate=3)
-    vector = outcome.vector
-    lower, upper = vector.bounds({k: (i.lower, i.upper) for k, i in vector.instances.items()})
-    moved = (outcome.u - vector.encode({})).abs() / (upper - lower).clamp_min(1e-9)
-    assert 0.002 < float(moved.max()) <= 4 * 0.003 + 1e-6
 
 
 def test_a_prompt_in_which_nothing_is_known(scene, encoder):

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from proxy_renderer.bench.scenes import balls
+from lab.bench.scenes import balls
 from proxy_renderer.color.shades import basic
 from proxy_renderer.optimize.context import scene_words
 from proxy_renderer.optimize.present_looks import _parts, present_looks

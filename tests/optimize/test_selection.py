@@ -6,8 +6,10 @@ import math
 import pytest
 import torch
 
+from lab.methods.parts import WithoutSharing
 from proxy_renderer.optimize.inner.assessment import Assessment
 from proxy_renderer.optimize.inner.linear_model import LinearModel
+from proxy_renderer.optimize.rounds import selection
 from proxy_renderer.optimize.rounds.selection import choose
 from proxy_renderer.planning.types import Plan, PlanEntry
 
@@ -16,7 +18,7 @@ def doubles(values):
     return torch.tensor(values, dtype=torch.float64)
 
 
-def chosen(priorities, slopes, misses, k=8, gains=None, high=1.0, sharing=True):
+def chosen(priorities, slopes, misses, k=8, gains=None, high=1.0):
     """Of parameters a, b, c, …, one for each priority, by what they do to claims that are missed by so much from below."""
     names = "abcdefgh"[: len(priorities)]
     plan = Plan(
@@ -36,7 +38,7 @@ def chosen(priorities, slopes, misses, k=8, gains=None, high=1.0, sharing=True):
     model = LinearModel(here, rows, rest, torch.diag(torch.zeros_like(rest)), 1.0)
     parts = {name: slice(i, i + 1) for i, name in enumerate(names)}
     low, up = torch.zeros_like(rest), torch.full_like(rest, high)
-    return choose(plan, k, model, parts, low, up, sharing=sharing)
+    return choose(plan, k, model, parts, low, up)
 
 
 def test_the_most_important_come_first_where_nothing_tells_them_apart():
@@ -54,13 +56,15 @@ def test_what_serves_a_claim_that_is_missed_comes_before_what_serves_none():
     assert chosen([2, 2], [[0.0, 9.0]], [6.0], k=1)[0] == ["b"]
 
 
-def test_of_two_that_do_the_same_one_is_held_for_the_other():
+def test_of_two_that_do_the_same_one_is_held_for_the_other(monkeypatch):
     """Exposure and power do the same to all claims; the third parameter parts the claims."""
     slopes = [[9.0, 18.0, 0.0], [4.0, 8.0, 5.0], [2.0, 4.0, -3.0]]
     keys, shared = chosen([1, 0, 4], slopes, [5.0, 4.0, 1.0])
     assert keys == ["b", "c"]
     assert shared == {"a": "b"}
-    keys, shared = chosen([1, 0, 4], slopes, [5.0, 4.0, 1.0], sharing=False)
+    monkeypatch.setattr(selection, "ALIKE", selection.ALIKE)
+    WithoutSharing()
+    keys, shared = chosen([1, 0, 4], slopes, [5.0, 4.0, 1.0])
     assert sorted(keys) == ["a", "b", "c"]
     assert shared == {}
 

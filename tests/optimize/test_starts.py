@@ -75,7 +75,7 @@ def test_lights_roam_as_one_where_the_words_leave_them_open(vector):
 def variants(scene):
     encoder = load_encoder(None, "cpu")
     options = Options(rounds=2, steps=3, size=48, variants=3, lock=("material/Floor",))
-    return pipeline.run([ShotInput(scene)], "glossy teal ball", options, encoder, encoder, Silent())
+    return pipeline.run([ShotInput(scene)], "glossy teal ball", options, encoder, Silent())
 
 
 @pytest.mark.slow

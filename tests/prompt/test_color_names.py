@@ -8,7 +8,7 @@ import zlib
 
 import pytest
 
-from proxy_renderer.bench.sealed.prompts import survey_colors
+from lab.bench.sealed.prompts import survey_colors
 from proxy_renderer.color.floats import oklab_from_srgb, srgb_from_hex
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse

@@ -5,6 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from lab.train import sentences
+from lab.train.sentences import read_folder
+from lab.train.sentences.glossed import glossed
+from lab.train.sentences.stand_in import stand_in
 from proxy_renderer.prompt.languages.gloss import gloss
 from proxy_renderer.prompt.languages.spaceless import cut
 from proxy_renderer.prompt.lexer import Lexer
@@ -14,10 +18,6 @@ from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
 from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import VibeError
-from proxy_renderer.train import sentences
-from proxy_renderer.train.sentences import read_folder
-from proxy_renderer.train.sentences.glossed import glossed
-from proxy_renderer.train.sentences.stand_in import stand_in
 
 GARAGE = SceneWords(
     objects={"carShell": "subject", "Wand": "surroundings"},

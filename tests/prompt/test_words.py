@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from proxy_renderer import bench
+from lab import bench
 from proxy_renderer.cli.main import main
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan

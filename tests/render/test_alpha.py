@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import torch
 
-from proxy_renderer.bench.scenes import balls
+from lab.bench.scenes import balls
 from proxy_renderer.render.material.textures import geometry_of
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import SceneData, Texture

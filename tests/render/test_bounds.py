@@ -10,7 +10,7 @@ import pytest
 import torch
 from torch import Tensor
 
-from proxy_renderer.bench.scenes import balls
+from lab.bench.scenes import balls
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import SceneData, Texture, WorldData
 from proxy_renderer.schema import FAMILIES, GROUPS, Instance

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 import torch
 
-from proxy_renderer.bench.scenes import balls
+from lab.bench.scenes import balls
 from proxy_renderer.render.geometry.visibility import RayGeometry
 from proxy_renderer.render.proxy import Proxy
 

@@ -11,7 +11,7 @@ import torch
 from operation_tests import OperationTests, number
 from torch import Tensor
 
-from proxy_renderer.bench.scenes import balls
+from lab.bench.scenes import balls
 from proxy_renderer.render.geometry import camera
 from proxy_renderer.render.geometry.camera import View, view_of
 from proxy_renderer.scene.values import RenderValues

@@ -12,7 +12,7 @@ import pytest
 import torch
 from torch import Tensor
 
-from proxy_renderer.bench.scenes import balls
+from lab.bench.scenes import balls
 from proxy_renderer.render.cycles.correction import REST
 from proxy_renderer.render.cycles.joint_bilateral import GuideImage, blur, look_up
 from proxy_renderer.render.cycles.pictures import CyclesPicture

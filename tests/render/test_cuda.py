@@ -5,7 +5,7 @@ import pytest
 import torch
 from tiny_job import write_job
 
-from proxy_renderer.bench.scenes import outdoors
+from lab.bench.scenes import outdoors
 from proxy_renderer.render.cycles.pictures import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene

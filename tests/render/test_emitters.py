@@ -9,7 +9,7 @@ import pytest
 import torch
 import trimesh
 
-from proxy_renderer.bench.scenes import balls
+from lab.bench.scenes import balls
 from proxy_renderer.render.geometry.camera import view_of
 from proxy_renderer.render.lights.emitters import Emitters, clusters_of
 from proxy_renderer.render.material.shading_inputs import shading_inputs_of

@@ -6,8 +6,8 @@ from dataclasses import replace
 import pytest
 import torch
 
-from proxy_renderer.bench.metrics import difference
-from proxy_renderer.bench.scenes import balls
+from lab.bench.metrics import difference
+from lab.bench.scenes import balls
 from proxy_renderer.render.lights import clusters
 from proxy_renderer.render.proxy import Proxy
 

@@ -8,7 +8,7 @@ import pytest
 import torch
 from operation_tests import OperationTests, number
 
-from proxy_renderer.bench.scenes import balls
+from lab.bench.scenes import balls
 from proxy_renderer.render.geometry.vectors import tangents
 from proxy_renderer.render.lights.types import LIGHT_TYPES, light_sources, light_type
 from proxy_renderer.render.lights.types.light_source import LightSource

@@ -8,7 +8,7 @@ import torch
 from operation_tests import OperationTests, colors, number
 from torch import Tensor
 
-from proxy_renderer.bench.scenes import balls
+from lab.bench.scenes import balls
 from proxy_renderer.render.lights.area_specular import AreaSpecular
 from proxy_renderer.render.material.albedo import basis
 from proxy_renderer.render.material.shading_inputs import shading_inputs_of

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import torch
 
-from proxy_renderer.bench.scenes import balls
+from lab.bench.scenes import balls
 from proxy_renderer.render.lights.types import light_sources
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import SceneData, WorldData

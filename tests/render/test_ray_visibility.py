@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 import torch
 
-from proxy_renderer.bench.scenes import balls
+from lab.bench.scenes import balls
 from proxy_renderer.render.geometry import trees
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import MeshObject, SceneData

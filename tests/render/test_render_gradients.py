@@ -12,7 +12,7 @@ import torch
 from marks import few_of
 from torch import Tensor
 
-from proxy_renderer.bench.scenes import balls
+from lab.bench.scenes import balls
 from proxy_renderer.render.lights.types import LIGHT_TYPES
 from proxy_renderer.render.proxy import Proxy, Render
 from proxy_renderer.scene import SceneData, Texture, WorldData

@@ -7,7 +7,7 @@ import pytest
 import torch
 from torch.nn import functional
 
-from proxy_renderer.bench.scenes import outdoors
+from lab.bench.scenes import outdoors
 from proxy_renderer.color.lookup_table import trilinear
 from proxy_renderer.render.geometry.gather_points import SparseWeights
 from proxy_renderer.render.geometry.vectors import cross, dot

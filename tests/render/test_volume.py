@@ -9,7 +9,7 @@ import torch
 from operation_tests import OperationTests, colors, number
 from tiny_job import write_job
 
-from proxy_renderer.bench.scenes import balls
+from lab.bench.scenes import balls
 from proxy_renderer.render.geometry.camera import view_of
 from proxy_renderer.render.lights.types import light_sources
 from proxy_renderer.render.transport.fog import FogMedium

@@ -80,9 +80,8 @@ def test_what_vibe_run_hands_over_means_the_same_on_the_other_side():
         "--vlm-model=m",
         "--vlm-url=u",
         "--no-anchor",
-        "--baseline=clip-only",
     ]
-    argv += ["--no-new-lights", "--inner=adam", "--leave-out=encoder", "--rate=20"]
+    argv += ["--no-new-lights", "--figures"]
     argv += ["--like=still.jpg", "--like-only=light", "--like-same"]
     argv += ["--size=64", "--samples=2"]
     given = parser().parse_args(argv)

@@ -333,7 +333,7 @@ def vibe(scene, encoder, model, prompt=PROMPT, **options):
     understood = Understood(prompt, context.scene_words(scene))
     advisor = ModelAdvisor(understood, goals_or_why(understood), client, watch.stage)
     chosen = Options(**{"rounds": 2, "steps": 2, "size": 48, **options})
-    outcome = pipeline.run([ShotInput(scene)], prompt, chosen, encoder, encoder, watch, advisor)
+    outcome = pipeline.run([ShotInput(scene)], prompt, chosen, encoder, watch, advisor)
     return outcome, advisor.account(), watch.seen
 
 
@@ -394,7 +394,7 @@ class TestLoop:
         with serving(lambda body, n: answer) as model:
             outcome, account, _ = vibe(scene, encoder, model)
         offline = pipeline.run(
-            [ShotInput(scene)], PROMPT, Options(rounds=2, steps=2, size=48), encoder, encoder, Silent()
+            [ShotInput(scene)], PROMPT, Options(rounds=2, steps=2, size=48), encoder, Silent()
         )
         assert torch.equal(outcome.u, offline.u)
         assert all(r["advice"].startswith("offline planner: ") for r in outcome.rounds)

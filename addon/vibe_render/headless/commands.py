@@ -45,7 +45,6 @@ def apply(args: argparse.Namespace, reporter: Reporter) -> None:
             stored_subject.remember(scene, analysis.objects)
         reporter.stage("rendering after")
         final_render.render(scene, out.path("after.png"), args.size, args.samples, args.seed)
-        final_render.render_mask(scene, out.path("mask.png"), args.size, analysis.objects)
         save_blend(out.path("vibed.blend"))
     lines = [f"Did not fit: {line}" for line in fitted.rest]
     lines += [f"Did not fit: {labels.title(key)}: {reason}" for key, reason in skipped.items()]

@@ -170,9 +170,10 @@ class _Run:
     def _render_after(self, number: int) -> None:
         self.reporter.stage("rendering with Cycles")
         self._render(number, "after.png", self.args.samples)
-        analysis = self.shot_list.jobs[number].analysis
-        mask = self.out.path(numbered("mask.png", number))
-        final_render.render_mask(analysis.scene, mask, self.args.size, analysis.objects)
+        if self.args.figures:
+            analysis = self.shot_list.jobs[number].analysis
+            mask = self.out.path(numbered("mask.png", number))
+            final_render.render_mask(analysis.scene, mask, self.args.size, analysis.objects)
         self.stopwatch.lap("render after")
 
     def _ask_to_measure(self, number: int) -> Path:

@@ -15,7 +15,6 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..core import compat
 from ..core.files import whole
 from ..core.overrides import assign, changed
 from ..scene.copies import copied_scene
@@ -100,26 +99,13 @@ def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable
         assign(twin.cycles, use_denoising=False, max_bounces=0)
         twin.world = None
         for thing in scene.objects:
-            fog = thing.type == "VOLUME" or _is_fog(thing)
+            fog = thing.type == "VOLUME" or is_fog(thing)
             holdout = thing.name_full not in theirs and thing.type not in ("LIGHT", "CAMERA")
             stack.enter_context(changed(thing, **({"hide_render": True} if fog else {"is_holdout": holdout})))
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             rendered = Path(folder) / path.name
             _write(twin, rendered, "RGBA")
             _keep_alpha(rendered, path)
-
-
-def render_clear(scene: bpy.types.Scene, path: Path, size: int, samples: int, seed: int = 0) -> None:
-    """Renders the scene as `render` does, but without the fog in it."""
-    with ExitStack() as stack:
-        for thing in scene.objects:
-            if thing.type == "VOLUME" or _is_fog(thing):
-                stack.enter_context(changed(thing, hide_render=True))
-        tree = compat.node_tree(scene.world) if scene.world else None
-        for node in tree.nodes if tree else ():
-            if node.bl_idname.startswith("ShaderNodeVolume"):
-                stack.enter_context(changed(node, mute=True))
-        render(scene, path, size, samples, seed)
 
 
 def _set_up(twin: bpy.types.Scene, size: int, samples: int, seed: int) -> None:
@@ -172,7 +158,8 @@ def _write_as(twin: bpy.types.Scene, path: Path, kind: dict[str, Any], **options
         bpy.ops.render.render(scene=twin.name, write_still=True, **options)
 
 
-def _is_fog(thing: bpy.types.Object) -> bool:
+def is_fog(thing: bpy.types.Object) -> bool:
+    """Whether all materials of a thing are fog."""
     slots = [slot.material for slot in thing.material_slots if slot.material]
     return bool(slots) and not any(has_surface(m) for m in slots)
 

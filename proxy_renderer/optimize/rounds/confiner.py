@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import torch
@@ -13,9 +13,8 @@ from torch import Tensor
 from ...claims.claim import Claim
 from ...planning.advice import Advice, Advisor
 from ...planning.types import Plan, PlanEntry
-from ...schema import Values
+from ...schema import Instance, Values
 from .. import context, headroom
-from ..baseline import plan_everything
 from ..plan import carry, feasible_ranges
 from ..shots import ShotState
 from ..vector import ParameterVector, around, opened, project
@@ -82,16 +81,20 @@ class Confiner:
         vector: The parameters of u.
         shots: One or several; plans are made for the first.
         advisor: Understands words and picture, and plans.
-        baseline: Whose plan replaces the advisor's; "" for nobody's.
+        replan: Makes the plan of a round from the scene's parameters and the advisor's plan, see `Method.plan`.
 
     Attributes:
         advisor: As given.
     """
 
     def __init__(
-        self, vector: ParameterVector, shots: Sequence[ShotState], advisor: Advisor, baseline: str
+        self,
+        vector: ParameterVector,
+        shots: Sequence[ShotState],
+        advisor: Advisor,
+        replan: Callable[[Mapping[str, Instance], Plan], Plan],
     ) -> None:
-        self._vector, self._shots, self.advisor, self._baseline = vector, shots, advisor, baseline
+        self._vector, self._shots, self.advisor, self._replan = vector, shots, advisor, replan
         self._widest = _sizes(shots)
 
     def advise(self, u: Tensor, earlier: Plan) -> Advice:
@@ -116,7 +119,7 @@ class Confiner:
         assert advice is not None
         instances = self._vector.instances
         plan = carry(Plan({key: entries[key] for key in instances}, advice.plan.notes), earlier)
-        return replace(advice, plan=plan_everything(instances, self._baseline) if self._baseline else plan)
+        return replace(advice, plan=self._replan(instances, plan))
 
     def confined(
         self, advice: Advice, u: Tensor, start: Start | None, reach: RoundReach, claims: Sequence[Claim]

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from typing import NamedTuple, Protocol
 
 import torch
@@ -27,17 +26,14 @@ from ...scene import SceneData
 from ...schema import VibeError
 from ...schema.messages import Options
 from .. import context
-from ..baseline import step_settings
-from ..inner.adam import descend
 from ..inner.descent import Descent
-from ..inner.least_squares import solve
 from ..looks import Looks
 from ..progress import Clock, Observer
 from ..shots import ShotInput, ShotState, gathered
 from ..vector import begun
 from .confiner import UNBOUND, Confined, Confiner, RoundReach, Start
-from .judges import make_guidance, weights_of
-from .selection import Selection, select
+from .method import Method
+from .selection import Selection
 
 _VALUES = 48  # that a round for a picture may refine, at least
 
@@ -82,7 +78,7 @@ class Search:
         vector: The parameters of u.
         shots: One or several, each with its proxy and guidance. Plans are made for the first.
         rounds: R, the most rounds from each start.
-        weights: Of the terms of the loss.
+        method: How it searches.
         clock: Reports progress to the observer.
         number: Of the current round, over all starts.
         reference: The picture in the place of words, or beside them; None for words alone.
@@ -97,12 +93,13 @@ class Search:
         prompt: str,
         options: Options,
         encoder: Encoder,
-        heads: Encoder | None,
         observer: Observer,
         advisor: Advisor | None,
         light: LightAsked | None = None,
+        method: Method | None = None,
     ) -> None:
-        self._light = light
+        self._light, self.method = light, method or Method()
+        self._encoder, self._prompt = encoder, prompt
         self.reference = Reference.of(options, views[0].scene)
         self.claims: tuple[Claim, ...] = ()
         if self.reference:  # it speaks of all of light and grade at once
@@ -124,17 +121,15 @@ class Search:
             beside(self.reference, each, prompt, len(views), understood.scene.lights)
             for each in (offline, advisor or offline)
         )
-        self.confiner = Confiner(self.vector, self.shots, asked, options.baseline)
-        self.several = options.variants > 1 and not options.baseline
+        self.confiner = Confiner(self.vector, self.shots, asked, self.method.plan)
+        self.several = options.variants > 1
         # Variants share what would be one vibe's time, as far as that goes.
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds
         self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, observer)
-        self.weights = weights_of(options)
-        self._guidance = partial(make_guidance, encoder, heads, prompt, options)
         self._artists: list[Render] = []
         self._asked: object = None
         self.number = 0
-        alone = len(self.shots) == 1 and not options.baseline
+        alone = len(self.shots) == 1
         self.looks = Looks(self.shots[0]) if alone and observer.wants_looks else None
 
     def show_plan(self) -> None:
@@ -215,16 +210,15 @@ class Search:
         if not self._artists:  # the loop begins, at the artist's own values
             self._artists = [shot.draw(u) for shot in self.shots]
             self.observer.begin(self._artists[0].display.detach())
-            if not self.options.baseline:
-                self.claims = self._claims_of(advice.goals)
+            self.claims = self.method.claims(self._claims_of(advice.goals))
             for shot, picture in zip(self.shots, self._artists, strict=True):
                 begun = shot.begin(u, picture)
-                shot.claims = None if self.options.baseline else ClaimSet.about(self.claims, begun)
+                shot.claims = ClaimSet.about(self.claims, begun)
         asked = advice.prompts, advice.goals.classes
         if asked != self._asked:
             self._asked = asked
             for shot, picture in zip(self.shots, self._artists, strict=True):
-                shot.guidance = self._guidance(advice, picture)
+                shot.guidance = self.method.guidance(self._encoder, self._prompt, advice, picture)
 
     def select(self, now: Confined, u: Tensor, shots: Sequence[ShotState] = ()) -> Selection:
         """What is minimized in a round, and over which parameters.
@@ -234,17 +228,7 @@ class Search:
             u: (N,) where the parameters are chosen.
             shots: Those that judge; all if there are none.
         """
-        return select(
-            now.plan,
-            self.vector,
-            shots or self.shots,
-            u,
-            now.lower,
-            now.upper,
-            self.options,
-            self.weights,
-            now.opening,
-        )
+        return self.method.select(now, self.vector, shots or self.shots, u, self.options)
 
     def descend(self, now: Confined, chosen: Selection) -> Descent:
         """Lines 8 to 15 of Algorithm 1, from the round's projected point.
@@ -254,13 +238,5 @@ class Search:
             chosen: S_K, and what is minimized; chosen at that point.
         """
         movable = self.vector.mark(chosen.keys) & (now.upper > now.lower)
-        follow, steps = self.clock.follow(self.number), self.options.steps
-        where = chosen.objective, now.u, movable, now.lower, now.upper
-        if self.options.inner == "adam" or self.options.baseline:
-            seed = self.options.seed * 1000 + self.number
-            return descend(*where, steps, seed, step_settings(self.options), follow)
-        if self.options.inner == "least-squares":
-            return solve(*where, steps, follow, chosen.model)
-        middle = self.options.inner == "middle"
-        found = torch.where(movable, (now.lower + now.upper) / 2, now.u) if middle else now.u
-        return Descent(found, 0.0, 0.0)
+        seed, follow = self.options.seed * 1000 + self.number, self.clock.follow(self.number)
+        return self.method.descend(now, chosen, movable, self.options.steps, seed, follow)

@@ -36,7 +36,7 @@ _NAMED = 0.15
 """Weight of the pull to where words have the search begin, as to a named color: it gives way to what claims see, not to
 similarity alone."""
 
-_ALIKE, _NOTHING_NEW = 0.9, 0.1
+ALIKE, _NOTHING_NEW = 0.9, 0.1
 """Share of what a parameter does to the claims that another one does too, and of its gain that is left beside that one."""
 
 
@@ -48,7 +48,7 @@ class Selection:
         keys: S_K, what serves most first.
         objective: What is minimized, differentiable in all that was looked at.
         shared: Key of a parameter that is held -> the one of S_K that does the same to what the words claim.
-        model: The objective near the point where they were chosen, over the components of S_K; None for the baseline.
+        model: The objective near the point where they were chosen, over the components of S_K; None if nobody needs it.
     """
 
     keys: list[str]
@@ -78,7 +78,7 @@ def select(
     weights: Weights,
     opening: float = 0.0,
 ) -> Selection:
-    """S_K (equation 7): the K parameters that receive gradients; for the baseline all that can move.
+    """S_K (equation 7): the K parameters that receive gradients.
 
     Args:
         plan: Priorities and priors by key.
@@ -94,30 +94,43 @@ def select(
     Raises:
         VibeError: Nothing that the words name may change.
     """
-    wide = upper > lower
-    relevant = {k for k, e in plan.items() if e.priority is not None and wide[vector.slices[k]].any()}
-    if all(plan[key].prior > 0.0 and not plan[key].any_hue for key in relevant):
-        raise VibeError(
-            "Nothing that the words name may change in this scene.",
-            "Unlock something, allow more groups, or use other words.",
-        )
     # Moving the camera means tracing everything again: only words are worth that.
-    probed = {k for k in relevant if vector.instances[k].parameter.group != "camera" or plan[k].is_named}
-    probed = relevant if options.baseline else probed
+    probed = {
+        k
+        for k in relevant(plan, vector, upper > lower)
+        if vector.instances[k].parameter.group != "camera" or plan[k].is_named
+    }
     any_hue = {key for key in probed if plan[key].any_hue}
     held = begun(vector, plan, vector.encode({})), _pull(plan, vector, probed)
     objective = RoundObjective(
         shots, vector, probed, lower, upper, *held, weights, any_hue, bool(options.like)
     )
-    if options.baseline:
-        return Selection(sorted(relevant), objective)
     model, parts, low, high = _probe(objective, vector, probed, u, lower, upper)
-    half, sharing = _HALF + _MISSED * opening, "sharing" not in options.leave_out
-    keys, shared = choose(plan, options.top_k, model, parts, low, high, half, sharing)
+    keys, shared = choose(plan, options.top_k, model, parts, low, high, _HALF + _MISSED * opening)
     mine = torch.zeros(len(low), dtype=torch.bool)
     for key in keys:
         mine[parts[key]] = True
     return Selection(keys, objective, shared, model.of(mine))
+
+
+def relevant(plan: Plan, vector: ParameterVector, wide: Tensor) -> set[str]:
+    """Keys of what a round may change.
+
+    Args:
+        plan: Priorities and priors by key.
+        vector: The parameters of u.
+        wide: (N,) bool, the components that have a range.
+
+    Raises:
+        VibeError: Nothing that the words name is among them.
+    """
+    found = {k for k, e in plan.items() if e.priority is not None and wide[vector.slices[k]].any()}
+    if all(plan[key].prior > 0.0 and not plan[key].any_hue for key in found):
+        raise VibeError(
+            "Nothing that the words name may change in this scene.",
+            "Unlock something, allow more groups, or use other words.",
+        )
+    return found
 
 
 def choose(
@@ -128,7 +141,6 @@ def choose(
     low: Tensor,
     high: Tensor,
     half: float = _HALF,
-    sharing: bool = True,
 ) -> tuple[list[str], dict[str, str]]:
     """The K most important parameters, refined by how much each can still lower the loss beside those before it.
 
@@ -143,7 +155,6 @@ def choose(
         low: (n,) least that each component may be moved.
         high: (n,) most.
         half: Places in the order of priorities that half the gain costs.
-        sharing: Whether parameters that do the same as a chosen one are held.
 
     Returns:
         The keys, and what is held -> the key that does the same.
@@ -165,10 +176,9 @@ def choose(
         free[part] = True
         move = model.step(torch.where(free, low, 0.0), torch.where(free, high, 0.0))
         gains = model.gains(move, left, low, high)
-        if sharing:
-            same = [key for key, other in left.items() if model.alike(other, part) > _ALIKE]
-            shared |= {key: best for key in same if gains[key] <= _NOTHING_NEW * alone[key]}
-            left = {key: other for key, other in left.items() if key not in shared}
+        same = [key for key, other in left.items() if model.alike(other, part) > ALIKE]
+        shared |= {key: best for key in same if gains[key] <= _NOTHING_NEW * alone[key]}
+        left = {key: other for key, other in left.items() if key not in shared}
     return keys, shared
 
 

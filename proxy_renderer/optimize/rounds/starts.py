@@ -38,7 +38,7 @@ _LAST = 99  # priority of what no word names
 def count(options: Options) -> int:
     """How many starts there are; the first is the artist's scene."""
     wanted = _PER_VARIANT * options.variants if options.variants > 1 else 1
-    return 1 if options.baseline else max(options.starts, wanted)
+    return max(options.starts, wanted)
 
 
 def draw_starts(

@@ -12,7 +12,6 @@ from torch import Tensor
 from ...guidance.regions import Views
 from ...planning.types import Plan
 from ...render.proxy import Render
-from ..inner.adam import StepSettings, descend
 from ..inner.descent import fixed_views
 from ..plan import feasible_ranges
 from ..shots import ShotState
@@ -61,15 +60,13 @@ def _try(search: Search, point: Tensor, now: Confined) -> tuple[Tensor, float, T
     """
     chosen = search.select(now, point, [_with_few_views(shot) for shot in search.shots])
     movable = search.vector.mark(chosen.keys) & (now.upper > now.lower)
-    steps, seed = starts.COARSE_STEPS, search.options.seed
 
     def stop_asked(step: int, loss: float, picture: Render) -> bool:
         """The coarse pass reports no progress."""
         return search.observer.stopped()
 
-    u = descend(
-        chosen.objective, point, movable, now.lower, now.upper, steps, seed, StepSettings(), stop_asked
-    ).u
+    here, seed = replace(now, u=point), search.options.seed
+    u = search.method.descend(here, chosen, movable, starts.COARSE_STEPS, seed, stop_asked).u
     with torch.no_grad():
         pictures = [shot.draw(u) for shot in search.shots]
         losses = [_loss(shot, picture) for shot, picture in zip(search.shots, pictures, strict=True)]

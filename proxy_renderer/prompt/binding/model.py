@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The fitted weights, and what they say of pairs; `train/binding.py` makes them."""
+"""The fitted weights, and what they say of pairs; `lab/train/binding.py` makes them."""
 
 from __future__ import annotations
 

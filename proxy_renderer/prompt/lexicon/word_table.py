@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Words as small vectors: words.safetensors has one for every English word that may speak of a look.
 
-`train/text/words.py` makes it.
+`lab/train/text/words.py` makes it.
 """
 
 from __future__ import annotations

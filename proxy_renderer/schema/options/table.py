@@ -25,12 +25,6 @@ STAGES = ("none", "floor", "cyclorama")
 """What a bare mesh can be put on."""
 
 
-INNER = ("least-squares", "adam", "none", "middle")
-"""Inner loops."""
-
-BASELINES = ("clip-only", "clip-authors")
-"""What the method can be compared with."""
-
 TRAITS = ("light", "grade", "palette", "air", "materials")
 """What can be taken over from a picture; materials only where it shows the same scene, or they are named."""
 
@@ -53,7 +47,7 @@ class Options:
     )
     steps: int = option(
         STANDARD.steps,
-        "steps in each round: pictures of the proxy that the search looks at; the paper's Adam needs 40 and more",
+        "steps in each round: pictures of the proxy that the search looks at",
         "budget",
         bounds=(1, 10000),
         panel=Panel("Steps", "Refinements in each round", (1, 1000)),
@@ -183,32 +177,6 @@ class Options:
             "final render, but Blender pauses for about a second each time",
         ),
     )
-    inner: str = option(
-        "least-squares",
-        "how a round finds its values: by least squares on what the words claim, by the paper's Adam steps, or not "
-        "at all (none: the nearest feasible values; middle: the middle of their ranges) (default: least-squares)",
-        "engine",
-        choices=INNER,
-    )
-    leave_out: tuple[str, ...] = option(
-        (),
-        "parts of the method to leave out, to see what they are worth: encoder, claims, sharing",
-        "engine",
-        unit="A,B",
-    )
-    baseline: str = option(
-        "",
-        "a baseline instead: one similarity, all parameters, as the paper has it, or without camera and fog, as in its "
-        "authors' code",
-        "engine",
-        choices=BASELINES,
-    )
-    rate: int = option(
-        0,
-        "greatest step of Adam and of the baselines, in thousandths of a range; 0 for their own",
-        "engine",
-        bounds=(0, 1000),
-    )
     like: str = option(
         "",
         "a picture whose look the scene is to have: a still, a photograph, a painting, an HDRI for its light; with a "
@@ -242,6 +210,12 @@ class Options:
         "render",
         bounds=(32, 8192),
         panel=Panel("Preview Size", "Longer side of the preview, in pixels", (64, 2048)),
+    )
+    figures: bool = option(
+        False,
+        "also write mask.png, where the subject is, and measure two predictions that are not shown: without the last "
+        "anchor, and without any",
+        "render",
     )
     camera: bool = False
     online: bool = True

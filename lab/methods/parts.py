@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The product's method with a part left out, to see what it is worth."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from lab.heads import HEADS
+from lab.methods.attributes import WithHeads
+from proxy_renderer.guidance.encoder import Encoder
+from proxy_renderer.guidance.guide import Guidance, Weights
+from proxy_renderer.optimize.inner.descent import Descent
+from proxy_renderer.optimize.rounds import selection
+from proxy_renderer.optimize.rounds.confiner import Confined
+from proxy_renderer.optimize.rounds.method import Method
+from proxy_renderer.planning.advice import Advice
+from proxy_renderer.render.proxy import Render
+
+
+class Projection(Method):
+    """No search: the nearest values in the words' ranges."""
+
+    def descend(
+        self,
+        now: Confined,
+        chosen: selection.Selection,
+        movable: Tensor,
+        steps: int,
+        seed: int,
+        follow: Callable[[int, float, Any], bool],
+    ) -> Descent:
+        """The round's projected point."""
+        return Descent(now.u, 0.0, 0.0)
+
+
+class Middle(Method):
+    """No search: the middle of the ranges."""
+
+    def descend(
+        self,
+        now: Confined,
+        chosen: selection.Selection,
+        movable: Tensor,
+        steps: int,
+        seed: int,
+        follow: Callable[[int, float, Any], bool],
+    ) -> Descent:
+        """The point with what may move in the middle of its range."""
+        return Descent(torch.where(movable, (now.lower + now.upper) / 2, now.u), 0.0, 0.0)
+
+
+class WithoutEncoder(Method):
+    """Claims alone."""
+
+    weights = replace(Weights(), subject=0.0, surroundings=0.0, whole=0.0, direction=0.0, negative=0.0)
+
+
+class WithoutClaims(Method):
+    """The encoder alone, and its attribute heads, which guess what claims measure."""
+
+    weights = replace(Weights(), claims=0.0)
+
+    def guidance(self, encoder: Encoder, prompt: str, advice: Advice, start: Render) -> Guidance:
+        """The product's, with a term for the heads."""
+        return WithHeads(
+            super().guidance(encoder, prompt, advice, start),
+            encoder,
+            {HEADS[name]: value for name, value in advice.goals.classes.items() if name in HEADS},
+        )
+
+
+class WithoutSharing(Method):
+    """Parameters that do the same as a chosen one are not held."""
+
+    def __init__(self) -> None:
+        selection.ALIKE = math.inf  # this engine has no other method

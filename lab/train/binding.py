@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``python -m lab fit``: fits the weights of the reader to labeled sentences."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from lab.train.fitting import Example, fit_links, fit_pairs
+from lab.train.sentences import read_folder
+from lab.train.sentences.glossed import glossed
+from lab.train.sentences.labels import LabeledSentence
+from lab.train.sentences.right import right_pairs
+from lab.train.sentences.stand_in import stand_in
+from proxy_renderer.prompt.binding.assignment import assigned
+from proxy_renderer.prompt.binding.model import FILE, FactWeights, write
+from proxy_renderer.prompt.binding.pairs import reading
+from proxy_renderer.prompt.lexicon.vocabulary import Vocabulary, shipped_vocabulary
+from proxy_renderer.prompt.parser import prepared
+
+L2 = 1.5
+"""Of the penalty: half of it times the sum of squares."""
+FOLDS = 5
+HARD = 0.5
+"""How much a hard sentence counts beside others."""
+
+
+def examples(
+    sentences: Sequence[LabeledSentence], vocabulary: Vocabulary, counts: float = 1.0
+) -> list[Example]:
+    """Sentences as the reader takes them.
+
+    Args:
+        sentences: With their labels.
+        vocabulary: What words mean.
+        counts: How much each counts beside others.
+    """
+    found = []
+    scenes = {s.scene.name: s.scene for s in sentences}
+    words_of = {name: stand_in(scene).words for name, scene in scenes.items()}
+    for artists in sentences:
+        words = words_of[artists.scene.name]
+        sentence = glossed(artists, words, vocabulary)
+        read = reading(prepared(sentence.text, words, vocabulary), words, vocabulary)
+        right = tuple(tuple(each) for each in right_pairs(sentence, read))
+        found.append(Example(sentence.scene.name, read, right, counts))
+    return found
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """Weights that make what is right likely.
+
+    Attributes:
+        weights: Fitted to all sentences.
+        without: Scene -> weights that are fitted without its fold.
+    """
+
+    weights: FactWeights
+    without: dict[str, FactWeights]
+
+
+def fit(every: Sequence[Example], l2: float = L2, folds: int = FOLDS) -> Fitted:
+    """Fits the weights.
+
+    Links are fitted to what facts about pairs say of scenes that these were not fitted to.
+
+    Args:
+        every: Sentences.
+        l2: Weight of the penalty.
+        folds: Parts into which the scenes are divided.
+    """
+    fold = {name: i % folds for i, name in enumerate(sorted({e.scene for e in every}))}
+    pairs = {n: fit_pairs([e for e in every if fold[e.scene] != n], l2) for n in {*fold.values()}}
+    linked = [(e, pairs[fold[e.scene]]) for e in every]
+    links = {n: fit_links([both for both in linked if fold[both[0].scene] != n], l2) for n in pairs}
+    without = {scene: pairs[n] | links[n] for scene, n in fold.items()}
+    return Fitted(fit_pairs(every, l2) | fit_links(linked, l2), without)
+
+
+def accuracy(every: Sequence[tuple[Example, FactWeights]]) -> float:
+    """The share of look words whose target is right, of those for which something right can be chosen.
+
+    Args:
+        every: Sentences, each with weights.
+    """
+    right = []
+    for example, weights in every:
+        for pairs, may, chosen in zip(
+            example.read.pairs, example.right, assigned(example.read, weights), strict=True
+        ):
+            right += [may[next(i for i, p in enumerate(pairs) if p is chosen)]] if any(may) else []
+    return sum(right) / max(len(right), 1)
+
+
+def main(argv: Sequence[str]) -> None:
+    """The command line."""
+    parser = argparse.ArgumentParser(prog="python -m lab fit", description=__doc__)
+    parser.add_argument(
+        "--sentences",
+        type=Path,
+        nargs="+",
+        required=True,
+        metavar="DIR",
+        help="folders of sentences_NN.toml, with scenes.toml in them or in development beside them",
+    )
+    parser.add_argument(
+        "--hard", type=Path, metavar="DIR", help="folder of harder ones than prompts are, which count half"
+    )
+    parser.add_argument("--l2", type=float, default=L2, help="weight of the penalty (default: %(default)s)")
+    parser.add_argument("--out", type=Path, default=FILE, help="file of weights (default: the one in use)")
+    options = parser.parse_args(argv)
+    start = time.perf_counter()
+    every = [e for folder in options.sentences for e in examples(read_folder(folder), shipped_vocabulary())]
+    if options.hard:
+        every += examples(read_folder(options.hard), shipped_vocabulary(), HARD)
+    fitted = fit(every, options.l2)
+    figures = {
+        "look words": sum(len(e.decided) for e in every),
+        "right": round(accuracy([(e, fitted.weights) for e in every]), 4),
+        "right, of scenes left out": round(accuracy([(e, fitted.without[e.scene]) for e in every]), 4),
+    }
+    hard = f" --hard {options.hard}" if options.hard else ""
+    folders = " ".join(map(str, options.sentences))
+    command = f"python -m lab fit --sentences {folders}{hard} --l2 {options.l2:g}"
+    write(options.out, fitted.weights, command, figures)
+    print(f"{figures}; {len(fitted.weights)} weights in {options.out}; {time.perf_counter() - start:.0f} s")

@@ -1,4 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-"""Whether look words of labeled sentences are bound to what they describe."""
-
-from .experiment import run as run

@@ -1,4 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-"""How well the encoder reads looks off pictures."""
-
-from .reading import run as run

@@ -1,4 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-"""What each part of the method adds: the development pairs, run with less and less left out."""
-
-from .rungs import run as run

@@ -1,4 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-"""Whether the names of measured materials and light sources give what was measured."""
-
-from .experiment import run as run

@@ -1,4 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-"""How time and memory grow with triangles, lights, materials, pixels and shots."""
-
-from .experiment import run as run

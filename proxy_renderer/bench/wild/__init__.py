@@ -1,4 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-"""How a vibe fares on a folder of other people's scenes."""
-
-from .corpus import run as run

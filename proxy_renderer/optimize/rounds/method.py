@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The method of a search: the product has one, others are plug-ins that override its hooks (`lab/methods`)."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from importlib import import_module
+from typing import Any
+
+from torch import Tensor
+
+from ...claims.claim import Claim
+from ...guidance.encoder import Encoder
+from ...guidance.guide import Guidance, NoGuidance, PromptGuidance, Weights
+from ...planning.advice import Advice
+from ...planning.types import Plan
+from ...render.proxy import Render
+from ...schema import Instance, VibeError
+from ...schema.messages import Options
+from ..inner.descent import Descent
+from ..inner.least_squares import solve
+from ..shots import ShotState
+from ..vector import ParameterVector
+from .confiner import Confined
+from .selection import Selection, select
+
+VARIABLE = "VIBE_METHOD"
+"""Environment variable with a plug-in, MODULE:CLASS, that the engine uses in place of the product's method."""
+
+
+class Method:
+    """Least squares on what the words claim, over the parameters that serve the claims most.
+
+    Attributes:
+        weights: Of the terms of the loss.
+    """
+
+    weights = Weights()
+
+    def plan(self, instances: Mapping[str, Instance], plan: Plan) -> Plan:
+        """The plan of a round (lines 3 to 5).
+
+        Args:
+            instances: The scene's parameters by key.
+            plan: What the words, or a model, plan.
+        """
+        return plan
+
+    def claims(self, claims: tuple[Claim, ...]) -> tuple[Claim, ...]:
+        """The claims that pictures are measured by.
+
+        Args:
+            claims: Of words and picture.
+        """
+        return claims
+
+    def guidance(self, encoder: Encoder, prompt: str, advice: Advice, start: Render) -> Guidance:
+        """The judge of a picture's similarity to the prompt.
+
+        Args:
+            encoder: Judges similarity.
+            prompt: What the artist typed.
+            advice: The composed captions, and what the words ask for.
+            start: The artist's picture, on which the guidance is calibrated.
+        """
+        if not prompt.strip():  # a picture is there in their place, and its claims say all
+            return NoGuidance()
+        goals, first = advice.goals, (start.display, start.mask)
+        silhouette = any(wish.quantity == "silhouette" for wish in goals.wishes)
+        return PromptGuidance(encoder, advice.prompts, goals.classes, {}, first, silhouette, self.weights)
+
+    def select(
+        self, now: Confined, vector: ParameterVector, shots: Sequence[ShotState], u: Tensor, options: Options
+    ) -> Selection:
+        """S_K (line 6), and what is minimized over it.
+
+        Args:
+            now: The round, confined.
+            vector: The parameters of u.
+            shots: The shots that judge.
+            u: (N,) where the parameters are chosen.
+            options: K is `top_k`.
+        """
+        box = now.lower, now.upper
+        return select(now.plan, vector, shots, u, *box, options, self.weights, now.opening)
+
+    def descend(
+        self,
+        now: Confined,
+        chosen: Selection,
+        movable: Tensor,
+        steps: int,
+        seed: int,
+        follow: Callable[[int, float, Any], bool],
+    ) -> Descent:
+        """Lines 8 to 15, from the round's projected point.
+
+        Args:
+            now: The round, confined.
+            chosen: S_K, and what is minimized; chosen at that point.
+            movable: (N,) bool, the components that may move.
+            steps: T, the most steps.
+            seed: Of all chance in it.
+            follow: Called with (step from 1, loss, picture) after each step; True ends the loop.
+        """
+        return solve(chosen.objective, now.u, movable, now.lower, now.upper, steps, follow, chosen.model)
+
+
+def load_method() -> Method:
+    """The plug-in that the environment names, or the product's method.
+
+    Raises:
+        VibeError: There is no such plug-in.
+    """
+    name = os.environ.get(VARIABLE, "")
+    if not name:
+        return Method()
+    module, _, its_class = name.partition(":")
+    try:
+        method: Method = getattr(import_module(module), its_class)()
+    except (ImportError, AttributeError, ValueError) as error:
+        raise VibeError(
+            f"The method {name!r} cannot be loaded: {error}.",
+            f"Set {VARIABLE} to MODULE:CLASS, or to nothing.",
+        ) from error
+    return method
