@@ -96,33 +96,3 @@ def heads_of(encoder: Encoder) -> AttributeHeads | None:
     if (folder / "skill.json").is_file():
         heads.skill |= json.loads((folder / "skill.json").read_text())
     return heads.to(encoder.device).eval().requires_grad_(False)
-
-
-from __future__ import annotations
-
-from proxy_renderer.prompt.lexicon.entries import VocabularyEntry
-
-HEADS = {
-    "color": "subject_color",
-    "surroundings_color": "surroundings_color",
-    "finish": "subject_finish",
-    "substance": "subject_metal",
-    "direction": "light_side",
-    "hardness": "light_softness",
-    "light_color": "light_temperature",
-    "haze": "fog",
-    "brightness": "brightness",
-    "contrast": "contrast",
-    "saturation": "saturation",
-    "vignette": "vignette",
-}
-"""Quantity of words -> the head that reads it off pictures."""
-
-
-def heads_of(entry: VocabularyEntry) -> dict[str, str]:
-    """Head -> the class that a look word asks for.
-
-    Args:
-        entry: Of the vocabulary.
-    """
-    return {HEADS[quantity]: named for quantity, named in entry.classes.items() if quantity in HEADS}

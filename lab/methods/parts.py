@@ -11,7 +11,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from lab.heads import HEADS
+from lab.heads.classes import HEADS
 from lab.methods.attributes import WithHeads
 from proxy_renderer.guidance.encoder import Encoder
 from proxy_renderer.guidance.guide import Guidance, Weights

@@ -25,7 +25,7 @@ from rich.table import Table
 from lab import judge as judge_encoder
 from lab.bench import cache
 from lab.bench.encoder.mistakes import save_mistakes
-from lab.heads import heads_of
+from lab.heads.classes import classes_of
 from lab.train.data import LOOKS, Batch
 from lab.train.evaluate import FEW, Mistake, cost, judge, shaded, skill
 from lab.train.pictures import bank, cycles
@@ -187,7 +187,7 @@ def synonyms(asked: Encoder, batches: list[Batch]) -> tuple[float, float]:
         places.append(entry in right)
         if entry in right and entry not in told:
             told[entry] = _told_apart(
-                asked, batches, vocabulary.entries[entry].phrase, heads_of(vocabulary.entries[entry])
+                asked, batches, vocabulary.entries[entry].phrase, classes_of(vocabulary.entries[entry])
             )
         scores.append(told[entry] if entry in right else 0.0)
     return round(float(np.mean(scores)), 4), round(float(np.mean(places)), 4)

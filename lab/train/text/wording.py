@@ -5,7 +5,7 @@ import zlib
 from dataclasses import dataclass
 from functools import cache
 
-from lab.heads import heads_of
+from lab.heads.classes import classes_of
 from proxy_renderer.color.shades import basic
 from proxy_renderer.prompt.lexicon.entries import VocabularyEntry
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
@@ -173,9 +173,9 @@ def phrases() -> list[tuple[str, AttributeClasses]]:
     """
     colors = {word for words in COLOR_WORDS.values() for word in words}
     return [
-        (entry.phrase, heads_of(entry))
+        (entry.phrase, classes_of(entry))
         for entry in _asking()
-        if "subject_color" in heads_of(entry)
+        if "subject_color" in classes_of(entry)
         or entry.slot != "material"
         or not colors & {*entry.phrase.split()}
     ]
@@ -189,12 +189,12 @@ def lessons_by_class() -> dict[str, dict[str, list[tuple[str, AttributeClasses]]
     """
     by_class: dict[str, dict[str, list[tuple[str, AttributeClasses]]]] = {}
     for entry in _asking():
-        (name, value), *more = heads_of(entry).items()
+        (name, value), *more = classes_of(entry).items()
         name, value = ("", "") if more else (name, value)
-        by_class.setdefault(name, {}).setdefault(value, []).append((entry.phrase, heads_of(entry)))
+        by_class.setdefault(name, {}).setdefault(value, []).append((entry.phrase, classes_of(entry)))
     return by_class
 
 
 def _asking() -> list[VocabularyEntry]:
     """The entries that ask for something which a head reads."""
-    return [entry for entry in shipped_vocabulary().entries.values() if heads_of(entry)]
+    return [entry for entry in shipped_vocabulary().entries.values() if classes_of(entry)]
