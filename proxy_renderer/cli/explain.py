@@ -23,7 +23,7 @@ from ..prompt.types import SceneWords
 from ..prompt.understood import Understood
 from ..rigs.chosen import chosen_rig
 from ..scene.plain import plain_instances
-from ..schema import Instance
+from ..schema import Instance, VibeError
 from ..schema.options import checks
 from ..schema.spec import Region
 
@@ -42,6 +42,7 @@ def account(
     subject: Sequence[str] = (),
     with_reasons: bool = False,
     target: Sequence[str] = (),
+    as_goals: bool = False,
 ) -> str:
     """What the words mean, readable or as JSON.
 
@@ -52,6 +53,7 @@ def account(
         subject: Arguments that say what in the scene is the subject: "--subject=Cup".
         with_reasons: Say why each look word is bound as it is, and nothing else.
         target: "copper=Cup": what words describe, where they are taken for something else.
+        as_goals: Give the goals alone, as `vibe run --goals` reads them.
     """
     words, instances, context, addition = (
         _read(prompt, scene, subject, target) if scene else (*_plain(), None)
@@ -59,6 +61,10 @@ def account(
     if with_reasons:
         return _reasons(prompt, words, target)
     goals = addition.goals if addition else goals_or_why(Understood(prompt, words, target))
+    if as_goals:
+        if isinstance(goals, VibeError):
+            raise goals
+        return json.dumps(written.as_json(goals), indent=2, ensure_ascii=False)
     advice = OfflineAdvisor(goals, addition.plan if addition else None).advise(None, instances, context)
     decided = advice.goals, advice.prompts, advice.plan
     light = _light(advice.goals, addition)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from ..claims.claim import Claim
 from ..claims.wanted import claims_of
 from ..goals.resolve import Goals, goals_or_why
+from ..goals.written import WrittenGoals
 from ..optimize.context import scene_words
 from ..planning.acting import beside_rig
 from ..planning.lights.backdrop import asks_for_backdrop
@@ -62,7 +63,11 @@ class Addition:
 
 
 def with_additions(
-    scenes: Sequence[SceneData], prompt: str, new_lights: bool = True, told: Sequence[str] = ()
+    scenes: Sequence[SceneData],
+    prompt: str,
+    new_lights: bool = True,
+    told: Sequence[str] = (),
+    written: WrittenGoals | None = None,
 ) -> Addition:
     """The shots, lit by the rig that the words ask for; or with what is on standby for them, where they ask for no rig.
 
@@ -71,12 +76,13 @@ def with_additions(
         prompt: What the artist typed; where nothing in it is understood offline, nothing is added.
         new_lights: Whether the scene may get lights.
         told: "copper=Cup": what the artist says that words describe.
+        written: Goals in the place of those that the prompt asks for; None for its own.
 
     Raises:
         VibeError: The scene has nothing that a word is told to describe.
     """
     understood = Understood(prompt, scene_words(*scenes), told)
-    goals = goals_or_why(understood)
+    goals = written.within(understood.scene) if written else goals_or_why(understood)
     if isinstance(goals, VibeError):
         return Addition(list(scenes), understood, goals)
     if chosen := chosen_rig(goals, rig_table(), default_vocabulary()):

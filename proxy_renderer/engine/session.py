@@ -15,6 +15,7 @@ import torch
 from PIL import Image
 
 from ..claims.verdict import ShotClaims
+from ..goals.written import as_json, read
 from ..guidance import augment
 from ..guidance.encoder import Encoder, load_encoder
 from ..optimize import context, pipeline
@@ -84,7 +85,9 @@ class EngineSession:
         self._observer.stage("loading the scene")
         found = [load_scene(Path(shot.job)) for shot in self.shots]
         self._observer.stage("setting the light")
-        addition = with_additions(found, self.prompt, self.options.new_lights, self.options.target)
+        written = read(Path(self.options.goals)) if self.options.goals else None
+        self.prompt = written.prompt if written else self.prompt
+        addition = with_additions(found, self.prompt, self.options.new_lights, self.options.target, written)
         scenes, self._understood = addition.scenes, addition.understood
         clock.lap("load scene")
         advisor = self._advisor(addition)
@@ -231,6 +234,7 @@ class EngineSession:
             "encoder": encoder.name,
             "seed": self.options.seed,
             "method": os.environ.get(VARIABLE, ""),
+            "goals": as_json(goals),
             "parameters": report.parameter_records(outcome),
             "rounds": outcome.rounds,
             "understood": {

@@ -87,6 +87,21 @@ def preset(name: str) -> str:
     return name
 
 
+def goals(name: str) -> str:
+    """The path of a file of goals whose fields are all right; "" for none.
+
+    Raises:
+        VibeError: It is missing, or a field of it is wrong.
+    """
+    if not name:
+        return ""
+    from ..goals.written import read
+
+    path = file(name, "goals file")
+    read(path)
+    return str(path)
+
+
 def words(prompt: str) -> None:
     """Refuses a prompt that says nothing in any scene; what its words describe is read in Blender's scene alone.
 

@@ -42,7 +42,7 @@ LIGHT_TYPES: tuple[str, ...] = tuple(
 """Blender's types of light."""
 
 LARGEST = 1_000_000  # bytes of a file; one with a hundred materials has a tenth of that
-_FIELDS = {"format", "version", "name", "prompt", "roles", "kinds"}
+_FIELDS = {"format", "version", "name", "prompt", "roles", "kinds", "goals"}
 _OURS = "Use a preset that Vibe Render has written."
 
 
@@ -55,6 +55,7 @@ class Preset:
         roles: Role to its entries, the most visible or brightest first.
         kinds: Of every light entry, its type ("AREA", …), by role.
         prompt: What the artist typed.
+        goals: What it was searched for by, see docs/reference/goals.md: `vibe run --goals` searches it again; {} for none.
         version: Of the parameter table that it was made with.
     """
 
@@ -62,6 +63,7 @@ class Preset:
     roles: dict[str, list[Entry]]
     kinds: dict[str, list[str]] = field(default_factory=dict)
     prompt: str = ""
+    goals: dict[str, Any] = field(default_factory=dict)
     version: int = VERSION
 
     def dumps(self) -> str:
@@ -102,7 +104,10 @@ def loads(text: str) -> Preset:
     name, prompt = (
         _text(raw, field, most) for field, most in (("name", LONGEST_NAME), ("prompt", LONGEST_PROMPT))
     )
-    return Preset(name, raw["roles"], kinds, prompt, raw["version"])
+    goals = raw.get("goals", {})
+    if not isinstance(goals, dict):
+        raise VibeError("The preset's goals are no object.", "Remove them from the preset.")
+    return Preset(name, raw["roles"], kinds, prompt, goals, raw["version"])
 
 
 def _check_version(version: Any) -> None:

@@ -58,12 +58,13 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     args.cameras, args.frames = _listed(args.cameras), schema.frame_numbers(args.frames)
     checks.numbers(args)
     if args.command in ("run", "demo"):
-        checks.prompt(args.prompt, args.like)
+        checks.prompt(args.prompt, args.like, args.goals)
         args.groups = checks.groups(args.groups)
         checks.locks(args.lock)
         checks.targets(args.target)
         args.like_only = checks.traits(args.like_only, args.like)
         args.like = os.path.abspath(args.like) if args.like else ""
+        args.goals = os.path.abspath(args.goals) if args.goals else ""
     if args.command not in ("revert", "serve"):
         if args.out is None:
             raise schema.VibeError("There is no output folder.", "Say where with --out DIR.")

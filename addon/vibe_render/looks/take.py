@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Protocol
@@ -47,7 +48,11 @@ def load(path: Path) -> preset.Preset:
 
 
 def extract(
-    prompt: str, scene: SceneParameters, values: Mapping[str, Sequence[float]], name: str = ""
+    prompt: str,
+    scene: SceneParameters,
+    values: Mapping[str, Sequence[float]],
+    name: str = "",
+    goals: str = "",
 ) -> preset.Preset:
     """The look that a vibe gave a scene.
 
@@ -56,6 +61,7 @@ def extract(
         scene: The vibed scene.
         values: The values that the vibe has changed, by key.
         name: The preset's name; without one, the prompt's first words.
+        goals: What the vibe was searched for by, as JSON; "" for none.
     """
     roles: dict[str, list[preset.Entry]] = {}
     kinds: dict[str, list[str]] = {}
@@ -65,7 +71,7 @@ def extract(
             roles[role] = list(entries.values())
             if group == "light":
                 kinds[role] = [_kind(owner) for owner in entries]
-    return preset.Preset(preset.title(name or prompt), roles, kinds, prompt)
+    return preset.Preset(preset.title(name or prompt), roles, kinds, prompt, json.loads(goals or "{}"))
 
 
 def owners(scene: SceneParameters, role: str) -> list[str]:

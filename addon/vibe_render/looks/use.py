@@ -85,7 +85,7 @@ def capture(scene: bpy.types.Scene, choice: SubjectChoice, name: str) -> preset.
     scene_reading = reading.read_scene(scene, choice)
     changed = (change.name for change in settings.changes)
     values = {key: scene_reading.instances[key].value for key in changed if key in scene_reading.instances}
-    look = take.extract(settings.vibed_prompt, scene_reading, values, name)
+    look = take.extract(settings.vibed_prompt, scene_reading, values, name, settings.vibed_goals)
     if not look.roles:
         raise schema.VibeError("There is no look to save.", "Vibe the scene first, or apply a preset.")
     return look

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -49,6 +50,8 @@ def apply(
             values[key], records[key] = present, {"reason": reason}
     forget(scene)
     settings.vibed_prompt, settings.pivot = prompt, pivot
+    goals = engine_result.report.get("goals")
+    settings.vibed_goals = json.dumps(goals, ensure_ascii=False) if goals else ""
     before = {**current, **{key: own for key, (own, _) in earlier.items()}}
     _list_changes(settings, before, _in_order(values, current), {}, records)
 
@@ -138,7 +141,7 @@ def forget(scene: bpy.types.Scene) -> None:
     settings = scene.vibe
     settings.changes.clear()  # first: without changes, resetting the sliders writes nothing
     settings.strength, settings.show_original = 1.0, False
-    settings.vibed_prompt = settings.vibed_like = settings.vibed_preset = ""
+    settings.vibed_prompt = settings.vibed_goals = settings.vibed_like = settings.vibed_preset = ""
     settings.variant = 0
 
 

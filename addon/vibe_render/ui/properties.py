@@ -153,6 +153,7 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
     )
     changes: CollectionProperty(type=VibeChange)
     vibed_prompt: StringProperty()
+    vibed_goals: StringProperty()  # as JSON, for presets
     vibed_like: StringProperty(description="The picture that the look comes from, if any")
     vibed_preset: StringProperty(description="The preset that the look comes from, if any")
     variant: IntProperty(description="Number of the variant that is in the scene", min=0)

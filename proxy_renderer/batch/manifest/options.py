@@ -69,6 +69,8 @@ class OptionReader:
             self._check_options(self._defaults | {row.name: value})
             if row.name == "like" and isinstance(value, str) and value:
                 value = str(check.file(str(self._base / value), "picture"))
+            if row.name == "goals" and isinstance(value, str) and value:
+                value = check.goals(str(self._base / value))
         except VibeError as error:
             raise self._problem(error.message, error.remedy, *keys, key) from error
         return value
@@ -95,7 +97,7 @@ class OptionReader:
         Raises:
             VibeError: It is empty or too long, or nothing in it is understood and no model is there to ask.
         """
-        checks.prompt(prompt, options.get("like", ""))
+        checks.prompt(prompt, options.get("like", ""), options.get("goals", ""))
         if prompt.strip() and not check.model(argparse.Namespace(**self._defaults | options)):
             check.words(prompt)
 

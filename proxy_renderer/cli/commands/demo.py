@@ -27,5 +27,5 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def act(a: argparse.Namespace) -> int:
     """Carries out the command; the demo's own words make way for a picture."""
     if a.prompt is None:
-        a.prompt = "" if a.like else _PROMPT
+        a.prompt = "" if a.like or a.goals else _PROMPT
     return carry_out(a, "demo")

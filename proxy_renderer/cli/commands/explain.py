@@ -24,6 +24,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="what each look word may be bound to, with scores and the facts that decided",
     )
+    parser.add_argument(
+        "--goals", action="store_true", help="what the words wish for, as JSON that `vibe run --goals` reads"
+    )
     parser.add_argument("--json", action="store_true", help="for programs")
 
 
@@ -36,5 +39,5 @@ def act(a: argparse.Namespace) -> int:
     checks.targets(a.target)
     scene = check.scene(a.scene) if a.scene else None
     subject = [f"--subject={name}" for name in a.subject]
-    print(account(a.prompt, a.json, scene, subject, a.why, a.target))
+    print(account(a.prompt, a.json, scene, subject, a.why, a.target, a.goals))
     return 0

@@ -58,7 +58,7 @@ def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> 
         what: The command of Blender's side.
         scenes: Its scenes.
     """
-    checks.prompt(a.prompt, a.like)
+    checks.prompt(a.prompt, a.like, a.goals)
     checks.numbers(a)
     a.groups = checks.groups(a.groups)
     checks.locks(a.lock)
@@ -72,6 +72,7 @@ def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> 
     with ExitStack() as stack:
         places = [str(stack.enter_context(prepared(scene))) for scene in scenes]
         check.vocabulary(a.vocabulary)  # after the meshes: it takes as long as they do
+        a.goals = check.goals(a.goals)
         if a.prompt.strip() and not check.model(a):
             check.words(a.prompt)
         out = checks.folder(a.out)  # last: a mistake leaves no folder

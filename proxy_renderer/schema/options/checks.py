@@ -17,17 +17,20 @@ from .option import Option
 from .table import TABLE, TRAITS
 
 
-def prompt(text: str, like: str = "") -> str:
+def prompt(text: str, like: str = "", goals: str = "") -> str:
     """A prompt with something in it, of a length that a person types.
 
     Args:
         text: The prompt.
         like: A picture whose look is wanted; with one, there need be no words.
+        goals: A file of goals, which stand in the place of words.
 
     Raises:
-        VibeError: It is empty, or too long.
+        VibeError: It is empty, or too long, or there are goals besides.
     """
-    if not text.strip() and not like:
+    if text.strip() and goals:
+        raise VibeError("There are a prompt and goals.", "Leave out one of --prompt and --goals.")
+    if not text.strip() and not like and not goals:
         raise VibeError(
             "The prompt is empty.",
             'Describe the look: --prompt "misty, cool blue fog, vignette", or show it: --like still.jpg.',

@@ -189,6 +189,12 @@ class Options:
             path=True,
         ),
     )
+    goals: str = option(
+        "",
+        "goals in a file, in the place of a prompt: of `vibe explain --goals`, of a report, or of a preset that has some",
+        "picture",
+        unit="FILE",
+    )
     like_only: tuple[str, ...] = option(
         (),
         f"what to take over from that picture: {', '.join(TRAITS)} (default: all; materials only of the same scene)",
