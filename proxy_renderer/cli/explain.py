@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..goals import written
 from ..goals.resolve import Goals, goals_or_why
 from ..planning.advice import OfflineAdvisor
 from ..planning.explanation import as_dict, explain

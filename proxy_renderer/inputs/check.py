@@ -97,7 +97,7 @@ def goals(name: str) -> str:
         return ""
     from ..goals.written import read
 
-    path = file(name, "goals file")
+    path = file(name, "list of goals")
     read(path)
     return str(path)
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -115,8 +116,12 @@ class _Run:
             self._render_after(number)
             compared = self._ask_to_measure(number)
             if number == 0:
+                goals = result.report["goals"]
                 look = take.extract(
-                    self.args.prompt, self.shot_list.jobs[0].with_additions_of(result.values), result.values
+                    goals["prompt"],
+                    self.shot_list.jobs[0].with_additions_of(result.values),
+                    result.values,
+                    goals=json.dumps(goals, ensure_ascii=False),
                 )
                 self.out.write_text("preset.json", look.dumps())
             self._save(number)
