@@ -21,6 +21,7 @@ METHODS = {
     PROJECTION: "lab.methods.parts:Projection",
     "middle": "lab.methods.parts:Middle",
     "without-encoder": "lab.methods.parts:WithoutEncoder",
+    "every-word": "lab.methods.parts:EveryWord",
     "without-claims": "lab.methods.parts:WithoutClaims",
     "without-sharing": "lab.methods.parts:WithoutSharing",
 }

@@ -54,7 +54,9 @@ class ClipOnly(Adam):
         """None: the baseline does not know what the words ask for."""
         return ()
 
-    def guidance(self, encoder: Encoder, prompt: str, advice: Advice, start: Render) -> Guidance:
+    def guidance(
+        self, encoder: Encoder, prompt: str, advice: Advice, start: Render, every_word: bool = False
+    ) -> Guidance:
         """L_pos(I, t) alone."""
         return GlobalGuidance(encoder, prompt, regions.Views())
 

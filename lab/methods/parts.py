@@ -14,7 +14,7 @@ from torch import Tensor
 from lab.heads.classes import HEADS
 from lab.methods.attributes import WithHeads
 from proxy_renderer.guidance.encoder import Encoder
-from proxy_renderer.guidance.guide import Guidance, Weights
+from proxy_renderer.guidance.guide import Guidance, NoGuidance, Weights
 from proxy_renderer.optimize.inner.descent import Descent
 from proxy_renderer.optimize.rounds import selection
 from proxy_renderer.optimize.rounds.confiner import Confined
@@ -58,7 +58,17 @@ class Middle(Method):
 class WithoutEncoder(Method):
     """Claims alone."""
 
-    weights = replace(Weights(), subject=0.0, surroundings=0.0, whole=0.0, direction=0.0, negative=0.0)
+    def guidance(
+        self, encoder: Encoder, prompt: str, advice: Advice, start: Render, every_word: bool = False
+    ) -> Guidance:
+        """None."""
+        return NoGuidance()
+
+
+class EveryWord(Method):
+    """The encoder is asked for all words, those that measures cover too."""
+
+    every_word = True
 
 
 class WithoutClaims(Method):
@@ -66,10 +76,12 @@ class WithoutClaims(Method):
 
     weights = replace(Weights(), claims=0.0)
 
-    def guidance(self, encoder: Encoder, prompt: str, advice: Advice, start: Render) -> Guidance:
-        """The product's, with a term for the heads."""
+    def guidance(
+        self, encoder: Encoder, prompt: str, advice: Advice, start: Render, every_word: bool = False
+    ) -> Guidance:
+        """The product's for every word, with a term for the heads."""
         return WithHeads(
-            super().guidance(encoder, prompt, advice, start),
+            super().guidance(encoder, prompt, advice, start, every_word=True),
             encoder,
             {HEADS[name]: value for name, value in advice.goals.classes.items() if name in HEADS},
         )

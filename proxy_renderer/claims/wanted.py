@@ -50,6 +50,10 @@ _DROWNED = 0.12
 _OF_DARKNESS, _DARK, _BLACK = ("lightness", "black_point"), 50.0, 22.0
 """Measures of how dark something is, what words for dark ask for at most, and L* of a color up to which it is black."""
 
+_SHAPED, _FLAT = 14.0, 8.0
+"""From the darkest to the lightest tenth of a subject, L*, at least: light from everywhere shows no shape. The latter where words ask for
+dark or for little contrast."""
+
 _DIMMEST = 24.0
 """L* of the lightest parts of a subject in the dark, at least."""
 
@@ -107,9 +111,11 @@ def _of_every_picture(goals: Goals) -> Iterator[Claim]:
     yield Claim.unsaid("subject", "burnt", upper=_BURNT)
     if silhouette:
         return
-    if goals.classes.get("brightness") == "dark":  # even at night its lights are seen
-        yield Claim.unsaid("subject", "white_point", lower=_DIMMEST)
-    else:
+    dark = goals.classes.get("brightness") == "dark"
+    shaped = _FLAT if dark or goals.classes.get("contrast") == "low" else _SHAPED
+    yield Claim.unsaid("subject", "white_point", lower=_DIMMEST)  # even at night its lights are seen
+    yield Claim.unsaid("subject", "spread", lower=shaped)
+    if not dark:
         yield Claim.unsaid("subject", "drowned", upper=0.3)
 
 

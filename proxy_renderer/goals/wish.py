@@ -74,6 +74,12 @@ class Wish:
         colored = self.attribute.color or (self.attribute.slot == "material" and self.quantity == "color")
         return bool(self.named or self.claims or colored)
 
+    @property
+    def is_measured(self) -> bool:
+        """Whether it claims something of the image, which a measure reads off it."""
+        material = self.attribute.slot == "material" and self.quantity == "color" and self.effects
+        return bool(self.claims or self.attribute.color or material)
+
     @cached_property
     def usual(self) -> int:
         """0 for what a word says; above for what a material, a weather (1) or a place (2) usually has."""

@@ -1,41 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The objective for one prompt (equation 9): one region, one phrase, one loss, and the safeguards."""
+"""The paper's CLIP objective (equations 2 to 4, and 9 without its colors, which claims measure): one region, one phrase, one loss."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import torch
 from torch import Tensor
 
-from ..color.constants import Lab
-from ..color.tensors import lab_from_srgb
 from ..prompt.types import Prompts
-from ..schema.spec import Region
 from . import regions
-from .losses import (
-    border_loss,
-    color_loss,
-    direction_loss,
-    form_loss,
-    negative_loss,
-    positive_loss,
-    shading_contrast_loss,
-    visibility_loss,
-)
+from .losses import direction_loss, negative_loss, positive_loss
 
 if TYPE_CHECKING:
     from .encoder import Encoder
 
 _REGIONS = ("subject", "surroundings", "whole")
-_LIT, _DIM = 50.0, 20.0
-"""Least lightness of the subject or of what is around it; the latter for dark pictures."""
-_FORM = 0.46
-"""Lightness of a subject's best-lit tenth, as a share of that: more turns black things in warm light brown."""
-_SHADING, _FLAT = 6.5, 3.5
-"""Least spread of L* within a subject; the latter where words ask for dark or little contrast."""
 _PLAIN = "a picture of an object"  # says nothing of its look
 
 
@@ -49,9 +30,7 @@ class Weights:
         whole: λ_full.
         direction: Change of the whole picture in the direction of the words.
         negative: λ_neg.
-        color: Named colors; the paper's for the background's, used for the subject's too.
         border: Subject on the picture's border.
-        visibility: A subject that cannot be told from its surroundings, or cannot be seen.
         claims: What the words claim of the picture, see `claims.claim`.
         prior: Pull of what no word names to the artist's value.
         hue: Pull of a color's components to one place in their ranges.
@@ -62,9 +41,7 @@ class Weights:
     whole: float = 0.25
     direction: float = 0.2
     negative: float = 0.8
-    color: float = 0.6
     border: float = 0.5
-    visibility: float = 2.5
     claims: float = 0.5
     prior: float = 0.5
     hue: float = 2.0
@@ -90,7 +67,7 @@ class Guidance(Protocol):
 
 
 class NoGuidance:
-    """Nothing but the claims: where there are no words."""
+    """Nothing but the claims: where measures cover all words."""
 
     views = regions.Views()
 
@@ -105,11 +82,8 @@ class PromptGuidance:
     Args:
         encoder: Judges similarity.
         prompts: Phrases by region.
-        targets: Attribute -> class that the words ask for.
-        colors: "subject"/"surroundings" -> Lab.
         start: Display picture (H, W, 3) and mask (H, W) of the artist's scene: hinge margins are
             calibrated on it, because encoders differ in how alike they find everything.
-        silhouette: Whether the subject may be without any light on it.
         weights: Of the terms.
         views: How many crops of each region.
     """
@@ -118,18 +92,11 @@ class PromptGuidance:
         self,
         encoder: Encoder,
         prompts: Prompts,
-        targets: Mapping[str, str],
-        colors: Mapping[Region, Lab],
         start: tuple[Tensor, Tensor],
-        silhouette: bool = False,
         weights: Weights | None = None,
         views: regions.Views | None = None,
     ) -> None:
         self.encoder, self.weights, self.views = encoder, weights or Weights(), views or regions.Views()
-        self.colors, self.silhouette = colors, silhouette
-        self._light = _DIM if targets.get("brightness") == "dark" else _LIT
-        flat = targets.get("brightness") == "dark" or targets.get("contrast") == "low"
-        self._shading = _FLAT if flat else _SHADING
         self.positive = {
             region: _texts(encoder, (text,))
             for region, text in zip(
@@ -164,16 +131,6 @@ class PromptGuidance:
         if len(self.positive["whole"]):
             toward = direction_loss(features["whole"], self.start, self.positive["whole"], self.plain)
             terms["direction"] = w.direction * toward
-        lab = lab_from_srgb(display)
-        for region, target in self.colors.items():
-            terms[f"{region} color"] = w.color * color_loss(
-                lab, mask if region == "subject" else 1.0 - mask, target
-            )
-        terms["border"] = w.border * border_loss(mask)
-        terms["visibility"] = w.visibility * visibility_loss(lab, mask, light=self._light)
-        if not self.silhouette:
-            terms["form"] = w.visibility * form_loss(lab, mask, _FORM * self._light)
-            terms["shading contrast"] = w.visibility * shading_contrast_loss(lab, mask, self._shading)
         return terms
 
     def _features(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:

@@ -10,7 +10,7 @@ import torch
 from torch import Tensor
 
 from ..guidance.guide import Weights
-from ..guidance.losses import claims_loss, hue_consistency_loss, prior_loss
+from ..guidance.losses import border_loss, claims_loss, hue_consistency_loss, prior_loss
 from .forward import forward_slopes, pictures_for
 from .inner.assessment import Assessment
 from .inner.descent import fixed_views
@@ -66,6 +66,7 @@ class RoundObjective:
         self.seen, self.vector, self.free = seen, vector, free
         self._lower, self._span = lower, (upper - lower).clamp_min(1e-9)
         self._home, self._differences = home, differences
+        self._moves = any(vector.instances[key].parameter.group == "camera" for key in free)
         self._pull, self._weights = pull, weights
         unnamed = (pull > 0.0) & (home == vector.encode({}))
         gray = torch.zeros_like(unnamed)
@@ -192,7 +193,10 @@ class RoundObjective:
     def _similar(self, picture: Render, generator: torch.Generator, shot: int) -> dict[str, Tensor]:
         guidance = self.seen[shot].guidance
         assert guidance is not None
-        return guidance(picture.display, picture.mask, generator)
+        terms = guidance(picture.display, picture.mask, generator)
+        if self._moves:
+            terms["border"] = self._weights.border * border_loss(picture.mask)
+        return terms
 
     def held(self, u: Tensor) -> Tensor:
         """() the pull home at u (N,), and that of a color's components to each other."""

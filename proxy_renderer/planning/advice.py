@@ -3,16 +3,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from ..goals.resolve import Goals
 from ..prompt.prompts import compose
-from ..prompt.types import Prompts
+from ..prompt.types import Attribute, Prompts
 from ..schema import Instance, VibeError
 from .planner import plan
 from .types import LightPlan, Plan, PlanContext
+
+NO_PROMPTS = Prompts("", "", "")
+"""Nothing to ask an encoder."""
 
 
 @dataclass(frozen=True)
@@ -22,6 +25,7 @@ class Advice:
     Attributes:
         goals: What the words wish for; with the objects list O.
         prompts: Captions and negatives by region.
+        unmeasured: The same of the words alone that no measure covers.
         plan: Bounds and priority of every parameter.
         placed: Keys of what a rig has placed already.
         source: Who gave it: "offline planner", or the model; with the reason if it was not the one asked for.
@@ -30,6 +34,7 @@ class Advice:
     goals: Goals
     prompts: Prompts
     plan: Plan
+    unmeasured: Prompts = NO_PROMPTS
     source: str = "offline planner"
     placed: frozenset[str] = frozenset()
 
@@ -64,6 +69,22 @@ class OfflineAdvisor:
             raise self.goals
         prompts = compose(self.goals.parsed, self.goals.overruled)
         decided = plan(self.goals, dict(instances), context, light=self.light)
-        return Advice(
-            self.goals, prompts, decided, placed=frozenset(self.light.entries if self.light else ())
-        )
+        served = self.light.served if self.light else ()
+        placed = frozenset(self.light.entries if self.light else ())
+        return Advice(self.goals, prompts, decided, unmeasured(self.goals, served), placed=placed)
+
+
+def unmeasured(goals: Goals, served: Collection[Attribute] = ()) -> Prompts:
+    """Captions of the words that are sought and that claim nothing of the image.
+
+    Args:
+        goals: What the words wish for.
+        served: Words that a rig stands for, which measures its light.
+    """
+    measured = [wish.attribute for wish in goals.wishes if wish.is_measured]
+    left = [
+        a
+        for a in goals.parsed.attributes
+        if not (a.negated or a.cause or a in measured or a in served or a in goals.overruled)
+    ]
+    return compose(replace(goals.parsed, attributes=left)) if left else NO_PROMPTS

@@ -50,7 +50,7 @@ class LikeAdvisor:
                     "Unlock something, allow more groups, or name more in --like-only.",
                 )
             plan = Plan({key: own.get(key) or _untouched(i) for key, i in instances.items()})
-            advice = Advice(Goals(Parsed("")), Prompts("", "", ""), plan, "the picture")
+            advice = Advice(Goals(Parsed("")), Prompts("", "", ""), plan, source="the picture")
         else:
             plan = Plan(
                 {key: own.get(key) or _alone(e) for key, e in advice.plan.items()} | _named(advice.plan)

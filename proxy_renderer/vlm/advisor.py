@@ -147,7 +147,9 @@ class ModelAdvisor:
         drafted = confine(goals, dict(instances), context)
         entries = {key: self._kept(instances[key]) if key in reply.keep else e for key, e in drafted.items()}
         plan = Plan({**entries, **reply.entries}, drafted.notes)
-        return Advice(goals, prompts, plan, self._client.endpoint.model)
+        return Advice(
+            goals, prompts, plan, draft.unmeasured if draft else prompts, self._client.endpoint.model
+        )
 
     def _alone(
         self,

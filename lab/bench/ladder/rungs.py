@@ -25,6 +25,7 @@ RUNGS = {
     "middle of the ranges": Variation("middle"),
     "Adam": Variation("adam"),
     "without the encoder": Variation("without-encoder"),
+    "the encoder for every word": Variation("every-word"),
     "without the claims": Variation("without-claims"),
     "without sharing": Variation("without-sharing"),
     "without anchors": Variation(options=("--no-anchor",)),

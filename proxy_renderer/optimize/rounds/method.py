@@ -13,7 +13,7 @@ from torch import Tensor
 from ...claims.claim import Claim
 from ...guidance.encoder import Encoder
 from ...guidance.guide import Guidance, NoGuidance, PromptGuidance, Weights
-from ...planning.advice import Advice
+from ...planning.advice import NO_PROMPTS, Advice
 from ...planning.types import Plan
 from ...render.proxy import Render
 from ...schema import Instance, VibeError
@@ -34,9 +34,11 @@ class Method:
 
     Attributes:
         weights: Of the terms of the loss.
+        every_word: Whether the encoder is asked for all words, and not only for those that no measure covers.
     """
 
     weights = Weights()
+    every_word = False
 
     def plan(self, instances: Mapping[str, Instance], plan: Plan) -> Plan:
         """The plan of a round (lines 3 to 5).
@@ -55,20 +57,22 @@ class Method:
         """
         return claims
 
-    def guidance(self, encoder: Encoder, prompt: str, advice: Advice, start: Render) -> Guidance:
-        """The judge of a picture's similarity to the prompt.
+    def guidance(
+        self, encoder: Encoder, prompt: str, advice: Advice, start: Render, every_word: bool = False
+    ) -> Guidance:
+        """The judge of a picture's similarity to the words that the encoder is asked for.
 
         Args:
             encoder: Judges similarity.
             prompt: What the artist typed.
             advice: The composed captions, and what the words ask for.
             start: The artist's picture, on which the guidance is calibrated.
+            every_word: Whether that are all words, as in the paper: an artist has named an encoder.
         """
-        if not prompt.strip():  # a picture is there in their place, and its claims say all
+        prompts = advice.prompts if every_word or self.every_word else advice.unmeasured
+        if not prompt.strip() or prompts == NO_PROMPTS:  # claims say all
             return NoGuidance()
-        goals, first = advice.goals, (start.display, start.mask)
-        silhouette = any(wish.quantity == "silhouette" for wish in goals.wishes)
-        return PromptGuidance(encoder, advice.prompts, goals.classes, {}, first, silhouette, self.weights)
+        return PromptGuidance(encoder, prompts, (start.display, start.mask), self.weights)
 
     def select(
         self, now: Confined, vector: ParameterVector, shots: Sequence[ShotState], u: Tensor, options: Options

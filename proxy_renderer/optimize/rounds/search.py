@@ -218,7 +218,9 @@ class Search:
         if asked != self._asked:
             self._asked = asked
             for shot, picture in zip(self.shots, self._artists, strict=True):
-                shot.guidance = self.method.guidance(self._encoder, self._prompt, advice, picture)
+                shot.guidance = self.method.guidance(
+                    self._encoder, self._prompt, advice, picture, bool(self.options.encoder)
+                )
 
     def select(self, now: Confined, u: Tensor, shots: Sequence[ShotState] = ()) -> Selection:
         """What is minimized in a round, and over which parameters.
