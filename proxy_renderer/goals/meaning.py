@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from ..prompt.colors import color_class
-from ..prompt.lexicon.entries import OWNERS, Effect, Meaning, VocabularyEntry
+from ..prompt.lexicon.entries import OWNERS, Effect, EntryWish, VocabularyEntry
 from ..prompt.lexicon.quantities import quantities
 from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.types import Attribute
@@ -66,7 +66,7 @@ def _of_word(attribute: Attribute, vocabulary: Vocabulary) -> Iterator[Wish]:
             yield replace(wish, breadth=breadth_of(wishes), vague=vague)
 
 
-def _wish(meaning: Meaning, attribute: Attribute, strength: float) -> Wish:
+def _wish(meaning: EntryWish, attribute: Attribute, strength: float) -> Wish:
     """What a meaning comes to for a word that is said of something, softly or strongly."""
     quantity = quantities().by_name[meaning.quantity]
     named = meaning.named if _speaks_of(attribute, meaning.quantity) else ""
@@ -91,7 +91,7 @@ def _allowed(effects: Iterable[Effect], attribute: Attribute) -> tuple[Effect, .
     return tuple(e for e in effects if may_serve(OWNERS[e.owner], attribute.slot, attribute.cause))
 
 
-def _denied(entry: VocabularyEntry, vocabulary: Vocabulary) -> list[Meaning]:
+def _denied(entry: VocabularyEntry, vocabulary: Vocabulary) -> list[EntryWish]:
     """What a denied word means: what it forbids, else its opposite, else that its effects do nothing."""
     opposite = vocabulary.opposite(entry)
     other = opposite.meanings if opposite else ()
@@ -101,7 +101,7 @@ def _denied(entry: VocabularyEntry, vocabulary: Vocabulary) -> list[Meaning]:
     naming = [m for m in entry.never if m.named] or [m for m in other if m.named]
     named = {m.quantity: m.named for m in naming}
     doing = {m.quantity: m.effects for m in acting}
-    return [Meaning(q, named.get(q, ""), doing.get(q, ())) for q in dict.fromkeys([*named, *doing])]
+    return [EntryWish(q, named.get(q, ""), doing.get(q, ())) for q in dict.fromkeys([*named, *doing])]
 
 
 def _undone(effects: Iterable[Effect]) -> Iterator[Effect]:

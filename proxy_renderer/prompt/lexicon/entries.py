@@ -82,7 +82,7 @@ class Effect:
 
 
 @dataclass(frozen=True)
-class Meaning:
+class EntryWish:
     """What a word wishes of one quantity.
 
     Attributes:
@@ -105,11 +105,11 @@ class VocabularyEntry:
     name: str
     slot: str
     words: tuple[str, ...]
-    meanings: tuple[Meaning, ...] = ()
+    meanings: tuple[EntryWish, ...] = ()
     means: str = ""
     phrase: str = ""
     opposite: str = ""
-    never: tuple[Meaning, ...] = ()
+    never: tuple[EntryWish, ...] = ()
 
     @property
     def effects(self) -> tuple[Effect, ...]:
@@ -195,7 +195,7 @@ def read_entry(name: str, row: dict) -> VocabularyEntry:
     )
 
 
-def meanings(texts: Iterable[str]) -> tuple[Meaning, ...]:
+def meanings(texts: Iterable[str]) -> tuple[EntryWish, ...]:
     """Reads the wishes of a word, grouped by their quantities in the order in which these are named first.
 
     Args:
@@ -204,22 +204,22 @@ def meanings(texts: Iterable[str]) -> tuple[Meaning, ...]:
     Raises:
         VibeError: One of them is none of the three.
     """
-    found: dict[str, Meaning] = {}
+    found: dict[str, EntryWish] = {}
     table = quantities()
     for text in texts:
         if named := _CLASS.fullmatch(text.strip()):
             _check_class(text, named["quantity"], named["named"])
-            now = found.setdefault(named["quantity"], Meaning(named["quantity"]))
+            now = found.setdefault(named["quantity"], EntryWish(named["quantity"]))
             found[now.quantity] = replace(now, named=named["named"])
         elif "/" in text:
             effect = parse_effect(text)
             quantity = table.of_parameter(effect.owner, effect.family, effect.mode)
-            now = found.setdefault(quantity, Meaning(quantity))
+            now = found.setdefault(quantity, EntryWish(quantity))
             found[quantity] = replace(now, effects=(*now.effects, effect))
         else:
             claim = read_claim(text)
             quantity = table.of_claim(claim)
-            now = found.setdefault(quantity, Meaning(quantity))
+            now = found.setdefault(quantity, EntryWish(quantity))
             found[quantity] = replace(now, claims=(*now.claims, claim))
     return tuple(found.values())
 
