@@ -7,7 +7,6 @@ from ..color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from
 from ..color.shades import shade
 from ..prompt.colors import fog_color
 from ..prompt.lexicon.entries import Effect
-from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.types import Attribute
 from ..schema import Instance, Values
 from .grays import radiance
@@ -88,11 +87,7 @@ def _color_of(effect: Effect, attribute: Attribute, sources: Sources) -> Values:
         return attribute.color or (0.5, 0.5, 0.5)
     if effect.color == "own":
         return sources.own_color
-    named = (
-        srgb_from_hex(effect.color)
-        if effect.color.startswith("#")
-        else default_vocabulary().colors[effect.color]
-    )
+    named = srgb_from_hex(effect.color)
     return shaded(named, attribute) if effect.name in OWN_COLOR else named
 
 
