@@ -54,7 +54,7 @@ class Effect:
         mode: One of `RANGE_MODES` or `COLOR_MODES`.
         lower: One or three numbers; empty for color modes.
         upper: Likewise.
-        color: For color modes: "@", "own", a color name or "#rrggbb".
+        color: For color modes: "@", "own" or "#rrggbb".
         weak: Gives way silently to any other word.
         priority: 1 is the most important.
     """
