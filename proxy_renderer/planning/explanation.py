@@ -27,7 +27,7 @@ def explain(goals: Goals, prompts: Prompts, plan: Plan) -> str:
     if parsed.ignored:
         lines.append(f"  not used: {', '.join(parsed.ignored)}")
     lines += ["", "Words (--target WORD=NAME says what a word describes)", *map(_word, parsed.words)]
-    lines += ["", "Told to the encoder", f"  subject: {prompts.subject}"]
+    lines += ["", "Told to an encoder that is named (--encoder)", f"  subject: {prompts.subject}"]
     lines.append(f"  surroundings: {prompts.surroundings or '(left open)'}")
     lines.append(f"  picture: {prompts.whole}")
     unwanted = (*prompts.subject_negatives, *prompts.surroundings_negatives, *prompts.whole_negatives)
