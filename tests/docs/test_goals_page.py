@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """docs/reference/goals.md has all fields, quantities, classes and measures; its example is what `vibe explain --goals` writes.
 
-`python tests/docs/test_goals_page.py` writes the page's tables anew.
+`python tests/docs/test_goals_page.py` writes the page's tables and its example anew.
 """
 
 import inspect
@@ -60,15 +60,41 @@ def of_measures() -> Iterator[tuple[str, ...]]:
 TABLES = {"quantities": of_quantities, "classes": of_classes, "measures": of_measures}
 
 
-def with_tables(text: str) -> str:
-    """The page with its tables as the code has them."""
+WIDE = 118
+"""Characters of a line of the example."""
+
+
+def compact(value: object, indent: int = 0, before: int = 0) -> str:
+    """JSON with what fits on one line."""
+    line, more = json.dumps(value, ensure_ascii=False), " " * (indent + 2)
+    if not value or not isinstance(value, dict | list) or (indent and len(line) + indent + before < WIDE):
+        return line
+    if isinstance(value, dict):
+        ends, names = "{}", [f"{json.dumps(name)}: " for name in value]
+        rows = [
+            name + compact(each, indent + 2, len(name))
+            for name, each in zip(names, value.values(), strict=True)
+        ]
+    else:
+        ends, rows = "[]", [compact(each, indent + 2) for each in value]
+    return f"{ends[0]}\n{more}" + f",\n{more}".join(rows) + f"\n{' ' * indent}{ends[1]}"
+
+
+def written_anew(text: str) -> str:
+    """The page with its tables and its example as the code has them."""
     for name, rows in TABLES.items():
         new = f"<!-- {name} -->\n{table(*rows())}\n<!-- /{name} -->"
         text, found = re.subn(
             rf"<!-- {name} -->\n.*?<!-- /{name} -->", lambda _, new=new: new, text, flags=re.S
         )
         assert found == 1, name
-    return text
+    example = f"```json\n{compact(explained())}\n```"
+    return re.sub(r"^```json\n.*?^```$", lambda _: example, text, count=1, flags=re.M | re.S)
+
+
+def explained() -> dict:
+    """The goals of the example."""
+    return json.loads(account(PROMPT, as_json=False, as_goals=True))
 
 
 def examples() -> list[dict]:
@@ -78,14 +104,13 @@ def examples() -> list[dict]:
     ]
 
 
-def test_the_tables_are_the_code_s():
-    assert with_tables(PAGE.read_text("utf-8")) == PAGE.read_text("utf-8"), (
-        "run: python tests/docs/test_goals_page.py"
-    )
+def test_the_tables_and_the_example_are_the_code_s():
+    page = PAGE.read_text("utf-8")
+    assert written_anew(page) == page, "run: python tests/docs/test_goals_page.py"
 
 
 def test_every_field_is_named():
-    taken = r'\.(?:take|number|numbers|choice|texts|each)\("(\w+)"'
+    taken = r'\.(?:take|number|numbers|choice|texts|each|named)\("(\w+)"'
     fields = set(re.findall(taken, inspect.getsource(written)))
     assert len(fields) > 20
     assert [name for name in fields if f"| `{name}` |" not in PAGE.read_text("utf-8")] == []
@@ -98,7 +123,7 @@ def test_every_choice_is_named():
 
 
 def test_the_example_is_what_explain_writes():
-    assert examples()[0] == json.loads(account(PROMPT, as_json=False, as_goals=True))
+    assert examples()[0] == explained()
 
 
 def test_every_example_can_be_read():
@@ -108,4 +133,4 @@ def test_every_example_can_be_read():
 
 
 if __name__ == "__main__":
-    PAGE.write_text(with_tables(PAGE.read_text("utf-8")), encoding="utf-8")
+    PAGE.write_text(written_anew(PAGE.read_text("utf-8")), encoding="utf-8")
