@@ -26,6 +26,12 @@ VERSION = 1
 """Of the format."""
 _LARGEST, _MOST = 2_000_000, 500  # bytes of a file, and words in it
 _REGIONS: tuple[str, ...] = get_args(Region)
+KINDS = (
+    "subject", "surroundings", "sky", "world", "light", "fill", "rim", "fog", "shadow", "highlight", "glow", "tone", "ambience", "whole",
+)  # fmt: skip
+"""What a word may describe."""
+ROLES = ("", "key", "fill", "rim", "others")
+"""Lights that may be meant."""
 _HELP = "Write a new file with `vibe explain PROMPT --goals`, and change that; docs/reference/goals.md has all fields."
 _TYPES = {
     str: "a text in quotes",
@@ -69,6 +75,7 @@ def _word(attribute: Attribute) -> dict[str, Any]:
         "lights": list(attribute.lights),
         "role": attribute.role,
         "number": attribute.lamp,
+        "described": list(attribute.phrases),
     }
     return {
         "word": attribute.word,
@@ -191,14 +198,15 @@ def _read_word(word: _Fields) -> tuple[Attribute, list[Wish]]:
         entry=word.take("look", str, ""),
         slot=word.choice("slot", SLOTS),
         region=target.choice("region", _REGIONS, "subject"),  # type: ignore[arg-type]
-        kind=target.take("kind", str, "subject"),
+        kind=target.choice("kind", KINDS, "subject"),
         strength=word.number("strength", 1.0, 0.0, 3.0),
         negated=word.take("denied", bool, False),
         owners=tuple(target.texts("materials")),
-        role=target.take("role", str, ""),
+        role=target.choice("role", ROLES, ""),
         color=word.color(color) if color else None,
         thing=target.take("thing", str, ""),
         cause=word.take("implied_by", str, ""),
+        phrases=target.numbers("described"),
         lamp=int(target.number("number", 0, 0, 99)),
         lights=tuple(target.texts("lights")),
     )
@@ -288,6 +296,13 @@ class _Fields:
         if not all(isinstance(value, str) for value in values):
             raise VibeError(f"{self.place}.{name} holds something else than texts.", 'Write ["...", "..."].')
         return values
+
+    def numbers(self, name: str) -> tuple[int, ...]:
+        """A list of whole numbers; empty where it is missing."""
+        values: list[Any] = self.take(name, list, [])
+        if not all(isinstance(value, int) and not isinstance(value, bool) for value in values):
+            raise VibeError(f"{self.place}.{name} holds something else than whole numbers.", "Write [1, 2].")
+        return tuple(values)
 
     def color(self, code: str) -> tuple[float, ...]:
         """A color of "#rrggbb"."""

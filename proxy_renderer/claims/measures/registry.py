@@ -77,4 +77,4 @@ MEASURES: dict[str, Measure] = {
     "mist_below": Measure(air.mist_below, "", 0.04, "how much more the air hides below than above"),
     "air_lightness": Measure(air.air_lightness, "L*", 2.0, "lightness of the air"),
 }
-"""By name, as `heads.toml` and the vocabulary's claims call them."""
+"""By name, as `quantities.toml` and the wishes of the vocabulary call them."""

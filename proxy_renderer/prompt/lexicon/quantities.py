@@ -56,10 +56,16 @@ class QuantityTable:
             owner: As an effect names it: "key", "others", "material".
             family: Of the parameter: "light/power".
             mode: Of the effect.
+
+        Raises:
+            VibeError: No row has it.
         """
         name = family.partition("/")[2]
         rows = (f"{owner}/{name} {mode}", f"{owner}/{name}", f"{family} {mode}", family)
-        return next(self.parameters[row] for row in rows if row in self.parameters)
+        found = next((self.parameters[row] for row in rows if row in self.parameters), "")
+        if not found:
+            raise VibeError(f"No quantity has the parameter '{family}'.", "Add it to one in quantities.toml.")
+        return found
 
     def of_claim(self, claim: ClaimText) -> str:
         """The quantity that a claim measures.
