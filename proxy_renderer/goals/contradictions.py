@@ -143,9 +143,7 @@ def _share_an_axis(first: Wish, later: Wish) -> bool:
 
 def _other_light(first: Wish, later: Wish) -> bool:
     """Whether one is warm and the other cool, or one names a color of light and the other a temperature."""
-    gels = [
-        any(e.name == "color" and e.color and not e.weak for e in wish.effects) for wish in (first, later)
-    ]
+    gels = [any(e.name == "color" and e.color for e in wish.effects) for wish in (first, later)]
     return gels[0] != gels[1] or _warmth(first) * _warmth(later) < 0
 
 

@@ -24,7 +24,7 @@ def test_a_look_and_colors_are_added_read_and_listed(own, capsys):
                 "brand red",
                 "--words",
                 "house red",
-                "--do",
+                "--wish",
                 "material/roughness 0.1..0.2 !2",
                 *at,
             ]
@@ -42,7 +42,7 @@ def test_a_look_and_colors_are_added_read_and_listed(own, capsys):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--do", "material/roughnes 0.1..0.2"], "names no parameter"),
+        (["--wish", "material/roughnes 0.1..0.2"], "names no parameter"),
         (["--color", "red"], "is not a color"),
         ([], "needs a color"),
         (["--means", "glossy", "--slot", "smell"], "no known slot"),

@@ -141,9 +141,9 @@ def test_everything_locked(scene, encoder):
 
 def test_a_prompt_is_read_once_however_many_rounds_there_are(scene, encoder, monkeypatch):
     read = []
-    parse = understood.parse
+    parse = understood.read
     monkeypatch.setattr(
-        understood, "parse", lambda *given, **more: read.append(given[0]) or parse(*given, **more)
+        understood, "read", lambda *given, **more: read.append(given[0]) or parse(*given, **more)
     )
     vibe(scene, encoder, rounds=2)
     assert read == [PROMPT]

@@ -125,7 +125,7 @@ def test_keys_and_values_are_read_as_a_sentence(prompt, entries):
 
 def test_the_color_of_the_air_is_the_words():
     parsed = parse("underwater, murky green", SceneWords())
-    assert goals_of(parsed).classes["surroundings_color"] == "green"
+    assert "haze_color" in {wish.quantity for wish in goals_of(parsed).wishes if wish.attribute.color}
     assert {"ambience", "fog"} <= {a.kind for a in parsed.attributes if a.color}
 
 
@@ -253,7 +253,7 @@ def test_a_thing_is_told_from_words_that_are_called_alike(
 
 def test_names_are_fitted_by_the_artists_own_vocabulary(tmp_path):
     path = tmp_path / "own.toml"
-    path.write_text("[look.kryptonite]\nslot = 'material'\ndo = ['material/roughness 0.1..0.2 !2']\n")
+    path.write_text("[look.kryptonite]\nslot = 'material'\nwishes = ['material/roughness 0.1..0.2 !2']\n")
     own = extend(shipped_vocabulary(), path)
     name = ("glorb", "kryptonite")
     assert [fit(("glorb",), name, v) for v in (shipped_vocabulary(), own)] == ["part", "last"]

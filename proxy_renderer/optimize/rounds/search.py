@@ -214,7 +214,7 @@ class Search:
             for shot, picture in zip(self.shots, self._artists, strict=True):
                 begun = shot.begin(u, picture)
                 shot.claims = ClaimSet.about(self.claims, begun)
-        asked = advice.prompts, advice.goals.classes
+        asked = advice.prompts, advice.unmeasured
         if asked != self._asked:
             self._asked = asked
             for shot, picture in zip(self.shots, self._artists, strict=True):

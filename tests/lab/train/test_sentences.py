@@ -12,9 +12,9 @@ from lab.train import sentences
 from lab.train.sentences import read_folder
 from lab.train.sentences.labels import LabelTarget
 from lab.train.sentences.stand_in import stand_in
+from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.prompts import compose
 from proxy_renderer.schema import VibeError
 
 FOLDERS = sorted({path.parent for path in Path(sentences.__file__).parent.glob("*/sentences_*.toml")})
@@ -123,7 +123,7 @@ def test_a_labeled_scene_is_planned_for_without_blender(tmp_path):
     (one,) = read_folder(write_folder(tmp_path))
     scene = stand_in(one.scene)
     parsed = parse("red hull, cold desk lamp", scene.words)
-    decided = plan(parsed, compose(parsed), scene.instances, scene.context)
+    decided = plan(goals_of(parsed), scene.instances, scene.context)
     assert decided["material/HullPaint/base_color"].priority is not None
     assert decided["material/SeatCloth/base_color"].priority is None
     assert decided["light/Desk Lamp/temperature"].lower[0] > 6500
