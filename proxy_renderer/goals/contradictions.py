@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 
 from ..color.constants import Lab
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
-from ..color.shades import warm
+from ..color.shades import hue_apart, warm
 from ..prompt.lexicon.claim_text import ClaimText
 from ..prompt.lexicon.entries import Effect
 from ..schema import Values
@@ -30,6 +30,8 @@ _FIXED = ("warmth", "tint", "accent", "chroma")
 """Measures of what lies around that a color word for it fixes."""
 _ALL_LIGHT = ("light", "tone", "ambience")
 """Kinds of things whose color is that of the light as a whole."""
+_ANOTHER_HUE = 40.0
+"""Degrees between the hues of a named color and of a material from which a thing cannot have both."""
 _MATTER = ("color", "finish", "substance", "glow")
 
 
@@ -56,6 +58,8 @@ def contradicts(first: Wish, later: Wish) -> bool:
         return True
     if later.attribute.kind == "ambience" and later.attribute.color and not first.attribute.color:
         return _opposed(first, lab_from_srgb(later.attribute.color))
+    if first.attribute.color and first.quantity == "color" and (own := _own_color(later, weak=False)):
+        return hue_apart(first.attribute.color, own) > _ANOTHER_HUE  # no copper is blue
     if first.attribute.color and later.attribute.color:
         return first.quantity != "light_color" or later.implied
     if _overlapping(first.claims, later.claims):
@@ -244,8 +248,17 @@ def _grays(wish: Wish) -> bool:
     return any((c.part, c.measure) == ("surroundings", "chroma") for c in wish.claims)
 
 
+def _own_color(wish: Wish, weak: bool) -> Values | None:
+    """The color of the material that a wish is about, sRGB; None where it has none, or, unless `weak`, may have any."""
+    codes = (
+        e.color
+        for e in wish.effects
+        if e.family == "material/tint" and e.color[:1] == "#" and (weak or not e.weak)
+    )
+    return next(map(srgb_from_hex, codes), None)
+
+
 def _is_gray(wish: Wish) -> bool:
     """Whether a wish is the color of a thing, and a gray one: that of asphalt."""
-    own = [e.color for e in wish.effects if e.family == "material/tint" and e.color.startswith("#")]
-    color = wish.attribute.color or (srgb_from_hex(own[0]) if own else None)
+    color = wish.attribute.color or _own_color(wish, weak=True)
     return color is not None and chroma(lab_from_srgb(color)) < _COLORED
