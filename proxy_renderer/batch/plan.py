@@ -15,8 +15,10 @@ from typing import Protocol
 from .. import __version__
 from ..schema import schema_hash
 from .manifest.manifest import SceneGroup
+from .manifest.options import IN_FILES
 
 _WORDS, _DIGEST = 32, 12  # letters of a prompt, and of the digest, in a folder's name
+_FILES = tuple(f"--{name}=" for name in IN_FILES)
 
 
 @dataclass(frozen=True)
@@ -83,18 +85,24 @@ class BatchPlan:
     def __iter__(self) -> Iterator[Job]:
         version = f"{__version__} {schema_hash()}"
         for group in self.groups:
-            # Where the picture lies does not matter: the group's digest knows what is in it.
-            options = [each for each in group.arguments if not each.startswith("--like=")]
+            # Where the picture and the goals lie does not matter: the group's digest knows what is in them.
+            options = [each for each in group.arguments if not each.startswith(_FILES)]
             base = hashlib.sha256(json.dumps([group.name, group.digest, options, version]).encode())
             stem = _slug(Path(group.name).stem)
             for prompt in group.prompts:
-                words = _slug(prompt or "like")[:_WORDS].strip("-")
+                words = _slug(prompt or _wordless(group.arguments))[:_WORDS].strip("-")
                 for seed in group.seeds:
                     digest = base.copy()
                     digest.update(f" {seed} {prompt}".encode())
                     arguments = (f"--prompt={prompt}", f"--seed={seed}", *group.arguments)
                     name = f"{stem}-{words}-{seed}-{digest.hexdigest()[:_DIGEST]}"
                     yield Job(name, group.name, group.source, prompt, seed, arguments, group.more)
+
+
+def _wordless(arguments: Sequence[str]) -> str:
+    """What a job without a prompt is called after: "goals" or "like"."""
+    named = (name for name in IN_FILES if any(each.startswith(f"--{name}=") for each in arguments))
+    return "-".join(named)
 
 
 @lru_cache(4096)

@@ -131,10 +131,16 @@ def _disjoint_effects(first: Wish, later: Wish) -> bool:
         if (a.owner, a.name, a.mode) == (b.owner, b.name, b.mode) and not (a.weak or b.weak)
     )
     return any(
-        any(max(x, y) > min(v, w) for x, v, y, w in zip(a.lower, a.upper, b.lower, b.upper, strict=True))
+        any(max(x, y) > min(v, w) for x, v, y, w in zip(*_ends(a, b), *_ends(b, a), strict=True))
         for a, b in pairs
         if a.lower and b.lower
     )
+
+
+def _ends(effect: Effect, other: Effect) -> tuple[Values, Values]:
+    """The ends of a range, in as many components as the other's: one number stands for all three of a color."""
+    times = max(len(other.lower) // len(effect.lower), 1)
+    return effect.lower * times, effect.upper * times
 
 
 def _share_an_axis(first: Wish, later: Wish) -> bool:

@@ -94,7 +94,10 @@ def _allowed(effects: Iterable[Effect], attribute: Attribute) -> tuple[Effect, .
 def _denied(entry: VocabularyEntry, vocabulary: Vocabulary) -> list[EntryWish]:
     """What a denied word means: what it forbids, else its opposite, else that its effects do nothing."""
     opposite = vocabulary.opposite(entry)
-    other = opposite.meanings if opposite else ()
+    shared = (
+        entry.classes.items() & opposite.classes.items() if opposite else set()
+    )  # pastel and noir are both muted
+    other = [m for m in opposite.meanings if (m.quantity, m.named) not in shared] if opposite else []
     acting = [m for m in entry.never if m.effects] or [m for m in other if m.effects]
     if not acting and opposite is None:
         acting = [replace(m, effects=tuple(_undone(m.effects))) for m in entry.meanings]

@@ -100,6 +100,28 @@ def resolved(parsed: Parsed, wishes: Sequence[Wish]) -> Goals:
         parsed: The prompt.
         wishes: In its order.
     """
+    out: set[int] = set()
+    while (
+        True
+    ):  # what a word had won by a wish that is idle goes back to others, to which further words may give way
+        kept, lost = _by_rank([wish for wish in wishes if wish.is_seen or id(wish.attribute) not in out])
+        unseen = _unseen(kept, lost)
+        if unseen.keys() <= out:
+            break
+        out |= unseen.keys()
+    for wish in sorted(wishes, key=lambda each: each.rank):
+        if not wish.is_seen and id(wish.attribute) in out:
+            winner = unseen.get(id(wish.attribute)) or _opponent(wish, kept)
+            if winner is None:
+                kept.append(wish)
+            else:
+                lost.append(Lost(wish, winner))
+    sought = {id(wish) for wish in kept}
+    return Goals(parsed, tuple(wish for wish in wishes if id(wish) in sought), tuple(lost))
+
+
+def _by_rank(wishes: Sequence[Wish]) -> tuple[list[Wish], list[Lost]]:
+    """The wishes that are kept, and those that contradict one that ranks before them."""
     kept: list[Wish] = []
     lost: list[Lost] = []
     for wish in sorted(wishes, key=lambda each: each.rank):  # words of one rank in the order of the prompt
@@ -108,23 +130,21 @@ def resolved(parsed: Parsed, wishes: Sequence[Wish]) -> Goals:
             kept.append(wish)
         else:
             lost.append(Lost(wish, winner))
-    idle = _idle(kept, lost)
-    lost += idle
-    kept = [wish for wish in kept if not any(wish is each.wish for each in idle)]
-    sought = {id(wish) for wish in kept}
-    return Goals(parsed, tuple(wish for wish in wishes if id(wish) in sought), tuple(lost))
+    return kept, lost
 
 
-def _idle(kept: Sequence[Wish], lost: Sequence[Lost]) -> list[Lost]:
-    """Wishes that only support those of their word that gave way: they name no class and claim nothing of the image.
+def _unseen(kept: Sequence[Wish], lost: Sequence[Lost]) -> dict[int, Wish]:
+    """Words that no longer name a class or claim anything of the image -> the winner. Their other wishes only support those: they are idle.
 
     Of a material each quantity counts by itself: wet concrete is no less of concrete for being wet.
     """
     main = (each for each in reversed(lost) if each.wish.is_seen and each.wish.attribute.slot not in SURFACES)
     winners = {id(each.wish.attribute): each.winner for each in main}
     sought = {id(wish.attribute) for wish in kept if wish.is_seen}
-    return [
-        Lost(wish, winners[id(wish.attribute)])
-        for wish in kept
-        if id(wish.attribute) in winners.keys() - sought
-    ]
+    return {word: winner for word, winner in winners.items() if word not in sought}
+
+
+def _opponent(wish: Wish, kept: Sequence[Wish]) -> Wish | None:
+    """The kept wish that another contradicts; None for none."""
+    pairs = ((each, sorted((each, wish), key=lambda w: w.rank)) for each in kept)
+    return next((each for each, pair in pairs if contradicts(*pair)), None)

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import json
 import math
+import re
+import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -25,6 +27,9 @@ T = TypeVar("T")
 VERSION = 1
 """Of the format."""
 _LARGEST, _MOST = 2_000_000, 500  # bytes of a file, and words in it
+_COLOR = re.compile("#[0-9a-fA-F]{6}")
+_SHOWN = 60  # characters of what is quoted
+_MOST_OF_SHADES = 200.0
 _REGIONS: tuple[str, ...] = get_args(Region)
 KINDS = (
     "subject", "surroundings", "sky", "world", "light", "fill", "rim", "fog", "shadow", "highlight", "glow", "tone", "ambience", "whole",
@@ -35,7 +40,7 @@ ROLES = ("", "key", "fill", "rim", "others")
 _HELP = "Write a new file with `vibe explain PROMPT --goals`, and change that; docs/reference/goals.md has all fields."
 _TYPES = {
     str: "a text in quotes",
-    float: "a number",
+    float: "a finite number",
     bool: "true or false",
     list: "a list",
     dict: "an object {...}",
@@ -55,6 +60,7 @@ def as_json(goals: Goals) -> dict[str, Any]:
     return {
         "version": VERSION,
         "prompt": goals.parsed.prompt,
+        "objects": [{"name": each.name, "region": each.region} for each in goals.parsed.objects],
         "stays": list(goals.parsed.protected),
         "words": [
             _word(a)
@@ -86,6 +92,8 @@ def _word(attribute: Attribute) -> dict[str, Any]:
         **({"strength": round(attribute.strength, 3)} if attribute.strength != 1.0 else {}),
         **({"denied": True} if attribute.negated else {}),
         **({"implied_by": attribute.cause} if attribute.cause else {}),
+        **({"shades": [list(each) for each in attribute.shades]} if attribute.shades else {}),
+        **({"english": attribute.english} if attribute.english else {}),
     }
 
 
@@ -93,6 +101,7 @@ def _wish(wish: Wish, winner: str | None) -> dict[str, Any]:
     return {
         "quantity": wish.quantity,
         **({"class": wish.named} if wish.named else {}),
+        **({"toward": wish.toward} if wish.toward not in ("", wish.named) else {}),
         **({"parameters": [str(effect) for effect in wish.effects]} if wish.effects else {}),
         **({"image": [str(claim) for claim in wish.claims]} if wish.claims else {}),
         **({"strength": round(wish.strength, 3)} if wish.strength != wish.attribute.strength else {}),
@@ -106,12 +115,14 @@ class WrittenGoals:
 
     Attributes:
         prompt: That they were made of; "" for none.
+        objects: That the prompt names; the scene's subject for none.
         stays: Owners of parameters that stay as they are.
         wishes: In the order of the file.
         attributes: Its words, those among them that wish for nothing themselves, as names of rigs do.
     """
 
     prompt: str
+    objects: tuple[PromptObject, ...]
     stays: tuple[str, ...]
     wishes: tuple[Wish, ...]
     attributes: tuple[Attribute, ...]
@@ -128,7 +139,7 @@ class WrittenGoals:
             for a in self.attributes
             if (missing := [*{*a.owners} - {*words.materials}, *_lacking(a.lights, words)])
         ]
-        objects = [PromptObject(words.subject or "subject", "subject")]
+        objects = [*self.objects] or [PromptObject(words.subject or "subject", "subject")]
         parsed = Parsed(self.prompt, objects, list(bound.values()), notes=notes, protected=self.stays)
         wishes = [replace(wish, attribute=bound[id(wish.attribute)]) for wish in self.wishes]
         return resolved(parsed, wishes)
@@ -162,8 +173,8 @@ def read(path: Path) -> WrittenGoals:
         raise VibeError(f"The goals {path} cannot be read: {error.strerror}.", "Check --goals.") from error
     except (ValueError, RecursionError) as error:
         raise VibeError(f"The goals {path} are no JSON: {error}.", _HELP) from error
-    if isinstance(raw, dict) and "words" not in raw and isinstance(raw.get("goals"), dict):
-        raw = raw["goals"]
+    if isinstance(raw, dict) and "words" not in raw and not (raw := raw.get("goals")):
+        raise VibeError(f"The file {path} has neither words nor goals.", _HELP)
     return from_json(raw)
 
 
@@ -180,6 +191,8 @@ def from_json(raw: Any) -> WrittenGoals:
     if not rows or len(rows) > _MOST:
         raise VibeError(f"goals.words has {len(rows)} words.", f"Write 1 to {_MOST} of them.")
     prompt = goals.take("prompt", str, "")
+    things = [_Fields(row, f"goals.objects[{n}]") for n, row in enumerate(goals.take("objects", list, []))]
+    objects = tuple(map(_read_object, things))
     stays = tuple(goals.texts("stays"))
     goals.end()
     attributes, wishes = [], []
@@ -187,14 +200,20 @@ def from_json(raw: Any) -> WrittenGoals:
         attribute, own = _read_word(_Fields(row, f"goals.words[{number}]"))
         attributes.append(attribute)
         wishes += own
-    return WrittenGoals(prompt, stays, tuple(wishes), tuple(attributes))
+    return WrittenGoals(prompt, objects, stays, tuple(wishes), tuple(attributes))
+
+
+def _read_object(thing: _Fields) -> PromptObject:
+    name, region = thing.named("name"), thing.choice("region", _REGIONS)
+    thing.end()
+    return PromptObject(name, region)  # type: ignore[arg-type]
 
 
 def _read_word(word: _Fields) -> tuple[Attribute, list[Wish]]:
     target = _Fields(word.take("target", dict, {}), f"{word.place}.target")
     color = word.take("color", str, "")
     attribute = Attribute(
-        word=word.take("word", str),
+        word=word.named("word"),
         entry=word.take("look", str, ""),
         slot=word.choice("slot", SLOTS),
         region=target.choice("region", _REGIONS, "subject"),  # type: ignore[arg-type]
@@ -209,24 +228,23 @@ def _read_word(word: _Fields) -> tuple[Attribute, list[Wish]]:
         phrases=target.numbers("described"),
         lamp=int(target.number("number", 0, 0, 99)),
         lights=tuple(target.texts("lights")),
+        shades=word.shades(),
+        english=word.take("english", str, ""),
     )
     vague = word.take("vague", bool, False)
     rows = word.take("wishes", list, [])
     target.end()
     word.end()
-    read_all = [
-        _read_wish(_Fields(row, f"{word.place}.wishes[{n}]"), attribute) for n, row in enumerate(rows)
-    ]
-    wishes = [wish for wish in read_all if wish]
+    wishes = [_read_wish(_Fields(row, f"{word.place}.wishes[{n}]"), attribute) for n, row in enumerate(rows)]
     return attribute, [replace(wish, breadth=breadth_of(wishes), vague=vague) for wish in wishes]
 
 
-def _read_wish(row: _Fields, attribute: Attribute) -> Wish | None:
-    """A wish, checked; None for one that gave way when the goals were written."""
+def _read_wish(row: _Fields, attribute: Attribute) -> Wish:
+    """A wish, checked. One that gave way when the goals were written does so again, unless the winner is gone."""
     quantity = row.choice("quantity", tuple(quantities().by_name))
     classes = tuple(quantities().by_name[quantity].classes)
     named = row.choice("class", classes) if "class" in row.raw else ""
-    lost = "gave_way_to" in row.raw
+    toward = row.choice("toward", classes) if "toward" in row.raw else "" if attribute.color else named
     row.take("gave_way_to", str, "")
     effects = row.each("parameters", parse_effect)
     for effect in effects:
@@ -238,7 +256,7 @@ def _read_wish(row: _Fields, attribute: Attribute) -> Wish | None:
         raise VibeError(f"{row.place} wishes for nothing.", "Give it a class, parameters or image.")
     strength = row.number("strength", attribute.strength, 0.0, 3.0)
     row.end()
-    return None if lost else Wish(attribute, quantity, named, named, effects, claims, strength)
+    return Wish(attribute, quantity, named, toward, effects, claims, strength)
 
 
 def _read_claim(text: str) -> ClaimText:
@@ -268,16 +286,23 @@ class _Fields:
         value = self.raw.get(name, default)
         if value is None:
             raise VibeError(f"{self.place} has no '{name}'.", f"Add it: {_TYPES[kind]}.")
-        if kind is float and isinstance(value, int | float) and not isinstance(value, bool):
+        if kind is float and _is_number(value):
             return float(value)
         if not isinstance(value, kind):
             raise VibeError(f"{self.place}.{name} is of the wrong type.", f"Write {_TYPES[kind]}.")
         return value
 
+    def named(self, name: str) -> str:
+        """A text that is not empty."""
+        value: str = self.take(name, str)
+        if not value.strip():
+            raise VibeError(f"{self.place}.{name} is empty.", "Write a word.")
+        return value
+
     def number(self, name: str, default: float, least: float = -math.inf, most: float = math.inf) -> float:
         """A finite number between two others."""
         value: float = self.take(name, float, default)
-        if not (math.isfinite(value) and least <= value <= most):
+        if not least <= value <= most:
             raise VibeError(
                 f"{self.place}.{name} is {value:g}.", f"Write a number from {least:g} to {most:g}."
             )
@@ -287,7 +312,7 @@ class _Fields:
         """One of several texts."""
         value: str = self.take(name, str, default)
         if value not in known:
-            raise VibeError(f"{self.place}.{name} is '{value}'.", f"Choose from: {', '.join(known)}.")
+            raise VibeError(f"{self.place}.{name} is {_quoted(value)}.", f"Choose from: {', '.join(known)}.")
         return value
 
     def texts(self, name: str) -> list[str]:
@@ -306,22 +331,45 @@ class _Fields:
 
     def color(self, code: str) -> tuple[float, ...]:
         """A color of "#rrggbb"."""
-        try:
-            return srgb_from_hex(code)
-        except ValueError:
-            raise VibeError(f"{self.place}.color is '{code}'.", 'Write it as "#rrggbb".') from None
+        if not _COLOR.fullmatch(code):
+            raise VibeError(f"{self.place}.color is {_quoted(code)}.", 'Write it as "#rrggbb".')
+        return srgb_from_hex(code)
+
+    def shades(self) -> tuple[tuple[float, float, float, float], ...]:
+        """Changes of a material's own color: lists of four numbers; none where they are missing."""
+        rows: list[Any] = self.take("shades", list, [])
+        if not all(isinstance(row, list) and len(row) == 4 and all(map(_is_shade, row)) for row in rows):
+            problem = f"{self.place}.shades holds something else than lists of four small numbers."
+            raise VibeError(problem, "Write lightness, chroma, L* and warmth of each: [[0.6, 1, 20, 0]].")
+        return tuple((float(a), float(b), float(c), float(d)) for a, b, c, d in rows)
 
     def each(self, name: str, read_text: Callable[[str], T]) -> tuple[T, ...]:
         """Texts that are read; what is wrong with one of them is said with its place."""
         try:
             return tuple(map(read_text, self.texts(name)))
         except VibeError as error:
-            raise VibeError(
-                f"{self.place}.{name}: {error.message.removeprefix('Vocabulary: ')}", error.remedy
-            ) from error
+            message = " ".join(error.message.removeprefix("Vocabulary: ").split())
+            raise VibeError(f"{self.place}.{name}: {message}", error.remedy) from error
 
     def end(self) -> None:
         """VibeError where there are fields that nobody has taken: they would be ignored."""
         if unknown := sorted(self.raw.keys() - self._taken):
             known = ", ".join(sorted(self._taken))
-            raise VibeError(f"{self.place} has an unknown field '{unknown[0]}'.", f"Known are: {known}.")
+            raise VibeError(
+                f"{self.place} has an unknown field {_quoted(unknown[0])}.", f"Known are: {known}."
+            )
+
+
+def _is_number(value: Any) -> bool:
+    """Whether a value is a finite number; an integer may have hundreds of digits."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
+
+
+def _is_shade(value: Any) -> bool:
+    """Whether a value may be an argument of `color.shade`: a factor, an L* or a b*."""
+    return _is_number(value) and abs(value) <= _MOST_OF_SHADES
+
+
+def _quoted(text: str) -> str:
+    """A text of a file, on one line and short enough for a message."""
+    return repr(text if len(text) <= _SHOWN else text[:_SHOWN] + "…")

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ..color.floats import lab_from_srgb
@@ -37,7 +37,7 @@ def acts(goals: Goals, vocabulary: Vocabulary, owners: Owners) -> list[Act]:
         vocabulary: What words mean.
         owners: The scene's materials, lights and world.
     """
-    described = _redirected(goals, vocabulary, owners)
+    described = _redirected(goals, owners)
     wishes = (replace(w, attribute=described.get(id(w.attribute), w.attribute)) for w in goals.wishes)
     return [(wish, effect) for wish in wishes for effect in _effects(wish, vocabulary, owners)]
 
@@ -52,7 +52,7 @@ def _effects(wish: Wish, vocabulary: Vocabulary, owners: Owners) -> tuple[Effect
     return vocabulary.painted[kind] if color and wish.effects and kind == "world" else wish.effects
 
 
-def _redirected(goals: Goals, vocabulary: Vocabulary, owners: Owners) -> dict[int, Attribute]:
+def _redirected(goals: Goals, owners: Owners) -> dict[int, Attribute]:
     """Colors of light that are said of what the scene lacks, or that would hide a color, with what has them instead.
 
     The world has the color of a light that is told apart and that the scene lacks.
@@ -62,18 +62,19 @@ def _redirected(goals: Goals, vocabulary: Vocabulary, owners: Owners) -> dict[in
     if any(a.lamp for a in gels):
         lacking = (a for a in gels if a.lamp and not owners.lights.numbered[a.lamp])
         return {id(a): replace(a, kind="world") for a in lacking}
-    if gels and _would_hide(gels[0], said, vocabulary, owners):
+    if gels and _would_hide(gels[0], goals.wishes, owners):
         return {id(gels[0]): replace(gels[0], role="others")}
     return {}
 
 
-def _would_hide(gel: Attribute, said: list[Attribute], vocabulary: Vocabulary, owners: Owners) -> bool:
+def _would_hide(gel: Attribute, wishes: Sequence[Wish], owners: Owners) -> bool:
     """Whether a color of light, without a direction, leaves nothing of the subject's: "orange pumpkin, purple light".
 
     The key then stays for the one, and the other lights get the other.
     """
-    entries = [vocabulary.entries[a.entry] for a in said if not a.color and not a.cause]
-    directed = any(e.owner in ("light", "key") and e.name == "azimuth" for n in entries for e in n.effects)
+    effects = (e for wish in wishes if not wish.implied for e in wish.effects)
+    directed = any(e.owner in ("light", "key") and e.name == "azimuth" for e in effects)
+    said = (wish.attribute for wish in wishes)
     colors = [a.color for a in said if a.color and a.kind == "subject" and not a.negated]
     one_light = len(owners.lights.every) <= len(owners.lights.key)
     if directed or not colors or one_light:

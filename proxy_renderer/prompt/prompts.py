@@ -77,7 +77,7 @@ def _by_thing(attributes: list[Attribute], noun: str) -> dict[str, list[Attribut
     """What is said of each thing that has materials of its own: "a white cup, a black table"; of all others together."""
     things: dict[str, list[Attribute]] = {}
     for attribute in attributes:
-        things.setdefault(attribute.thing if attribute.owners else noun, []).append(attribute)
+        things.setdefault((attribute.owners and attribute.thing) or noun, []).append(attribute)
     return things or {noun: []}
 
 

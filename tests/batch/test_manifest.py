@@ -159,6 +159,36 @@ def test_a_picture_beside_the_manifest_is_enough_and_counts_by_its_content(place
     assert [j.prompt for j in with_words] == ["but colder"] * 2
 
 
+GOALS = """
+scenes = ["shots/*.blend"]
+
+[options]
+goals = "goals/dusk.json"
+"""
+WORDS = '{"words": [{"word": "x", "slot": "grade", "wishes": [{"quantity": "contrast", "class": "high"}]}]}'
+
+
+def test_goals_beside_the_manifest_take_the_place_of_a_prompt(place):
+    (place / "goals").mkdir()
+    (place / "goals" / "dusk.json").write_text(WORDS)
+    jobs = read(place, GOALS)
+    assert [j.prompt for j in jobs] == ["", ""]
+    assert f"--goals={(place / 'goals' / 'dusk.json').resolve()}" in jobs[0].arguments
+    with pytest.raises(VibeError, match="a prompt and goals"):
+        read(place, 'prompts = ["noir"]' + GOALS)
+
+
+def test_the_name_of_a_job_depends_on_its_goals(place, tmp_path):
+    (place / "goals").mkdir()
+    (place / "goals" / "dusk.json").write_text(WORDS)
+    names = [j.name for j in read(place, GOALS)]
+    moved = tmp_path / "elsewhere"
+    shutil.copytree(place, moved, ignore=shutil.ignore_patterns("elsewhere"))
+    assert [j.name for j in read(moved, GOALS)] == names
+    (place / "goals" / "dusk.json").write_text(WORDS.replace("high", "low"))
+    assert not {j.name for j in read(place, GOALS)} & set(names)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "line", "words"),
     [
@@ -197,6 +227,9 @@ def test_mistakes_in_shots_are_found_with_their_line(place, old, new, line, word
         ("size = 256", 'groups = ["lights"]', 10, ["'lights'", "material"]),
         ("size = 256", 'vocabulary = "mine.toml"', 10, ["mine.toml", "Check the path"]),
         ("size = 256", 'like = "still.jpg"', 10, ["no picture", "still.jpg", "Check the path"]),
+        ("size = 256", 'goals = "dusk.json"', 10, ["no list of goals", "dusk.json", "Check the path"]),
+        ("size = 256", 'goals = "cup.obj"', 10, ["no JSON", "vibe explain"]),
+        ("size = 256", "goals = 3", 10, ["goals cannot be 3"]),
         ("size = 256", "like = 3", 10, ["like cannot be 3"]),
         ("size = 256", 'like-only = "mood"', 10, ["'mood'", "light, grade"]),
         ("shots/b*", "shots/c*", 12, ["'shots/c*'", "shots/a.blend"]),

@@ -46,7 +46,6 @@ def report_fields(
     judges = [each.judge for each in measured if each.judge]
     return {
         **fields,
-        "prompt": args.prompt,
         "scene": os.path.basename(args.scene or bpy.data.filepath) or args.command,
         "subject": sorted(shot_list.subjects[0]),
         "similarity": _mean([each.similarity for each in measured]),

@@ -6,7 +6,6 @@ from __future__ import annotations
 import argparse
 import json
 import tempfile
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -116,12 +115,11 @@ class _Run:
             self._render_after(number)
             compared = self._ask_to_measure(number)
             if number == 0:
-                goals = result.report["goals"]
                 look = take.extract(
-                    goals["prompt"],
+                    result.report["prompt"],
                     self.shot_list.jobs[0].with_additions_of(result.values),
                     result.values,
-                    goals=json.dumps(goals, ensure_ascii=False),
+                    goals=_goals(result),
                 )
                 self.out.write_text("preset.json", look.dumps())
             self._save(number)
@@ -129,7 +127,7 @@ class _Run:
             self.out.copy("compare.png", compared)
             self._copy_prediction(number, result)
             self.stopwatch.lap("save and measure")
-        _write_variants(self.out, self.args.prompt, self.shot_list, result.variants)
+        _write_variants(self.out, self.shot_list, result)
         return measured, skipped
 
     def _request(self) -> messages.Vibe:
@@ -219,15 +217,17 @@ def _values(shot_list: ShotList, result: messages.Result, number: int, grade_eac
     return values | {key: value for key, value in film.items() if key in values} | result.shots[number]
 
 
-def _write_variants(
-    out: Outputs, prompt: str, shot_list: ShotList, variants: Sequence[messages.Variant]
-) -> None:
+def _goals(result: messages.Result) -> str:
+    """What a result was searched for by, as JSON for presets."""
+    return json.dumps(result.report["goals"], ensure_ascii=False)
+
+
+def _write_variants(out: Outputs, shot_list: ShotList, result: messages.Result) -> None:
     """Writes a preset of every variant, and their contact sheet."""
-    job = shot_list.jobs[0]
-    for number, variant in enumerate(variants, start=1):
-        look = take.extract(
-            prompt, job.with_additions_of(variant.values), variant.values, f"{number}: {prompt}"
-        )
+    job, prompt = shot_list.jobs[0], result.report["prompt"]
+    for number, variant in enumerate(result.variants, start=1):
+        scene, name = job.with_additions_of(variant.values), f"{number}: {prompt}"
+        look = take.extract(prompt, scene, variant.values, name, _goals(result))
         out.write_text(f"preset-{number}.json", look.dumps())
-    if variants:
+    if result.variants:
         out.copy(messages.VARIANTS, Path(job.folder) / messages.VARIANTS)

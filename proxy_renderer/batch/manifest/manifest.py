@@ -40,7 +40,7 @@ from ...inputs import check
 from ...schema import VibeError
 from ...schema.limits import LARGEST_SEED
 from .files import Files, digest
-from .options import OptionReader, texts
+from .options import IN_FILES, OptionReader, texts
 from .toml_source import TomlSource
 
 _KNOWN = ("scenes", "prompts", "seeds", "files", "options", "limits", "scene", "shots")
@@ -170,8 +170,8 @@ class _Reader:
         options = common | own
         prompts = own.get("prompts") or self._prompts(self._content.get("prompts"), options, "prompts")
         seeds = own.get("seeds") or self._seeds(self._content.get("seeds", [0]), "seeds")
-        pictures = [Path(options["like"])] if options.get("like") else []
-        content = " ".join([*map(digest, [*scenes, *pictures]), everything])
+        read = [Path(options[name]) for name in IN_FILES if options.get(name)]
+        content = " ".join([*map(digest, [*scenes, *read]), everything])
         mark = hashlib.sha256(content.encode()).hexdigest()
         return SceneGroup(name, scenes[0], mark, prompts, seeds, arguments, tuple(scenes[1:]))
 
@@ -182,8 +182,8 @@ class _Reader:
         return table
 
     def _prompts(self, given: Any, options: dict[str, Any], *keys: str) -> tuple[str, ...]:
-        """Prompts from a list, or from a file with one on each line; beside a picture there need be none."""
-        if given is None and options.get("like"):
+        """Prompts from a list, or from a file with one on each line; with a picture or goals there need be none."""
+        if given is None and any(options.get(name) for name in IN_FILES):
             return ("",)
         if isinstance(given, str):
             return self._prompts_of_file(self._files.named(given, "list of prompts", *keys), options)

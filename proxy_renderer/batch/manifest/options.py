@@ -15,6 +15,8 @@ from ...schema.options.option import Option
 from ...schema.options.table import TABLE
 from .toml_source import TomlSource
 
+IN_FILES = ("like", "goals")
+"""Options that name files in the place of a prompt, or next to one."""
 _ELSEWHERE = {"seed": "Write seeds = [0, 1] at the top."}
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from ...schema import FAMILIES, Values, VibeError
 from ...schema.means import MEANS, SURFACES, may_serve
 from .claim_text import ClaimText, read_claim
+from .effect_numbers import misfit
 from .quantities import quantities
 
 OWNERS = {
@@ -160,6 +161,7 @@ def parse_effect(text: str) -> Effect:
             raise VibeError(
                 f"Vocabulary: '{text}' has no color.", 'Write "#rrggbb", "@" or "own" at its end.'
             )
+        _check_fit(text, effect)
         return replace(effect, color=match["args"])
     lower, dots, upper = match["args"].partition("..")
     if mode not in RANGE_MODES or not dots:
@@ -170,7 +172,15 @@ def parse_effect(text: str) -> Effect:
         raise problem from None
     if len(low) != len(high) or any(a > b for a, b in zip(low, high, strict=True)):
         raise VibeError(f"Vocabulary: '{text}' has a lower bound above the upper one.", "Swap them.")
-    return replace(effect, lower=low, upper=high)
+    effect = replace(effect, lower=low, upper=high)
+    _check_fit(text, effect)
+    return effect
+
+
+def _check_fit(text: str, effect: Effect) -> None:
+    """Raises VibeError where the parameter of an effect has no such mode, or no such numbers."""
+    if remedy := misfit(FAMILIES[effect.family], effect.mode, effect.lower, effect.upper):
+        raise VibeError(f"Vocabulary: '{text}' does not fit its parameter.", remedy)
 
 
 def read_entry(name: str, row: dict) -> VocabularyEntry:
