@@ -100,22 +100,21 @@ def resolved(parsed: Parsed, wishes: Sequence[Wish]) -> Goals:
         parsed: The prompt.
         wishes: In its order.
     """
-    out: set[int] = set()
-    while (
-        True
-    ):  # what a word had won by a wish that is idle goes back to others, to which further words may give way
-        kept, lost = _by_rank([wish for wish in wishes if wish.is_seen or id(wish.attribute) not in out])
+    idle: set[int] = set()  # words whose supporting wishes are out; what they had won goes back to others
+    while True:
+        kept, lost = _by_rank([wish for wish in wishes if wish.is_seen or id(wish.attribute) not in idle])
         unseen = _unseen(kept, lost)
-        if unseen.keys() <= out:
+        if unseen.keys() <= idle:
             break
-        out |= unseen.keys()
+        idle |= unseen.keys()
     for wish in sorted(wishes, key=lambda each: each.rank):
-        if not wish.is_seen and id(wish.attribute) in out:
-            winner = unseen.get(id(wish.attribute)) or _opponent(wish, kept)
-            if winner is None:
-                kept.append(wish)
-            else:
-                lost.append(Lost(wish, winner))
+        if wish.is_seen or id(wish.attribute) not in idle:
+            continue
+        winner = unseen.get(id(wish.attribute)) or _opponent(wish, kept)
+        if winner is None:
+            kept.append(wish)
+        else:
+            lost.append(Lost(wish, winner))
     sought = {id(wish) for wish in kept}
     return Goals(parsed, tuple(wish for wish in wishes if id(wish) in sought), tuple(lost))
 

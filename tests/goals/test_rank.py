@@ -16,7 +16,6 @@ from proxy_renderer.prompt.lexicon.entries import Effect, parse_effect
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.types import Attribute, SceneWords
 
-
 SEEN = (read_claim("picture contrast 60.."),)
 STRONG, LATE = parse_effect("film/contrast 1..1.2 !1"), parse_effect("film/contrast 1..1.2 !3")
 DEFAULT, CHANGES = parse_effect("film/contrast 1..1.2 ? !1"), parse_effect("material/tint times 1..1.2 !1")
