@@ -60,7 +60,7 @@ def _of_word(attribute: Attribute, vocabulary: Vocabulary) -> Iterator[Wish]:
     mild = attribute.negated and entry.opposite and not any(m.effects for m in entry.never)
     strength = _NOT if mild else attribute.strength
     wishes = [_wish(meaning, attribute, strength) for meaning in found]
-    vague = entry.slot == "lighting" and len(entry.classes) > 1
+    vague = entry.slot in ("lighting", "grade") and len(entry.classes) > 1
     for wish in wishes:
         if wish.effects or wish.claims or wish.named:
             yield replace(wish, breadth=breadth_of(wishes), vague=vague)

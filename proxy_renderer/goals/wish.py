@@ -40,7 +40,7 @@ class Wish:
         claims: What the image has to look like, those of the class last.
         strength: 1 as named; less for "slightly" and for what is only denied, more for "very".
         breadth: How many things its word claims: what is about nothing else counts more.
-        vague: Whether its word is about the light as a whole, as a time of day is.
+        vague: Whether its word is about the light or the image as a whole, as a time of day and a style are.
     """
 
     attribute: Attribute

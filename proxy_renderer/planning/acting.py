@@ -8,7 +8,8 @@ from dataclasses import replace
 
 from ..color.floats import lab_from_srgb
 from ..color.shades import hue_apart
-from ..goals.resolve import Goals
+from ..goals.contradictions import contradicts
+from ..goals.resolve import Goals, Lost
 from ..goals.wish import Wish
 from ..prompt.lexicon.entries import Effect
 from ..prompt.lexicon.quantities import quantities
@@ -20,6 +21,8 @@ from .types import LightPlan
 _PALE, _WHITE = 80.0, 93.0  # L* of pale and of white surroundings
 _HIDDEN = 60.0  # degrees of hue between a thing and its light from which neither looks as named
 _MAIN = 1  # priority of what a word is mainly about
+_LIT = ("direction", "hardness", "light_color", "key_to_rest", "brightness")
+"""Quantities of the light that a rig gives."""
 _SHEDS = ("light/", "world/", "volume/", "film/vignette", "film/exposure")
 """Families of parameters that a rig sets itself."""
 _BESIDE_LIGHT = 0.5  # strength of a mood's grade where a rig gives it its light
@@ -94,7 +97,18 @@ def beside_rig(goals: Goals, light: LightPlan) -> Goals:
     """
     if not light.served:
         return goals
-    return replace(goals, wishes=tuple(_left(wish, light) for wish in goals.wishes))
+    every = (*goals.wishes, *(each.wish for each in goals.lost))
+    lit = [wish for wish in every if wish.attribute in light.served and wish.quantity in _LIT]
+    beaten = {id(wish): first for wish in goals.wishes for first in lit if _outshone(wish, first, light)}
+    left = tuple(_left(wish, light) for wish in goals.wishes if id(wish) not in beaten)
+    lost = tuple(Lost(wish, beaten[id(wish)]) for wish in goals.wishes if id(wish) in beaten)
+    return replace(goals, wishes=left, lost=(*goals.lost, *lost))
+
+
+def _outshone(wish: Wish, served: Wish, light: LightPlan) -> bool:
+    """Whether a word that is about no light contradicts the light of a rig: an "old" well in moonlight is not lit warmly."""
+    about_light = wish.attribute.slot == "lighting" or wish.attribute.color or wish.attribute in light.served
+    return not about_light and wish.quantity in _LIT and contradicts(served, wish)
 
 
 def _left(wish: Wish, light: LightPlan) -> Wish:
