@@ -10,7 +10,7 @@ from goal_parts import ROOM, read
 
 from proxy_renderer.goals.meaning import wishes_of
 from proxy_renderer.goals.wish import PAINTED, Wish
-from proxy_renderer.prompt.lexicon.entries import OWNERS, Meaning
+from proxy_renderer.prompt.lexicon.entries import OWNERS, EntryWish
 from proxy_renderer.prompt.lexicon.quantities import quantities
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.types import Attribute
@@ -37,7 +37,7 @@ def wishes(entry: str, **changes) -> dict[str, Wish]:
     return {wish.quantity: wish for wish in found}
 
 
-def meanings(entry) -> list[Meaning]:
+def meanings(entry) -> list[EntryWish]:
     return [*entry.meanings, *entry.never]
 
 

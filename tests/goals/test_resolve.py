@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import random
 from functools import cache
-from itertools import combinations
+from itertools import combinations, product
 
 import pytest
 from goal_parts import ROOM, drawn, plan_of, read
@@ -23,6 +23,7 @@ from proxy_renderer.schema.means import SURFACES
 
 VOCABULARY = shipped_vocabulary()
 SEEDS = (1, 2, 3)
+TARGET = ("kind", "region", "owners", "lights", "lamp", "role")
 NUMBER = 220
 
 
@@ -94,6 +95,31 @@ def test_no_two_kept_wishes_contradict_each_other():
     for prompt, goals in every():
         ranked = sorted(goals.wishes, key=lambda wish: wish.rank)
         assert not [pair for pair in combinations(ranked, 2) if contradicts(*pair)], prompt
+
+
+def test_no_two_kept_wishes_claim_intervals_that_have_nothing_in_common():
+    """Of the same part of the image, and said of the same lights and materials."""
+    for prompt, goals in every():
+        for first, second in combinations(goals.wishes, 2):
+            one, other = first.attribute, second.attribute
+            same = all(getattr(one, name) == getattr(other, name) for name in TARGET)
+            if not same or first.word == second.word:
+                continue
+            for a, b in product(first.claims, second.claims):
+                if (a.part, a.measure, a.color) == (b.part, b.measure, b.color):
+                    assert max(a.lower, b.lower) <= min(a.upper, b.upper), (prompt, str(a), str(b))
+
+
+def test_a_word_of_which_nothing_is_seen_changes_nothing():
+    """What only supports a class or a claim is given up with it; of a material each quantity counts by itself."""
+    given_up = 0
+    for prompt, goals in every():
+        seen = {id(each.wish.attribute) for each in goals.lost if each.wish.is_seen}
+        seen -= {id(wish.attribute) for wish in goals.wishes if wish.is_seen}
+        left = [wish for wish in goals.wishes if id(wish.attribute) in seen]
+        assert all(wish.attribute.slot in SURFACES for wish in left), prompt
+        given_up += sum(not each.wish.is_seen and id(each.wish.attribute) in seen for each in goals.lost)
+    assert given_up > 20
 
 
 def test_every_loser_names_a_winner_that_is_kept():

@@ -21,7 +21,7 @@ from proxy_renderer.rigs.chosen import chosen_rig
 from proxy_renderer.schema.preset import Preset
 
 VOCABULARY = shipped_vocabulary()
-UNWRITTEN = {"guess", "place", "phrases", "look"}
+UNWRITTEN = {"guess", "place", "look"}
 """Fields of a word that say how it was typed and bound, and nothing of what it wishes for."""
 
 
