@@ -135,7 +135,9 @@ def test_what_only_changes_a_color_comes_last():
         assert {each.wish.attribute.entry for each in losers} == {"darker surface"}, prompt
 
 
-@pytest.mark.parametrize(("color", "material"), [("teal", "oak"), ("pink", "leather"), ("white", "asphalt")])
+@pytest.mark.parametrize(
+    ("color", "material"), [("teal", "oak"), ("pink", "leather"), ("pink", "gold"), ("white", "asphalt")]
+)
 def test_a_named_color_wins_over_the_color_of_a_material(color, material):
     """The material keeps the rest: its finish and its substance."""
     for prompt in (f"a {color} {material} vase", f"the vase is {material}, a {color} vase"):
