@@ -9,6 +9,7 @@ from dataclasses import replace
 import torch
 from torch import Tensor
 
+from ...guidance.losses import claims_loss
 from ...guidance.regions import Views
 from ...planning.types import Plan
 from ...render.proxy import Render
@@ -69,7 +70,8 @@ def _try(search: Search, point: Tensor, now: Confined) -> tuple[Tensor, float, T
     u = search.method.descend(here, chosen, movable, starts.COARSE_STEPS, seed, stop_asked).u
     with torch.no_grad():
         pictures = [shot.draw(u) for shot in search.shots]
-        losses = [_loss(shot, picture) for shot, picture in zip(search.shots, pictures, strict=True)]
+        weight = search.method.weights.claims
+        losses = [_loss(shot, picture, weight) for shot, picture in zip(search.shots, pictures, strict=True)]
     return u, sum(losses) / len(losses), pictures[0].display
 
 
@@ -81,7 +83,10 @@ def _with_few_views(shot: ShotState) -> ShotState:
     return replace(shot, guidance=guidance)
 
 
-def _loss(shot: ShotState, picture: Render) -> float:
+def _loss(shot: ShotState, picture: Render, weight: float) -> float:
+    """How far a picture is from the words: what the encoder is asked for, and claims, which count by a weight."""
     assert shot.guidance is not None
-    terms = shot.guidance(picture.display, picture.mask, fixed_views())
-    return float(torch.stack([*terms.values()]).sum())
+    terms = [*shot.guidance(picture.display, picture.mask, fixed_views()).values()]
+    if residuals := shot.residuals(picture):
+        terms.append(weight * claims_loss(residuals))
+    return float(sum(terms))
