@@ -16,7 +16,7 @@ from ..color.floats import hex_from_srgb, srgb_from_hex
 from ..prompt.lexicon.claim_text import ClaimText, read_claim
 from ..prompt.lexicon.entries import OWNERS, SLOTS, parse_effect
 from ..prompt.lexicon.quantities import quantities
-from ..prompt.types import GLOW, Attribute, Parsed, PromptObject, SceneWords
+from ..prompt.types import GLOW, STRONGEST, Attribute, Parsed, PromptObject, SceneWords
 from ..schema import VibeError
 from ..schema.means import may_serve
 from ..schema.spec import Region
@@ -89,7 +89,7 @@ def _word(attribute: Attribute) -> dict[str, Any]:
         "slot": attribute.slot,
         "target": {name: value for name, value in target.items() if value or name in ("kind", "region")},
         **({"color": hex_from_srgb(attribute.color)} if attribute.color else {}),
-        **({"strength": round(attribute.strength, 3)} if attribute.strength != 1.0 else {}),
+        **({"strength": round(attribute.strength, 6)} if attribute.strength != 1.0 else {}),
         **({"denied": True} if attribute.negated else {}),
         **({"implied_by": attribute.cause} if attribute.cause else {}),
         **({"shades": [list(each) for each in attribute.shades]} if attribute.shades else {}),
@@ -104,7 +104,7 @@ def _wish(wish: Wish, winner: str | None) -> dict[str, Any]:
         **({"toward": wish.toward} if wish.toward not in ("", wish.named) else {}),
         **({"parameters": [str(effect) for effect in wish.effects]} if wish.effects else {}),
         **({"image": [str(claim) for claim in wish.claims]} if wish.claims else {}),
-        **({"strength": round(wish.strength, 3)} if wish.strength != wish.attribute.strength else {}),
+        **({"strength": round(wish.strength, 6)} if wish.strength != wish.attribute.strength else {}),
         **({"gave_way_to": winner} if winner is not None else {}),
     }
 
@@ -218,7 +218,7 @@ def _read_word(word: _Fields) -> tuple[Attribute, list[Wish]]:
         slot=word.choice("slot", SLOTS),
         region=target.choice("region", _REGIONS, "subject"),  # type: ignore[arg-type]
         kind=target.choice("kind", KINDS, "subject"),
-        strength=word.number("strength", 1.0, 0.0, 3.0),
+        strength=word.number("strength", 1.0, 0.0, STRONGEST),
         negated=word.take("denied", bool, False),
         owners=tuple(target.texts("materials")),
         role=target.choice("role", ROLES, ""),
@@ -254,7 +254,7 @@ def _read_wish(row: _Fields, attribute: Attribute) -> Wish:
     claims = row.each("image", _read_claim)
     if not attribute.color and not (effects or claims or named):
         raise VibeError(f"{row.place} wishes for nothing.", "Give it a class, parameters or image.")
-    strength = row.number("strength", attribute.strength, 0.0, 3.0)
+    strength = row.number("strength", attribute.strength, 0.0, STRONGEST)
     row.end()
     return Wish(attribute, quantity, named, toward, effects, claims, strength)
 

@@ -53,6 +53,8 @@ class MaterialLook:
     structures: frozenset[str] = frozenset()
 
 
+WEAKEST, STRONGEST = 0.05, 3.0
+"""Strengths of words, however many intensities stand before them: "very, very, very dark" is as dark as it gets."""
 GLOW = "material/"
 """How a material whose glow counts as a light is called among lights: this and its name."""
 

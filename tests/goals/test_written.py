@@ -97,6 +97,23 @@ def test_a_prompt_of_another_language_is_the_same(prompt):
     assert claims_of(again, VOCABULARY) == claims_of(goals, VOCABULARY)
 
 
+@pytest.mark.parametrize(
+    ("times", "strength"), [(1, 1.8), (2, 3.0), (3, 3.0), (190, 3.0)], ids=("once", "twice", "thrice", "190")
+)
+def test_a_word_that_is_said_very_strongly_can_be_written(times, strength):
+    goals = read(f"{'extremely ' * times}glossy vase, {'extremely ' * min(times, 3)}cosy")
+    assert max(a.strength for a in goals.parsed.attributes) == strength
+    assert list(map(content, through_json(goals).wishes)) == list(map(content, goals.wishes))
+    assert plan_of(goals)
+
+
+@pytest.mark.parametrize("times", [1, 2, 4, 100])
+def test_a_word_that_is_said_very_softly_can_be_written(times):
+    goals = read(f"{'slightly ' * times}glossy vase")
+    assert goals.parsed.attributes[0].strength == max(0.5**times, 0.05)
+    assert list(map(content, through_json(goals).wishes)) == list(map(content, goals.wishes))
+
+
 def test_colors_are_rounded_to_six_digits():
     goals = read("the vase is bright gunmetal")
     (color,) = (a.color for a in goals.parsed.attributes if a.color)

@@ -18,7 +18,7 @@ from ..meaning import NamedThing
 from ..mentions.light_phrases import light_phrases
 from ..mentions.passage import PromptLook
 from ..shading import shaded
-from ..types import Attribute, Parsed, SceneWords
+from ..types import STRONGEST, WEAKEST, Attribute, Parsed, SceneWords
 from .absent import AbsentObjects
 from .assignment import assigned, probabilities
 from .becoming import becoming
@@ -271,7 +271,7 @@ class PromptReader:
             **vars(thing),
         )
         for part in self._stands_for(known) if known and known.means and not word.negated else ():
-            strength = part.strength * word.strength
+            strength = min(max(part.strength * word.strength, WEAKEST), STRONGEST)
             guess = bool(word.token.guess)
             yield replace(part, cause=word.text, strength=strength, guess=guess, phrases=())
 

@@ -9,6 +9,7 @@ from itertools import groupby, takewhile
 
 from ..lexicon.vocabulary import Vocabulary
 from ..tokens import Token
+from ..types import STRONGEST, WEAKEST
 
 _WISHES = {"action", "undo"}
 _ENDS = {*_WISHES, "again"}
@@ -134,7 +135,7 @@ def _looks(
         following = next(iter(found.content(index + 1, len(found.items))), None)
         look = _look_token(token, negated, vocabulary)
         if token.strength is not None and _is_intensity(token, following, vocabulary):
-            strength *= token.strength
+            strength = min(max(strength * token.strength, WEAKEST), STRONGEST)
             prefix.append(token.text)
         elif token.lists & {"negation", "undo"}:
             negated = True
