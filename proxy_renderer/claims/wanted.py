@@ -114,7 +114,8 @@ def _of_every_picture(goals: Goals) -> Iterator[Claim]:
     dark = goals.classes.get("brightness") == "dark"
     shaped = _FLAT if dark or goals.classes.get("contrast") == "low" else _SHAPED
     yield Claim.unsaid("subject", "white_point", lower=_DIMMEST)  # even at night its lights are seen
-    yield Claim.unsaid("subject", "spread", lower=shaped)
+    if goals.classes.get("haze") != "thick":  # which takes the contrast of all that is in it
+        yield Claim.unsaid("subject", "spread", lower=shaped)
     if not dark:
         yield Claim.unsaid("subject", "drowned", upper=0.3)
 
