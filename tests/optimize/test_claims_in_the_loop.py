@@ -21,7 +21,7 @@ from proxy_renderer.planning.types import Plan
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema.messages import Options
 
-_DENSE = 0.9
+_DENSE = 0.95
 """Share of light that the air takes away, which the ranges of "thick fog" do not make."""
 
 
@@ -149,7 +149,7 @@ def test_a_claim_out_of_reach_of_its_words_ranges_is_earned_in_wider_ones(search
     first, *wider = (record["missed"] for record in outcome.rounds)
     assert first["claims"] > 0
     nearest = min(missed["distance"] for missed in wider)
-    assert nearest < 0.95 * first["distance"]  # that the subject stands out in fog holds it back
+    assert nearest < 0.7 * first["distance"]
     for key, values in outcome.vector.values(outcome.u).items():
         instance, (low, high) = outcome.vector.instances[key], outcome.ranges[key]
         for a, v, b in zip(low, values, high, strict=True):
