@@ -81,14 +81,14 @@ class LikeAdvisor:
 
 
 def beside(
-    reference: Reference | None, words: Advisor, prompt: str, shots: int, lights: Mapping[str, LightWords]
+    reference: Reference | None, words: Advisor, has_words: bool, shots: int, lights: Mapping[str, LightWords]
 ) -> Advisor:
     """Who plans for words and a picture together.
 
     Args:
         reference: The picture; None for words alone.
         words: Plans for the words.
-        prompt: The words; "" for none.
+        has_words: Whether there are any, typed or as goals.
         shots: How many there are: a picture shows one of several at most.
         lights: The scene's, by name.
     """
@@ -96,7 +96,7 @@ def beside(
         return words
     reference.same = False if shots > 1 else reference.same
     keys = [name for name, light in lights.items() if light.role == "key"]
-    return LikeAdvisor(reference, words if prompt.strip() else None, keys)
+    return LikeAdvisor(reference, words if has_words else None, keys)
 
 
 def _named(plan: Plan) -> dict[str, PlanEntry]:

@@ -70,7 +70,7 @@ class Method:
             every_word: Whether that are all words, as in the paper: an artist has named an encoder.
         """
         prompts = advice.prompts if every_word or self.every_word else advice.unmeasured
-        if not prompt.strip() or prompts == NO_PROMPTS:  # claims say all
+        if prompts == NO_PROMPTS:  # claims say all
             return NoGuidance()
         return PromptGuidance(encoder, prompts, (start.display, start.mask), self.weights)
 

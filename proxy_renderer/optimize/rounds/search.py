@@ -117,8 +117,9 @@ class Search:
             understood, plan = Understood(prompt, context.scene_words(*(v.scene for v in views))), None
             goals = goals_or_why(understood)
         offline = OfflineAdvisor(goals, plan)
+        has_words = bool(prompt.strip()) or isinstance(goals, Goals)
         self.offline, asked = (
-            beside(self.reference, each, prompt, len(views), understood.scene.lights)
+            beside(self.reference, each, has_words, len(views), understood.scene.lights)
             for each in (offline, advisor or offline)
         )
         self.confiner = Confiner(self.vector, self.shots, asked, self.method.plan)
