@@ -10,6 +10,7 @@ from dataclasses import replace
 from ..color.floats import lab_from_srgb
 from ..color.shades import WARM
 from ..goals.wish import Wish
+from ..prompt.lexicon.claim_text import warmth_asked
 from ..prompt.types import Attribute
 from ..schema import Values
 from .claim import Claim
@@ -120,18 +121,12 @@ def _against(claim: Claim, direction: Values) -> bool:
     return sum(a * b for a, b in zip(claim.direction, direction, strict=True)) < -_OPPOSED
 
 
-def _asks(claim: Claim) -> int:
-    """Whether a claim asks for warmth (1), for coolness (-1), or for neither."""
-    if claim.measure != "warmth":
-        return 0
-    return 1 if claim.lower[0] > 0.0 else -1 if claim.upper[0] < 0.0 else 0
-
-
 def cast_of(claim: Claim) -> Values:
     """The direction in a and b in which a claim wants the light of the whole picture to be colored; () for other claims."""
     if not is_light(claim) or claim.measure in ("accent", "off_hue"):
         return ()
-    return claim.direction or tuple(_asks(claim) * part / math.hypot(*WARM) for part in WARM if _asks(claim))
+    side = warmth_asked(claim.measure, claim.lower[0], claim.upper[0])
+    return claim.direction or tuple(side * part / math.hypot(*WARM) for part in WARM if side)
 
 
 def is_painted(claim: Claim, attribute: Attribute) -> bool:

@@ -7,11 +7,19 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 
 from ..schema import Values
 from . import constants as c
 from .constants import Lab
+
+_HEX = re.compile("#[0-9a-fA-F]{6}")
+
+
+def is_hex(text: str) -> bool:
+    """Whether a text is a color as "#rrggbb"."""
+    return bool(_HEX.fullmatch(text))
 
 
 def srgb_from_hex(text: str) -> Values:

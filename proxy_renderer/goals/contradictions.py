@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from ..color.constants import Lab
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
 from ..color.shades import hue_apart, warm
-from ..prompt.lexicon.claim_text import ClaimText
+from ..prompt.lexicon.claim_text import ClaimText, warmth_asked
 from ..prompt.lexicon.entries import Effect
 from ..schema import Values
 from .wish import PAINTED, Wish
@@ -159,7 +159,7 @@ def _other_light(first: Wish, later: Wish) -> bool:
 
 def _warmth(wish: Wish) -> int:
     """1 for a wish for warm light, -1 for cool light, else 0."""
-    signs = [*map(asks, wish.claims), *(_kelvins(e) for e in wish.effects if not e.weak)]
+    signs = [*map(_asks, wish.claims), *(_kelvins(e) for e in wish.effects if not e.weak)]
     return next((sign for sign in signs if sign), 0)
 
 
@@ -222,14 +222,11 @@ def _against(claim: ClaimText, direction: Values) -> bool:
         _, a, b = lab_from_srgb(srgb_from_hex(claim.color))
         own = math.hypot(a, b)
         return (a * direction[0] + b * direction[1]) / own < -_OPPOSED
-    return asks(claim) * warm(*direction) < -_OPPOSED
+    return _asks(claim) * warm(*direction) < -_OPPOSED
 
 
-def asks(claim: ClaimText) -> int:
-    """1 for a claim that asks for warmth, -1 for one that asks for coolness, 0 for others."""
-    if claim.measure != "warmth":
-        return 0
-    return 1 if claim.lower > 0.0 else -1 if claim.upper < 0.0 else 0
+def _asks(claim: ClaimText) -> int:
+    return warmth_asked(claim.measure, claim.lower, claim.upper)
 
 
 def _fixed(color: Wish, wish: Wish) -> bool:

@@ -56,25 +56,25 @@ def _of_word(attribute: Attribute, vocabulary: Vocabulary) -> Iterator[Wish]:
     entry = vocabulary.entries.get(attribute.entry)
     if entry is None:
         return
-    found = _denied(entry, vocabulary) if attribute.negated else entry.meanings
+    found = _denied(entry, vocabulary) if attribute.negated else entry.wishes
     mild = attribute.negated and entry.opposite and not any(m.effects for m in entry.never)
     strength = _NOT if mild else attribute.strength
-    wishes = [_wish(meaning, attribute, strength) for meaning in found]
+    wishes = [_wish(own, attribute, strength) for own in found]
     vague = entry.slot in ("lighting", "grade") and len(entry.classes) > 1
     for wish in wishes:
         if wish.effects or wish.claims or wish.named:
             yield replace(wish, breadth=breadth_of(wishes), vague=vague)
 
 
-def _wish(meaning: EntryWish, attribute: Attribute, strength: float) -> Wish:
-    """What a meaning comes to for a word that is said of something, softly or strongly."""
-    quantity = quantities().by_name[meaning.quantity]
-    named = meaning.named if _speaks_of(attribute, meaning.quantity) else ""
+def _wish(own: EntryWish, attribute: Attribute, strength: float) -> Wish:
+    """What an entry's wish comes to for a word that is said of something, softly or strongly."""
+    quantity = quantities().by_name[own.quantity]
+    named = own.named if _speaks_of(attribute, own.quantity) else ""
     if named and attribute.strength < _SOFT:
         named = quantity.softer.get(named, named) if quantity.softly else ""
-    claims = (*(() if attribute.negated else meaning.claims), *quantity.classes.get(named, ()))
-    effects = _allowed(meaning.effects, attribute)
-    return Wish(attribute, meaning.quantity, named, named or meaning.named, effects, claims, strength)
+    claims = (*(() if attribute.negated else own.claims), *quantity.classes.get(named, ()))
+    effects = _allowed(own.effects, attribute)
+    return Wish(attribute, own.quantity, named, named or own.named, effects, claims, strength)
 
 
 def _speaks_of(attribute: Attribute, quantity: str) -> bool:
@@ -97,10 +97,10 @@ def _denied(entry: VocabularyEntry, vocabulary: Vocabulary) -> list[EntryWish]:
     shared = (
         entry.classes.items() & opposite.classes.items() if opposite else set()
     )  # pastel and noir are both muted
-    other = [m for m in opposite.meanings if (m.quantity, m.named) not in shared] if opposite else []
+    other = [m for m in opposite.wishes if (m.quantity, m.named) not in shared] if opposite else []
     acting = [m for m in entry.never if m.effects] or [m for m in other if m.effects]
     if not acting and opposite is None:
-        acting = [replace(m, effects=tuple(_undone(m.effects))) for m in entry.meanings]
+        acting = [replace(m, effects=tuple(_undone(m.effects))) for m in entry.wishes]
     naming = [m for m in entry.never if m.named] or [m for m in other if m.named]
     named = {m.quantity: m.named for m in naming}
     doing = {m.quantity: m.effects for m in acting}

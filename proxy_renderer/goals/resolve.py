@@ -133,7 +133,7 @@ def _by_rank(wishes: Sequence[Wish]) -> tuple[list[Wish], list[Lost]]:
 
 
 def _unseen(kept: Sequence[Wish], lost: Sequence[Lost]) -> dict[int, Wish]:
-    """Words that no longer name a class or claim anything of the image -> the winner. Their other wishes only support those: they are idle.
+    """Words whose visible wishes all gave way -> the first winner. What else such a word wishes for only supports these.
 
     Of a material each quantity counts by itself: wet concrete is no less of concrete for being wet.
     """
@@ -144,6 +144,6 @@ def _unseen(kept: Sequence[Wish], lost: Sequence[Lost]) -> dict[int, Wish]:
 
 
 def _opponent(wish: Wish, kept: Sequence[Wish]) -> Wish | None:
-    """The kept wish that another contradicts; None for none."""
+    """The first kept wish that cannot be had beside a wish; None where all can."""
     pairs = ((each, sorted((each, wish), key=lambda w: w.rank)) for each in kept)
     return next((each for each, pair in pairs if contradicts(*pair)), None)

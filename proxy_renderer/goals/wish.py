@@ -71,8 +71,7 @@ class Wish:
     @property
     def is_seen(self) -> bool:
         """Whether it says what the image is to look like, and not only what may be done for it."""
-        colored = self.attribute.color or (self.attribute.slot == "material" and self.quantity == "color")
-        return bool(self.named or self.claims or colored)
+        return bool(self.named) or self.is_measured
 
     @property
     def is_measured(self) -> bool:

@@ -4,15 +4,12 @@
 from __future__ import annotations
 
 import json
-import math
-import re
-import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, TypeVar, get_args
+from typing import Any, get_args
 
-from ..color.floats import hex_from_srgb, srgb_from_hex
+from ..color.floats import hex_from_srgb
 from ..prompt.lexicon.claim_text import ClaimText, read_claim
 from ..prompt.lexicon.entries import OWNERS, SLOTS, parse_effect
 from ..prompt.lexicon.quantities import quantities
@@ -20,16 +17,13 @@ from ..prompt.types import GLOW, STRONGEST, Attribute, Parsed, PromptObject, Sce
 from ..schema import VibeError
 from ..schema.means import may_serve
 from ..schema.spec import Region
+from .json_fields import JsonFields
 from .resolve import Goals, resolved
 from .wish import Wish, breadth_of
 
-T = TypeVar("T")
 VERSION = 1
 """Of the format."""
 _LARGEST, _MOST = 2_000_000, 500  # bytes of a file, and words in it
-_COLOR = re.compile("#[0-9a-fA-F]{6}")
-_SHOWN = 60  # characters of what is quoted
-_MOST_OF_SHADES = 200.0
 _REGIONS: tuple[str, ...] = get_args(Region)
 KINDS = (
     "subject", "surroundings", "sky", "world", "light", "fill", "rim", "fog", "shadow", "highlight", "glow", "tone", "ambience", "whole",
@@ -38,13 +32,6 @@ KINDS = (
 ROLES = ("", "key", "fill", "rim", "others")
 """Lights that may be meant."""
 _HELP = "Write a new file with `vibe explain PROMPT --goals`, and change that; docs/reference/goals.md has all fields."
-_TYPES = {
-    str: "a text in quotes",
-    float: "a finite number",
-    bool: "true or false",
-    list: "a list",
-    dict: "an object {...}",
-}
 
 
 def as_json(goals: Goals) -> dict[str, Any]:
@@ -184,33 +171,33 @@ def from_json(raw: Any) -> WrittenGoals:
     Raises:
         VibeError: A field is missing, unknown or wrong.
     """
-    goals = _Fields(raw, "goals")
+    goals = JsonFields(raw, "goals")
     if (version := goals.number("version", VERSION)) != VERSION:
         raise VibeError(f"These goals are of version {version:g}; this is version {VERSION}.", _HELP)
     rows = goals.take("words", list, [])
     if not rows or len(rows) > _MOST:
         raise VibeError(f"goals.words has {len(rows)} words.", f"Write 1 to {_MOST} of them.")
     prompt = goals.take("prompt", str, "")
-    things = [_Fields(row, f"goals.objects[{n}]") for n, row in enumerate(goals.take("objects", list, []))]
+    things = [JsonFields(row, f"goals.objects[{n}]") for n, row in enumerate(goals.take("objects", list, []))]
     objects = tuple(map(_read_object, things))
     stays = tuple(goals.texts("stays"))
     goals.end()
     attributes, wishes = [], []
     for number, row in enumerate(rows):
-        attribute, own = _read_word(_Fields(row, f"goals.words[{number}]"))
+        attribute, own = _read_word(JsonFields(row, f"goals.words[{number}]"))
         attributes.append(attribute)
         wishes += own
     return WrittenGoals(prompt, objects, stays, tuple(wishes), tuple(attributes))
 
 
-def _read_object(thing: _Fields) -> PromptObject:
+def _read_object(thing: JsonFields) -> PromptObject:
     name, region = thing.named("name"), thing.choice("region", _REGIONS)
     thing.end()
     return PromptObject(name, region)  # type: ignore[arg-type]
 
 
-def _read_word(word: _Fields) -> tuple[Attribute, list[Wish]]:
-    target = _Fields(word.take("target", dict, {}), f"{word.place}.target")
+def _read_word(word: JsonFields) -> tuple[Attribute, list[Wish]]:
+    target = JsonFields(word.take("target", dict, {}), f"{word.place}.target")
     color = word.take("color", str, "")
     attribute = Attribute(
         word=word.named("word"),
@@ -235,11 +222,13 @@ def _read_word(word: _Fields) -> tuple[Attribute, list[Wish]]:
     rows = word.take("wishes", list, [])
     target.end()
     word.end()
-    wishes = [_read_wish(_Fields(row, f"{word.place}.wishes[{n}]"), attribute) for n, row in enumerate(rows)]
+    wishes = [
+        _read_wish(JsonFields(row, f"{word.place}.wishes[{n}]"), attribute) for n, row in enumerate(rows)
+    ]
     return attribute, [replace(wish, breadth=breadth_of(wishes), vague=vague) for wish in wishes]
 
 
-def _read_wish(row: _Fields, attribute: Attribute) -> Wish:
+def _read_wish(row: JsonFields, attribute: Attribute) -> Wish:
     """A wish, checked. One that gave way when the goals were written does so again, unless the winner is gone."""
     quantity = row.choice("quantity", tuple(quantities().by_name))
     classes = tuple(quantities().by_name[quantity].classes)
@@ -264,112 +253,3 @@ def _read_claim(text: str) -> ClaimText:
     claim = read_claim(text)
     quantities().of_claim(claim)
     return claim
-
-
-class _Fields:
-    """The fields of a JSON object, each taken once and checked.
-
-    Args:
-        raw: The JSON value.
-        place: Where it stands, for messages: "goals.words[2]".
-    """
-
-    def __init__(self, raw: Any, place: str) -> None:
-        if not isinstance(raw, dict):
-            raise VibeError(f"{place} is no object.", "Write {...} there.")
-        self.raw, self.place = raw, place
-        self._taken: set[str] = set()
-
-    def take(self, name: str, kind: type, default: Any = None) -> Any:
-        """A field of a type; VibeError where it is of another, or missing and has no default."""
-        self._taken.add(name)
-        value = self.raw.get(name, default)
-        if value is None:
-            raise VibeError(f"{self.place} has no '{name}'.", f"Add it: {_TYPES[kind]}.")
-        if kind is float and _is_number(value):
-            return float(value)
-        if not isinstance(value, kind):
-            raise VibeError(f"{self.place}.{name} is of the wrong type.", f"Write {_TYPES[kind]}.")
-        return value
-
-    def named(self, name: str) -> str:
-        """A text that is not empty."""
-        value: str = self.take(name, str)
-        if not value.strip():
-            raise VibeError(f"{self.place}.{name} is empty.", "Write a word.")
-        return value
-
-    def number(self, name: str, default: float, least: float = -math.inf, most: float = math.inf) -> float:
-        """A finite number between two others."""
-        value: float = self.take(name, float, default)
-        if not least <= value <= most:
-            raise VibeError(
-                f"{self.place}.{name} is {value:g}.", f"Write a number from {least:g} to {most:g}."
-            )
-        return value
-
-    def choice(self, name: str, known: tuple[str, ...], default: str | None = None) -> str:
-        """One of several texts."""
-        value: str = self.take(name, str, default)
-        if value not in known:
-            raise VibeError(f"{self.place}.{name} is {_quoted(value)}.", f"Choose from: {', '.join(known)}.")
-        return value
-
-    def texts(self, name: str) -> list[str]:
-        """A list of texts; empty where it is missing."""
-        values: list[Any] = self.take(name, list, [])
-        if not all(isinstance(value, str) for value in values):
-            raise VibeError(f"{self.place}.{name} holds something else than texts.", 'Write ["...", "..."].')
-        return values
-
-    def numbers(self, name: str) -> tuple[int, ...]:
-        """A list of whole numbers; empty where it is missing."""
-        values: list[Any] = self.take(name, list, [])
-        if not all(isinstance(value, int) and not isinstance(value, bool) for value in values):
-            raise VibeError(f"{self.place}.{name} holds something else than whole numbers.", "Write [1, 2].")
-        return tuple(values)
-
-    def color(self, code: str) -> tuple[float, ...]:
-        """A color of "#rrggbb"."""
-        if not _COLOR.fullmatch(code):
-            raise VibeError(f"{self.place}.color is {_quoted(code)}.", 'Write it as "#rrggbb".')
-        return srgb_from_hex(code)
-
-    def shades(self) -> tuple[tuple[float, float, float, float], ...]:
-        """Changes of a material's own color: lists of four numbers; none where they are missing."""
-        rows: list[Any] = self.take("shades", list, [])
-        if not all(isinstance(row, list) and len(row) == 4 and all(map(_is_shade, row)) for row in rows):
-            problem = f"{self.place}.shades holds something else than lists of four small numbers."
-            raise VibeError(problem, "Write lightness, chroma, L* and warmth of each: [[0.6, 1, 20, 0]].")
-        return tuple((float(a), float(b), float(c), float(d)) for a, b, c, d in rows)
-
-    def each(self, name: str, read_text: Callable[[str], T]) -> tuple[T, ...]:
-        """Texts that are read; what is wrong with one of them is said with its place."""
-        try:
-            return tuple(map(read_text, self.texts(name)))
-        except VibeError as error:
-            message = " ".join(error.message.removeprefix("Vocabulary: ").split())
-            raise VibeError(f"{self.place}.{name}: {message}", error.remedy) from error
-
-    def end(self) -> None:
-        """VibeError where there are fields that nobody has taken: they would be ignored."""
-        if unknown := sorted(self.raw.keys() - self._taken):
-            known = ", ".join(sorted(self._taken))
-            raise VibeError(
-                f"{self.place} has an unknown field {_quoted(unknown[0])}.", f"Known are: {known}."
-            )
-
-
-def _is_number(value: Any) -> bool:
-    """Whether a value is a finite number; an integer may have hundreds of digits."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
-
-
-def _is_shade(value: Any) -> bool:
-    """Whether a value may be an argument of `color.shade`: a factor, an L* or a b*."""
-    return _is_number(value) and abs(value) <= _MOST_OF_SHADES
-
-
-def _quoted(text: str) -> str:
-    """A text of a file, on one line and short enough for a message."""
-    return repr(text if len(text) <= _SHOWN else text[:_SHOWN] + "…")

@@ -17,3 +17,13 @@ class VibeError(Exception):
 
     def __str__(self) -> str:
         return f"{self.message} {self.remedy}".strip()
+
+
+def quoted(text: str, most: int = 40) -> str:
+    """A text of a file, on one line and short enough for a message.
+
+    Args:
+        text: The text.
+        most: Characters that are shown.
+    """
+    return repr(text if len(text) <= most else text[:most] + "…")

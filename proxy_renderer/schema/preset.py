@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from .errors import VibeError
+from .errors import VibeError, quoted
 from .limits import LONGEST_NAME as LONGEST_NAME
 from .limits import LONGEST_PROMPT
 from .parameters import FAMILIES, PARAMETERS, VERSION
@@ -96,7 +96,7 @@ def loads(text: str) -> Preset:
         raise VibeError("This file is not a Vibe Render preset.", _OURS)
     _check_version(raw.get("version"))
     for name in sorted(raw.keys() - _FIELDS):
-        raise VibeError(f"The preset has an unknown field {_quoted(name)}.", "Remove it from the preset.")
+        raise VibeError(f"The preset has an unknown field {quoted(name)}.", "Remove it from the preset.")
     for role, entries in raw["roles"].items():
         _check_role(role, entries)
     kinds = raw.get("kinds", {})
@@ -129,14 +129,9 @@ def _text(raw: dict[str, Any], name: str, most: int) -> str:
     return line if len(line) <= most else title(line)
 
 
-def _quoted(name: str) -> str:
-    """A name from a file, short enough for a message."""
-    return repr(name if len(name) <= 40 else name[:40] + "…")
-
-
 def _check_role(role: str, entries: Any) -> None:
     if role not in ROLES:
-        raise VibeError(f"The preset has an unknown role {_quoted(role)}.", f"Roles are: {', '.join(ROLES)}.")
+        raise VibeError(f"The preset has an unknown role {quoted(role)}.", f"Roles are: {', '.join(ROLES)}.")
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise VibeError(f"The preset's role {role!r} is broken.", _OURS)
     for entry in entries:
@@ -154,11 +149,11 @@ def _check_kinds(kinds: Any, roles: Mapping[str, list[Entry]]) -> None:
             or not isinstance(types, list)
             or len(types) != len(roles.get(role, ()))
         ):
-            raise VibeError(f"The preset's kinds of lights for {_quoted(role)} do not fit its lights.", _OURS)
+            raise VibeError(f"The preset's kinds of lights for {quoted(role)} do not fit its lights.", _OURS)
         for each in types:
             if each not in LIGHT_TYPES:
                 raise VibeError(
-                    f"The preset has an unknown type of light {_quoted(str(each))}.",
+                    f"The preset has an unknown type of light {quoted(str(each))}.",
                     f"Types are: {', '.join(LIGHT_TYPES)}.",
                 )
 
@@ -167,7 +162,7 @@ def _check_value(role: str, name: str, value: Any) -> None:
     parameter = FAMILIES.get(f"{ROLES[role]}/{name}")
     if parameter is None:
         raise VibeError(
-            f"The preset has an unknown parameter {role}/{_quoted(name)}.", "Remove it from the preset."
+            f"The preset has an unknown parameter {role}/{quoted(name)}.", "Remove it from the preset."
         )
     numbers = isinstance(value, list) and all(
         isinstance(v, int | float) and not isinstance(v, bool) for v in value

@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..color.floats import srgb_from_hex
+from ..color.floats import is_hex, srgb_from_hex
 from ..planning.ranges import clip
 from ..planning.types import PlanEntry
 from ..prompt.lexicon.quantities import quantities
@@ -28,7 +28,6 @@ _LAST = 99  # greatest priority
 _NARROWEST = 0.04  # of the perceptual scale: a plan says where, the gradient where exactly
 _DEGREES = 10.0  # likewise, of an angle
 _NEGATION = re.compile(r"\b(no|not|never|without|n't)\b", re.IGNORECASE)
-_HEX = re.compile(r"#[0-9a-fA-F]{6}")
 
 
 @dataclass
@@ -153,7 +152,7 @@ def _targets(raw: Any, reply: Reply) -> dict[str, str]:
 def _colors(raw: Any, reply: Reply) -> dict[Region, Values]:
     colors: dict[Region, Values] = {}
     for region, value in (raw if isinstance(raw, dict) else {}).items():
-        if region in REGIONS and isinstance(value, str) and _HEX.fullmatch(value.strip()):
+        if region in REGIONS and isinstance(value, str) and is_hex(value.strip()):
             colors[region] = srgb_from_hex(value.strip())
         elif value not in ("", None):
             reply.dropped += 1

@@ -11,7 +11,7 @@ from proxy_renderer.claims.measures.registry import MEASURES
 from proxy_renderer.claims.wanted import claims_of
 from proxy_renderer.color.floats import lab_from_srgb, oklab_from_srgb, srgb_from_hex
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.prompt.lexicon.entries import OWNERS, meanings
+from proxy_renderer.prompt.lexicon.entries import OWNERS, read_wishes
 from proxy_renderer.prompt.lexicon.quantities import quantities
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
@@ -223,7 +223,7 @@ def test_very_asks_for_more_of_a_change_and_slightly_for_less() -> None:
 )  # fmt: skip
 def test_mistakes_in_claims_are_said(text: str) -> None:
     with pytest.raises(VibeError, match="'"):
-        meanings([text])
+        read_wishes([text])
 
 
 def test_a_word_shows_if_all_that_it_claims_holds() -> None:
@@ -338,7 +338,7 @@ def test_places_claim_what_is_seen_of_them() -> None:
     silent = [
         e.name
         for e in default_vocabulary().entries.values()
-        if e.slot == "setting" and not any(m.claims or m.named for m in e.meanings)
+        if e.slot == "setting" and not any(m.claims or m.named for m in e.wishes)
     ]
     assert not silent
 

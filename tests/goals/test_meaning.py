@@ -18,7 +18,7 @@ from proxy_renderer.schema import FAMILIES
 from proxy_renderer.schema.means import may_serve
 
 VOCABULARY = shipped_vocabulary()
-ENTRIES = [entry for entry in VOCABULARY.entries.values() if entry.meanings]
+ENTRIES = [entry for entry in VOCABULARY.entries.values() if entry.wishes]
 TABLE = quantities()
 
 
@@ -38,7 +38,7 @@ def wishes(entry: str, **changes) -> dict[str, Wish]:
 
 
 def meanings(entry) -> list[EntryWish]:
-    return [*entry.meanings, *entry.never]
+    return [*entry.wishes, *entry.never]
 
 
 def test_each_meaning_of_the_vocabulary_is_about_one_quantity():
@@ -48,7 +48,7 @@ def test_each_meaning_of_the_vocabulary_is_about_one_quantity():
             claims = {TABLE.of_claim(claim) for claim in meaning.claims}
             assert effects | claims <= {meaning.quantity}, entry.name
             assert not meaning.named or meaning.named in TABLE.by_name[meaning.quantity].classes, entry.name
-        for half in (entry.meanings, entry.never):
+        for half in (entry.wishes, entry.never):
             names = [meaning.quantity for meaning in half]
             assert len(names) == len(set(names)), entry.name
 

@@ -52,6 +52,13 @@ class ClaimText:
         return f"{self.part} {self.measure}{color} {lower}..{upper}{change}"
 
 
+def warmth_asked(measure: str, lower: float, upper: float) -> int:
+    """1 for an interval that asks for warmth, -1 for one that asks for coolness, 0 for others and for other measures."""
+    if measure != "warmth":
+        return 0
+    return 1 if lower > 0.0 else -1 if upper < 0.0 else 0
+
+
 def read_claim(text: str) -> ClaimText:
     """Reads "PART MEASURE [#RRGGBB] LOWER..UPPER [or [any] CHANGE]"; an end that is left out is open.
 

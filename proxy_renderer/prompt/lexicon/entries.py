@@ -106,7 +106,7 @@ class VocabularyEntry:
     name: str
     slot: str
     words: tuple[str, ...]
-    meanings: tuple[EntryWish, ...] = ()
+    wishes: tuple[EntryWish, ...] = ()
     means: str = ""
     phrase: str = ""
     opposite: str = ""
@@ -115,12 +115,12 @@ class VocabularyEntry:
     @property
     def effects(self) -> tuple[Effect, ...]:
         """All that it does to parameters."""
-        return tuple(effect for meaning in self.meanings for effect in meaning.effects)
+        return tuple(effect for wish in self.wishes for effect in wish.effects)
 
     @property
     def classes(self) -> dict[str, str]:
         """Quantity -> the class that it asks for."""
-        return {meaning.quantity: meaning.named for meaning in self.meanings if meaning.named}
+        return {wish.quantity: wish.named for wish in self.wishes if wish.named}
 
     @property
     def is_colored(self) -> bool:
@@ -197,15 +197,15 @@ def read_entry(name: str, row: dict) -> VocabularyEntry:
         name,
         row["slot"],
         tuple(dict.fromkeys(normalize(w) for w in words if w.strip())),
-        meanings(row.get("wishes", ())),
+        read_wishes(row.get("wishes", ())),
         row.get("means", ""),
         row.get("phrase", name),
         row.get("opposite", ""),
-        meanings(row.get("never", ())),
+        read_wishes(row.get("never", ())),
     )
 
 
-def meanings(texts: Iterable[str]) -> tuple[EntryWish, ...]:
+def read_wishes(texts: Iterable[str]) -> tuple[EntryWish, ...]:
     """Reads the wishes of a word, grouped by their quantities in the order in which these are named first.
 
     Args:

@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from ...color.floats import is_hex
 from ...folders import config_folder
 from ...schema import VibeError
 from ...schema.added_lights import PARTS, PATTERNS
@@ -23,7 +24,6 @@ THROUGH = ("", "window")
 KINDS = ("source", "style", "time", "season", "mood", "hour", "place")
 TIMES = ("time", "season", "hour")
 """Kinds that have a sky."""
-_HEX = re.compile("#[0-9a-fA-F]{6}")
 _DISTANCES = {"POINT": 1.8, "SPOT": 5.0, "AREA": 3.0, "SUN": 0.0}
 _SIZES = {"POINT": 0.1, "SPOT": 0.08, "AREA": 1.2, "SUN": 0.5}
 _KELVINS = (1000.0, 20000.0)
@@ -347,7 +347,7 @@ def _words(text: str) -> tuple[str, ...]:
 
 
 def _color(text: str) -> str:
-    if text and not _HEX.fullmatch(text):
+    if text and not is_hex(text):
         raise VibeError(f"'{text}' is no color.", 'Write "#rrggbb".')
     return text
 

@@ -25,7 +25,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from ...color.floats import srgb_from_hex
+from ...color.floats import is_hex, srgb_from_hex
 from ...folders import config_folder
 from ...schema import VibeError
 from .entries import VocabularyEntry, normalize, read_entry
@@ -34,7 +34,6 @@ from .vocabulary import Vocabulary, check_opposite, shipped_vocabulary
 
 VARIABLE = "VIBE_VOCABULARY"
 _TABLES = {"look": "entries", "colors": "color names"}
-_CODE = re.compile("#[0-9a-fA-F]{6}")
 _QUOTED = re.compile("'([^']+)'")
 _VERSIONS = 2  # of the file that are remembered
 _LARGEST = 2_000_000  # bytes; a vocabulary is text that somebody wrote
@@ -90,7 +89,7 @@ def extend(base: Vocabulary, path: Path) -> Vocabulary:
         synonyms |= dict.fromkeys(own.words, own.name)
         colors = {color: srgb for color, srgb in colors.items() if color not in own.words}
     for name, code in rows.get("colors", {}).items():
-        if not _CODE.fullmatch(str(code)):
+        if not is_hex(str(code)):
             raise at_line(path, text, f"'{code}' is not a color", 'Write it as "#rrggbb".', name)
         colors[normalize(name)] = srgb_from_hex(code)
     return replace(base, entries=entries, synonyms=synonyms, colors=colors)
