@@ -51,7 +51,7 @@ def test_the_tutorial_runs_from_the_first_command_to_the_last(tmp_path):
     teal = tmp_path / "out" / "teal"
     promised = re.findall(r"^\| (`.*?`) \|", TUTORIAL.read_text(encoding="utf-8"), re.MULTILINE)
     names = [name for row in promised for name in re.findall(r"`(.*?)`", row)]
-    assert len(names) == 8
+    assert len(names) == 7
     assert all((teal / name).is_file() for name in names)
     assert (tmp_path / "out/looks/variants.png").is_file()
     assert (tmp_path / "out/looks/preset-2.json").is_file()

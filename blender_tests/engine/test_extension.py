@@ -73,7 +73,6 @@ def test_all_of_the_zip_can_be_reached_and_what_cannot_is_noticed(extracted):
     assert strange(extracted) == strays
 
 
-@pytest.mark.slow
 def test_carried_engine_is_complete(built, tmp_path):
     """What the worker imports is in the zip; Blender is not among what pip would install."""
     zipfile.ZipFile(built).extractall(tmp_path)

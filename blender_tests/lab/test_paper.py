@@ -80,7 +80,15 @@ def test_a_black_picture_hides_the_subject_and_a_close_camera_cuts_it(studio, pl
 
 @pytest.mark.slow
 def test_runs_follow_one_another_and_a_bad_one_does_not_end_them(tmp_path):
-    quick = ["--rounds=1", "--steps=1", "--size=48", "--samples=2", "--no-anchor", "--vlm-model=off"]
+    quick = [
+        "--rounds=1",
+        "--steps=1",
+        "--size=48",
+        "--samples=2",
+        "--no-anchor",
+        "--vlm-model=off",
+        "--figures",
+    ]
     rows = [
         {
             "name": "bad",
@@ -91,7 +99,9 @@ def test_runs_follow_one_another_and_a_bad_one_does_not_end_them(tmp_path):
         {"name": "good", "set": "duck", "clear": True, "arguments": ["--prompt=red, foggy", *quick]},
     ]
     work = tmp_path / "runs.json"
-    work.write_text(json.dumps([row | {"folder": str(tmp_path / row["name"])} for row in rows]))
+    work.write_text(
+        json.dumps([row | {"folder": str(tmp_path / row["name"]), "environment": {}} for row in rows])
+    )
     told = {e["name"]: e for e in blender.scenes("*", [f"--work={work}"], "paper") if e["type"] != "names"}
     assert told["bad"]["type"] == "failed"
     assert "none/x" in told["bad"]["message"]

@@ -23,7 +23,6 @@ from ..optimize.anchoring import BlenderPictures
 from ..optimize.progress import Observer
 from ..optimize.rounds.method import VARIABLE, load_method
 from ..optimize.shots import ShotInput
-from ..planning.explanation import word_rows
 from ..prompt.understood import Understood
 from ..reference.like import Reference
 from ..render.proxy import Proxy
@@ -244,7 +243,7 @@ class EngineSession:
                 "classes": goals.classes,
                 "ignored": goals.parsed.ignored,
                 "guesses": goals.parsed.guesses,
-                "words": word_rows(self._understood.words if self._understood else ()),
+                "words": [word.row() for word in self._understood.words] if self._understood else [],
                 "notes": list(dict.fromkeys([*goals.parsed.notes, *outcome.plan.notes])),
             },
             "versions": report.versions(),

@@ -3,10 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import asdict
-from typing import Any
-
 from ..goals.resolve import Goals
 from ..prompt.types import Parsed, Prompts, PromptWord
 from ..schema import Values, labels
@@ -45,15 +41,6 @@ def explain(goals: Goals, prompts: Prompts, plan: Plan) -> str:
     return "\n".join(lines)
 
 
-def word_rows(words: Iterable[PromptWord]) -> list[dict[str, Any]]:
-    """Words as the report and `--json` have them.
-
-    Args:
-        words: Of a prompt.
-    """
-    return [{name: value for name, value in asdict(word).items() if name != "others"} for word in words]
-
-
 def _word(word: PromptWord) -> str:
     """A word with what it describes, how sure that is, and what else it may describe."""
     others = "".join(f"; {each.name} {each.probability:.0%}" for each in word.candidates[1:])
@@ -76,7 +63,7 @@ def as_dict(goals: Goals, prompts: Prompts, plan: Plan) -> dict:
             key: {"lower": list(e.lower), "upper": list(e.upper), "priority": e.priority, "reason": e.reason}
             for key, e in plan.items()
         },
-        "words": word_rows(parsed.words),
+        "words": [word.row() for word in parsed.words],
         "ignored": parsed.ignored,
         "guesses": parsed.guesses,
         "notes": list(plan.notes),

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..schema import Values, VibeError
@@ -234,6 +234,10 @@ class PromptWord:
     def is_used(self) -> bool:
         """Whether it describes something."""
         return self.target != NOT_USED
+
+    def row(self) -> dict[str, Any]:
+        """The word as the report and `--json` have it: everything but what else it could describe."""
+        return {name: value for name, value in asdict(self).items() if name != "others"}
 
 
 @dataclass
