@@ -68,10 +68,8 @@ def run(out: Path, jobs: int = 8, workers: str = "1,2,4", simulated: str = "10,1
     """Measures and writes OUT/results.json.
 
     Args:
-        out: The folder.
         jobs: Real vibes for each number of workers; 0 for none.
         workers: Numbers of workers, "1,2,4".
-        simulated: Numbers of simulated jobs.
 
     Returns:
         `simulated`: for each number of jobs the seconds until the first one starts, until all are done, for a second

@@ -18,7 +18,6 @@ def scenes(pattern: str, options: Sequence[str], bench: str = "fidelity") -> Ite
 
     Args:
         pattern: Of names, as file names are matched.
-        options: More options of the measurement.
         bench: Its name, a module of `lab.blender`.
 
     Yields:
@@ -60,7 +59,6 @@ def command(bench: str, *arguments: object) -> dict[str, Any]:
 
     Args:
         bench: Its name, a module of `lab.blender`.
-        *arguments: What it is given.
 
     Returns:
         The event that it ends with.

@@ -30,10 +30,7 @@ def measure(
     """Renders WORK/NAME/scene.blend to WORK/NAME/eevee.png, and adds the figures to the scenes' rows.
 
     Args:
-        blender: The program.
         scenes: What has been measured, by name; gets `eevee_delta_e`, `eevee_psnr`, and `eevee_ms` of the last frame.
-        work: The folder of the scenes.
-        size: Of the pictures.
         failed: Gets the scenes that EEVEE did not render.
         frames: How often each is rendered; the first frame compiles shaders, too.
     """

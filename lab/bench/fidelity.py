@@ -47,9 +47,7 @@ def run(
     Args:
         out: The folder. OUT/scenes/NAME keeps each scene's pictures and its job folder.
         size: Side of the pictures, pixels.
-        samples: Of the references.
         quick: 128 pixels and 128 samples instead.
-        only: A pattern of scene names.
         seed: 0 for the set that is quoted; others vary it.
         cache_folder: Where references are kept; "" for the user's cache.
         eevee_blender: A Blender with a window, whose EEVEE is measured too; "" for none.
@@ -123,7 +121,6 @@ def _anchored(proxy: Proxy, anchors: Mapping[str, Any], reference: Tensor, folde
     """How near the proxy is once it has been corrected by a small picture of Cycles, as in a round of a vibe.
 
     Args:
-        proxy: Of the reference's size.
         anchors: "still", rendered at the scene's own values, and "moved", at others: the values that differ, the
             EXR, and its light groups.
         reference: Of the scene's own values, which the corrected proxies are asked for.

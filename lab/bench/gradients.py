@@ -53,8 +53,6 @@ def run(
     Args:
         out: The folder. OUT/scenes/NAME keeps each scene's job folder.
         size: Side of the pictures, pixels.
-        samples: Of Cycles.
-        only: A pattern of scene names.
         cache_folder: Where pictures are kept; "" for the user's cache.
 
     Returns:

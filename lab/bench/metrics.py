@@ -41,7 +41,6 @@ def difference(picture: Tensor, reference: Tensor) -> Difference:
 
     Args:
         picture: (H, W, 3) sRGB-encoded, in [0, 1].
-        reference: Likewise.
     """
     errors, light = delta_e_map(picture, reference)
     squared = float((picture - reference).square().mean())
@@ -59,7 +58,6 @@ def delta_e_map(picture: Tensor, reference: Tensor) -> tuple[Tensor, Tensor]:
 
     Args:
         picture: (H, W, 3) sRGB-encoded, in [0, 1].
-        reference: Likewise.
     """
     lab, target = lab_from_srgb(picture), lab_from_srgb(reference)
     return ciede2000(lab, target), lab[..., 0] - target[..., 0]

@@ -32,11 +32,6 @@ def objective(proxy: Proxy, prompt: str, encoder: Encoder) -> Callable[[Tensor],
 
     Where the subject is, and through how much fog it is seen, stays as it is there.
 
-    Args:
-        proxy: Of the scene.
-        prompt: What is asked of it.
-        encoder: Judges similarity.
-
     Returns:
         Display picture (H, W, 3) → the weighted `TERMS` (2,), differentiable.
 

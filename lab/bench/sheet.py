@@ -49,8 +49,6 @@ def save_sheets(strips: Sequence[Strip], out: Path, columns: int = 3, page: int 
 
     Args:
         strips: A row of pictures for each scene.
-        out: The folder.
-        columns: Of the first sheet.
         page: Scenes on each of the others.
 
     Returns:

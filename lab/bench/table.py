@@ -31,7 +31,6 @@ def summary(scenes: Mapping[str, SceneRow], failed: Mapping[str, str]) -> dict[s
     """The content of results.json.
 
     Args:
-        scenes: Name -> figures of a scene.
         failed: Name -> why it could not be measured.
 
     Returns:

@@ -27,12 +27,6 @@ _COMMANDS = {
 def run(out: Path, size: int, samples: int, only: str) -> dict[str, Any]:
     """Times the scenes and writes OUT/results.json. Nothing is asserted: machines differ.
 
-    Args:
-        out: The folder.
-        size: Of the finished pictures.
-        samples: Of the finished pictures.
-        only: Pattern of the scenes' names.
-
     Returns:
         `cores`; `commands`, seconds to the first line; `scenes`, by name: `phases` (each with its `seconds` and its `share` of
         all cores), `anchors`, `rounds`; `failed`.

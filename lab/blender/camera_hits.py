@@ -23,7 +23,6 @@ def save_camera_hits(analysis: SceneAnalysis, path: Path, count: int) -> None:
 
     Args:
         analysis: The scene; its camera is taken as it is now.
-        path: An .npz.
         count: Rays along each side of the picture.
     """
     geometry = analysis.geometry

@@ -57,7 +57,6 @@ def difference(before: dict[str, Any], after: dict[str, Any]) -> dict[str, tuple
 
     Args:
         before: As `dump` returns it.
-        after: Likewise.
 
     Returns:
         Path to (before, after), sorted; "(absent)" where one of them lacks it.

@@ -27,9 +27,7 @@ def render(path: Path, size: int, frames: int) -> None:
     """Opens a file and renders it with EEVEE to `eevee.png` beside it.
 
     Args:
-        path: The .blend.
         size: Side of the square picture, pixels.
-        frames: How often it is rendered.
     """
     bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
     scene = bpy.context.scene

@@ -41,7 +41,6 @@ def make(recipe: SceneRecipe, a: argparse.Namespace) -> dict[str, Any]:
     """Makes one scene: its job folder, its reference and its anchors.
 
     Args:
-        recipe: What is in it.
         a: The options of `side.main`.
 
     Returns:

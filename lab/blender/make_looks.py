@@ -69,13 +69,9 @@ def make(
     """Makes a look and its picture.
 
     Args:
-        name: Of the look.
-        prompt: What it is made from.
         options: More options of `vibe run`.
         folder: For the stage, which all looks share, and the run's files.
         out: Where the preset and its picture go.
-        talk: A conversation with the engine.
-        reporter: Hears how it goes.
 
     Raises:
         VibeError: As a vibe does.

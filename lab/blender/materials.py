@@ -62,11 +62,7 @@ def render_measured(scene: Path, rows: Path, folder: Path, size: int, samples: i
     """Renders the studio once for each row, those that are there already left out.
 
     Args:
-        scene: The studio, a .blend.
-        rows: A JSON list.
-        folder: Gets the pictures.
         size: Of the pictures, pixels.
-        samples: Of Cycles.
 
     Returns:
         `rendered`, how many.
@@ -83,7 +79,6 @@ def give(stuff: bpy.types.Material, row: Mapping[str, Any]) -> None:
     """Gives a material what was measured: color, metalness, roughness, IOR and transmission.
 
     Args:
-        stuff: A Principled material.
         row: Of physically_based.json; a row without an IOR, a metal's, gets 1.5.
     """
     tree = compat.enable_nodes(stuff)

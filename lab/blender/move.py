@@ -28,7 +28,6 @@ def move(instances: Mapping[str, schema.Instance], chance: random.Random) -> dic
 
     Args:
         instances: The scene's parameters by key.
-        chance: Source of all randomness.
     """
     queues = [_candidates(instances, group, chance) for group in _MOVED]
     chosen: list[schema.Instance] = []

@@ -37,10 +37,7 @@ def build(triangles: int, lights: int, materials: int, shots: int) -> list[bpy.t
     """Builds the scene into an empty file.
 
     Args:
-        triangles: Of all balls together.
-        lights: How many.
         materials: How many, the floor's among them.
-        shots: How many cameras.
 
     Returns:
         The cameras.
@@ -119,7 +116,6 @@ def export(folder: Path, *sizes: int) -> dict[str, Any]:
     """Builds the scene and writes a job folder for each camera.
 
     Args:
-        folder: Their parent.
         *sizes: As for `build`.
     """
     cameras = build(*sizes)

@@ -43,7 +43,6 @@ def build_scene(drawn: Mapping[str, Any], folder: Path, seed: int) -> dict[str, 
     """Builds a drawn scene and saves it.
 
     Args:
-        drawn: The content of SCENE.json.
         folder: Gets scene.blend and sight.npz.
         seed: For what the recipe leaves open.
 
@@ -72,7 +71,6 @@ def recipe_of(row: Mapping[str, Any], own: FinishRecipe) -> SceneRecipe:
 
     Args:
         row: As the other side draws it.
-        own: The finish of the subject.
     """
     given = dict(row)
     given["ground"] = finish(row["ground"])
@@ -111,10 +109,7 @@ def render_clear(path: Path, picture: Path, size: int, samples: int) -> dict[str
     """Renders a file's scene without its fog.
 
     Args:
-        path: A .blend.
-        picture: A PNG to write.
         size: Its longer side, pixels.
-        samples: Of Cycles.
     """
     open_blend(path)
     clear.render_clear(bpy.context.scene, picture, size, samples)

@@ -61,7 +61,6 @@ def cached(a: argparse.Namespace, suffix: str, *settings: Any) -> Path:
 
     Args:
         a: The options of `main`.
-        suffix: Of the file: ".png".
         *settings: All that the picture depends on.
     """
     a.cache.mkdir(parents=True, exist_ok=True)

@@ -106,7 +106,6 @@ def measure(timed: _Timed, options: argparse.Namespace) -> dict[str, Any]:
     """Builds a scene, and times a vibe and looks of what is typed.
 
     Args:
-        timed: The scene.
         options: `size` and `samples` of the finished picture.
 
     Returns:

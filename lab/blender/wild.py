@@ -28,7 +28,6 @@ def compare(original: Path, vibed: Path, folder: Path) -> dict[str, Any]:
     Both have been saved twice then: each time Blender drops what nothing in the file uses.
 
     Args:
-        original: The artist's file.
         vibed: What a vibe has made of it.
         folder: Gets original.blend and reverted.blend.
 

@@ -23,9 +23,5 @@ HEADS = {
 
 
 def classes_of(entry: VocabularyEntry) -> dict[str, str]:
-    """Head -> the class that a look word asks for.
-
-    Args:
-        entry: Of the vocabulary.
-    """
+    """Head -> the class that a look word asks for."""
     return {HEADS[quantity]: named for quantity, named in entry.classes.items() if quantity in HEADS}

@@ -46,7 +46,6 @@ class Objective(Protocol):
         Args:
             picture: As `render` returns it.
             u: (N,) the values that it shows.
-            generator: Chooses the views.
             shot: Which picture it is, from 0.
 
         Returns:
@@ -112,11 +111,7 @@ class Adam(Method):
 
 
 class SampledObjective:
-    """A round's objective on views that are drawn anew for each step, see `Objective`.
-
-    Args:
-        objective: The round's.
-    """
+    """A round's objective on views that are drawn anew for each step, see `Objective`."""
 
     def __init__(self, objective: RoundObjective) -> None:
         self._objective = objective
@@ -151,14 +146,10 @@ def descend(
     """Minimizes the objective over the chosen components.
 
     Args:
-        objective: What to minimize.
         u: (N,) start, inside the box.
         chosen: (N,) bool, the components that may move.
         lower: (N,) lower corner of the feasible box.
         upper: (N,) upper corner.
-        steps: T, the most steps.
-        seed: Of the random views.
-        settings: Of the loop.
         on_step: Called with (step from 1, loss, picture) after each step; True ends the loop.
     """
     if not chosen.any():

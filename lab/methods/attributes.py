@@ -25,7 +25,6 @@ class Attributes:
 
     Args:
         encoder: The one whose heads are asked.
-        heads: Its heads.
         targets: Attribute -> class that the words ask for; those that the heads do not know are left out.
 
     Attributes:
@@ -46,8 +45,6 @@ class Attributes:
         Args:
             display: (H, W, 3) in [0, 1].
             mask: (H, W) subject coverage in [0, 1].
-            count: Views of the whole.
-            generator: Chooses the views.
 
         Returns:
             (count, D) unit features of the whole, the full frame first, and (1, D) of the subject.
@@ -79,7 +76,6 @@ class WithHeads:
     """A guidance, and a term for the attributes that words ask for.
 
     Args:
-        guidance: The other terms.
         encoder: The one whose heads are asked.
         targets: Attribute -> class that the words ask for.
 

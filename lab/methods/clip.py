@@ -80,13 +80,7 @@ class ClipAuthors(ClipOnly):
 
 
 class GlobalGuidance:
-    """L_pos(I, t) alone (equation 3), on as many views as the product's whole-picture term has.
-
-    Args:
-        encoder: Judges similarity.
-        prompt: The raw text t.
-        views: How many crops.
-    """
+    """L_pos(I, t) alone (equation 3), on as many views as the product's whole-picture term has."""
 
     def __init__(self, encoder: Encoder, prompt: str, views: regions.Views) -> None:
         self.encoder, self.views = encoder, views

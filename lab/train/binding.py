@@ -34,8 +34,6 @@ def examples(
     """Sentences as the reader takes them.
 
     Args:
-        sentences: With their labels.
-        vocabulary: What words mean.
         counts: How much each counts beside others.
     """
     found = []
@@ -69,8 +67,6 @@ def fit(every: Sequence[Example], l2: float = L2, folds: int = FOLDS) -> Fitted:
     Links are fitted to what facts about pairs say of scenes that these were not fitted to.
 
     Args:
-        every: Sentences.
-        l2: Weight of the penalty.
         folds: Parts into which the scenes are divided.
     """
     fold = {name: i % folds for i, name in enumerate(sorted({e.scene for e in every}))}
@@ -82,11 +78,7 @@ def fit(every: Sequence[Example], l2: float = L2, folds: int = FOLDS) -> Fitted:
 
 
 def accuracy(every: Sequence[tuple[Example, FactWeights]]) -> float:
-    """The share of look words whose target is right, of those for which something right can be chosen.
-
-    Args:
-        every: Sentences, each with weights.
-    """
+    """The share of look words whose target is right, of those for which something right can be chosen."""
     right = []
     for example, weights in every:
         for pairs, may, chosen in zip(

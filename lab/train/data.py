@@ -72,12 +72,9 @@ def make_batch(
 
     Args:
         bank: From `bank.load`.
-        groups: How many groups.
-        seed: Of everything random.
         augment: Whether pictures are cut, cropped, mirrored and blurred.
         shade: `shader.shade`, or its faster `shader.fused()`.
         device: Where pictures are made and stay; the rest of the batch is on the CPU.
-        split: Which wordings captions use.
         size: Side of the pictures in pixels; the bank's own by default.
         real: From `cycles.load`: a group of Cycles pictures then comes first, on top of the others.
     """

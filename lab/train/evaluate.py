@@ -42,7 +42,6 @@ def evaluate(model: Path, held_out: Path, meshes: list[Path], out: Path | None =
     never being wrong (1). Guidance trusts the heads by it.
 
     Args:
-        model: Folder of the encoder.
         held_out: Folder of a bank of shapes that training did not have.
         meshes: Mesh files, their y axis up; may be empty.
         out: The JSON file for the results; None for no file.
@@ -109,7 +108,6 @@ def shaded(bank: dict, batches: int = _BATCHES) -> Iterator[Batch]:
 
     Args:
         bank: From `bank.load`.
-        batches: How many.
     """
     return (make_batch(bank, _GROUPS, _SEED + k, augment=False) for k in range(batches))
 
@@ -123,7 +121,6 @@ def judge(
     """Flip, swap and head accuracy on whole pictures; ``commonest`` is what a blind guess would score.
 
     Args:
-        encoder: To be judged.
         batches: Pictures; each that is not the first of a group differs from it in one attribute.
         sentence: Says attributes; by default in training's wordings.
         mistakes: Gets the comparisons that went wrong.
@@ -168,10 +165,6 @@ def judge(
 
 def looks_at(encoder: Encoder, batch: Batch) -> tuple[Tensor, Tensor]:
     """Features of whole pictures and of their subjects framed closely, as guidance looks at them.
-
-    Args:
-        encoder: The encoder that is judged.
-        batch: B pictures with their masks.
 
     Returns:
         Two unit features per picture, (B, D) each: of the whole, and of the subject.
@@ -219,10 +212,8 @@ def describe(classes: dict[str, str], noun: str, wording: float, split: WordingS
     """A caption of some attributes.
 
     Args:
-        classes: Attribute -> class.
         noun: The thing, which is named where its color is not said.
         wording: Seeds the choice of words: the same number gives the same words as far as the attributes agree.
-        split: Which wordings may be used.
     """
     stated = caption(classes, random.Random(wording), split=split)
     return stated if "subject_color" in classes else f"{noun}, {stated}"
@@ -232,9 +223,7 @@ def bank_of(meshes: list[Path], size: int, views: int = 24) -> dict[str, np.ndar
     """A bank of views of mesh files, in memory.
 
     Args:
-        meshes: Files, their y axis up.
         size: Side of a view, pixels.
-        views: Of each mesh.
 
     Returns:
         The fields of `bank.fields`, (meshes * views, ...) each.
@@ -261,7 +250,6 @@ def cost(encoder: Encoder, crops: int = 8, repeats: int = 5) -> float:
 
     Args:
         encoder: The encoder, on the device where it is measured.
-        crops: In one pass.
         repeats: Passes, of which the median counts.
     """
     text = encoder.encode_texts(["a red thing"])

@@ -56,7 +56,6 @@ def fit_pairs(every: Sequence[Example], l2: float) -> FactWeights:
     A sentence of n look words counts as much as the root of n of one: prompts are short, and most labeled words stand in long ones.
 
     Args:
-        every: Sentences.
         l2: Weight of the penalty: half of it times the sum of squares.
     """
     words = [word for example in every for word in example.decided]
@@ -91,7 +90,6 @@ def fit_links(every: Sequence[tuple[Example, Mapping[str, float]]], l2: float) -
 
     Args:
         every: Sentences, each with the weights of facts about pairs that were fitted without its scene.
-        l2: Weight of the penalty.
     """
     rows = [_row(example, weights) for example, weights in every if len(example.read.pairs) > 1]
     if not rows:

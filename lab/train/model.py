@@ -129,7 +129,6 @@ class Student(nn.Module):
 
         Args:
             batch: From `data.make_batch`.
-            device: Where the model is.
 
         Returns:
             Each term by name, a scalar that is not weighted yet.

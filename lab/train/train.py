@@ -183,12 +183,7 @@ def train(
     """Trains for some minutes into ``out``: ``checkpoint.pt`` and ``log.jsonl``; goes on where it stopped.
 
     Args:
-        recipe: How.
         bank_folder: Traced views; ``out/cycles``, where it is, adds Cycles pictures.
-        out: Where everything goes.
-        minutes: How long.
-        device: Where.
-        config: The architecture.
         start: A model's folder, to go on from where there is no checkpoint.
     """
     out.mkdir(parents=True, exist_ok=True)

@@ -33,8 +33,6 @@ class RayPool:
 
     Args:
         ray: The module, connected to a cluster.
-        store: The results folder.
-        setup: Of the workers.
         most: Workers at a time; 0 for as many as fit.
     """
 
@@ -186,8 +184,6 @@ def cluster_pool(address: str, store: Store, setup: Setup, most: int = 0) -> Ray
 
     Args:
         address: Of its head, HOST:PORT; "auto" for the one that this machine belongs to.
-        store: Takes what the stations send.
-        setup: Of the stations' workers.
         most: Stations at once; 0 for as many as the nodes hold.
 
     Raises:
@@ -213,7 +209,6 @@ def fitting(resources: dict[str, float], limits: Limits) -> int:
 
     Args:
         resources: What Ray says of the node: "CPU" cores, "memory" in bytes, "GPU" cards.
-        limits: Of one worker.
     """
     fits = [int(resources.get("CPU", 0) // limits.cores)]
     fits.append(int(resources.get("memory", 0) / 1e9 // limits.memory_gb))

@@ -21,7 +21,6 @@ def account(plan: BatchPlan, out: Path, workers: int) -> str:
     """The plan as text.
 
     Args:
-        plan: The jobs.
         out: The results folder; it need not exist.
         workers: Jobs at a time; 0 if a cluster decides.
     """

@@ -18,8 +18,6 @@ class Finals:
     Frames that have been rendered stay when a job is tried again, so that a time limit costs one frame at most.
 
     Args:
-        plan: The vibes.
-        store: Where their results are.
         frames: "1-24"; or "" for those that the look was made for, else the scene's own.
     """
 
@@ -44,7 +42,6 @@ def takes(shots: list[dict[str, Any]], blends: list[str], frames: str) -> tuple[
 
     Args:
         shots: As in report.json; none for a vibe of one.
-        blends: The .blends that they name.
         frames: Those that are wanted; "" for the shots' own.
     """
     if not shots:

@@ -51,10 +51,6 @@ class Carrier(Protocol):
     def run(self, job: Job, folder: Path) -> JobRow:
         """Carries out a job, and leaves its files in the folder.
 
-        Args:
-            job: What to do.
-            folder: Of this job alone.
-
         Returns:
             The job's row of the table.
 
@@ -71,7 +67,6 @@ class LocalPool:
 
     Args:
         jobs: The folder of the jobs' folders.
-        workers: What carries out the jobs.
     """
 
     def __init__(self, jobs: Path, workers: list[Carrier]) -> None:
@@ -120,7 +115,6 @@ def local_pool(jobs: Path, setup: Setup, count: int = 0) -> LocalPool:
 
     Args:
         jobs: The folder of the jobs' folders.
-        setup: Of the workers.
         count: Of workers; 0 for as many as cores, memory and graphics cards hold.
     """
     count = count or fitting(setup.limits)

@@ -23,9 +23,7 @@ def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
     """Completes a job's folder after Blender has written its files; `done.json` is written last.
 
     Args:
-        job: The job.
         folder: Of the job, with Blender's report in it.
-        memory_gb: The worker's peak, gigabytes.
         seconds: The job's time on the clock.
 
     Returns:
@@ -64,7 +62,6 @@ def leave_frames(job: Job, folder: Path, memory_gb: float, seconds: float) -> Jo
     Args:
         job: The job, with its `frames`.
         folder: Of the job, with the frames in it.
-        memory_gb: The worker's peak, gigabytes.
         seconds: The render's time on the clock.
 
     Returns:

@@ -16,7 +16,6 @@ class BatchProgress:
     """Counts jobs and shows them. Use it as a context manager around the batch.
 
     Args:
-        total: Jobs of the batch.
         done: Those that had been done before.
         stream: Where to; standard output if None.
 
@@ -61,8 +60,6 @@ class BatchProgress:
 
         Args:
             what: "started", "done", "failed", "again" (it is tried once more) or "lost" (with its worker).
-            job: The job.
-            row: Its row.
         """
         self.counts["running"] += 1 if what == "started" else -1
         if what in ("done", "failed"):

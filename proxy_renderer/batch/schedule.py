@@ -26,9 +26,6 @@ def run(
     """Carries out the jobs that are not done yet. Jobs are made only when there is a worker for them.
 
     Args:
-        plan: The jobs.
-        store: Where the results are.
-        pool: The workers.
         limits: How often a failed job is tried again, and how much disk space must be free.
         tell: Hears of "started", "done", "again", "lost" and "failed" jobs.
         finished: Which jobs are done, if that has been looked up; see `Store.finished`.

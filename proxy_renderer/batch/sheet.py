@@ -37,11 +37,7 @@ _SOONEST = 5.0  # seconds
 
 
 class Sheet:
-    """Keeps the sheet and the tables up to date.
-
-    Args:
-        title: Of the page.
-    """
+    """Keeps the sheet and the tables up to date."""
 
     def __init__(self, title: str, plan: BatchPlan, store: Store) -> None:
         self._title, self._plan, self._store = title, plan, store

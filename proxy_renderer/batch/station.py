@@ -17,7 +17,6 @@ class Station:
     """A worker in an actor's process.
 
     Args:
-        setup: Of the worker.
         out: Where the results folder is on the head.
         token: Its name: this machine sees the same folder if it finds it there.
     """
@@ -36,7 +35,6 @@ class Station:
         """Carries out a job; its files are returned where they could not be put into the results folder.
 
         Args:
-            job: The job.
             scenes: What is in its scenes' files, if this machine does not see them.
 
         Raises:

@@ -104,7 +104,6 @@ class Store:
 
         Args:
             job: The job; if it renders final frames, its look stays done.
-            row: Its row, with "error".
         """
         folder = self.jobs / job.name
         folder.mkdir(exist_ok=True)
@@ -117,7 +116,6 @@ class Store:
         """Takes the files of a job that another machine has done; `done.json` is written last.
 
         Args:
-            job: The job.
             files: Path in the job's folder -> content.
         """
         folder = self.jobs / job.name
@@ -160,10 +158,6 @@ def read_json(path: Path) -> JobRow | None:
 def write_json(path: Path, content: Any) -> None:
     """Writes a JSON file, all at once or not at all.
 
-    Args:
-        path: The file.
-        content: Any JSON value.
-
     Raises:
         VibeError: It cannot be written.
     """
@@ -172,10 +166,6 @@ def write_json(path: Path, content: Any) -> None:
 
 def write_bytes(path: Path, content: bytes) -> None:
     """Writes a file, all at once or not at all.
-
-    Args:
-        path: The file.
-        content: All of it.
 
     Raises:
         VibeError: It cannot be written.
@@ -187,12 +177,7 @@ def write_bytes(path: Path, content: bytes) -> None:
 
 
 def unwritable(path: Path, error: OSError) -> VibeError:
-    """The error for a file that cannot be written; the caller raises it.
-
-    Args:
-        path: The file.
-        error: What the system says.
-    """
+    """The error for a file that cannot be written; the caller raises it."""
     reason = "no space is left" if atomic.is_full(error) else error.strerror or type(error).__name__
     return VibeError(
         f"{path} cannot be written: {reason}.",

@@ -59,7 +59,6 @@ class Worker:
     """One process at a time, started when it is needed.
 
     Args:
-        setup: How.
         cores: Numbers of the cores that it keeps to; empty for all.
     """
 
@@ -73,7 +72,6 @@ class Worker:
         """Carries out a job; its files go to the folder, `done.json` last.
 
         Args:
-            job: The job.
             folder: Of the job; what an earlier attempt left there is removed.
 
         Returns:

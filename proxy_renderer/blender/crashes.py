@@ -23,12 +23,7 @@ def temporary(folder: Path) -> dict[str, str]:
 
 
 def tidy(out: Path, process: int) -> None:
-    """Removes what a process that has ended left unfinished in the folder of its outputs.
-
-    Args:
-        out: The folder.
-        process: The number of the process.
-    """
+    """Removes what a process that has ended left unfinished in the folder of its outputs."""
     for part in out.glob(f"{atomic.part_prefix(process)}*"):
         part.unlink(missing_ok=True)
 
@@ -39,7 +34,6 @@ def crash(code: int, doing: str, output: Sequence[str]) -> faults.UnexpectedErro
     Args:
         code: Its exit code; a negative one is the number of a signal.
         doing: What it was doing: "reading the scene".
-        output: Its last lines.
     """
     log = faults.write_log(f"Blender ended while {doing}, exit code {code}\n\n" + "".join(output))
     kind = signal.strsignal(-code) if code < 0 else None

@@ -40,7 +40,6 @@ def unpacked(path: Path, folder: Path) -> Path:
 
     Args:
         path: A file that `is_packed`.
-        folder: Where to write.
 
     Raises:
         VibeError: Its geometry cannot be decoded.

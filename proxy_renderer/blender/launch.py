@@ -76,7 +76,6 @@ def start(arguments: Sequence[str], scratch: Path | None = None, **options: Any)
     """Python with these arguments, as a Blender in a process of its own whose `events` can be read.
 
     Args:
-        arguments: Of Python.
         scratch: Its folder for temporary files; None for the usual one.
         **options: More options of `subprocess.Popen`.
     """

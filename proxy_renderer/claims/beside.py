@@ -44,9 +44,7 @@ def narrows(claim: Claim, usual: bool, first: Claim) -> bool:
     movie, not as the old one. Of several colors of a thing the first counts.
 
     Args:
-        claim: Of a later word.
         usual: Whether the word says only what is usual.
-        first: Of an earlier one.
     """
     if _measured(claim) != _measured(first):
         return True
@@ -68,7 +66,6 @@ def beside_painted(claim: Claim, usual: bool, colors: Sequence[Claim]) -> Claim:
     Muted colors are still colors, and a gallery with a dark backdrop is no light picture, though galleries are.
 
     Args:
-        claim: Of a word.
         usual: Whether the word says only what is usual of a place or a weather.
         colors: Claims of color words.
     """
@@ -107,7 +104,6 @@ def still_light(colors: Sequence[Claim], claims: Iterable[Claim]) -> list[Claim]
 
     Args:
         colors: Claims of color words.
-        claims: All of them.
     """
     tints = [c.color for c in colors if (c.part, c.measure) == ("picture", "tint") and c.color]
     if not tints or any(map(is_brightness, claims)):

@@ -179,7 +179,6 @@ class Claim:
 
         Args:
             value: (n,) what a picture has.
-            before: What the artist's had.
             ends: As it has returned them before: they are the same for every value of a type.
         """
         lower, upper = ends or self._sought(value.detach(), before)

@@ -13,8 +13,6 @@ def compares(attribute: Attribute, all_of_them: Sequence[Attribute], vocabulary:
     """Whether an attribute, or the mood that it comes from, is said by a word that compares.
 
     Args:
-        attribute: Of a prompt.
-        all_of_them: The prompt's.
         vocabulary: Knows what "colder" is made of.
     """
     if not attribute.cause:

@@ -27,9 +27,7 @@ def of_matter(attribute: Attribute, beside: Iterable[Attribute], vocabulary: Voc
     """A material with a color of its own: gold tints the thing, coal is as dark as coal is.
 
     Args:
-        attribute: Names a material.
         beside: All of the prompt: a color that is named for the same thing is the color of what may have any, as leather.
-        vocabulary: Knows the material.
     """
     entry, part = vocabulary.entries.get(attribute.entry), part_of(attribute)
     if entry is None or entry.slot != "material" or part == "picture":

@@ -43,8 +43,6 @@ class ShotClaims:
 
         Args:
             before: (H, W, 3) the artist's picture, of any size like the others.
-            predicted: What the optimizer saw.
-            after: The finished picture.
 
         Returns:
             For each claim: word, thing, measure, says, unit, wanted, before, predicted, after, holds, miss, and the

@@ -63,7 +63,6 @@ def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
 
     Args:
         goals: What the words wish for, resolved.
-        vocabulary: What words mean.
     """
     attributes = goals.parsed.attributes
     ranked = sorted(goals.wishes, key=lambda wish: wish.rank)

@@ -32,7 +32,6 @@ def add_scene(parser: argparse.ArgumentParser, optional: bool = False) -> None:
     """Adds the scene and `--subject` to a command.
 
     Args:
-        parser: The command's.
         optional: Whether the scene may be left out; it is "" then.
     """
     count: dict[str, Any] = {"nargs": "?", "default": ""} if optional else {}

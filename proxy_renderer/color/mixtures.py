@@ -27,7 +27,6 @@ def tinged(base: Values, tinge: Values, share: float) -> Values:
 
     Args:
         base: sRGB in [0, 1].
-        tinge: Likewise.
         share: Of the tinge, in [0, 1].
     """
     (light, chroma, hue), (light2, chroma2, hue2) = _polar(base), _polar(tinge)

@@ -39,7 +39,6 @@ def shade(
     Args:
         srgb: In [0, 1].
         lightness: 1 keeps the lightness, 0 moves it to `towards`.
-        chroma: Multiplies the distance from gray.
         towards: L* in [0, 100].
         warmth: Moves the hue of grayish colors to orange (+) or blue (-); in units of b*.
     """
@@ -71,7 +70,6 @@ def relative_shade(srgb: Values, lighter: float, chroma: float, strength: float 
     Args:
         srgb: In [0, 1].
         lighter: Share of the way, in [-1, 1].
-        chroma: Multiplies the distance from gray.
         strength: Of the word that asks for it: above 1 for "very", below for "slightly".
     """
     way = min(abs(lighter * strength), 1.0)

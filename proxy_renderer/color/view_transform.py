@@ -32,7 +32,6 @@ class ViewTransform:
         display: For example "sRGB".
         view: For example "AgX".
         look: For example "AgX - Punchy"; "" or "None" for none.
-        device: Where pictures will be.
 
     Raises:
         VibeError: The config cannot be read, or has no such display, view or look.

@@ -51,11 +51,7 @@ class Addition:
         return self.lighting.plan if self.lighting else None
 
     def claims(self, goals: Goals) -> tuple[Claim, ...]:
-        """What the words claim of the image, the rig's structure among it.
-
-        Args:
-            goals: What they wish for.
-        """
+        """What the words claim of the image, the rig's structure among it."""
         vocabulary = default_vocabulary()
         if self.lighting is None:
             return claims_of(goals, vocabulary)

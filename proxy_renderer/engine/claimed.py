@@ -14,23 +14,14 @@ from ..optimize.shots import ShotState
 
 
 def claims_about(outcome: Outcome) -> list[ShotClaims]:
-    """The claims of the prompt about each shot.
-
-    Args:
-        outcome: What was found.
-    """
+    """The claims of the prompt about each shot."""
     return [
         ShotClaims(outcome.claims, _before(shot).seen, shot.seen_now(outcome.u)) for shot in outcome.shots
     ]
 
 
 def foreseen(outcome: Outcome, claims: list[ShotClaims]) -> list[dict[str, Any]]:
-    """Whether the claims about the first shot hold on its prediction, as the last anchors have it.
-
-    Args:
-        outcome: What was found.
-        claims: Of each shot.
-    """
+    """Whether the claims about the first shot hold on its prediction, as the last anchors have it."""
     shot = outcome.shots[0]
     with torch.no_grad():
         after = shot.draw(outcome.u).display

@@ -22,8 +22,6 @@ def font(size: int, text: str, fonts: Path) -> Font:
 
     Args:
         size: In pixels.
-        text: What is to be written.
-        fonts: Folder of Blender's fonts.
     """
     return _font(size, fonts / (_CJK if _EAST_ASIAN.search(text) else _LATIN))
 
@@ -40,8 +38,6 @@ def wrapped(text: str, face: Font, width: float, most: int) -> list[str]:
     """The lines of a text; what is left out is shown by dots.
 
     Args:
-        text: One paragraph.
-        face: Its font.
         width: Of a line, in pixels.
         most: How many lines there may be.
     """

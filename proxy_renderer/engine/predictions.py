@@ -50,8 +50,6 @@ def predict(proxy: Proxy, outcome: Outcome, number: int, job: Path, figures: boo
 
     Args:
         proxy: Of the shot, at full size.
-        outcome: What was found.
-        number: Of the shot.
         job: Its folder, for the pictures.
         figures: Whether also to draw what would have been predicted without the last anchor, where there is one, and without any.
     """
@@ -94,7 +92,6 @@ def apart(predicted: np.ndarray, after: np.ndarray, subject: np.ndarray) -> dict
 
     Args:
         predicted: (H, W, 3) sRGB-encoded, in [0, 1].
-        after: Cycles' picture, likewise.
         subject: (H, W) the share of each pixel that the subject covers.
 
     Returns:

@@ -28,9 +28,6 @@ class WordReader:
     def read(self, request: AskReadings) -> Readings:
         """The words of a prompt as a vibe of the exported scene understands them.
 
-        Args:
-            request: The words, and the scene.
-
         Raises:
             VibeError: The scene cannot be read.
         """
@@ -53,7 +50,6 @@ def readings(prompt: str, scene: SceneWords, target: Sequence[str] = ()) -> Read
 
     Args:
         prompt: What the artist has typed so far.
-        scene: The names in the scene.
         target: "copper=Cup": what the artist says that words describe.
     """
     if not prompt.strip():

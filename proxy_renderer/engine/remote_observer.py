@@ -28,8 +28,6 @@ class RemoteObserver:
     """Tells the other side how the loop goes, and the loop when to end.
 
     Args:
-        wire: To the other side.
-        job: Gets the pictures.
         wants_looks: Whether the other side shows looks before the end.
     """
 

@@ -57,7 +57,6 @@ def changed_values(outcome: Outcome, shot: ShotState | None = None) -> dict[str,
     """Key -> components, of what differs from the artist's scene; in one of several shots, under its names.
 
     Args:
-        outcome: Of the vibe.
         shot: One of several; None for the shared names.
     """
     vector = (shot or outcome).vector
@@ -71,7 +70,6 @@ def anchored(outcome: Outcome, blenders: Sequence[BlenderPictures]) -> dict[str,
     last time; of several shots, their mean.
 
     Args:
-        outcome: Of the vibe.
         blenders: The picture source of each shot.
 
     Returns:
@@ -109,7 +107,6 @@ def save_picture(picture: Tensor, path: Path) -> None:
 
     Args:
         picture: As for `image`.
-        path: Of the PNG.
 
     Raises:
         OSError: It cannot be written.
@@ -128,7 +125,6 @@ def save_image(image: Image.Image, path: Path) -> None:
 
     Args:
         image: 8-bit, of any mode.
-        path: Of the PNG.
 
     Raises:
         OSError: It cannot be written.
@@ -150,7 +146,6 @@ def compare(rows: Sequence[Sequence[tuple[str, Image.Image]]], prompt: str, font
     Args:
         rows: (label, picture), from left to right; all in a row are as high as the first.
         prompt: Long ones are wrapped, and cut after four lines; "" for none.
-        fonts: Folder of Blender's fonts.
     """
     title = lettering.font(26, prompt, fonts)
     label = lettering.font(18, "".join(name for row in rows for name, _ in row), fonts)

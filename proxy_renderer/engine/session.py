@@ -43,9 +43,6 @@ class EngineSession:
 
     Args:
         shots: The job folders that the scene was exported to, one or several; pictures are written there too.
-        prompt: What the artist typed.
-        options: Of the vibe.
-        observer: Follows it.
         vlm_key: The vision-language model's key from the preferences; "" for the environment's.
     """
 

@@ -36,7 +36,6 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
 
     Args:
         source: Binary stream of requests, see `schema.wire`.
-        sink: Binary stream of answers.
     """
     wire = Wire(source, sink)
     wire.send(messages.Ready(schema_hash(), __version__))

@@ -36,12 +36,7 @@ _MATTER = ("color", "finish", "substance", "glow")
 
 
 def contradicts(first: Wish, later: Wish) -> bool:
-    """Whether a wish cannot be had beside one that ranks before it.
-
-    Args:
-        first: Ranks before the other.
-        later: Ranks after it.
-    """
+    """Whether a wish cannot be had beside one that ranks before it."""
     if first.attribute is later.attribute or first.word == later.word:
         return False
     if first.attribute.color and not first.implied and _ruled_out(first, later):

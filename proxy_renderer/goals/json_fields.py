@@ -28,7 +28,6 @@ class JsonFields:
     """The fields of a JSON object, each taken once and checked.
 
     Args:
-        raw: The JSON value.
         place: Where it stands, for messages: "goals.words[2]".
     """
 

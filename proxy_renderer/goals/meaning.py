@@ -34,12 +34,7 @@ _NO_MATTER = ("light", "fog", "tone", "shadow")
 
 
 def wishes_of(attributes: Iterable[Attribute], vocabulary: Vocabulary) -> list[Wish]:
-    """What words wish for, in their order.
-
-    Args:
-        attributes: Of a prompt, bound.
-        vocabulary: What words mean.
-    """
+    """What words wish for, in their order."""
     return [wish for attribute in attributes for wish in _of_word(attribute, vocabulary)]
 
 

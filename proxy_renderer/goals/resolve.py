@@ -86,7 +86,6 @@ def goals_of(parsed: Parsed, vocabulary: Vocabulary | None = None) -> Goals:
     """What a prompt asks for, its contradictions resolved.
 
     Args:
-        parsed: The prompt, bound.
         vocabulary: What words mean; the artist's own if None.
     """
     wishes = wishes_of(parsed.attributes, vocabulary or default_vocabulary())
@@ -94,12 +93,7 @@ def goals_of(parsed: Parsed, vocabulary: Vocabulary | None = None) -> Goals:
 
 
 def resolved(parsed: Parsed, wishes: Sequence[Wish]) -> Goals:
-    """Goals of wishes: by rank, each is kept unless it contradicts one that is kept already.
-
-    Args:
-        parsed: The prompt.
-        wishes: In its order.
-    """
+    """Goals of wishes: by rank, each is kept unless it contradicts one that is kept already."""
     idle: set[int] = set()  # words whose supporting wishes are out; what they had won goes back to others
     while True:
         kept, lost = _by_rank([wish for wish in wishes if wish.is_seen or id(wish.attribute) not in idle])

@@ -35,11 +35,7 @@ _HELP = "Write a new file with `vibe explain PROMPT --goals`, and change that; d
 
 
 def as_json(goals: Goals) -> dict[str, Any]:
-    """Goals as a JSON object: the words, each with what it describes and wishes for, and which wishes gave way.
-
-    Args:
-        goals: Resolved.
-    """
+    """Goals as a JSON object: the words, each with what it describes and wishes for, and which wishes gave way."""
     wishes = [*goals.wishes, *(each.wish for each in goals.lost)]
     won = {id(each.wish): each.winner.word for each in goals.lost}
     words: dict[int, Attribute] = {id(a): a for a in goals.parsed.attributes}
@@ -115,11 +111,7 @@ class WrittenGoals:
     attributes: tuple[Attribute, ...]
 
     def within(self, words: SceneWords) -> Goals:
-        """The goals in a scene: what describes a material or a light that is not there describes all of its region.
-
-        Args:
-            words: The scene's names.
-        """
+        """The goals in a scene: what describes a material or a light that is not there describes all of its region."""
         bound = {id(a): _bound(a, words) for a in self.attributes}
         notes = [
             f"'{a.word}' described {', '.join(missing)}, which this scene lacks: it describes the {a.kind} instead."

@@ -21,7 +21,6 @@ def quads(
     """Random quadrilaterals inside the picture, each the source of one view.
 
     Args:
-        count: How many.
         generator: Source of all randomness (on the CPU).
         scale: Range of the crop's side relative to the picture's.
         distortion: How far a corner may move inwards, relative to half the crop's side.
@@ -40,8 +39,6 @@ def keeping(mask: Tensor, count: int, generator: torch.Generator, share: float =
 
     Args:
         mask: (H, W) soft membership of the region.
-        count: How many.
-        generator: Source of all randomness.
         share: Crops that hold less of the region are drawn again; after a few tries the one that
             holds most is taken.
 

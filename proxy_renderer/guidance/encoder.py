@@ -94,7 +94,6 @@ def load_encoder(spec: str | None = None, device: str | torch.device = "cpu") ->
     Args:
         spec: None or "embedded" for the shipped one; "MODEL/PRETRAINED", an open_clip hub tag, downloaded
             once; "hf-hub:OWNER/NAME"; or a folder with ``open_clip_config.json`` and weights.
-        device: Where it runs.
 
     Raises:
         VibeError: The model is unknown, incomplete, or cannot be downloaded.

@@ -62,7 +62,6 @@ class Guidance(Protocol):
         Args:
             display: (H, W, 3) in [0, 1].
             mask: (H, W) soft subject coverage.
-            generator: Chooses crops and backgrounds.
         """
 
 
@@ -80,11 +79,8 @@ class PromptGuidance:
     """The objective for one prompt.
 
     Args:
-        encoder: Judges similarity.
-        prompts: Phrases by region.
         start: Display picture (H, W, 3) and mask (H, W) of the artist's scene: hinge margins are
             calibrated on it, because encoders differ in how alike they find everything.
-        weights: Of the terms.
         views: How many crops of each region.
     """
 
@@ -117,7 +113,6 @@ class PromptGuidance:
         Args:
             display: (H, W, 3) in [0, 1].
             mask: (H, W) soft subject coverage.
-            generator: Chooses crops and backgrounds.
         """
         w = self.weights
         terms: dict[str, Tensor] = {}

@@ -81,10 +81,7 @@ class Tower(nn.Sequential):
     """Pictures (B, 3, H, W) → features (B, features).
 
     Args:
-        features: Length of a feature.
         stem: Makes, for a number of channels, what turns pictures into a grid of a fourth of their size.
-        widths: Channels of each stage.
-        depths: Blocks of each stage.
         strides: Of each stage; a 2 halves the grid.
     """
 
@@ -113,6 +110,5 @@ def vibe_resnet(pretrained: bool = False, num_classes: int = 128, **unused: Any)
     Args:
         pretrained: Has no effect: timm passes it, and there are no pretrained weights.
         num_classes: timm's name for the length of a feature.
-        **unused: What else timm passes.
     """
     return Tower(num_classes, Stem, (32, 64, 96, 160), (2, 2, 2, 2), (1, 2, 2, 1))

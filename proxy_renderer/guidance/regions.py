@@ -47,8 +47,6 @@ def subject_views(display: Tensor, mask: Tensor, count: int, generator: torch.Ge
     Args:
         display: (H, W, 3) in [0, 1].
         mask: (H, W) soft subject coverage.
-        count: How many.
-        generator: Source of all randomness.
         size: Side of the views, pixels.
 
     Returns:
@@ -90,7 +88,6 @@ def whole_views(display: Tensor, count: int, generator: torch.Generator, size: i
     Args:
         display: (H, W, 3) in [0, 1].
         count: How many views, at least 1.
-        generator: Source of all randomness.
         size: Side of the views, pixels.
     """
     picture = display.permute(2, 0, 1)[None]

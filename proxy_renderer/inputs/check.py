@@ -55,7 +55,6 @@ def shots(scenes: Sequence[Path], arguments: argparse.Namespace) -> list[Path]:
     """The scenes of shots that can share a look, each once.
 
     Args:
-        scenes: Paths; one may come twice.
         arguments: The options `frames`, `cameras`, `groups` and `grade_each`.
 
     Raises:

@@ -38,9 +38,6 @@ class BlenderPictures:
     """A source of Cycles' pictures of one scene. What goes wrong is noted, and the loop goes on without.
 
     Args:
-        scene: The exported scene.
-        ask: Sends a request.
-        seed: Of Cycles' sampling pattern.
         shot: Which of a vibe's shots it is.
 
     Attributes:
@@ -132,7 +129,6 @@ class Anchoring:
         """Corrects the proxy at u (N,), unless that has been done within `slack` of every component.
 
         Args:
-            u: Where the loop is.
             number: Of the round, from 0.
             slack: Share of a component's whole range.
         """

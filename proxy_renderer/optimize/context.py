@@ -152,7 +152,6 @@ def coverage(scene: SceneData, material: Tensor, mine: Tensor) -> tuple[float | 
         share of its region, subject or surroundings, that each material covers.
 
     Args:
-        scene: The exported scene.
         material: (rays,) index of the material that each ray meets, -1 for the world.
         mine: (rays,) whether it meets the subject.
     """
@@ -183,7 +182,6 @@ def inner_size(scene: SceneData, options: Options, encoder: Encoder) -> tuple[in
     but highlights and shadows have to be there, however little it looks at.
 
     Args:
-        scene: Has the artist's resolution.
         options: `size` is the most that the artist wants.
         encoder: `size` is what it looks at.
     """

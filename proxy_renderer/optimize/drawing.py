@@ -20,10 +20,8 @@ def draw(
     """Renders u (N,): values that are the artist's own are left to the scene, exactly as they are.
 
     Args:
-        proxy: Renders.
         vector: The parameters of u.
         u: (N,) the point.
-        free: Keys that gradients go to.
     """
     return proxy.render(chosen_values(vector, u, proxy.device, free))
 
@@ -40,7 +38,6 @@ def chosen_values(
         vector: The parameters of u.
         u: (N,) the point.
         device: Where the values are to be.
-        free: Keys that gradients go to.
 
     Returns:
         Key -> (components,) float32 in schema units.

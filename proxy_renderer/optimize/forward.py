@@ -40,7 +40,6 @@ def forward_slopes(
     """Slopes at u, where no camera moves.
 
     Args:
-        seen: The shots.
         judge: What is judged in their pictures at a point, differentiable in both.
         u: (N,) the point.
         chosen: (N,) bool, the n components.
@@ -92,7 +91,6 @@ class _Nearby:
         """Adds what the scene's parameters change to slopes (M + 1, N).
 
         Args:
-            slopes: By components of u.
             gradients: (M + 1, ...) of the leaves.
             move: (N,) by how much components are moved; 0 for those that are not chosen.
         """

@@ -47,7 +47,6 @@ def sizes(scene: SceneData, geometry: RayGeometry) -> dict[str, float]:
 
     Args:
         scene: Its lamps are looked at where they stand.
-        geometry: The surfaces.
     """
     widest: dict[str, float] = {}
     for lamp in light_sources(scene, RenderValues(scene, {}, geometry.device)):
@@ -69,8 +68,6 @@ def nearer(scene: SceneData, geometry: RayGeometry, plan: Mapping[str, PlanEntry
     Where there is no room for a lamp, it keeps its direction. One that is shut in as it stands is the artist's affair.
 
     Args:
-        scene: With the artist's values.
-        geometry: Its surfaces.
         plan: What may happen to its parameters, by key.
     """
     found: dict[str, PlanEntry] = {}

@@ -52,9 +52,6 @@ class Looks:
     def planned(self, advisor: Advisor) -> tuple[Tensor, Advice]:
         """Lines 2 to 5 and 7 of Algorithm 1 on the artist's scene: what the words alone give.
 
-        Args:
-            advisor: Makes the plan.
-
         Returns:
             (N,) the artist's point with the starts of what words name, projected into the plan's ranges; and the advice.
 
@@ -77,7 +74,6 @@ class Looks:
 
         Args:
             u: (N,) the point.
-            claims: What is asked of it.
         """
         with torch.no_grad():
             display = self._shot.draw(u).display

@@ -26,7 +26,6 @@ class Neighbors:
     """The points that lie one stride from another in one component.
 
     Args:
-        seen: The shots.
         judge: What is judged in their pictures at a point.
         u: (N,) the point.
         strides: (N,) what each component is moved by.

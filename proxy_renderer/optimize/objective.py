@@ -182,7 +182,6 @@ class RoundObjective:
 
         Args:
             picture: As `render` returns it.
-            generator: Chooses the views.
             shot: Which one it shows, from 0.
         """
         terms = self._similar(picture, generator, shot)

@@ -31,9 +31,7 @@ def run(
 
     Args:
         views: The exported scene; or several shots that are to share one look.
-        prompt: What the artist typed.
         options: Budget, seed, locks; the same options give the same values, bit for bit, on a CPU.
-        encoder: Judges similarity.
         observer: Follows the loop, and may end it.
         advisor: Parses, composes and confines; None for the offline planner.
         light: The rig that the words ask for; None for none.

@@ -17,7 +17,6 @@ def carry(plan: Plan, earlier: Plan) -> Plan:
     Without it a value would stay where the earlier round moved it, though its reason says otherwise.
 
     Args:
-        plan: This round's.
         earlier: The last round's; empty for the first.
     """
     gone = {k: e for k, e in earlier.items() if e.prior < 1.0 and plan[k].prior == 1.0}
@@ -31,7 +30,6 @@ def feasible_ranges(
     """Key -> (lower, upper) of the plan, azimuths turned to where the values are now.
 
     Args:
-        plan: The round's.
         instances: The scene's parameters by key.
         values: Current values by key in schema units; the artist's where missing.
     """
@@ -47,7 +45,6 @@ def lock(
     """Instances with the artist's wishes in them: what may not change says why.
 
     Args:
-        instances: By key.
         groups: Groups that may change; empty for all but the camera.
         locks: Patterns of what must stay, see `schema.matches`.
         camera: Whether the camera may move though no group names it.

@@ -37,11 +37,7 @@ _TALL, _HIGH = 0.4, 0.6  # of the scene's height: least height of walls, and whe
 
 
 def sees_sky(scene: SceneData) -> bool:
-    """Whether the camera sees the world, and not only surfaces.
-
-    Args:
-        scene: With the artist's values.
-    """
+    """Whether the camera sees the world, and not only surfaces."""
     rays = _rays(scene)
     subjects = np.array([o.subject for o in scene.objects], bool)
     around = rays.count - int(subjects[rays.object].sum())
@@ -63,11 +59,7 @@ _met: dict[int, tuple[weakref.ref[SceneMesh], _Rays]] = {}
 
 
 def present_looks(scene: SceneData) -> dict[str, MaterialLook]:
-    """The present look of every material.
-
-    Args:
-        scene: With the artist's values.
-    """
+    """The present look of every material."""
     rays = _rays(scene)
     parts = _structures(scene, rays)
     looks = {}
@@ -161,8 +153,6 @@ def _parts(height: np.ndarray, slope: np.ndarray, scene: tuple[float, float, flo
     """The structures that a material may be, from what is seen of it.
 
     Args:
-        height: Of points on it.
-        slope: z of the normals there.
         scene: The height of its lowest point, its extent upward, and the height that the subject stands on.
     """
     low, tall, stands = scene

@@ -49,7 +49,6 @@ class Observer(Protocol):
         """A step is done.
 
         Args:
-            progress: How far the loop is.
             display: (H, W, 3) what the step's values look like, in [0, 1].
 
         Returns:
@@ -68,8 +67,6 @@ class Clock:
 
     Args:
         rounds: How many there are at most.
-        steps: In each, at most.
-        observer: Is told.
 
     Attributes:
         stopped: Whether the observer asked for the end.

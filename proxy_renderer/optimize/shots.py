@@ -139,7 +139,6 @@ def share(
     What is locked in one of them is locked in all, and so is what moves within a .blend.
 
     Args:
-        views: The shots.
         own: Groups that every shot has to itself.
 
     Returns:
@@ -172,7 +171,6 @@ def enter(
     """The shots of a vector.
 
     Args:
-        views: The shots.
         names: Of each, its keys -> the vector's, as `share` returns them.
         vector: The shared parameters.
         proxy: Makes the proxy of a scene.
@@ -193,8 +191,6 @@ def gathered(
     """The shots of a vibe, and the vector of what they share.
 
     Args:
-        views: The shots.
-        options: What may change.
         proxy: Makes the proxy of a scene.
 
     Raises:

@@ -51,11 +51,7 @@ class ParameterVector:
         self._home = self.encode({key: instance.value for key, instance in self.instances.items()})
 
     def view(self, names: Mapping[str, str]) -> ParameterVector:
-        """The same u for one of several shots, which calls some of its parameters by names of its own.
-
-        Args:
-            names: The shot's key -> ours.
-        """
+        """The same u for one of several shots, which calls some of its parameters by names of its own."""
         shown = copy(self)
         shown.instances = {own: self.instances[key] for own, key in names.items()}
         shown.slices = {own: self.slices[key] for own, key in names.items()}
@@ -188,8 +184,6 @@ def begun(vector: ParameterVector, plan: Plan, u: Tensor) -> Tensor:
     """(N,) a point with what words name where its search begins, see `PlanEntry.start`.
 
     Args:
-        vector: Of the scene.
-        plan: The first round's.
         u: (N,) the artist's point.
     """
     starts = {key: entry.start for key, entry in plan.items() if entry.start is not None}
@@ -241,8 +235,6 @@ def nearest_turn(instance: Instance, lower: Values, upper: Values, value: Values
     Args:
         instance: The parameter; a turn never leaves its hard bounds.
         lower: Of the range, in schema units.
-        upper: Likewise.
-        value: Where it is now.
 
     Returns:
         The range's new ends.

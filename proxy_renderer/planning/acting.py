@@ -36,8 +36,6 @@ def acts(goals: Goals, vocabulary: Vocabulary, owners: Owners) -> list[Act]:
     """The effects of all wishes, in the order of the prompt.
 
     Args:
-        goals: What is sought.
-        vocabulary: What words mean.
         owners: The scene's materials, lights and world.
     """
     described = _redirected(goals, owners)
@@ -90,10 +88,6 @@ def beside_rig(goals: Goals, light: LightPlan) -> Goals:
     """Goals without what a rig stands for: it serves its words, and it alone sets the light of a mood.
 
     Of grade words what they do to the grade is left, and of moods half of that; the rig says what is to be seen of them.
-
-    Args:
-        goals: What is sought.
-        light: What the rig plans.
     """
     if not light.served:
         return goals

@@ -78,7 +78,6 @@ def unmeasured(goals: Goals, served: Collection[Attribute] = ()) -> Prompts:
     """Captions of the words that are sought and that claim nothing of the image.
 
     Args:
-        goals: What the words wish for.
         served: Words that a rig stands for, which measures its light.
     """
     measured = [wish.attribute for wish in goals.wishes if wish.is_measured]

@@ -99,14 +99,7 @@ def shaded(srgb: Values, attribute: Attribute) -> Values:
 
 
 def beyond_present(low: Values, high: Values, attribute: Attribute, instance: Instance) -> Range:
-    """A range of linear colors, moved to the side of the present color that "darker walnut" or "paler oak" asks for.
-
-    Args:
-        low: The range's lower end.
-        high: Its upper end.
-        attribute: The words.
-        instance: Has the present color.
-    """
+    """A range of linear colors, moved to the side of the present color that "darker walnut" or "paler oak" asks for."""
     said = {*(attribute.english or attribute.word).split()}
     present = luminance(instance.value)
     factor = 1.0

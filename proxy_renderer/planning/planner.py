@@ -58,7 +58,6 @@ def plan(
     may move a little to keep the subject visible; the rest keeps the artist's value.
 
     Args:
-        goals: What the words wish for.
         instances: The scene's parameters by key.
         context: What is known about the scene and its picture.
         vocabulary: What words mean; the artist's own if None.

@@ -37,7 +37,6 @@ def keyed_spans(text: str, names: Mapping[str, str]) -> tuple[str, list[KeyedSpa
     """A text of `spoken` without its marks, and where they were.
 
     Args:
-        text: The text.
         names: As for `spoken`.
     """
     said, spans = "", []
@@ -53,7 +52,6 @@ def spoken(text: str, vocabulary: Vocabulary, names: Container[str] = (), exact:
     """ "fog: none, background: white" -> "no fog, white background"; lights that are listed get their colors likewise.
 
     Args:
-        text: The prompt.
         vocabulary: Has the nouns that may be keys.
         names: Of things in the scene, which may be too.
         exact: Whole names in the scene, in lower case; what is said of one is marked, see `keyed_spans`.

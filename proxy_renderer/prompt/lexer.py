@@ -33,8 +33,6 @@ class Lexer:
     """Finds the longest known phrases; built once per prompt, as scenes bring their own names.
 
     Args:
-        vocabulary: What is known.
-        words: The names in the scene.
         foreign: Words of another language: only long ones may be English ones with a mistake, "travertin".
     """
 

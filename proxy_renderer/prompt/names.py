@@ -72,11 +72,7 @@ def _whole(name: str) -> str:
 
 
 def limbs(words: SceneWords) -> dict[str, tuple[str, ...]]:
-    """Of each object the materials of its parts that are objects of their own: the duck's head, the only teapot's lid.
-
-    Args:
-        words: The names in the scene.
-    """
+    """Of each object the materials of its parts that are objects of their own: the duck's head, the only teapot's lid."""
     parts = name_words("limbs") | name_words("details")
     heads: dict[Region, set[str]] = {"subject": set(), "surroundings": set()}
     theirs: dict[Region, dict[str, list[str]]] = {"subject": {}, "surroundings": {}}

@@ -32,13 +32,7 @@ _THINGS_STAY = "things are not added, moved or removed, only their look changes.
 
 
 def prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> str:
-    """A prompt as readers take it.
-
-    Args:
-        text: The prompt.
-        scene: The names in the scene.
-        vocabulary: What words mean.
-    """
+    """A prompt as readers take it."""
     return _prepared(gloss(text, scene, vocabulary).english, scene, vocabulary)[0]
 
 
@@ -109,9 +103,6 @@ def refuse_without_look(prompt: str) -> None:
 
     It only looks for look words. What they describe is read later, against the scene, see `understood.Understood`.
 
-    Args:
-        prompt: What the artist typed.
-
     Raises:
         VibeError: The prompt is empty, too long, in a language that is not understood, or has no look word.
     """
@@ -162,8 +153,6 @@ def read(
     """Finds the look words of a prompt and binds them to subject, surroundings, lights or the film.
 
     Args:
-        prompt: What the artist typed.
-        scene: The names in the scene.
         vocabulary: What words mean; the artist's own if None.
         weights: Of the reader; those that are shipped if None.
         told: Word -> what the artist says that it describes: a name in the scene, "lights", "not used" and so on.

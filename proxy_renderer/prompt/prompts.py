@@ -38,7 +38,6 @@ def compose(
     """Captions and negatives of a parsed prompt.
 
     Args:
-        parsed: The prompt.
         overruled: Its words of which nothing is sought.
         vocabulary: What words mean; the artist's own if None.
     """
@@ -82,11 +81,7 @@ def _by_thing(attributes: list[Attribute], noun: str) -> dict[str, list[Attribut
 
 
 class _Captions:
-    """Words for the encoder.
-
-    Args:
-        vocabulary: What words mean.
-    """
+    """Words for the encoder."""
 
     def __init__(self, vocabulary: Vocabulary) -> None:
         self.vocabulary, self.entries = vocabulary, vocabulary.entries

@@ -15,11 +15,8 @@ def shaded(attribute: Attribute, word: str, entry: str, strength: float, vocabul
     """A color as a word before it makes it; itself where the word says nothing of colors, or it is none.
 
     Args:
-        attribute: The color.
         word: The word, as the prompt says it.
         entry: What the word is of a thing.
-        strength: Of the word.
-        vocabulary: What words mean.
     """
     effect = _shade_of(entry, vocabulary)
     if effect is None or not attribute.color:
@@ -34,8 +31,6 @@ def all_shaded(attributes: list[Attribute], prompt: str, vocabulary: Vocabulary)
 
     Args:
         attributes: In the order of the prompt.
-        prompt: In lower case.
-        vocabulary: What words mean.
     """
     found: list[Attribute] = []
     for attribute in attributes:

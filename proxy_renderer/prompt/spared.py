@@ -41,8 +41,6 @@ def without_spared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> tupl
     """A prompt without what it says should stay, and what that is.
 
     Args:
-        text: The prompt.
-        scene: The names in the scene.
         vocabulary: Has the words that say so.
     """
     said, found = text.replace("’", "'"), []

@@ -84,12 +84,7 @@ class Token:
 
 
 def composed(words: list[str], vocabulary: Vocabulary) -> Token | None:
-    """A color or material with the words that shift it: "warm golden", "very dark blue", "dark walnut"; None for others.
-
-    Args:
-        words: Next to each other.
-        vocabulary: What words mean.
-    """
+    """A color or material with the words that shift it: "warm golden", "very dark blue", "dark walnut"; None for others."""
     text, v = " ".join(words), vocabulary
     made_of = words[0] in v.colors and words[0] in v.synonyms  # "ruby red lips" are red
     if not made_of and (color := compound(words, v.colors)):

@@ -95,7 +95,6 @@ class SceneWords:
 
         Args:
             make: Takes the names and the vocabulary.
-            vocabulary: What words mean.
         """
         if make not in self._made or self._made[make][0] is not vocabulary:
             self._made[make] = vocabulary, make(self, vocabulary)

@@ -25,9 +25,7 @@ class LikeAdvisor:
     """Plans for a picture, and for the words beside it.
 
     Args:
-        reference: The picture.
         words: Plans for the words; None where there are none.
-        keys: Names of the key lights.
     """
 
     def __init__(self, reference: Reference, words: Advisor | None, keys: Collection[str]) -> None:
@@ -90,7 +88,6 @@ def beside(
         words: Plans for the words.
         has_words: Whether there are any, typed or as goals.
         shots: How many there are: a picture shows one of several at most.
-        lights: The scene's, by name.
     """
     if reference is None:
         return words

@@ -72,10 +72,7 @@ def entries_of(
     How bright either is stays as the artist has it.
 
     Args:
-        found: What the panorama says.
         instances: The scene's parameters by key.
-        keys: Names of the key lights.
-        name: What the panorama is called.
     """
     wanted: dict[str, tuple[Values, float]] = {"world/color": (found.around, _SAME_COLOR)}
     wanted |= {f"light/{key}/color": (found.key, _SAME_COLOR) for key in keys}

@@ -33,8 +33,6 @@ class Reference:
     """The picture that a look is taken from.
 
     Args:
-        picture: As it was read.
-        name: Its file's name.
         options: `like_only`, `like_same`, and whether there are words is for the others to say.
 
     Attributes:
@@ -52,7 +50,6 @@ class Reference:
 
         Args:
             options: Name it, and say what is taken over.
-            scene: The first shot's.
 
         Raises:
             VibeError: It cannot be read.

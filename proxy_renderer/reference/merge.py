@@ -64,8 +64,6 @@ def together(
     seen. Such a word is then measured against the picture, too.
 
     Args:
-        words: Claims of a prompt.
-        picture: Claims of a picture.
         has: What the picture itself has of a word's claim; None where that cannot be told.
     """
     said, left = [], list(picture)

@@ -43,9 +43,6 @@ class ReferencePicture:
 def read_reference(path: Path | str) -> ReferencePicture:
     """Reads a picture, at most 1024 pixels long.
 
-    Args:
-        path: As the artist wrote it.
-
     Raises:
         VibeError: There is none, or it cannot be read; with what to do about it.
     """

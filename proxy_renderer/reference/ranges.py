@@ -142,7 +142,6 @@ def entries_of(
         traits: Of the picture that are taken over.
         measures: What is claimed of a picture that looks like it.
         same: Whether it shows this very scene.
-        name: What it is called.
         colors: That light may have for a picture of another scene.
     """
     table = dict(_SAME_SCENE if same else _ANOTHER_SCENE)
@@ -175,7 +174,6 @@ def kept(instances: Mapping[str, Instance], entries: Collection[str]) -> tuple[s
 
     Args:
         instances: The scene's parameters by key.
-        entries: Keys that may change.
     """
     families = {i.parameter.family for key, i in instances.items() if key not in entries and not i.locked}
     said = (f"{family}: {why}" for family, why in _STAYS.items() if family in families)

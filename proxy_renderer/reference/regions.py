@@ -59,7 +59,6 @@ class Told:
         """The pixels (H, W) bool of a part that are seen; None where they are few.
 
         Args:
-            part: Of the picture.
             box: As in `Claim.box`.
         """
         where = Claim("", part, "mean", part, (), (), box=box).region(self.picture.seen)

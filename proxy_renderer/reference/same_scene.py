@@ -71,8 +71,6 @@ def statements_of(picture: Tensor, alpha: np.ndarray | None, seen: GBuffer, name
     Args:
         picture: (H, W, 3) sRGB-encoded.
         alpha: (H, W) in [0, 1]; None if all of it is seen.
-        seen: What the camera sees.
-        name: What the picture is called.
     """
     measured = MeasuredPicture.of(picture, seen)
     hidden = None

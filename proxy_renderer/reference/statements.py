@@ -70,7 +70,6 @@ def statements_of(told: Told, name: str) -> list[Statement]:
     """What is said of a picture.
 
     Args:
-        told: The picture, with its regions.
         name: What it is called in the report: its file's name.
     """
     reader = _Reader(told, name)

@@ -23,12 +23,7 @@ _HUES = (
 
 
 def hue(a: float, b: float) -> str:
-    """What people call a tint: "teal", "slightly orange", "neutral".
-
-    Args:
-        a: a* of CIE Lab.
-        b: b*.
-    """
+    """What people call a tint: "teal", "slightly orange", "neutral"."""
     strength = math.hypot(a, b)
     if strength < _GRAY:
         return "neutral"

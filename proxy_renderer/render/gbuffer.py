@@ -44,9 +44,6 @@ def gbuffer_of(
     """The G-buffer of a traced view.
 
     Args:
-        scene: The exported scene.
-        geometry: Its triangles.
-        view: The camera.
         cache: What was traced for it.
         transmittance: (H, W) of the fog before what is seen.
     """

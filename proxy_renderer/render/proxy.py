@@ -71,7 +71,6 @@ class Proxy:
     Rays are traced only when the camera, or a lamp, has moved since the last render.
 
     Args:
-        scene: The exported scene.
         size: Width and height in pixels.
         device: Where to compute; rays are traced on the CPU.
         seed: For the jitter of shadow and bounce rays.

@@ -68,8 +68,6 @@ def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary) -> ChosenR
 
     Args:
         goals: What the words wish for; moods that gave way ask for no light.
-        table: The rigs and modifiers.
-        vocabulary: What words mean.
 
     Returns:
         None where no word stands for a setup: then each word acts on the lights that are there.

@@ -49,12 +49,7 @@ class DescribedLight:
 
 
 def described(said: Iterable[Attribute], table: RigTable) -> list[DescribedLight]:
-    """The lights of a prompt of which it says more than that they are there.
-
-    Args:
-        said: The prompt's attributes.
-        table: The rigs and modifiers.
-    """
+    """The lights of a prompt of which it says more than that they are there."""
     groups: dict[int, list[Attribute]] = {}
     for attribute in said:
         elsewhere = attribute.owners or attribute.cause or attribute.of_glows or is_dark(attribute)
@@ -139,11 +134,8 @@ def composed(
     """A light of a rig as words describe it.
 
     Args:
-        light: The words.
         base: The rig's light of that part; None if it has none.
         key: The rig's key; None if it has none.
-        table: The rigs and modifiers.
-        vocabulary: What words mean.
     """
     made = _placed(_template(light, base, key, table), light, table)
     for attribute in light.said:

@@ -73,11 +73,7 @@ def measured(
     """The levels of a rig.
 
     Args:
-        scene: With the added lights.
-        stage: Of the scene.
-        lights: Of the rig, placed.
         values: Trial values by key, with a power for each of the lights.
-        rig: With ratios and exposure.
         ambient: Radiance of the scene's own world, for rigs that leave the scene lit as it is.
     """
     given = {key: torch.tensor(value) for key, value in values.items()}

@@ -71,7 +71,6 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
 
     Args:
         scenes: One or several shots; the first decides.
-        parsed: The prompt.
         chosen: The rig that it asks for.
         add: Whether the scene may get lights.
     """
@@ -273,7 +272,6 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
     """The scene's own lights, and surfaces that glow as lights do, that play no part.
 
     Args:
-        scene: With the added lights.
         rig: Says by how many stops they change.
         playing: Names of the lights that play a part, or that words are about.
         white: Radiance of a white surface in the key.

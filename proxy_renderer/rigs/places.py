@@ -70,7 +70,6 @@ def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True) -> l
 
     Args:
         lights: The rig's, the key first.
-        stage: Where they are to stand.
         add: Whether the scene may get lights; without, its brightest one is the key wherever it stands.
     """
     found: list[Placed] = []

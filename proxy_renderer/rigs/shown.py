@@ -29,8 +29,6 @@ def claims_of_rig(chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage
 
     Args:
         chosen: The rig of the prompt, with its words.
-        lights: Where its lights stand.
-        stage: The scene.
     """
     found: list[Claim] = []
     seen: set[tuple[object, ...]] = set()

@@ -51,10 +51,6 @@ class Points:
 class LightStage:
     """Of one shot.
 
-    Args:
-        scene: The exported scene.
-        geometry: Its surfaces.
-
     Attributes:
         subject: What is seen of the subject; of everything, where hardly any of it is.
         around: What is seen of the rest.

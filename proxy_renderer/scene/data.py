@@ -248,11 +248,7 @@ class SceneData:
     unseen: Mapping[str, Values] = field(default_factory=dict)
 
     def with_lights(self, names: Collection[str]) -> SceneData:
-        """The scene with some of the lights on standby in it.
-
-        Args:
-            names: Of lights.
-        """
+        """The scene with some of the lights on standby in it."""
         lights = tuple(replace(light, added=True) for light in self.standby.lights if light.name in names)
         theirs = {key: i for key, i in self.standby.instances.items() if i.owner in names}
         return replace(self, lights=(*self.lights, *lights), instances={**self.instances, **theirs})
@@ -292,7 +288,6 @@ class SceneData:
         """The artist's value of a parameter.
 
         Args:
-            key: Of an instance.
             default: Where the scene does not have it; a number stands for one component.
 
         Returns:

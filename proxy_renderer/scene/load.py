@@ -47,9 +47,6 @@ T = TypeVar("T")
 def load_scene(folder: Path | str) -> SceneData:
     """Reads and validates an exported scene.
 
-    Args:
-        folder: The job folder.
-
     Returns:
         The scene; its arrays are float32 or int32 and finite, its indices in range.
 

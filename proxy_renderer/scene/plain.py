@@ -17,7 +17,6 @@ def plain_instances(
 
     Args:
         lights: Name, type and role of each.
-        materials: Name and role of each.
 
     Returns:
         The instances by key.

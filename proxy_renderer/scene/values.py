@@ -15,9 +15,7 @@ class RenderValues:
     """Looks parameters up by key; missing ones take the scene's value.
 
     Args:
-        scene: The exported scene.
         values: Tensors (C,) by key; their gradients flow.
-        device: Where to compute.
     """
 
     def __init__(self, scene: SceneData, values: Mapping[str, Tensor], device: str | torch.device) -> None:
@@ -29,7 +27,6 @@ class RenderValues:
         """A parameter's components.
 
         Args:
-            key: Of an instance.
             default: Of all three, where the scene has none.
 
         Returns:
@@ -42,10 +39,6 @@ class RenderValues:
 
     def scalar(self, key: str, default: float = 0.0) -> Tensor:
         """A parameter of one component.
-
-        Args:
-            key: Of an instance.
-            default: Where the scene has none.
 
         Returns:
             () float32 on the device; gradients flow to what the caller gave.

@@ -20,10 +20,5 @@ class VibeError(Exception):
 
 
 def quoted(text: str, most: int = 40) -> str:
-    """A text of a file, on one line and short enough for a message.
-
-    Args:
-        text: The text.
-        most: Characters that are shown.
-    """
+    """A text of a file, on one line and short enough for a message."""
     return repr(text if len(text) <= most else text[:most] + "…")

@@ -25,7 +25,6 @@ def unexpected(error: BaseException, doing: str) -> UnexpectedError:
     """The error to show for any exception; its trace goes to a log.
 
     Args:
-        error: The exception.
         doing: What was being done: "reading the scene".
     """
     reason = " ".join(f"{type(error).__name__}: {error}".split())[:_LONGEST].rstrip(".: ")

@@ -63,7 +63,6 @@ def titles(keys: list[str], most: int = 3) -> str:
     """Names for a note, not too many: "Key light: Power, Key light: Color and 2 more".
 
     Args:
-        keys: Of instances.
         most: How many are named; the others are counted.
     """
     shown = ", ".join(map(title, keys[:most]))
@@ -105,7 +104,6 @@ def same(key: str, before: Values, after: Values) -> bool:
     Args:
         key: As for `text`.
         before: As `values` of `text`.
-        after: Likewise.
     """
     return text(key, before) == text(key, after)
 

@@ -31,7 +31,6 @@ def may_serve(group: str, slot: str, cause: str = "") -> bool:
 
     Args:
         group: Of the parameters.
-        slot: Of the word.
         cause: The mood that stands for the word; "" for a word that the prompt says.
     """
     return group in MEANS[slot] and not (cause and group == PAINT)

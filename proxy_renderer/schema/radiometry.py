@@ -47,6 +47,5 @@ def radiance(light_type: str, energy: float, distance: float = 1.0, stops: float
         light_type: As for `unit_energy`.
         energy: Watts; W/m² of a sun.
         distance: As for `unit_energy`.
-        stops: The light's own exposure.
     """
     return energy * 2.0**stops / unit_energy(light_type, distance)

@@ -43,7 +43,6 @@ def is_said(key: str, prompt: str) -> bool:
 
     Args:
         key: As `--target` calls the word: "very glossy", "red#2".
-        prompt: What the artist typed.
     """
     words = re.findall(r"[^\W_]+", key.partition(NUMBER)[0].casefold())
     said = prompt.casefold().replace("colour", "color")

@@ -14,9 +14,6 @@ def missing_by_word(rows: Sequence[ClaimVerdict]) -> dict[str, list[ClaimVerdict
     """Word -> its claims that do not hold; none where the picture shows the word.
 
     Words that claim nothing that can be measured are left out.
-
-    Args:
-        rows: The verdicts on a picture.
     """
     words: dict[str, list[ClaimVerdict]] = {}
     for row in rows:

@@ -58,7 +58,6 @@ def check_schema(theirs: str, who: str) -> None:
     """Makes sure that the other process has this process's parameter table.
 
     Args:
-        theirs: The hash in its message.
         who: "engine" or "add-on", the one that sent it.
 
     Raises:

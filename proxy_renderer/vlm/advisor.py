@@ -39,7 +39,6 @@ class ModelAdvisor:
     Args:
         understood: The prompt, read against the scene.
         goals: What it asks for; why there is nothing where nothing is understood.
-        client: The model.
         tell: Called with what goes on, for a status line.
         light: What a rig plans, which is part of the draft; None where the words ask for none.
     """

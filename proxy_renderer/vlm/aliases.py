@@ -114,7 +114,6 @@ class AliasTable:
         Args:
             instance: The parameter.
             lower: One end, in the units of `shown`.
-            upper: The other end.
 
         Returns:
             The lower and the upper end, in the units of `shown`.
@@ -129,7 +128,6 @@ class AliasTable:
         Args:
             instance: The parameter.
             lower: The lower end, as `ordered` returns it.
-            upper: The upper end.
 
         Returns:
             Both ends in the schema's units; a direction's are turned by whole circles, nearest to the artist's value.

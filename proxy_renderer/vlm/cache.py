@@ -52,7 +52,6 @@ class Cache:
 
         Args:
             key: Of the question, as `key` returns it.
-            answer: Any JSON value.
         """
         with contextlib.suppress(OSError, RuntimeError):
             self.folder.mkdir(parents=True, exist_ok=True)

@@ -68,9 +68,7 @@ class Client:
     """A model to ask.
 
     Args:
-        endpoint: Where it is.
         stop: True when the wait should end now.
-        cache: Answers on disk.
 
     Attributes:
         usage: What it has cost.
@@ -91,7 +89,6 @@ class Client:
         """The answer: an object if the question has a schema, else text.
 
         Args:
-            question: What is asked.
             check: Raises ModelError for an answer that is of no use; the model is asked once more then.
             fresh: Do not look on the disk.
 

@@ -62,8 +62,6 @@ class Dialect:
         """The request.
 
         Args:
-            model: Its name.
-            question: What is asked.
             earlier: Messages after the question: an answer that could not be read, and our complaint.
         """
         system = question.system
@@ -92,12 +90,7 @@ class Dialect:
         return {**body, "messages": messages}
 
     def give_up(self, complaint: str, question: Question) -> bool:
-        """Leaves out the option that the server refuses; False if there is nothing more to leave out.
-
-        Args:
-            complaint: The server's words.
-            question: What was asked.
-        """
+        """Leaves out the option that the server refuses; False if there is nothing more to leave out."""
         if _TEMPERATURE.search(complaint) and self._temperature:
             self._temperature = False
             return True

@@ -50,7 +50,6 @@ def clean(text: Any, longest: int) -> str:
 
     Args:
         text: Any JSON value; one that is no text gives "".
-        longest: Characters that are kept.
 
     Example:
         >>> clean("warm\n  light", 40)

@@ -79,7 +79,6 @@ def judge(
 
     Args:
         client: The model; it has to see pictures.
-        columns: One to six.
         rows: Names of the top and the bottom row.
         fresh: Do not take the answer from the cache.
 
@@ -115,7 +114,6 @@ def read_verdict(text: str, rows: tuple[str, str] = ROWS) -> Verdict:
     r"""Reads a verdict; bold marks, a colon for the equals sign and other lines are tolerated.
 
     Args:
-        text: The model's answer.
         rows: Names of the top and the bottom row.
 
     Returns:

@@ -71,7 +71,6 @@ def read_reply(raw: dict[str, Any], table: AliasTable) -> Reply:
 
     Args:
         raw: The JSON object, whatever is in it.
-        table: What was asked about.
     """
     reply = Reply()
     fields = ("objects", "prompts", "targets", "colors", "ignored", "plan", "keep")
@@ -191,7 +190,6 @@ def widened(instance: Instance, lower: Values, upper: Values) -> tuple[Values, V
     Args:
         instance: The parameter, with its bounds.
         lower: The lower end, one number per component, in the schema's units.
-        upper: The upper end.
 
     Returns:
         Both ends; components that are wide enough stay as they are.

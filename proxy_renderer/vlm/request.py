@@ -60,11 +60,9 @@ def make_question(
     """The question of a round.
 
     Args:
-        look: What the artist typed.
         table: The parameters that may be planned.
         context: The scene's current values and measurements.
         draft: What the offline planner makes of the look; the model improves on it.
-        picture: The current render as JPEG.
     """
     goals, prompts, plan = draft
     document = {

@@ -51,7 +51,6 @@ class Transport:
     """A connection to an endpoint.
 
     Args:
-        endpoint: Where to.
         stop: True when the wait should end now.
     """
 
@@ -67,7 +66,6 @@ class Transport:
 
         Args:
             body: Of a chat completion, without the time limit.
-            seconds: The longest wait.
 
         Raises:
             ModelError: The server cannot be reached, refuses, or answers too late, too much or nonsense; or the
@@ -166,9 +164,6 @@ class Transport:
 def read_completion(raw: bytes) -> Completion:
     """The model's words in a body that should be a chat completion.
 
-    Args:
-        raw: The body as it came.
-
     Raises:
         ModelError: It is none.
     """
@@ -200,10 +195,8 @@ def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> 
     """The error for an HTTP status other than 200, with its remedy.
 
     Args:
-        code: The status.
         complaint: The server's own words on one line, without the key; "" if there are none.
         headers: Of the response; "retry-after" is read.
-        point: Where the request was sent.
     """
     more = f": {complaint}" if complaint else ""
     if code in (401, 403):

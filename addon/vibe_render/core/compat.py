@@ -30,9 +30,6 @@ def pasted_picture(context: bpy.types.Context) -> bpy.types.Image | None:
     """The picture in the clipboard as a new image; None if there is none.
 
     Blender pastes only into an image editor: where none is open, the area becomes one for this moment.
-
-    Args:
-        context: Of a window.
     """
     areas = [area for area in context.screen.areas if area.type == "IMAGE_EDITOR"]
     area = areas[0] if areas else context.area
@@ -97,7 +94,6 @@ def set_option(node: Node, prop: str, socket: str, identifier: str, label: str) 
     """Sets a node's menu: a property with identifiers in Blender 4, a socket with labels in Blender 5.
 
     Args:
-        node: The node.
         prop: Name of the property in Blender 4.
         socket: Name of the input in Blender 5.
         identifier: The choice in Blender 4: "REPLACE_ALPHA".
@@ -134,10 +130,6 @@ def start_compositor(journal: Journal, scene: Scene) -> NodeTree:
     """Turns compositing on for a scene whose renders had none: the render goes straight to the output.
 
     A tree that the artist had switched off stays as it is, apart from its output; its files are not written.
-
-    Args:
-        journal: Records every change.
-        scene: The scene.
 
     Returns:
         The compositor tree.
@@ -176,10 +168,6 @@ def drop_compositor(scene: Scene) -> None:
 def separate_compositor(twin: Scene, scene: Scene) -> list[NodeTree]:
     """Separates the compositor of a copied scene from the original's: it shows the copy, and writes no files.
 
-    Args:
-        twin: The copy.
-        scene: The original.
-
     Returns:
         The node groups that this has added.
     """
@@ -208,8 +196,6 @@ def own_compositor(journal: Journal, scene: Scene, tree: NodeTree) -> NodeTree:
     """The scene's compositor tree; if other scenes use it too, a copy of its own.
 
     Args:
-        journal: Records the copy.
-        scene: The scene.
         tree: Its compositor tree.
     """
     if not COMPOSITOR_IS_GROUP or sum(s.compositing_node_group == tree for s in bpy.data.scenes) < 2:
@@ -225,7 +211,6 @@ def march_volumes(journal: Journal, scene: Scene) -> None:
     The picture is the same. Scenes with the artist's own volumes stay, because these would look otherwise.
 
     Args:
-        journal: Records the change.
         scene: The scene; Blender 4 leaves it alone.
     """
     if not hasattr(scene.cycles, "volume_biased") or any(o.type == "VOLUME" for o in scene.objects):

@@ -30,9 +30,6 @@ def paragraph(
     """Draws wrapped text.
 
     Args:
-        layout: Where.
-        context: Its region has the width.
-        text: Newlines count as spaces.
         icon: Before the first line; the other lines are indented.
         faint: Draw it as disabled things are.
         letters: In a line; 0 for as many as the region is wide.

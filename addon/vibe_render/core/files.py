@@ -20,7 +20,6 @@ def whole(path: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
     """A temporary path beside a file, moved onto the file at the end of the block; removed after a failure.
 
     Args:
-        path: Of the file.
         remedy: What to do where it cannot be written, unless the disk is full.
 
     Raises:
@@ -38,7 +37,6 @@ def unwritable(path: Path, error: Exception, remedy: str) -> schema.VibeError:
     """The error for a file that cannot be written, with the reason that Blender or Python gives.
 
     Args:
-        path: Of the file.
         error: What Blender or Python has raised.
         remedy: What to do, unless the disk is full.
     """

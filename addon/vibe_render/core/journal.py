@@ -40,8 +40,6 @@ class Journal:
 
         Args:
             owner: Has the property: a data-block, or a struct inside one.
-            name: Of the property.
-            value: The new one.
 
         Raises:
             LookupError: No data-block owns it.
@@ -55,7 +53,6 @@ class Journal:
         """Links two sockets of a tree; replaces the target's former link.
 
         Args:
-            source: An output.
             target: An input of a node in the same tree.
 
         Raises:
@@ -72,7 +69,6 @@ class Journal:
         """Adds a node.
 
         Args:
-            tree: Where.
             kind: Its `bl_idname`: "ShaderNodeMix".
             name: Wanted; Blender numbers one that is taken.
 
@@ -105,7 +101,6 @@ class Journal:
 
         Args:
             collection: Of `bpy.data`, which holds it: "materials".
-            block: What is copied.
         """
         twin = block.copy()
         self.entries.append({"op": "new", "id": self.refer(twin), "collection": collection})
@@ -116,7 +111,6 @@ class Journal:
 
         Args:
             data: The mesh or curve, which has none.
-            material: Goes into the slot.
         """
         self.entries.append({"op": "slot", "id": self.refer(data)})
         data.materials.append(material)

@@ -17,7 +17,6 @@ def of_property(owner: bpy_struct, name: str) -> str:
 
     Args:
         owner: The data-block or a struct in it.
-        name: The property's identifier.
 
     Returns:
         "" where it may change.
@@ -65,7 +64,6 @@ def of_socket(socket: NodeSocket, source: NodeSocket | None, inside: Sequence[No
     """The reason for a node input.
 
     Args:
-        socket: The input.
         source: The output that computes it; None where none does.
         inside: The group nodes that lead to it. A group may be anybody's, for a copy of it changes: it is the
             material around it that must not be linked from a library.

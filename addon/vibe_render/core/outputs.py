@@ -46,7 +46,6 @@ class Outputs:
         """Adds a JSON file.
 
         Args:
-            name: Of the file.
             content: What `json.dumps` takes; a number that is not finite is a ValueError.
 
         Raises:
@@ -57,10 +56,6 @@ class Outputs:
     def write_text(self, name: str, text: str) -> None:
         """Adds a text file, UTF-8, with a newline at its end.
 
-        Args:
-            name: Of the file.
-            text: Without that newline.
-
         Raises:
             VibeError: It cannot be written.
         """
@@ -69,10 +64,6 @@ class Outputs:
 
     def copy(self, name: str, source: Path) -> None:
         """Adds a copy of a file.
-
-        Args:
-            name: Of the copy.
-            source: What is copied.
 
         Raises:
             VibeError: It cannot be read or written.

@@ -11,12 +11,7 @@ import bpy
 
 
 def assign(owner: bpy.types.bpy_struct, **values: Any) -> None:
-    """Sets properties, in this order. Those that this version of Blender does not have are left out.
-
-    Args:
-        owner: Has the properties.
-        **values: Name to value.
-    """
+    """Sets properties, in this order. Those that this version of Blender does not have are left out."""
     for name, value in values.items():
         if name in owner.bl_rna.properties:
             setattr(owner, name, value)

@@ -26,7 +26,6 @@ def load(scene: Scene, key: str) -> Journal:
     """The journal in a property.
 
     Args:
-        scene: Has it.
         key: Of the property, which is there.
 
     Raises:
@@ -49,8 +48,6 @@ def store(scene: Scene, key: str, journal: Journal) -> None:
     """Puts a journal into a property.
 
     Args:
-        scene: Gets it.
-        key: Of the property.
         journal: Of changes in the scene's file.
     """
     # Pointers instead of names: they survive renaming, saving and reopening.

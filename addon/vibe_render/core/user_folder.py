@@ -18,7 +18,6 @@ def own_folder(path: str, create: bool = False) -> Path:
     installed from disk has it.
 
     Args:
-        path: Below it.
         create: Whether to make it if it is not there.
     """
     try:

@@ -27,7 +27,6 @@ class ValueSlot(Protocol):
         """Changes it; does nothing where it is the same already.
 
         Args:
-            journal: Records the change.
             raw: The new value, in the form of `get`.
         """
 
@@ -59,7 +58,6 @@ class PropertySlot:
         """Sets it.
 
         Args:
-            journal: Records the change.
             raw: The new value; of an array that is longer (RGBA), the rest stays.
         """
         old = getattr(self.owner, self.name)
@@ -105,7 +103,6 @@ class LazySlot:
         """Sets it; makes what holds it if that is missing and the value changes the picture.
 
         Args:
-            journal: Records all changes.
             raw: The new value, in the form of `get`.
         """
         slot = self.find()
@@ -135,7 +132,6 @@ class JointSlot:
         """Sets all of them.
 
         Args:
-            journal: Records the changes.
             raw: The new value, in the form of `get`.
         """
         for slot in self.slots:
@@ -155,6 +151,5 @@ def same(a: Any, b: Any) -> bool:
 
     Args:
         a: A number, or a sequence of some.
-        b: Likewise.
     """
     return bool(np.array_equal(np.float32(a), np.float32(b)))

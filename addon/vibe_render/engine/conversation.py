@@ -21,7 +21,6 @@ class Conversation:
     """Requests and answers, one after the other, with one engine.
 
     Args:
-        engine: Started already.
         tell: Called from a thread with every stage and progress message.
     """
 
@@ -49,7 +48,6 @@ class Conversation:
         """Waits for the answer to the last request.
 
         Args:
-            kind: The answer's type.
             serve: Renders the anchors that the engine asks for meanwhile.
 
         Raises:

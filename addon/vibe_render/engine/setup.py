@@ -51,7 +51,6 @@ class EngineSetup:
     Args:
         folder: The environment's; an older one there is replaced at the end.
         packages: Requirements for pip.
-        build: The build of torch.
 
     Attributes:
         folder: As given.

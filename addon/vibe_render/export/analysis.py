@@ -130,8 +130,6 @@ def analyze(
     """Analyzes a scene; nothing in it is changed.
 
     Args:
-        scene: The scene.
-        choice: How the subject is chosen.
         visible_scene: What its camera sees, if that has been worked out already.
 
     Raises:

@@ -14,7 +14,6 @@ def unlit(light: Object, objects: Sequence[tuple[str, str]]) -> list[int]:
     """The numbers of the objects that a light does not light.
 
     Args:
-        light: The light.
         objects: Names as in `SceneGeometry.objects`: an instance's instancer, and what it is an instance of.
     """
     collection = light.light_linking.receiver_collection

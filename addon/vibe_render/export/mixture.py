@@ -73,7 +73,6 @@ class Mixture:
         """How much of the surface a shader makes: (h, w, 1) or (1, 1, 1).
 
         Args:
-            layer: The shader.
             measured: What `channels` give.
             coats: Whether what shows at grazing angles lies on top of the rest, which is whole then.
         """

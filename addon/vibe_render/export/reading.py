@@ -41,9 +41,7 @@ def export_scene(
     """Adds what the scene lacks and writes its job folder; a failure leaves the scene as it was.
 
     Args:
-        scene: The scene.
         folder: Made if it does not exist.
-        choice: How the subject is chosen.
         first_shot: The analysis of an earlier shot of this scene, whose subject and pivot this shot takes.
         eyes: Positions of the cameras of all its shots: one fog box holds them all.
 
@@ -69,10 +67,6 @@ def prepare_and_capture(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneC
     Between the steps the caller works out `SceneCapture.visible_scene` in the background, and Blender stays
     usable. Unlike `export_scene`, this leaves it to the caller to roll back after a failure.
 
-    Args:
-        scene: Is changed.
-        choice: How the subject is chosen.
-
     Raises:
         VibeError: The scene has no usable camera.
     """
@@ -87,7 +81,6 @@ def export_captured(
     """Second step of an export in two steps: analyzes the captured scene and writes its job folder.
 
     Args:
-        scene: The scene that was captured.
         folder: The job's; it is written to.
         choice: How the subject is chosen, as in the first step.
         visible: What `SceneCapture.visible_scene` worked out.
@@ -104,12 +97,7 @@ def export_captured(
 
 
 def prepare_and_snapshot(scene: bpy.types.Scene, choice: SubjectChoice) -> None:
-    """Adds what the scene lacks and starts its snapshot, by which later changes are undone.
-
-    Args:
-        scene: Is changed.
-        choice: How the subject is chosen.
-    """
+    """Adds what the scene lacks and starts its snapshot, by which later changes are undone."""
     prepare(scene, named(scene, choice))
     snapshot.take(scene)
 
@@ -132,7 +120,6 @@ def read_scene(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneReading:
 
     Args:
         scene: With a camera of its own.
-        choice: How the subject is chosen.
 
     Raises:
         VibeError: As `export_scene`.
@@ -143,10 +130,6 @@ def read_scene(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneReading:
 
 def prepare_and_read(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneReading:
     """Adds what the scene lacks and reads its parameters; a failure leaves the scene as it was.
-
-    Args:
-        scene: Is changed.
-        choice: How the subject is chosen.
 
     Raises:
         VibeError: As `export_scene`.

@@ -22,9 +22,7 @@ def sketch_scene(scene: bpy.types.Scene, folder: Path, choice: SubjectChoice) ->
     Nothing is rendered, and nothing in the scene changes. Subject, roles and places are found as for a vibe.
 
     Args:
-        scene: With a camera.
         folder: Made if it does not exist.
-        choice: How the subject is chosen.
 
     Raises:
         VibeError: The scene cannot be worked with; see `analysis.analyze`.

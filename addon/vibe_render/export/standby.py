@@ -47,7 +47,6 @@ def backdrop(analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]) 
     """The parameters of a backdrop that the world may get; none where the picture does not show the world.
 
     Args:
-        analysis: Of the scene.
         instances: Its parameters by key.
     """
     scene, shown = analysis.scene, analysis.visible.object

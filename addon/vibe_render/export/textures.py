@@ -63,9 +63,7 @@ def over_uvs(material: bpy.types.Material, channel: str, origin: ValueOrigin) ->
     """The picture of an input that depends on nothing but UVs in the unit square; otherwise None.
 
     Args:
-        material: Whose input it is.
         channel: "alpha", or a color that is not tinted.
-        origin: The output that computes it.
     """
     source = origin.source
     assert source
@@ -146,7 +144,6 @@ def shrink(image: np.ndarray, longest: int) -> np.ndarray:
 
     Args:
         image: (H, W, C).
-        longest: Pixels.
 
     Returns:
         The same array if it is small enough, else (H // step, W // step, C).

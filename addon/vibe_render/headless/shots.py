@@ -97,9 +97,7 @@ class ShotList:
     """The shots in their order, those of one .blend together. One of them is shown at a time.
 
     Args:
-        args: The command line.
         folder: The parent of the job folders.
-        reporter: Hears which file is opened.
 
     Attributes:
         shots: The requested shots.

@@ -33,12 +33,8 @@ def report_fields(
     """The content of report.json: the engine's report with ours. Measurements of several shots are averaged.
 
     Args:
-        args: The command line.
-        shot_list: The shots.
-        result: The engine's.
         measured: The engine's measurements of each shot.
         skipped: By key, why a value was not written.
-        stopwatch: The run's.
     """
     fields = dict(result.report)
     timings = {**stopwatch.seconds, **{f"engine: {k}": v for k, v in fields.pop("timings", {}).items()}}
@@ -155,7 +151,6 @@ def change_lines(instances: dict[str, schema.Instance], values: dict[str, Any]) 
 
     Args:
         instances: The scene's parameters before, by key.
-        values: The new values, by key.
     """
     rows = []
     for key, value in values.items():

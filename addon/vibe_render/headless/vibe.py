@@ -54,7 +54,6 @@ def run_with_engine(
     Args:
         args: The command line, from `arguments.parse`.
         reporter: Hears of every stage, and of the result.
-        conversation: With the engine.
 
     Returns:
         What is known about the last shot's scene, which has its new values now.

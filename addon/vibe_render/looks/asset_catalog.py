@@ -33,7 +33,6 @@ def root(folder: Path, libraries: Iterable[str]) -> Path:
     """The folder whose catalog file counts for the assets of a .blend.
 
     Args:
-        folder: The .blend's.
         libraries: The folders of the artist's asset libraries.
     """
     folder = folder.resolve()

@@ -23,7 +23,6 @@ def put(block: ID, pixels: np.ndarray) -> None:
     """Gives a data-block a preview.
 
     Args:
-        block: An asset.
         pixels: (H, W, 4) as displays show them, 0 to 1, row 0 at the bottom.
     """
     preview = block.preview_ensure()
@@ -33,9 +32,6 @@ def put(block: ID, pixels: np.ndarray) -> None:
 
 def balls(materials: Sequence[Material]) -> list[np.ndarray]:
     """Small Cycles renders of a ball of each material. Nothing of them stays in the file.
-
-    Args:
-        materials: What to show.
 
     Returns:
         Pictures as for `put`.

@@ -62,9 +62,6 @@ def export(
     """Writes the look that a scene has now.
 
     Args:
-        analysis: The scene and its subject.
-        name: The look's name.
-        words: Its prompt: the assets' description.
         materials: The materials that belong to the look.
         path: The .blend to write, or to replace.
         picture: A thumbnail of the look: the preview of assets that are no materials.

@@ -42,7 +42,6 @@ def fit(look: preset.Preset, target: SceneParameters) -> Fit:
     Where it lacks a light that the look needs, the values are those of a light that will be added.
 
     Args:
-        look: The preset.
         target: The scene that it is for.
     """
     result = Fit()

@@ -146,7 +146,6 @@ def path_for(place: Path, name: str) -> Path:
     """The file for a preset: letters, digits and dashes, valid on every system.
 
     Args:
-        place: The folder.
         name: Of the preset, in any script; at most 50 letters of it are used.
     """
     plain = unicodedata.normalize("NFKD", name).casefold()
@@ -174,7 +173,6 @@ def rename(look: Look, name: str) -> Look:
     """Gives one of the artist's presets another name.
 
     Args:
-        look: The preset.
         name: The new one; numbered where another preset has it.
 
     Returns:
@@ -225,7 +223,6 @@ def export(look: Look, path: Path) -> None:
     """Writes a preset, and its picture beside it.
 
     Args:
-        look: The preset.
         path: Of the file; another ending becomes ".json".
 
     Raises:

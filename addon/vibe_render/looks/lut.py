@@ -69,7 +69,6 @@ def table(values: Mapping[str, Sequence[float]], size: int = SIZE) -> np.ndarray
 
     Args:
         values: As for `graded`.
-        size: Steps along each axis.
 
     Returns:
         (size³, 3) sRGB, red changing fastest; black is at 0, white at 1. May leave [0, 1].
@@ -84,8 +83,6 @@ def write(path: Path, name: str, values: Mapping[str, Sequence[float]]) -> None:
     """Writes a .cube file, whole or not at all.
 
     Args:
-        path: The file.
-        name: The LUT's title.
         values: As for `graded`.
 
     Raises:

@@ -57,8 +57,6 @@ def extract(
     """The look that a vibe gave a scene.
 
     Args:
-        prompt: The vibe's words.
-        scene: The vibed scene.
         values: The values that the vibe has changed, by key.
         name: The preset's name; without one, the prompt's first words.
         goals: What the vibe was searched for by, as JSON; "" for none.
@@ -78,7 +76,6 @@ def owners(scene: SceneParameters, role: str) -> list[str]:
     """The owners (names in keys) of a role: materials by visible area, lights by brightness, the largest first.
 
     Args:
-        scene: The scene.
         role: One of `preset.ROLES`.
     """
     group = preset.ROLES[role]

@@ -24,11 +24,6 @@ def apply(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectChoice) ->
     A look from another preset that has not been kept is taken out first, so that presets can be tried one after the
     other. A failure leaves the scene as it was.
 
-    Args:
-        scene: The scene.
-        look: The preset.
-        choice: How the subject is chosen.
-
     Returns:
         What did not fit, in words for the artist.
 
@@ -74,8 +69,6 @@ def capture(scene: bpy.types.Scene, choice: SubjectChoice, name: str) -> preset.
 
     Args:
         scene: The scene; it shows the vibe, not the original, afterwards.
-        choice: How the subject is chosen.
-        name: The preset's name.
 
     Raises:
         VibeError: There is no such look, or the scene cannot be read.

@@ -25,15 +25,7 @@ from . import final_render
 def answer(
     scene: Scene, folder: Path, request: messages.Anchor, subject: Sequence[Object], pivot: Sequence[float]
 ) -> messages.Anchored:
-    """Renders the anchor that the engine requests; a failure becomes its answer and does not end the vibe.
-
-    Args:
-        scene: The scene that was exported.
-        folder: The job folder.
-        request: The engine's.
-        subject: The subject at export.
-        pivot: Its center at export.
-    """
+    """Renders the anchor that the engine requests; a failure becomes its answer and does not end the vibe."""
     start = time.monotonic()
     name = f"anchor-{request.number}.exr"
     if bpy.app.is_job_running("RENDER"):
@@ -64,14 +56,11 @@ def render_anchor(
     light. It appears whole or not at all, and the scene is left exactly as it was.
 
     Args:
-        scene: The artist's.
-        path: Where the file goes.
         values: Parameter key to components; those of the film have no part in scene-linear light.
         subject: As for `bindings.write`.
         pivot: As for `bindings.write`.
         size: Longer side of the picture, pixels; the scene's aspect is kept.
         samples: Most samples in a pixel.
-        seed: Of the sampling pattern.
 
     Returns:
         Light group to whose light it holds: "light/NAME" or "world". Other light is only in the whole.

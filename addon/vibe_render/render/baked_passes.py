@@ -67,8 +67,6 @@ def measure(
     """Bakes computed inputs with one render.
 
     Args:
-        scene: The scene.
-        wanted: The inputs.
         plane: Captured straight on, instead of what the scene's camera sees.
 
     Returns:

@@ -34,11 +34,8 @@ def render(
     The file appears whole or not at all.
 
     Args:
-        scene: What is rendered.
-        path: Of the PNG.
         size: Longer side of the picture, pixels; the scene's aspect is kept.
         samples: Most samples in a pixel.
-        seed: Of the sampling pattern.
         exact: Take every sample of every pixel, and leave the noise as it is: for measurements.
 
     Raises:
@@ -73,9 +70,6 @@ def write_layers(twin: bpy.types.Scene, layer: bpy.types.ViewLayer, path: Path, 
 
     Args:
         twin: A scene of ours, whose settings of the file may change.
-        layer: Of this scene.
-        path: Of the file.
-        options: More settings of the file.
     """
     kind = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER", "color_depth": "32"}
     _write_as(twin, path, kind | options, layer=layer.name)
@@ -87,10 +81,7 @@ def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable
     What stands before the subject hides it; fog and the grade do not. Raises as `render` does.
 
     Args:
-        scene: What is rendered.
-        path: Of the PNG.
         size: Longer side of the picture, pixels.
-        subject: The objects, including instancers.
     """
     theirs = {o.name_full for o in subject}
     with ExitStack() as stack:

@@ -43,10 +43,6 @@ def obstacle(settings: Any) -> str:
 def file(scene: bpy.types.Scene, folder: Path) -> str:
     """The path of the picture; what is not a file of its own is saved into the folder first.
 
-    Args:
-        scene: Whose settings say which.
-        folder: Exists, and is ours.
-
     Returns:
         An absolute path; "" if no picture is given.
 

@@ -161,7 +161,6 @@ def write(
     """Writes values into the scene, recorded in its snapshot; a failure leaves the scene as it was.
 
     Args:
-        scene: The scene.
         values: Parameter key to components, in the schema's units.
         subject: As for `instances`.
         pivot: As for `instances`.
@@ -240,8 +239,6 @@ def add_lights(
     """Adds those of our lights that are named and missing from the scene.
 
     Args:
-        journal: Records them.
-        scene: The scene.
         names: Of `schema.added_lights.ADDED_LIGHTS`; others are passed over.
         subject: What they are to light; without it, everything that a render sees.
 

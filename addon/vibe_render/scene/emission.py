@@ -36,13 +36,7 @@ def _emitted(shader: NodeInGroups) -> float:
 
 
 def light_at(depsgraph: bpy.types.Depsgraph, objects: Iterable[Object], place: Vector) -> float:
-    """Radiance of a white surface at a place that faces all that glows; nothing is taken to stand in the way.
-
-    Args:
-        depsgraph: The evaluated scene.
-        objects: Those whose light counts.
-        place: World space.
-    """
+    """Radiance of a white surface at a place that faces all that glows; nothing is taken to stand in the way."""
     total = 0.0
     for obj in objects:
         strengths = [radiance(slot.material) if slot.material else 0.0 for slot in obj.material_slots]

@@ -72,7 +72,6 @@ def domain(context: scene_context.SceneContext, eyes: Sequence[Vector] = ()) -> 
     beyond, fog would hide it, but a longer way through fog would put out the world's light.
 
     Args:
-        context: The scene.
         eyes: Where other cameras stand that it is to hold.
     """
     box = find(context.scene)

@@ -20,7 +20,6 @@ def offered(world: World | None, instances: Mapping[str, schema.Instance]) -> di
     """The parameters that a backdrop would have; none where the world cannot be parted, or is partly locked.
 
     Args:
-        world: The scene's.
         instances: The scene's parameters by key.
     """
     if world is None or not parting.is_possible(world):
@@ -40,8 +39,6 @@ def made(
     """Parts a world if values move its backdrop away from it.
 
     Args:
-        journal: Records what is added.
-        world: The scene's.
         instances: The scene's parameters of the world, by key.
         values: What is going to be written, by key; of anything.
 

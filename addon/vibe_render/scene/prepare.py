@@ -45,7 +45,6 @@ def prepare(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
     """Adds what is missing, marked as ours and recorded in the scene's snapshot.
 
     Args:
-        scene: The scene.
         subject: What the picture is about; without it, everything that a render sees.
 
     Returns:
@@ -118,11 +117,8 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     """Adds one of our lights to a scene, in a collection of its own; the camera does not see its shape.
 
     Args:
-        journal: Records it.
-        scene: The scene.
         name: Of `schema.added_lights.ADDED_LIGHTS`.
         low: Least corner of what it is to light, world space.
-        high: Greatest corner.
     """
     what = schema.added_lights.ADDED_LIGHTS[name]
     azimuth, elevation, size, brightness = _PLACES[what.part]

@@ -67,7 +67,6 @@ class EngineState:
 
         Args:
             choice: The folder from the preferences; "" for the usual places.
-            again: Search even then.
         """
         if self.searching or (choice == self._choice and not again):
             return

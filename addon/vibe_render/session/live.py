@@ -58,11 +58,7 @@ class Live(SceneSession):
         return self._job if scene and self._read is not None and self._read == scene_settings(scene) else None
 
     def typed(self, words: str) -> None:
-        """Takes the words so far; what is under way for others is given up.
-
-        Args:
-            words: All of them.
-        """
+        """Takes the words so far; what is under way for others is given up."""
         self._words, self._due = words.strip(), time.monotonic() + _PAUSE
 
     def advance(self) -> None:

@@ -25,7 +25,6 @@ def show(
     """Shows values in place of those that are shown; a failure shows none.
 
     Args:
-        scene: The scene.
         values: Parameter key to components, in the schema's units.
         subject: As for `bindings.instances`.
         pivot: As for `bindings.instances`.

@@ -30,7 +30,6 @@ def remember(prompt: str, targets: Sequence[str] = ()) -> None:
     """Puts a prompt first, and drops the oldest. Where the folder cannot be written, nothing is stored and nothing fails.
 
     Args:
-        prompt: What the artist typed.
         targets: What the artist says that its words describe.
     """
     kept = [(prompt, [*targets]), *(each for each in _stored() if each[0] != prompt)][:_MOST]

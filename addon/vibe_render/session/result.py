@@ -28,10 +28,7 @@ def apply(
     Revert goes back.
 
     Args:
-        scene: The scene that was exported.
         prompt: The words that the result is for.
-        engine_result: The engine's result.
-        subject: The subject at export.
         pivot: The subject's center at export.
         fresh_list: Whether the list shows the present values as the old ones instead.
 
@@ -103,10 +100,8 @@ def choose(
     """Writes another variant of the last vibe in place of the one that is in the scene.
 
     Args:
-        scene: The vibed scene.
         number: Index of the variant to write.
         variants: All of them: values that none of them has stay as an earlier vibe left them.
-        subject: The subject at export.
 
     Raises:
         VibeError: The values do not fit the scene.

@@ -40,7 +40,6 @@ class AddonState:
         """Starts a session; the engine of the last one is used again, unless the preferences have changed.
 
         Args:
-            context: Blender's.
             ask: Whether an artist is there to answer questions.
         """
         self.forget()

@@ -45,7 +45,6 @@ class WordReadings:
         """Whether the words of a scene have not been read yet, as it is now and as its artist wants them read.
 
         Args:
-            scene: Has the prompt.
             live: The job folder that Live has exported, if the scene has not changed since.
         """
         words = _words(scene)

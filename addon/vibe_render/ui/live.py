@@ -24,12 +24,7 @@ def switched(window_manager: Any, context: bpy.types.Context) -> None:
 
 
 def typed(settings: Any, context: bpy.types.Context) -> None:
-    """A letter was typed into the prompt, or taken away.
-
-    Args:
-        settings: The scene's.
-        context: Blender's.
-    """
+    """A letter was typed into the prompt, or taken away."""
     if not context.window_manager.vibe_live or addon_state.running or obstacles.untouchable(context):
         return
     addon_state.live_for(context).typed(settings.prompt)

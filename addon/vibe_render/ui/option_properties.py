@@ -25,7 +25,6 @@ def declare(
     """A class whose annotations are properties, to be inherited by the one that Blender registers.
 
     Args:
-        name: Of the class.
         preferences: For the add-on's preferences, else for the scene.
         table: The options; those with choices, whose titles are the panel's, are left out.
         updates: Option to what is called when it changes.

@@ -86,8 +86,6 @@ def resized(pixels: np.ndarray, height: int, width: int) -> np.ndarray:
 
     Args:
         pixels: (H, W) int32, four 8-bit channels each.
-        height: Of the result.
-        width: Of the result.
 
     Returns:
         (height, width) int32.

@@ -12,12 +12,7 @@ _INDEX = "the Python Package Index (pypi.org, or the one that your pip uses)"
 
 
 def lines(build: torch_builds.TorchBuild, folder: Path) -> list[str]:
-    """What a build downloads, from where, how large it is, where it goes, and whether it suits this computer.
-
-    Args:
-        build: The build of torch.
-        folder: Of the environment.
-    """
+    """What a build downloads, from where, how large it is, where it goes, and whether it suits this computer."""
     source = (
         f"torch from {urlsplit(build.index).netloc}, the rest from {_INDEX}"
         if build.index

@@ -68,9 +68,7 @@ def draw_lock(layout: bpy.types.UILayout, settings: Any, key: str, reason: str =
     """Draws the lock of a value.
 
     Args:
-        layout: Where.
         settings: The scene's `VibeSettings`.
-        key: The value's key.
         reason: Why the value must stay anyway: the lock is closed then, with the reason as its tool tip.
     """
     locked = key in settings.locks

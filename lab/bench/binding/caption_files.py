@@ -49,9 +49,6 @@ def labeled(path: Path) -> tuple[list[LabeledSentence], int]:
 def unlabeled(path: Path) -> list[str]:
     """The prompts of PartiPrompts' .tsv, which have no labels.
 
-    Args:
-        path: Of the file.
-
     Raises:
         VibeError: The file cannot be read, or has no column of prompts.
     """
@@ -66,7 +63,6 @@ def sentence(text: str, parts: Sequence[NounLook]) -> LabeledSentence | None:
     """A caption with labels, in a scene of its things, a backdrop and a lamp that no caption names.
 
     Args:
-        text: The caption.
         parts: Its look words. Things are called by their nouns, and so are their materials.
 
     Returns:

@@ -22,7 +22,6 @@ def measure(out: Path, captions: str, misses: bool = False) -> dict[str, Any]:
     """Measures one file of captions, prints the figures, and writes OUT/results.json.
 
     Args:
-        out: The folder.
         captions: T2I-CompBench's .txt, GenEval's evaluation_metadata.jsonl, or PartiPrompts' .tsv, which has no labels.
         misses: Print each mistaken caption, and write it into results.json.
 
@@ -54,10 +53,6 @@ def _measured(path: Path, misses: bool) -> dict[str, Any]:
 
 def summary(verdicts: Sequence[SentenceVerdict], skipped: int) -> dict[str, Any]:
     """The figures of captions with labels.
-
-    Args:
-        verdicts: Of these.
-        skipped: How many captions have none.
 
     Returns:
         `words` and `captions`: how many are right, see `sealed.table.share`; `left_out`: words that became nothing;

@@ -33,7 +33,6 @@ def run(
     """Measures, prints the tables, and writes OUT/results.json.
 
     Args:
-        out: The folder.
         sentences: Folder of scenes.toml and sentences_NN.toml; "" for captions.
         captions: File of captions by others instead.
         kind: Only sentences of this kind; "" for all.

@@ -39,10 +39,6 @@ def measured(sentences: Sequence[LabeledSentence]) -> dict[str, Any]:
 def explained(text: str, whole: SceneStandIn) -> Parsed:
     """Reads, binds, plans and accounts for a prompt, as `vibe explain` does with a scene at hand.
 
-    Args:
-        text: The prompt.
-        whole: The scene.
-
     Raises:
         VibeError: The prompt asks for no look.
     """

@@ -58,9 +58,7 @@ def judge(sentence: LabeledSentence, reading: SentenceReading, vocabulary: Vocab
     """Compares a reading with the labels.
 
     Args:
-        sentence: With its labels.
         reading: What the reader made of it.
-        vocabulary: What words mean.
     """
     targets = SentenceTargets(sentence, reading.roles, vocabulary)
     found, extra = matched(sentence, reading.reaches, targets.is_right)

@@ -25,7 +25,6 @@ def matched(
     thing that a look word beside it describes ("sunlight cold as ice"), or says where that light comes from, belongs to it.
 
     Args:
-        sentence: With its look words.
         reaches: Of the sentence's attributes, in order.
         is_right: Whether a look word may be bound like this.
     """

@@ -35,7 +35,6 @@ def measured(texts: Iterable[str], misses: bool) -> dict[str, Any]:
     """Explains prompts in a scene of a cube, a backdrop and a lamp.
 
     Args:
-        texts: The prompts.
         misses: List the words that most prompts are said to leave unused.
 
     Returns:

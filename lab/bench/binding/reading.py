@@ -80,9 +80,6 @@ def read(
     """Reads a sentence about a scene, and finds out what its attributes reach.
 
     Args:
-        text: The sentence.
-        scene: What it is about.
-        vocabulary: What words mean.
         weights: Of the reader; those that are shipped if None.
     """
     whole = stand_in(scene)

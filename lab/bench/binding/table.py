@@ -20,9 +20,6 @@ _PERCENTILE = 90
 def summary(verdicts: Sequence[SentenceVerdict]) -> dict[str, Any]:
     """The content of results.json.
 
-    Args:
-        verdicts: Of all sentences.
-
     Returns:
         `words` and `sentences`: how many are right, each with `held`, `asked`, `share` and its 95 % `interval`; `overlap`:
         the mean Jaccard index where materials are described; `extra`: attributes that no label covers; `unread`: sentences
@@ -69,11 +66,7 @@ def _target(word: WordVerdict) -> str:
 
 
 def milliseconds(seconds: Sequence[float]) -> dict[str, float]:
-    """`median` and `percentile_90` of times.
-
-    Args:
-        seconds: At least one.
-    """
+    """`median` and `percentile_90` of times."""
     ordered = sorted(1000.0 * each for each in seconds)
     last = ordered[min(len(ordered) * _PERCENTILE // 100, len(ordered) - 1)]
     return {"median": round(statistics.median(ordered), 2), f"percentile_{_PERCENTILE}": round(last, 2)}

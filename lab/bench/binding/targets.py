@@ -21,9 +21,7 @@ class SentenceTargets:
     """What the labels of a sentence mean in its scene.
 
     Args:
-        sentence: With its labels.
         roles: Role -> the scene's lights that have it.
-        vocabulary: What words mean.
     """
 
     def __init__(

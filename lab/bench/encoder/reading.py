@@ -57,7 +57,6 @@ def run(
     """Measures an encoder, and the judge beside it, and writes OUT/results.json and OUT/mistakes.png.
 
     Args:
-        out: The folder.
         encoder: As for a vibe.
         views: How many views are traced; each is shaded under many looks.
         pairs: How many pairs of Cycles pictures are rendered; 0 to do without Blender.
@@ -159,10 +158,6 @@ def synonyms(asked: Encoder, batches: list[Batch]) -> tuple[float, float]:
 
     A word is understood as far as the language finds an entry that is right for it, and, where that entry speaks of
     what the encoder reads, as far as the encoder tells pictures that show it from their flips by the entry's phrase.
-
-    Args:
-        asked: The encoder.
-        batches: Pictures with their flips.
 
     Returns:
         Two fractions: by language and encoder, and by language alone.

@@ -59,7 +59,6 @@ def run(
         out: The folder. OUT/runs keeps every run; one that is there is not done again.
         baselines: Whether the rungs are the baselines at several rates.
         only: A pattern of pairs' names; the paper's own meshes are not used.
-        rungs: A pattern of rungs' names.
         size: Longer side of the pictures, pixels.
         rounds: The most rounds of a run.
         seeds: How many times everything is done.

@@ -37,9 +37,7 @@ def run(
         out: The folder; it keeps scenes and runs, and one that is there is not done again.
         count: Tasks of each part; fewer are the first of more.
         parts: Of `PARTS`, separated by commas.
-        drawn_from: The seed, any text.
         size: Longer side of the pictures, pixels.
-        samples: Of Cycles.
         budget: As for `vibe run`.
         words: Whether the scenes of *recovery* are vibed in words as well, to compare the time.
 

@@ -40,7 +40,6 @@ def matched(picture: np.ndarray, like: np.ndarray) -> dict[str, np.ndarray]:
 
     Args:
         picture: (H, W, 3) sRGB-encoded, in [0, 1].
-        like: Likewise, of any size.
 
     Returns:
         Pictures like the first, by method.
@@ -68,10 +67,6 @@ def reinhard(picture: np.ndarray, like: np.ndarray) -> np.ndarray:
 
 def filtered(picture: Image.Image, name: str) -> Image.Image:
     """A picture with a photo filter on it.
-
-    Args:
-        picture: RGB.
-        name: A function of pilgram's.
 
     Raises:
         VibeError: pilgram is not installed.

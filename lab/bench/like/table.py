@@ -18,9 +18,6 @@ _RESAMPLES = 2000
 def summary(rows: Sequence[LikeRow]) -> dict[str, Any]:
     """The content of results.json.
 
-    Args:
-        rows: Of all tasks.
-
     Returns:
         `parts`: by part, the number of `tasks` and of those that are `done`, by entry ("before", "after" and each 2D method) the
         medians `delta_e` and `mse`, each with a 95 % interval, and `errors` of the key light after and before; `failed`; `rows`.

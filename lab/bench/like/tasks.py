@@ -95,7 +95,6 @@ def tasks(part: str, count: int, seed: str) -> Iterator[LikeTask]:
     Args:
         part: One of `PARTS`.
         count: How many; of the filters there are no more than `FILTERS`.
-        seed: Any text.
     """
     for number in range(min(count, len(FILTERS)) if part == "filters" else count):
         luck = random.Random(f"{seed}/{part}/{number}")

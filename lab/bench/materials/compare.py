@@ -29,9 +29,6 @@ def material(
     """A ball against measured values.
 
     Args:
-        row: Of physically_based.json.
-        values: Of the finished scene.
-        after: Its picture.
         reference: The studio's picture with the measured values, in the artist's light.
 
     Returns:
@@ -58,10 +55,6 @@ def _off(value: float | None, measured: float | None) -> float | None:
 
 def lamp(row: Mapping[str, Any], values: FinalValues) -> dict[str, Any]:
     """The strongest lamp against a measured light source.
-
-    Args:
-        row: Of physically_based.json.
-        values: Of the finished scene.
 
     Returns:
         `kelvin`, the correlated color temperature of the lamp's light; `mireds`, how far it is off (5 are just seen),

@@ -37,7 +37,6 @@ def run(out: Path, only: str = "*", draw: int = 0, size: int = 160, samples: int
         only: A pattern of what the prompts call them.
         draw: How many of those, drawn at random with seed 0, fewer being the first of more; 0 for all.
         size: Side of the pictures, pixels.
-        samples: Of Cycles.
 
     Returns:
         The content of results.json; see `table.summary`.

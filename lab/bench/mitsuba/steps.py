@@ -33,7 +33,6 @@ def main(job: str, size: str, threads: str, out: str) -> None:
     Args:
         job: The job folder of an exported scene.
         size: Side of the picture, pixels.
-        threads: Of Mitsuba.
         out: Folder for the pictures, an array for each number of samples.
     """
     import drjit as dr

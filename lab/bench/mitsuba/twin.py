@@ -34,7 +34,6 @@ def twin(mi: Any, scene: SceneData, size: tuple[int, int]) -> Any:
 
     Args:
         mi: The `mitsuba` module, its variant set.
-        scene: The exported scene.
         size: Width and height in pixels.
 
     Raises:
@@ -69,7 +68,6 @@ def same(scene: SceneData, parameters: Any) -> list[str]:
     """Mitsuba's names of the values that `learned` names.
 
     Args:
-        scene: The exported scene.
         parameters: `mi.traverse` of its twin.
     """
     number = next(i for i, m in enumerate(scene.materials) if m.role == "subject")

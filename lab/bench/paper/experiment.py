@@ -33,7 +33,6 @@ def run(
         out: The folder. OUT/runs keeps every run; one that is there is not done again.
         quick: Few steps, small pictures, one seed.
         seeds: How many; None for three, or one where it has to be quick.
-        only: A pattern of pairs' names.
         mesh_folder: Where the paper's meshes are; "" to look beside the clone.
 
     Returns:
@@ -67,10 +66,6 @@ def run(
 
 def summary(planned: Sequence[Run], budget: RunBudget) -> dict[str, Any]:
     """The figures of the runs that are done, measured and judged.
-
-    Args:
-        planned: All runs.
-        budget: With which they were planned.
 
     Returns:
         The content of results.json but for `failed`; see `run`.

@@ -27,7 +27,6 @@ def save_benchmark(rows: Sequence[tuple[Pair, Path, Path]], path: Path) -> None:
 
     Args:
         rows: Pair, folder of our run and folder of the CLIP-only run.
-        path: The picture file.
     """
     save_image(judge.figure(columns(rows)), path)
 
@@ -37,7 +36,6 @@ def save_ablation(rows: Sequence[tuple[Pair, Path]], path: Path) -> None:
 
     Args:
         rows: Pair and folder of its run.
-        path: The picture file.
     """
     columns = [
         judge.Column(pair.name, pair.prompt, picture(folder), picture(folder, "before"))
@@ -50,7 +48,6 @@ def picture(folder: Path, which: str = "after") -> Image.Image:
     """A run's picture.
 
     Args:
-        folder: Of the run.
         which: "before" for the artist's, "after" for the result.
     """
     with Image.open(folder / f"{which}.png") as image:

@@ -95,7 +95,6 @@ def load(folder: Path, which: str) -> FinishedPicture:
     """Reads a run's picture with everything that it is measured by.
 
     Args:
-        folder: Of the run.
         which: "before" for the artist's, "after" for the result.
     """
     mask = {"before": "mask_before.png", "after": "mask.png"}[which]
@@ -107,8 +106,6 @@ def read(picture: Path, mask: Path, sight: Path, clear: Path | None = None) -> F
     """Reads a picture from its files.
 
     Args:
-        picture: As shown.
-        mask: Where the subject is, gray.
         sight: What the camera sees, an .npz of Blender's side (`camera_hits.py`).
         clear: The same picture without fog; it need not be there.
     """

@@ -21,7 +21,6 @@ class Judge:
         """How much nearer to the prompt the picture has come.
 
         Args:
-            prompt: The words.
             before: (H, W, 3), sRGB-encoded, 0 to 1.
             after: Of the same shape.
 

@@ -33,7 +33,6 @@ def taken(name: str, shot: FinishedPicture, region: str) -> float:
 
     Args:
         name: A key of `SAYS`.
-        shot: The picture.
         region: See `FinishedPicture.region`.
     """
     if name == FOG:
@@ -48,7 +47,6 @@ def color_error(shot: FinishedPicture, region: str, lab: tuple[float, float, flo
     It is the median over pixels: highlights, shadows and a pattern's lesser part do not decide.
 
     Args:
-        shot: The picture.
         region: See `FinishedPicture.region`.
         lab: The color that was asked for.
     """
@@ -70,7 +68,6 @@ def fog(shot: FinishedPicture, region: str) -> float:
     flat grade, haze painted onto a wall or darkness are no fog.
 
     Args:
-        shot: The picture.
         region: See `FinishedPicture.region`.
 
     Returns:

@@ -32,9 +32,7 @@ def render(results: Mapping[str, Any], planned: Sequence[Run], out: Path) -> str
     """The page.
 
     Args:
-        results: The content of results.json.
         planned: All runs; those that are not done are left out.
-        out: Where the figures lie.
     """
     style = (Path(__file__).parent / "page.css").read_text("utf-8")
     sections = "".join(_section(group, results, planned) for group in _TITLES)

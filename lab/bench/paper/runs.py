@@ -70,7 +70,6 @@ def plan(pairs: Sequence[Pair], budget: RunBudget, out: Path, meshes: Path | Non
     """All runs, both methods of a pair side by side; all pairs with the first seed come first.
 
     Args:
-        pairs: What is asked for.
         budget: How much each run may do.
         out: The results folder; a run's folder in it is named by all that its result depends on.
         meshes: Folder of the paper's meshes; None if they are not here.
@@ -94,10 +93,7 @@ def plan_rungs(
     """Runs of each rung; those of a pair are told apart by their folders.
 
     Args:
-        pairs: What is asked for.
-        rungs: By name.
         budget: How much each run may do.
-        out: The results folder.
         meshes: Folder of the paper's meshes; None if no pair needs it.
     """
     code = _fingerprint()
@@ -123,14 +119,7 @@ def _folder(
 
 
 def arguments(pair: Pair, variation: Variation, seed: int, budget: RunBudget) -> list[str]:
-    """The options of a run, as `vibe run` has them; no model plans, so that both methods have the encoder alone.
-
-    Args:
-        pair: What is asked for.
-        variation: With options of its own.
-        seed: Of the run.
-        budget: How much it may do.
-    """
+    """The options of a run, as `vibe run` has them; no model plans, so that both methods have the encoder alone."""
     given = {
         "prompt": pair.prompt,
         "rounds": budget.rounds,
@@ -149,9 +138,6 @@ def carry_out(runs: Sequence[Run], budget: RunBudget, out: Path, meshes: Path | 
     """Does the runs that are not done yet, in one Blender with one engine.
 
     Args:
-        runs: All of them.
-        budget: With which they were planned.
-        out: The results folder.
         meshes: Folder of the paper's meshes; None if no run needs it.
 
     Returns:

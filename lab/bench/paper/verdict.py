@@ -72,9 +72,6 @@ def read(pair: Pair, after: FinishedPicture, before: FinishedPicture, judge: Jud
     """Measures one picture on what its prompt asks for.
 
     Args:
-        pair: The prompt and its asks.
-        after: The result.
-        before: The artist's picture.
         judge: What `Judge.gain` says; None without a judge.
     """
     amounts = tuple(_amount(ask, after, before) for ask in pair.asks)
@@ -85,8 +82,6 @@ def compare(pair: Pair, ours: Reading, theirs: Reading) -> tuple[Score, Score]:
     """The scores of two readings of one pair, in their order.
 
     Args:
-        pair: The prompt and its asks.
-        ours: One reading.
         theirs: The other; differences that people do not notice count as none.
     """
     columns = [
@@ -104,12 +99,7 @@ def compare(pair: Pair, ours: Reading, theirs: Reading) -> tuple[Score, Score]:
 
 
 def alone(pair: Pair, reading: Reading) -> Score:
-    """The score of a picture that is compared with none.
-
-    Args:
-        pair: The prompt and its asks.
-        reading: Of the picture.
-    """
+    """The score of a picture that is compared with none."""
     return compare(pair, reading, reading)[0]
 
 
@@ -118,7 +108,6 @@ def decide(ours: Sequence[float], theirs: Sequence[float]) -> str:
 
     Args:
         ours: Scores from 0 to 1, one for each seed.
-        theirs: Those of the other method.
 
     Returns:
         "win", "tie" or "loss" of ours.
@@ -161,7 +150,6 @@ def wilson(wins: float, count: int, z: float = 1.96) -> tuple[float, float]:
 
     Args:
         wins: How many of them; a half for one that is half a win.
-        count: Of trials.
         z: Standard deviations of the interval; 1.96 for 95 %.
     """
     if not count:

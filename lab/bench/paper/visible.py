@@ -43,7 +43,6 @@ def visibility(after: FinishedPicture, before: FinishedPicture, silhouette: bool
     """How well the subject can be seen.
 
     Args:
-        after: The picture.
         before: The artist's, for what its frame was.
         silhouette: Whether a dark, even shape is what the words want.
     """

@@ -40,7 +40,6 @@ def run(out: Path, only: str, limit: int) -> dict[str, Any]:
     """Measures the points that OUT/results.json lacks, fits exponents, and draws OUT/scale.svg.
 
     Args:
-        out: The folder.
         only: A pattern of the axes' names.
         limit: Wall seconds: an axis ends after a point that took longer.
 

@@ -31,7 +31,6 @@ def exponent(sizes: Sequence[float], costs: Sequence[float]) -> Exponent:
 
     Args:
         sizes: Two or more, positive.
-        costs: As many, positive.
     """
     x, y = np.log(sizes), np.log(costs)
     from_middle, free = x - x.mean(), len(x) - 2

@@ -29,7 +29,6 @@ def rival_row(
     Args:
         rival: A baseline or `PROJECTION`.
         rate: A baseline's greatest step, see `Variation`.
-        ours: The product's row.
         carry_out: Carries the job out in another way, and returns its row.
     """
     if rival == PROJECTION:
@@ -46,7 +45,6 @@ def summary(ours: Sequence[JobResult], theirs: Sequence[JobResult]) -> dict[str,
     """Who shows more of what was asked for.
 
     Args:
-        ours: The product's rows.
         theirs: The rival's rows of the same jobs.
 
     Returns:
@@ -93,7 +91,6 @@ def show(rival: str, figures: Mapping[str, Any]) -> None:
     """Prints who has won.
 
     Args:
-        rival: Its name.
         figures: `contest` of results.json.
     """
     console = Console(width=None if Console().is_terminal else 120)

@@ -40,7 +40,6 @@ def run(
         drawn_from: The seed, any text; "" for the hash of the judged commit.
         long: Prompts of three to five asks, see `prompts.draw`.
         size: Longer side of the pictures, pixels.
-        samples: Of Cycles.
         rival: One that gets the same jobs, see `contest.rival_row`; "" for none.
         rate: The rival's greatest step, in thousandths of a range; 0 for its own.
 

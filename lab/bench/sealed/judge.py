@@ -86,12 +86,7 @@ class Evidence:
 
 
 def judged(job: SealedJob, evidence: Evidence) -> list[Judged]:
-    """The verdict on every ask of a job.
-
-    Args:
-        job: What was asked for.
-        evidence: What came of it.
-    """
+    """The verdict on every ask of a job."""
     rows: list[Judged] = []
     for ask in job.asks:
         if not all(map(evidence.has, ask.regions)):
@@ -106,7 +101,6 @@ def findings(ask: SealedAsk, evidence: Evidence, loose: Looseness = STRICT) -> l
     """All that an ask is judged by.
 
     Args:
-        ask: What is asked for.
         evidence: The pictures and the final values.
         loose: What else of the prompt changes how colors look.
     """
@@ -133,7 +127,6 @@ def named(shot: FinishedPicture, region: str, srgb: Values, loose: Looseness) ->
     """Whether a thing has a color, by OKLab: lightness, and chroma and hue, or, for a gray, that there is no color.
 
     Args:
-        shot: The picture.
         region: See `FinishedPicture.region`.
         srgb: The color, sRGB-encoded.
         loose: What else of the prompt changes how colors look.
@@ -164,7 +157,6 @@ def cast(shot: FinishedPicture, srgb: Values) -> list[Finding]:
     """Whether a whole picture has the hue of a colored lamp.
 
     Args:
-        shot: The picture.
         srgb: The color of the lamp's light, sRGB-encoded.
     """
     _, chroma, hue = _lch(_seen(shot, "picture"))

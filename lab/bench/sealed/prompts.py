@@ -120,7 +120,6 @@ def draw(seed: str, number: int, long: bool = False) -> SealedJob:
     """The job of a number; it depends on nothing but what is given here.
 
     Args:
-        seed: Any text.
         number: From 0.
         long: A prompt of three to five asks, as the paper's are; otherwise one of one to three.
     """

@@ -45,7 +45,6 @@ class Rule:
         """Whether an amount is what is wanted.
 
         Args:
-            after: Of the finished picture.
             before: Of the artist's; None where it cannot be measured.
         """
         if self.least <= after <= self.most:

@@ -18,9 +18,6 @@ JobResult = Mapping[str, Any]
 def summary(rows: Sequence[JobResult]) -> dict[str, Any]:
     """The content of results.json.
 
-    Args:
-        rows: Of all jobs.
-
     Returns:
         `asks`: all asks, `asks_seen`: those of pictures whose subject can be seen held, all others not, and `kinds`: by kind,
         each with `held`, `asked`, `share` and its 95 % `interval`; `new_colors`: colors whose names the product's lexicon

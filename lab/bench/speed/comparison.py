@@ -57,10 +57,8 @@ def compare(out: Path, size: int, step: Step, mitsuba: bool, eevee_blender: str)
     """Measures all on every scene; OUT/comparison holds the pictures.
 
     Args:
-        out: The folder of the measurement.
         size: Side of the pictures, pixels.
         step: Milliseconds of a step of the proxy: (scene, learned keys, size).
-        mitsuba: Whether Mitsuba is measured.
         eevee_blender: A Blender with a window, whose EEVEE is measured; "" for none.
 
     Returns:

@@ -42,7 +42,6 @@ def run(out: Path, mitsuba: bool = False, eevee_blender: str = "") -> dict[str, 
     """Measures steps and writes OUT/results.json.
 
     Args:
-        out: The folder.
         mitsuba: Whether to measure Mitsuba 3, see `comparison`.
         eevee_blender: A Blender with a window, whose EEVEE is measured, see `comparison`; "" for none.
 

@@ -82,7 +82,6 @@ def names(folder: Path, only: str = "*", listed: str = "") -> list[str]:
 
     Args:
         folder: Searched with all folders in it.
-        only: A pattern of paths.
         listed: A file with a path in each line that counts, comments after "#"; "" for all scenes.
 
     Raises:

@@ -46,10 +46,8 @@ def vibe(
 
     Args:
         scene: A .blend or a mesh.
-        prompt: The words.
         folder: Of the trial; "current" and "temporary" in it are the vibe's own, and both are made.
         options: More options of `vibe run`.
-        variation: How it searches.
     """
     current, temporary, log = folder / "current", folder / "temporary", folder / "log.txt"
     for each in (current, temporary):
@@ -88,10 +86,8 @@ def vibe_once(
 
     Args:
         scene: As for `vibe`, like all arguments.
-        prompt: The words.
         folder: Of the trial; only the results stay in it.
         options: More options of `vibe run`.
-        variation: How it searches.
 
     Returns:
         `code`; `error`, what was said last, "" for code 0; `seconds`.

@@ -17,9 +17,6 @@ _DISTANCES = ("delta_e", "p95", "delta_e_subject", "delta_e_before_last_anchor")
 def summary(rows: Mapping[str, Row]) -> dict[str, Any]:
     """The content of results.json.
 
-    Args:
-        rows: What was measured, by scene.
-
     Returns:
         `scenes`: how many; `pictures`: of those, with a picture that is not black; `refused`: with one clear line;
         `failed`: the names of those with neither; `exact_reverts` of `compared_reverts`; `words_shown` of

@@ -30,12 +30,7 @@ def hide(name: str, folder: Path, seed: str, groups: list[str], size: int, sampl
     """Builds a set, saves it, and renders it with a look that is drawn at random.
 
     Args:
-        name: Of the set.
-        folder: Gets both files.
-        seed: Of the look.
-        groups: What it changes.
         size: Longer side of the picture, pixels.
-        samples: Of Cycles.
     """
     subject = build_set(name)
     save_blend(folder / "scene.blend")

@@ -77,7 +77,6 @@ def hidden_values(
 
     Args:
         instances: The scene's parameters by key.
-        seed: Another text gives another look.
         groups: Of the schema; what is in others stays.
     """
     front = instances["camera/azimuth"].value[0] if "camera/azimuth" in instances else 0.0

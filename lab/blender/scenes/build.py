@@ -34,7 +34,6 @@ def build(recipe: SceneRecipe, seed: int) -> tuple[Scene, list[Object]]:
     """Starts an empty file and builds the scene in it.
 
     Args:
-        recipe: What it is made of.
         seed: 0 for the set that is quoted. Others vary colors, directions, brightnesses and worlds.
 
     Returns:

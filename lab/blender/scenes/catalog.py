@@ -35,7 +35,6 @@ def metal(color: Color, roughness: float) -> FinishRecipe:
     """Bare metal.
 
     Args:
-        color: Linear RGB.
         roughness: 0 to 1.
     """
     return FinishRecipe(color, roughness, inputs={"Metallic": 1.0})
@@ -58,7 +57,6 @@ def sheen(color: Color, roughness: float = 0.8, weight: float = 1.0) -> FinishRe
     """Velvet or felt.
 
     Args:
-        color: Linear RGB.
         roughness: Of the material below its fibers, 0 to 1.
         weight: Of the sheen, 0 to 1.
     """
@@ -70,7 +68,6 @@ def glow(color: Color, strength: float) -> FinishRecipe:
 
     Args:
         color: Of the light, linear RGB.
-        strength: Blender's emission strength.
     """
     return FinishRecipe(INK, 0.5, inputs={"Emission Color": color, "Emission Strength": strength})
 
@@ -81,10 +78,8 @@ def glass(
     """A material that lets light through.
 
     Args:
-        color: Linear RGB.
         roughness: 0 to 1.
         weight: Of the transmission, 0 to 1.
-        ior: Index of refraction.
     """
     return FinishRecipe(color, roughness, inputs={"Transmission Weight": weight, "IOR": ior})
 
@@ -96,9 +91,6 @@ def key(
 
     Args:
         level: As in `LightRecipe`, like all arguments.
-        azimuth: Degrees.
-        color: Linear RGB.
-        size: Meters.
     """
     return LightRecipe("AREA", azimuth, 42.0, level, size, color)
 
@@ -108,8 +100,6 @@ def rim(level: float = 0.7, azimuth: float = 150.0, color: Color = COOL) -> Ligh
 
     Args:
         level: As in `LightRecipe`, like all arguments.
-        azimuth: Degrees.
-        color: Linear RGB.
     """
     return LightRecipe("AREA", azimuth, 35.0, level, 1.2, color)
 
@@ -125,12 +115,7 @@ def point(
     """A bulb.
 
     Args:
-        azimuth: Degrees.
         level: As in `LightRecipe`, like all arguments.
-        color: Linear RGB.
-        elevation: Degrees.
-        distance: Meters.
-        size: Meters.
     """
     return LightRecipe("POINT", azimuth, elevation, level, size, color, distance)
 
@@ -141,11 +126,8 @@ def sun(
     """The sun.
 
     Args:
-        azimuth: Degrees.
-        elevation: Degrees.
         level: As in `LightRecipe`, like all arguments.
         angle: Angular diameter, degrees.
-        color: Linear RGB.
     """
     return LightRecipe("SUN", azimuth, elevation, level, angle, color)
 
@@ -161,12 +143,9 @@ def spot(
     """A theater spot, 6 m away.
 
     Args:
-        azimuth: Degrees.
         level: As in `LightRecipe`.
         opening: Full angle of its cone, radians.
         blend: Softness of the cone's edge, 0 to 1.
-        color: Linear RGB.
-        elevation: Degrees.
     """
     return LightRecipe(
         "SPOT", azimuth, elevation, level, 0.15, color, 6.0, {"spot_size": opening, "spot_blend": blend}

@@ -43,7 +43,6 @@ def lathe(profile: np.ndarray, steps: int = 96, subdivisions: int = 4) -> MeshAr
 
     Args:
         profile: (P, 2), radius and height.
-        steps: Faces around it.
         subdivisions: Rows between two points of the profile.
     """
     padded = np.concatenate([profile[:1], profile, profile[-1:]])
@@ -92,12 +91,7 @@ def curtain(side: int) -> MeshArrays:
 
 
 def leaves(chance: random.Random, count: int) -> MeshArrays:
-    """Bent blades that grow out of a pot's middle at height 0.5.
-
-    Args:
-        chance: Turns, lengths and bends.
-        count: Blades.
-    """
+    """Bent blades that grow out of a pot's middle at height 0.5."""
     steps = 10
     t = np.linspace(0, 1, steps)
     width = 0.15 * np.sin(math.pi * np.clip(t, 0.02, 0.98)) ** 0.8
@@ -148,12 +142,7 @@ def branches(chance: random.Random) -> MeshArrays:
 
 
 def knot(along: int, around: int) -> MeshArrays:
-    """A tube along a (2, 3) torus knot.
-
-    Args:
-        along: Quads along the knot.
-        around: Quads around the tube.
-    """
+    """A tube along a (2, 3) torus knot."""
     t = np.linspace(0, 2 * math.pi, along, endpoint=False)
 
     def curve(s: np.ndarray) -> np.ndarray:
@@ -187,9 +176,7 @@ def sphere(around: int, rings: int, radius: float) -> MeshArrays:
     """A ball around the origin.
 
     Args:
-        around: Quads around it.
         rings: Rows of vertices from pole to pole.
-        radius: Meters.
     """
     toward, faces, uvs = _sphere(around, rings)
     return radius * toward.reshape(-1, 3), faces, uvs
@@ -199,8 +186,6 @@ def rock(chance: random.Random, around: int, rings: int) -> MeshArrays:
     """A sphere with bumps of many sizes.
 
     Args:
-        chance: Draws the bumps.
-        around: Quads around it.
         rings: Rows of vertices from pole to pole.
     """
     toward, faces, uvs = _sphere(around, rings)

@@ -17,7 +17,6 @@ def finish_active(name: str, smooth: float | None = 40.0, **modifiers: dict) -> 
     """Names the active object and gives it modifiers and smooth shading.
 
     Args:
-        name: Of the object.
         smooth: Edges are sharp above this angle, degrees; None for flat shading.
         modifiers: Type -> its settings: bevel={"width": 0.02}.
     """
@@ -38,7 +37,6 @@ def mesh(name: str, vertices: np.ndarray, faces: Iterable, uvs: np.ndarray | Non
     """A smooth object of a mesh, linked to the scene.
 
     Args:
-        name: Of the object.
         vertices: (V, 3).
         faces: Indices of vertices, a row for each face.
         uvs: A place for each corner of each face; None for no UV map.
@@ -57,9 +55,6 @@ def ball(name: str, radius: float, place: tuple[float, float, float], rings: int
     """A ball with UVs; Blender's own has its faces in another order every time.
 
     Args:
-        name: Of the object.
-        radius: Meters.
-        place: Its middle.
         rings: Rows of faces from pole to pole; twice as many around.
     """
     thing = mesh(name, *fields.sphere(2 * rings, rings + 1, radius))
@@ -77,9 +72,7 @@ def box(
     """A box with rounded edges.
 
     Args:
-        name: Of the object.
         size: Along x, y and z, meters.
-        place: Its middle.
         turn: Around z, radians.
         bevel: Width of the rounding, meters; 0 for sharp edges.
     """
@@ -94,7 +87,6 @@ def lathe(name: str, profile: list[tuple[float, float]], thickness: float = 0.0)
     """A profile turned around the z axis.
 
     Args:
-        name: Of the object.
         profile: Radius and height of each point.
         thickness: Of its wall, meters; 0 for an open surface.
     """

@@ -190,10 +190,5 @@ IMAGES = ("map", "weave", "crate", "cut-out")
 
 
 def chance(recipe: SceneRecipe, seed: int) -> random.Random:
-    """The scene's own random numbers, which depend on nothing but its name and the seed.
-
-    Args:
-        recipe: The scene.
-        seed: Of the measurement.
-    """
+    """The scene's own random numbers, which depend on nothing but its name and the seed."""
     return random.Random(f"{seed}/{recipe.name}")

@@ -21,8 +21,6 @@ def material(name: str, finish: FinishRecipe, chance: random.Random) -> Material
     """A Principled material.
 
     Args:
-        name: Of the material.
-        finish: Its inputs and its texture.
         chance: Shifts its color a little.
     """
     new_material = bpy.data.materials.new(name)
@@ -46,8 +44,6 @@ def shifted(color: Color, chance: random.Random, by: float = 0.15) -> Color:
     """A color whose components are each a little darker or lighter; black stays.
 
     Args:
-        color: Linear RGB.
-        chance: Draws by how much.
         by: The largest share of a component.
     """
     return tuple(min(max(c * chance.uniform(1 - by, 1 + by), 0.0), max(c, 0.95)) for c in color)  # type: ignore[return-value]
@@ -57,7 +53,6 @@ def picture(name: str, pixels: np.ndarray) -> bpy.types.Image:
     """A packed image.
 
     Args:
-        name: Of the image.
         pixels: (H, W, 3 or 4), sRGB-encoded, row 0 at the bottom.
     """
     height, width, channels = pixels.shape

@@ -32,7 +32,6 @@ def cut(
         labels: (LOOKS, A).
         mask: (H, W) bool, where the subject is.
         variant: `WHOLE`, `ALONE` for the subject or `EMPTY` for its surroundings.
-        generator: Draws the background.
 
     Returns:
         Pictures and labels of the same shapes; what cannot be seen any more is `looks.UNKNOWN`.
@@ -70,7 +69,6 @@ def frame(
         labels: (LOOKS, A).
         mask: (H, W) bool, where the subject is.
         variant: As for `cut`.
-        dice: Draws the crop.
 
     Returns:
         Pictures, labels, the crop's top, left and side as shares of the picture, and whether it was mirrored.

@@ -59,11 +59,9 @@ def build(folder: Path, views: int, shapes: int, first_seed: int, size: int, wor
 
     Args:
         folder: Of the bank; replaced if it exists.
-        views: How many are traced.
         shapes: How many different subjects they show, in turn.
         first_seed: Of the first shape; the others have the numbers after it.
         size: Side of a view, pixels.
-        workers: Processes.
     """
     part = folder.with_name(folder.name + ".part")
     shutil.rmtree(part, ignore_errors=True)
@@ -99,7 +97,6 @@ def trace(subject: Shape, rng: Random, size: int) -> dict[str, np.ndarray]:
 
     Args:
         subject: The shape, z up.
-        rng: Draws camera, stage and lights.
         size: Side of the view, pixels.
 
     Returns:

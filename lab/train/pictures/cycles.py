@@ -43,7 +43,6 @@ def build(folder: Path, pairs: int, first_seed: int, size: int, samples: int = S
     Args:
         folder: Where ``pictures.npy`` (N, 3, H, W), ``masks.npy`` (N, H, W), both of bytes, ``labels.npy`` (N, A) and
             ``flipped.npy`` (N,) come to lie.
-        pairs: How many.
         first_seed: Of the first shape and look.
         size: Side of a picture in pixels.
         samples: Of Cycles, in a pixel.

@@ -56,7 +56,6 @@ def framed(maps: Tensor, box: tuple[float, float, float], mirrored: bool) -> Ten
     """Maps (K, CHANNELS, 40, 40) of a part of the pictures, (K, CHANNELS, GRID, GRID).
 
     Args:
-        maps: Of the whole pictures.
         box: Top, left and side of the part, in shares of the picture's side.
         mirrored: Whether the part is then mirrored.
     """
@@ -76,7 +75,6 @@ class MapReader(nn.Module):
 
     Args:
         module: The last module of the tower that still has a grid.
-        channels: Its channels.
     """
 
     def __init__(self, module: nn.Module, channels: int) -> None:
@@ -91,7 +89,6 @@ class MapReader(nn.Module):
         """Mean share of the maps' variance (B, CHANNELS, GRID, GRID) left unexplained in the pictures seen last.
 
         Args:
-            truth: The maps.
             weight: (B, 1, GRID, GRID) how much each cell counts.
         """
         maps = F.pixel_shuffle(self.layer(self._grid.pop().float()), 2)

@@ -70,10 +70,6 @@ STRESS = torch.tensor([_HARD.get(name, 1.0) for name in NAMES])
 def sample_flips(shape: tuple[int, int], generator: torch.Generator) -> Tensor:
     """Random attributes to flip, the hard ones more often than the others.
 
-    Args:
-        shape: Of the result.
-        generator: Draws them.
-
     Returns:
         Indices into `NAMES`.
     """
@@ -82,10 +78,6 @@ def sample_flips(shape: tuple[int, int], generator: torch.Generator) -> Tensor:
 
 def sample_classes(count: int, generator: torch.Generator) -> Tensor:
     """Classes of random looks; black, gray and white, and clear days, come up more often than by chance.
-
-    Args:
-        count: Looks.
-        generator: Draws them.
 
     Returns:
         (count, A).
@@ -107,7 +99,6 @@ def flip(classes: Tensor, attribute: Tensor, generator: torch.Generator) -> Tens
     Args:
         classes: (n, A).
         attribute: (n,), indices into `NAMES`.
-        generator: Draws the other class.
     """
     sizes = torch.tensor([len(c) for c in ATTRIBUTES.values()])[attribute]
     step = 1 + (torch.rand(len(classes), generator=generator) * (sizes - 1)).long()

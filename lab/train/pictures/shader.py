@@ -134,7 +134,6 @@ def blurred(at: Tensor, half: Tensor, blur: Tensor) -> Tensor:
 
     Args:
         at: Distance from the strip's middle.
-        half: Half its width.
         blur: The blur's width, in the same unit; above 0.
 
     Returns:

@@ -37,7 +37,6 @@ def moved(part: Shape, rotation: np.ndarray, offset: tuple = (0.0, 0.0, 0.0)) ->
     Args:
         part: The shape.
         rotation: (3, 3).
-        offset: x, y and z.
     """
     return Shape(part.triangles @ rotation.T + np.asarray(offset), part.normals @ rotation.T)
 
@@ -64,22 +63,12 @@ def grid(points: np.ndarray) -> Shape:
 
 
 def box(low: tuple, high: tuple) -> Shape:
-    """An axis-aligned box with flat sides.
-
-    Args:
-        low: Its least corner.
-        high: Its greatest corner.
-    """
+    """An axis-aligned box with flat sides."""
     return flat(trimesh.creation.box(bounds=np.array([low, high])))
 
 
 def ellipsoid(center: tuple, radii: tuple) -> Shape:
-    """An ellipsoid with its axes along x, y and z.
-
-    Args:
-        center: x, y and z.
-        radii: Along each axis.
-    """
+    """An ellipsoid with its axes along x, y and z."""
     mesh = trimesh.creation.icosphere(3)
     mesh.vertices = mesh.vertices * radii + np.asarray(center)
     return smooth(mesh)
@@ -91,7 +80,6 @@ def revolve(radius: np.ndarray, height: np.ndarray, sides: int = 48) -> Shape:
     Args:
         radius: (n,), of the points of its profile.
         height: (n,), of the same points.
-        sides: Faces around it.
     """
     angle = np.linspace(0, 2 * np.pi, sides + 1)
     ring = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], -1)
@@ -104,7 +92,6 @@ def tube(path: np.ndarray, radius: np.ndarray, sides: int = 14) -> Shape:
     Args:
         path: (n, 3).
         radius: (n,), at each point.
-        sides: Faces around it.
     """
     tangent = np.gradient(path, axis=0)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True) + 1e-9

@@ -18,11 +18,6 @@ def glossed(sentence: LabeledSentence, scene: SceneWords, vocabulary: Vocabulary
     """A sentence in English words; itself where it is English.
 
     Words of one label that do not stand together any more are labeled each.
-
-    Args:
-        sentence: With its labels.
-        scene: The names in its scene.
-        vocabulary: What English words mean.
     """
     read = gloss(sentence.text, scene, vocabulary)
     if not read.language:

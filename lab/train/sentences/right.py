@@ -25,7 +25,6 @@ def right_pairs(sentence: LabeledSentence, read: PromptPairs) -> list[list[bool]
     A look word that no label covers is right where it is left out.
 
     Args:
-        sentence: With its labels.
         read: The reader's look words with all their targets.
     """
     places = _places(sentence.text, read)
@@ -113,8 +112,6 @@ def is_right(pair: TargetPair, wanted: LabelTarget, scene: LabeledScene) -> bool
 
     Args:
         pair: A look word with a target.
-        wanted: What the label says.
-        scene: What the sentence is about.
     """
     kind, names = pair.target.kind, pair.target.names
     if wanted.kind in ("materials", "subject", "surroundings"):

@@ -27,13 +27,7 @@ class CheckedTable:
 
     @staticmethod
     def listed(source: TomlSource, name: str, known: Collection[str]) -> Iterator[CheckedTable]:
-        """The [[name]] tables of a file, in which there is nothing else.
-
-        Args:
-            source: The file.
-            name: Of the tables.
-            known: Keys that they may have.
-        """
+        """The [[name]] tables of a file, in which there is nothing else."""
         for key in source.content:
             if key != name:
                 raise source.problem(f"'{key}' is not known here.", f"Write [[{name}]] tables only.", key)
@@ -49,8 +43,6 @@ class CheckedTable:
         """An error in this table; the caller raises it.
 
         Args:
-            what: The mistake, as a sentence.
-            remedy: What to write instead.
             quoted: A text whose line is meant.
         """
         return self.source.problem(what, remedy, *self.keys, quoted=quoted)
@@ -101,7 +93,6 @@ class CheckedTable:
         """A list of names; empty where it is missing.
 
         Args:
-            key: Of the list.
             known: Names that exist; empty where any will do.
         """
         return self.checked_names(key, self.content.get(key, []), known)
@@ -121,7 +112,6 @@ class CheckedTable:
         """A table of names; empty where it is missing.
 
         Args:
-            key: Of the table.
             known: Names that exist; empty where any will do.
         """
         value = self.content.get(key, {})

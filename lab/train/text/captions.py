@@ -74,9 +74,7 @@ def caption(
 
     Args:
         mentioned: What to say; at least one attribute.
-        dice: Source of the wording.
         empty: Whether the picture shows the surroundings only.
-        split: Which wordings to choose from.
     """
     rest = dict(mentioned)
     phrase = _phrase(rest, dice) if dice.random() < (0.0 if split.held_out else 0.3) else ""
@@ -172,9 +170,7 @@ def mention(classes: AttributeClasses, flipped: str | None, dice: random.Random)
     What is nothing special, such as no fog, is rarely said.
 
     Args:
-        classes: What the picture shows.
         flipped: The attribute in which it differs from the others of its group; None if there is none.
-        dice: Draws them.
 
     Returns:
         A part of `classes`, in the order of `ATTRIBUTES`; empty if there is nothing worth saying.
@@ -199,13 +195,7 @@ def mention(classes: AttributeClasses, flipped: str | None, dice: random.Random)
 
 
 def samples(count: int, seed: int, split: WordingSplit = TRAINED) -> list[str]:
-    """All words that training will use: captions of random attributes, and every noun, color name and phrase.
-
-    Args:
-        count: Captions.
-        seed: Of their attributes and words.
-        split: Which wordings may be used.
-    """
+    """All words that training will use: captions of random attributes, and every noun, color name and phrase."""
     dice = random.Random(seed)
     drawn = ({name: dice.choice(classes) for name, classes in ATTRIBUTES.items()} for _ in range(count))
     sentences = [

@@ -48,7 +48,6 @@ def neighbors(net: WordNet, words: dict[str, int]) -> list[dict[int, float]]:
     """The words near each word in WordNet: its synonyms, and what their synsets are linked to.
 
     Args:
-        net: WordNet.
         words: N words; those that are not among them do not count.
 
     Returns:
@@ -101,10 +100,8 @@ def features(
     """Vectors of words: the encoder's of the word and of its glosses, and GloVe's.
 
     Args:
-        words: N words.
         net: WordNet, for the glosses.
         glove: Word -> 100 numbers or more.
-        model: Folder of the sentence encoder.
         work: Folder in which its vectors are kept.
 
     Returns:
@@ -136,9 +133,7 @@ def encoded(words: list[str], net: WordNet, model: Path, work: Path) -> tuple[En
     """The encoder's vectors of words and of the synsets that they mean; vectors that are kept are not made again.
 
     Args:
-        words: The words.
         net: WordNet, for the synsets.
-        model: Folder of the sentence encoder.
         work: Folder in which the vectors are kept.
 
     Returns:
@@ -196,8 +191,6 @@ def build(vocabulary: Vocabulary, model: Path, wordnet: Path, glove: Path, work:
 
     Args:
         vocabulary: The entries, and the words that are listed for them.
-        model: Folder of the sentence encoder.
-        wordnet: WordNet's folder.
         glove: JSON file with "words", the most frequent ones first, and "vectors".
         work: Folder in which the encoder's vectors are kept.
     """

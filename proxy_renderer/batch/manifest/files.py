@@ -21,7 +21,6 @@ class Files:
     """Finds files from the manifest's folder.
 
     Args:
-        source: The manifest.
         out: The results folder, which holds no scenes.
 
     Attributes:

@@ -100,7 +100,6 @@ def load(path: Path, out: Path) -> Manifest:
     """Reads and checks a manifest.
 
     Args:
-        path: The TOML file.
         out: The results folder; scenes that patterns match in it are left out.
 
     Raises:

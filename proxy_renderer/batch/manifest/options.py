@@ -21,13 +21,7 @@ _ELSEWHERE = {"seed": "Write seeds = [0, 1] at the top."}
 
 
 class OptionReader:
-    """Reads the tables of options.
-
-    Args:
-        source: The manifest.
-        base: Its folder.
-        options: The rows that there are.
-    """
+    """Reads the tables of options."""
 
     def __init__(self, source: TomlSource, base: Path, options: Iterable[Option] = TABLE) -> None:
         self._problem, self._base = source.problem, base
@@ -38,8 +32,6 @@ class OptionReader:
         """The options in a table of the manifest, each of its type, and good.
 
         Args:
-            table: What the manifest says there.
-            keys: Where the table is.
             where: "scene" or "shots" if more may stand there than the options of every vibe.
 
         Raises:
@@ -93,7 +85,6 @@ class OptionReader:
         """Refuses a prompt that a vibe could not work with.
 
         Args:
-            prompt: The words.
             options: Of the job; those that are missing have the manifest's defaults.
 
         Raises:

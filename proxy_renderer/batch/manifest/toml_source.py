@@ -73,8 +73,6 @@ class TomlSource:
         """An error that names the file and the line of a key; the caller raises it.
 
         Args:
-            what: The mistake, as a sentence.
-            remedy: What to write instead.
             keys: The way to the key, from the outermost table on.
             quoted: A text in the key's value whose line is meant, such as one pattern of a list.
         """

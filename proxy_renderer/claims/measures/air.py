@@ -21,7 +21,6 @@ def haze(picture: MeasuredPicture, where: Tensor) -> Tensor:
     The world has no distance; a region that shows little else is measured with it.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     passing = picture.seen.transmittance
@@ -35,7 +34,6 @@ def mist_below(picture: MeasuredPicture, where: Tensor) -> Tensor:
     Mist that lies on the ground hides the foot and leaves the head; all of a thing is about as far away.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the thing.
 
     Returns:
@@ -53,7 +51,6 @@ def air_lightness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     How much is no way to make it lighter: thin fog shows the dark that is behind it, and is not white for that.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     veil = (1.0 - picture.seen.transmittance.detach())[where] + _CLEAR

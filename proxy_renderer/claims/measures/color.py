@@ -31,7 +31,6 @@ def color(picture: MeasuredPicture, where: Tensor) -> Tensor:
     of its darker part.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
 
     Returns:
@@ -49,7 +48,6 @@ def tint(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Where the mean color lies off gray: (2,) a* and b* of CIE Lab.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     return picture.lab[..., 1:][where].mean(0)
@@ -61,7 +59,6 @@ def accent(picture: MeasuredPicture, where: Tensor, direction: Tensor) -> Tensor
     Two lights of two colors tint different parts of a picture, and its mean by neither.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
         direction: (2,) unit vector in a* and b*.
     """
@@ -73,7 +70,6 @@ def lightness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Mean lightness: (1,) L*.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     return picture.lab[..., 0][where].mean()[None]
@@ -83,7 +79,6 @@ def chroma(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Mean distance from gray: (1,) C* of CIE Lab.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     return _chroma_of(picture, where).mean()[None]
@@ -93,7 +88,6 @@ def vividest(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Distance from gray that all but the most vivid thirtieth of the pixels keep below: (1,) C* of CIE Lab.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     return _chroma_of(picture, where).quantile(1 - 1 / 30)[None]
@@ -108,7 +102,6 @@ def warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """How far the mean color lies towards orange, or, below 0, towards blue: (1,) b* and half of a*.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     _, a, b = picture.lab[where].mean(0)
@@ -119,7 +112,6 @@ def shadow_warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Warmth of the darkest part of a region: (1,), see `warmth`.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     return warmth(picture, where & (_rank(picture, where) <= _ENDS))
@@ -129,7 +121,6 @@ def highlight_warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Warmth of the lightest part of a region: (1,), see `warmth`.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     return warmth(picture, where & (_rank(picture, where) >= 1 - _ENDS))
@@ -139,7 +130,6 @@ def brown_distance(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Mean distance of colors from the one line of brown tints that a sepia print has: (1,) Lab; gray is 5 away.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     _, a, b = picture.lab[where].unbind(-1)

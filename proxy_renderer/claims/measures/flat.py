@@ -29,7 +29,6 @@ def mean(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Mean color of a region: (3,) OKLab, times 100.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     return picture.oklab[where].mean(0)
@@ -69,7 +68,6 @@ def spread(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """From the darkest to the lightest tenth of a region: (1,) L*.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     return (lightness_below(picture, where, 0.9) - lightness_below(picture, where, 0.1))[None]
@@ -83,7 +81,6 @@ def cast(picture: MeasuredPicture, where: Tensor) -> Tensor:
     using Gray Pixels"; the weights are Cauchy's.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     lab = picture.lab[where]
@@ -107,7 +104,6 @@ def from_right(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """How much lighter the right third of a region is than its left third: (1,) L*.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     return _across(picture, where, 1)[None]
@@ -117,7 +113,6 @@ def from_above(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """How much lighter the upper third of a region is than its lower third: (1,) L*.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     return -_across(picture, where, 0)[None]
@@ -129,7 +124,6 @@ def veil(picture: MeasuredPicture, where: Tensor) -> Tensor:
     In a clear picture nearly every patch has something dark or colorful in it, where one of red, green and blue is low.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
 
     Returns:

@@ -31,7 +31,6 @@ def light_right(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """How far the light comes from the right: (1,) in [-1, 1], in the camera's space.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     return _shading(picture, where)[0:1]
@@ -41,7 +40,6 @@ def light_up(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """How far the light comes from above: (1,) in [-1, 1], in the camera's space.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     return _shading(picture, where)[1:2]
@@ -51,7 +49,6 @@ def light_front(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """How far the light comes from the camera's side: (1,) in [-1, 1].
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     return _shading(picture, where)[2:3]
@@ -63,7 +60,6 @@ def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     Highlights, too, have steep slopes under small lamps.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
 
     Returns:
@@ -92,7 +88,6 @@ def key_to_fill(picture: MeasuredPicture, where: Tensor) -> Tensor:
     the brightest percent, highlights, is left out.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     light, material = (picture.shading.clamp_min(0) + _FLOOR).log2()[where], picture.seen.material[where]
@@ -112,7 +107,6 @@ def rim(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """How much lighter the lightest fifth of a region's outline is than its inside: (1,) L*.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     light, band = picture.lab[..., 0], 2 * max(min(where.shape) // 96, 1) + 1
@@ -131,7 +125,6 @@ def gloss(picture: MeasuredPicture, where: Tensor) -> Tensor:
     raise it, for the sides are near. Light that only grows towards an outline has one side, and is none.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
 
     Returns:

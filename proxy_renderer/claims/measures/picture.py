@@ -74,8 +74,6 @@ def region_of(seen: GBuffer, part: Part, materials: tuple[str, ...] = ()) -> Boo
     """The pixels that lie wholly in a part of the picture, or show one of these materials.
 
     Args:
-        seen: What the camera sees.
-        part: Of the picture.
         materials: Names; none for the whole part.
     """
     if materials:

@@ -37,7 +37,6 @@ def unscattered(picture: MeasuredPicture, where: Tensor) -> Tensor:
     quickly too, so that intricate things have some of it in any case.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
 
     Returns:
@@ -61,7 +60,6 @@ def sheen(picture: MeasuredPicture, where: Tensor) -> Tensor:
     Velvet and dust glow along their edges, on the side of the lamp and on the other.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
 
     Returns:
@@ -82,7 +80,6 @@ def sharpness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """How sharp reflections are: the steepest slopes of lightness inside of surfaces.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
 
     Returns:

@@ -20,7 +20,6 @@ def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
     A small thing in a spot of light is a picture of high contrast, however little of it is light.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     subject = region_of(picture.seen, "subject") & where
@@ -33,7 +32,6 @@ def black_point(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """How light the darkest fiftieth is: (1,) L*.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     return lightness_below(picture, where, 0.02)[None]
@@ -43,7 +41,6 @@ def white_point(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """How light the lightest fiftieth is: (1,) L*.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     return lightness_below(picture, where, 0.98)[None]
@@ -55,7 +52,6 @@ def vignette(picture: MeasuredPicture, where: Tensor) -> Tensor:
     All four count, because light from one side darkens two of them. The subject is left out.
 
     Args:
-        picture: The picture.
         where: Not read: it is a measure of the whole picture.
 
     Returns:
@@ -66,11 +62,7 @@ def vignette(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def corner_falls(picture: MeasuredPicture) -> Tensor:
-    """How much darker each corner is than the middle ring, the subject left out: (n,) L*, n at most 4, the least first.
-
-    Args:
-        picture: The picture.
-    """
+    """How much darker each corner is than the middle ring, the subject left out: (n,) L*, n at most 4, the least first."""
     light, free = picture.lab[..., 0], region_of(picture.seen, "surroundings")
     height, width = light.shape
     y, x = torch.meshgrid(_middles(height, light), _middles(width, light), indexing="ij")
@@ -89,7 +81,6 @@ def standing_out(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """How much lighter a region is than the surroundings, by their medians: (1,) L*; below 0 it is darker.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     return (
@@ -102,7 +93,6 @@ def silhouette(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """How much darker a region is than the surroundings, less half of its own spread of light: (1,) L*.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     spread = lightness_below(picture, where, 0.9) - lightness_below(picture, where, 0.1)
@@ -113,7 +103,6 @@ def separation(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """How far the region's mean color is from that of the ring right around it: (1,) distance in CIE Lab.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     width = 2 * max(min(where.shape) // 16, 1) + 1
@@ -128,7 +117,6 @@ def burnt(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Share of a region that is burnt out, by a soft step at L* 97: (1,) in [0, 1].
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     return torch.sigmoid(2 * (picture.lab[..., 0][where] - 97.0)).mean()[None]
@@ -138,7 +126,6 @@ def drowned(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Share of a region that drowns in black, by a soft step at L* 4: (1,) in [0, 1].
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
     """
     return torch.sigmoid(2 * (4.0 - picture.lab[..., 0][where])).mean()[None]
@@ -148,7 +135,6 @@ def lightness_below(picture: MeasuredPicture, where: Tensor, share: float) -> Te
     """Lightness () below which a share of the region lies; the mean of the pixels near it, for gradients.
 
     Args:
-        picture: The picture.
         where: (H, W) bool, the region.
         share: In [0, 1].
     """

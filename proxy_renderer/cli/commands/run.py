@@ -54,9 +54,7 @@ def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> 
     """Checks everything that can be checked without Blender, then starts it.
 
     Args:
-        a: The command line.
         what: The command of Blender's side.
-        scenes: Its scenes.
     """
     checks.prompt(a.prompt, a.like, a.goals)
     checks.numbers(a)

@@ -47,7 +47,6 @@ class Assessment:
         Args:
             values: (M,) as `values`.
             rest: () as `rest`.
-            weight: Of a noticeable step.
         """
         misses = self.misses(values)
         return weight * float(F.huber_loss(misses, torch.zeros_like(misses), reduction="sum")) + float(rest)

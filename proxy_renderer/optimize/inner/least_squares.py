@@ -66,7 +66,6 @@ def solve(
     """Minimizes the objective over the chosen components.
 
     Args:
-        objective: What to minimize.
         u: (N,) start, inside the box.
         chosen: (N,) bool, the components that may move.
         lower: (N,) lower corner of the feasible box.
@@ -123,7 +122,6 @@ def linearize(objective: ClaimObjective, u: Tensor, chosen: Tensor, span: Tensor
     """The model at a point, over its chosen components' shares of their ranges.
 
     Args:
-        objective: What is minimized.
         u: (N,) the point.
         chosen: (N,) bool, n components.
         span: (n,) their ranges.

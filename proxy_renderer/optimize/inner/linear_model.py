@@ -86,7 +86,6 @@ class LinearModel:
 
         Args:
             move: (n,).
-            parts: The components, by any name.
             low: (n,) least that may be moved.
             high: (n,) most.
 
@@ -111,10 +110,6 @@ class LinearModel:
     def alike(self, part: slice, other: slice) -> float:
         """The share of what components do to the values that others could do, in [0, 1].
 
-        Args:
-            part: The components.
-            other: Others.
-
         Returns:
             0 also where the components do nothing, or where too few values are known to tell.
         """
@@ -130,7 +125,6 @@ class LinearModel:
         """The model at x, whose slopes agree with what was seen at x + move (Broyden 1965).
 
         Args:
-            seen: At x + move.
             move: (n,), not zero.
         """
         along = move / move.square().sum()

@@ -127,11 +127,9 @@ class Confiner:
         """The round of a plan: its ranges, their box, and u projected into it.
 
         Args:
-            advice: With the plan.
             u: (N,) the point.
             start: Where this refinement started; None for the artist's scene.
             reach: How far from u the round may go.
-            claims: What words claim.
         """
         ranges = self._ranges(advice.plan, u, reach.opening, claims)
         lower, upper = self._vector.bounds(ranges)
@@ -141,11 +139,7 @@ class Confiner:
         return Confined(advice, advice.plan, ranges, lower, upper, project(u, lower, upper), reach.opening)
 
     def middle(self, now: Confined) -> Tensor:
-        """(N,) another start: what is relevant stands in the middle of its range.
-
-        Args:
-            now: The round, confined.
-        """
+        """(N,) another start: what is relevant stands in the middle of its range."""
         movable = self._vector.mark(key for key, entry in now.plan.items() if entry.priority is not None)
         return torch.where(movable & (now.upper > now.lower), (now.lower + now.upper) / 2, now.u)
 

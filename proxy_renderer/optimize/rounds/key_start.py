@@ -37,7 +37,6 @@ def with_key_turned(
     """A point whose key light comes from where it does in a picture; u itself where none is better, or it may not turn.
 
     Args:
-        scene: What the picture shows.
         vector: The parameters of u.
         u: (N,) within the box.
         lower: (N,) its lower corner.

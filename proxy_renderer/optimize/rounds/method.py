@@ -50,11 +50,7 @@ class Method:
         return plan
 
     def claims(self, claims: tuple[Claim, ...]) -> tuple[Claim, ...]:
-        """The claims that pictures are measured by.
-
-        Args:
-            claims: Of words and picture.
-        """
+        """The claims that pictures are measured by."""
         return claims
 
     def guidance(
@@ -63,8 +59,6 @@ class Method:
         """The judge of a picture's similarity to the words that the encoder is asked for.
 
         Args:
-            encoder: Judges similarity.
-            prompt: What the artist typed.
             advice: The composed captions, and what the words ask for.
             start: The artist's picture, on which the guidance is calibrated.
             every_word: Whether that are all words, as in the paper: an artist has named an encoder.
@@ -80,9 +74,7 @@ class Method:
         """S_K (line 6), and what is minimized over it.
 
         Args:
-            now: The round, confined.
             vector: The parameters of u.
-            shots: The shots that judge.
             u: (N,) where the parameters are chosen.
             options: K is `top_k`.
         """
@@ -101,11 +93,8 @@ class Method:
         """Lines 8 to 15, from the round's projected point.
 
         Args:
-            now: The round, confined.
             chosen: S_K, and what is minimized; chosen at that point.
             movable: (N,) bool, the components that may move.
-            steps: T, the most steps.
-            seed: Of all chance in it.
             follow: Called with (step from 1, loss, picture) after each step; True ends the loop.
         """
         return solve(chosen.objective, now.u, movable, now.lower, now.upper, steps, follow, chosen.model)

@@ -95,7 +95,6 @@ def recall(shots: Sequence[ShotState], anchors: Sequence[AnchorState]) -> None:
     """Corrects the proxies as they once were.
 
     Args:
-        shots: Their shots.
         anchors: For each, the corrections of that time.
     """
     for shot, anchor in zip(shots, anchors, strict=True):
@@ -129,10 +128,6 @@ class Refinement:
     claim. A round that ended farther from them than an earlier one is taken back, and the next has the plan's own ranges again,
     or may go half as far. When that does not help either, one round begins in the middle of all ranges. The best end of all is the result,
     with least change.
-
-    Args:
-        search: What all starts share.
-        start: Where to start.
     """
 
     def __init__(self, search: Search, start: Start) -> None:

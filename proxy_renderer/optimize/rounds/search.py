@@ -227,7 +227,6 @@ class Search:
         """What is minimized in a round, and over which parameters.
 
         Args:
-            now: The round, confined.
             u: (N,) where the parameters are chosen.
             shots: Those that judge; all if there are none.
         """
@@ -237,7 +236,6 @@ class Search:
         """Lines 8 to 15 of Algorithm 1, from the round's projected point.
 
         Args:
-            now: The round, confined.
             chosen: S_K, and what is minimized; chosen at that point.
         """
         movable = self.vector.mark(chosen.keys) & (now.upper > now.lower)

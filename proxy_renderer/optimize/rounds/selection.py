@@ -81,14 +81,11 @@ def select(
     """S_K (equation 7): the K parameters that receive gradients.
 
     Args:
-        plan: Priorities and priors by key.
         vector: The parameters of u.
-        shots: The shots that judge.
         u: (N,) where parameters are chosen.
         lower: (N,) lower corner of the feasible box.
         upper: (N,) upper corner.
         options: K is `top_k`.
-        weights: Of the loss.
         opening: In [0, 1]: for how long claims have been missed, see `search.Confined`.
 
     Raises:
@@ -117,7 +114,6 @@ def relevant(plan: Plan, vector: ParameterVector, wide: Tensor) -> set[str]:
     """Keys of what a round may change.
 
     Args:
-        plan: Priorities and priors by key.
         vector: The parameters of u.
         wide: (N,) bool, the components that have a range.
 

@@ -51,11 +51,8 @@ def draw_starts(
 
     Args:
         vector: The parameters of u.
-        plan: What is relevant.
         u: (N,) inside the box.
         box: Lower and upper corner, each (N,).
-        number: How many.
-        seed: Of the draw.
     """
     generator = torch.Generator().manual_seed(seed)
     keys = [key for key, entry in plan.items() if entry.priority is not None]
@@ -77,7 +74,6 @@ def roam(instances: Mapping[str, Instance], plan: Plan) -> Plan:
 
     Args:
         instances: The scene's parameters by key.
-        plan: The first round's.
     """
     roaming = Plan(dict(plan), plan.notes)
     for key, entry in plan.items():
@@ -97,7 +93,6 @@ def with_reasons(plan: Plan, vector: ParameterVector, u: Tensor) -> Plan:
     """The plan, with the reason "varied" for what this point has varied.
 
     Args:
-        plan: Of the round.
         vector: The parameters of u.
         u: (N,) the point.
     """
@@ -133,7 +128,6 @@ def distance(a: Tensor, b: Tensor) -> float:
 
     Args:
         a: (H, W, 3) display values in [0, 1].
-        b: Likewise, of any size.
     """
     return float((_cells(a) - _cells(b)).norm(dim=0).mean())
 
@@ -144,7 +138,6 @@ def most_diverse(pictures: list[Tensor], losses: list[float], number: int) -> li
     Args:
         pictures: (H, W, 3) each.
         losses: Of the pictures; smaller is better.
-        number: How many indices.
     """
     ranked = sorted(range(len(losses)), key=losses.__getitem__)
     good = ranked[: max(-(-len(ranked) // 2), number)]

@@ -24,9 +24,6 @@ from .search import Search
 def find_starts(search: Search) -> list[Start]:
     """The artist's scene; with variants or several starts, points drawn in the plan's ranges and tried in a coarse pass.
 
-    Args:
-        search: What all starts share.
-
     Returns:
         One start for each variant: those of least loss among which the pictures differ most.
     """

@@ -23,10 +23,7 @@ def asks_for_backdrop(
     place usually has is no such wish: the sky of a garden at night is the night's.
 
     Args:
-        goals: What the words wish for.
         instances: The scene's parameters by key.
-        context: The scene.
-        vocabulary: What words mean.
     """
     owners = Owners(goals.parsed, instances, context, vocabulary)
     of_world = [

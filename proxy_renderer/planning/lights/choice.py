@@ -24,10 +24,7 @@ class SceneLights:
     """The lights of a scene by role, and what glows as they do.
 
     Args:
-        parsed: The prompt.
         instances: The scene's parameters.
-        context: Its lights and glows.
-        vocabulary: What words mean.
 
     Attributes:
         key: Names of the key lights; the one that is brightest on the subject where no light has that role.

@@ -30,11 +30,8 @@ def lacking(
     """The lights on standby that the words ask for.
 
     Args:
-        goals: What the words wish for.
         instances: The scene's parameters by key.
-        context: The scene.
         standby: Names of the lights on standby, with their roles.
-        vocabulary: What words mean.
     """
     parsed = goals.parsed
     owners = Owners(parsed, instances, context, vocabulary)

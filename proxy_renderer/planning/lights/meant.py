@@ -42,9 +42,7 @@ def assigned(
     name of its own.
 
     Args:
-        attributes: Of the prompt.
         lights: The most important one first, those that are added last.
-        vocabulary: What words mean.
     """
     said: dict[int, list[Attribute]] = {}
     for attribute in attributes:

@@ -24,9 +24,7 @@ class AbsentObjects:
     The first of them is what the artist calls the subject, where the subject is of one material and no noun names it.
 
     Args:
-        found: The prompt.
         scene: Its names, and how its materials look.
-        vocabulary: What words mean.
     """
 
     def __init__(self, found: PromptPairs, scene: SceneWords, vocabulary: Vocabulary) -> None:

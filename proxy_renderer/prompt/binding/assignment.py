@@ -22,7 +22,6 @@ def assigned(read: PromptPairs, weights: Mapping[str, float]) -> list[TargetPair
     Viterbi's algorithm (1967). If every word came to nothing, at least one has to describe something.
 
     Args:
-        read: The prompt with all pairs.
         weights: Of the facts about pairs and links.
     """
     chosen = _likeliest(read.passage, read.pairs, weights)
@@ -38,7 +37,6 @@ def probabilities(read: PromptPairs, weights: Mapping[str, float]) -> list[list[
     Forward and backward sums over all rows of pairs (Rabiner, 1989).
 
     Args:
-        read: The prompt with all pairs.
         weights: Of the facts about pairs and links.
     """
     import numpy as np
@@ -94,13 +92,7 @@ def _chain(
 
 
 def link(passage: Passage, one: TargetPair, other: TargetPair) -> str:
-    """The fact about two pairs in a row.
-
-    Args:
-        passage: The prompt.
-        one: Of a look word.
-        other: Of the next one.
-    """
+    """The fact about two pairs in a row."""
     return f"{_apart(passage, one, other)}: {_alike(one, other)}"
 
 

@@ -43,13 +43,7 @@ class Becoming:
 
 
 def becoming(token: Token, kind: str, vocabulary: Vocabulary) -> Becoming | None:
-    """What a word becomes at a kind of target; None if it cannot describe it.
-
-    Args:
-        token: Of the look word.
-        kind: Of the target.
-        vocabulary: What words mean.
-    """
+    """What a word becomes at a kind of target; None if it cannot describe it."""
     if kind in NOWHERE:
         return Becoming("", "", "own")
     rows = vocabulary.adjectives.get(token.adjective, {})

@@ -35,9 +35,7 @@ class Things:
     """The things that the look words of a prompt are bound to.
 
     Args:
-        found: The prompt.
         chosen: The pair of each look word.
-        scene: The names in the scene.
 
     Attributes:
         mentioned: The nouns with a surface: name, region and materials.
@@ -69,11 +67,7 @@ class Things:
         return any(self.scene.materials.get(name) == "subject" for name in named)
 
     def of(self, pair: TargetPair) -> Thing:
-        """The thing that a pair binds its look word to.
-
-        Args:
-            pair: One of those chosen.
-        """
+        """The thing that a pair binds its look word to."""
         kind, name = pair.target.kind, self._name(pair)
         if kind in MATTER:
             return self._matter(pair, name)

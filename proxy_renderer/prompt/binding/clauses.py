@@ -14,11 +14,6 @@ from ..tokens import TIES, Token
 class ClauseForms:
     """The clauses of one prompt.
 
-    Args:
-        passage: Its tokens and look words.
-        mentions: Its nouns.
-        vocabulary: What words mean.
-
     Attributes:
         look_at: Places of look words.
         noun_at: Places of nouns.
@@ -36,11 +31,7 @@ class ClauseForms:
         self.spares = any(mention.spared for mention in mentions)
 
     def role(self, place: int) -> str:
-        """What an item is in its clause: "noun", "look", a tie, or "other".
-
-        Args:
-            place: Of the item.
-        """
+        """What an item is in its clause: "noun", "look", a tie, or "other"."""
         if place in self.noun_at:
             return "noun"
         if place in self.look_at:
@@ -49,21 +40,13 @@ class ClauseForms:
         return next((tie for tie in TIES if tie in lists), "other")
 
     def sort_of(self, token: Token) -> str:
-        """The slot of what a look word means; "adjective" where that depends on what it describes.
-
-        Args:
-            token: Of the look word.
-        """
+        """The slot of what a look word means; "adjective" where that depends on what it describes."""
         if token.entry:
             return self.vocabulary.entries[token.entry].slot
         return "color" if token.color else "adjective"
 
     def lead(self, index: int) -> str:
-        """The word before a look word and its neighbors that are looks too: "on" of "on a glossy black floor".
-
-        Args:
-            index: Place of the look word.
-        """
+        """The word before a look word and its neighbors that are looks too: "on" of "on a glossy black floor"."""
         before = [p for p in self.places[self.passage.items[index].clause] if p < index]
         while before and self._is_led(before[-1]):
             before.pop()
@@ -79,11 +62,7 @@ class ClauseForms:
         return passed and place not in self.noun_at
 
     def turn(self, clause: int) -> str:
-        """What the clause before another ends with: "after a clause that ends in light".
-
-        Args:
-            clause: Number of the other.
-        """
+        """What the clause before another ends with: "after a clause that ends in light"."""
         if clause == 0:
             return "after nothing"
         last = next((p for p in reversed(self.places[clause - 1]) if p in self.noun_at | self.look_at), None)

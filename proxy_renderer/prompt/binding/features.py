@@ -15,12 +15,7 @@ from .targets import LAMPS, MATTER, Target
 
 
 class PairFeatures:
-    """The facts about the pairs of one look word.
-
-    Args:
-        look: The look word.
-        forms: The clauses of the prompt.
-    """
+    """The facts about the pairs of one look word."""
 
     def __init__(self, look: PromptLook, forms: ClauseForms) -> None:
         self.look, self.token, self.forms = look, look.token, forms
@@ -37,7 +32,6 @@ class PairFeatures:
 
         Args:
             target: What the look word may describe.
-            becoming: What it would be there.
         """
         kind, token = _group(target.kind), self.token
         said = f"'{token.adjective or token.entry or 'a color'}'{self._name}"  # all colors are one

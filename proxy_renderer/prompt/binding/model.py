@@ -20,12 +20,7 @@ FactWeights = dict[str, float]
 
 
 def scores(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list[float]:
-    """Logarithms of the probabilities of a look word's targets.
-
-    Args:
-        pairs: All of one look word.
-        weights: By feature.
-    """
+    """Logarithms of the probabilities of a look word's targets."""
     raw = [sum(weights.get(name, 0.0) for name in pair.features) for pair in pairs]
     most = max(raw)
     whole = most + math.log(sum(math.exp(r - most) for r in raw))
@@ -36,10 +31,6 @@ def likeliest(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list
     """The few targets of a look word that its links to others may decide between, with their scores, best first.
 
     Pairs that come to the same, by one noun or by another, are one: the likeliest of them, as likely as all together.
-
-    Args:
-        pairs: All of one look word.
-        weights: By feature.
     """
     same: dict[object, list[tuple[TargetPair, float]]] = {}
     for pair, score in zip(pairs, scores(pairs, weights), strict=True):
@@ -59,14 +50,7 @@ def shipped_weights() -> FactWeights:
 
 
 def write(path: Path, weights: Mapping[str, float], command: str, figures: Mapping[str, Any]) -> None:
-    """Writes a file of weights.
-
-    Args:
-        path: The file.
-        weights: By feature.
-        command: That made them.
-        figures: What they reached.
-    """
+    """Writes a file of weights."""
     kept = {name: round(w, 2) for name, w in weights.items() if abs(w) >= _SMALL}
     content = {"made by": command, "figures": dict(figures), "weights": kept}
     path.write_text(json.dumps(content, indent=0, ensure_ascii=False) + "\n", encoding="utf-8")

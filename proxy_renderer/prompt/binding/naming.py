@@ -16,24 +16,14 @@ _REGIONS = {"subject": "subject", "surroundings": "surroundings"}
 
 
 def target_name(target: Target, scene: SceneWords) -> str:
-    """The name of something that a word may describe; "" where it has none.
-
-    Args:
-        target: It.
-        scene: The names in the scene.
-    """
+    """The name of something that a word may describe; "" where it has none."""
     if target.names and target.kind not in ROLES:
         return _called(target.names, scene, is_matter=target.kind in MATTER)
     return NAME_OF.get(target.kind, "")
 
 
 def described_name(attribute: Attribute, scene: SceneWords) -> str:
-    """The name of what an attribute describes.
-
-    Args:
-        attribute: A look word, bound.
-        scene: The names in the scene.
-    """
+    """The name of what an attribute describes."""
     names = _called(attribute.lights, scene, is_matter=False) if attribute.lights else ""
     names = names or (_called(attribute.owners, scene, is_matter=True) if attribute.owners else "")
     kind = attribute.role or _KINDS.get(attribute.kind) or _REGIONS.get(attribute.region, "picture")

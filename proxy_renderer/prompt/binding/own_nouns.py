@@ -17,13 +17,7 @@ _STOPS = ("around", "comparison", "exception")
 
 
 class OwnNouns:
-    """Finds the nouns of look words.
-
-    Args:
-        passage: The prompt.
-        mentions: Its nouns.
-        vocabulary: What words mean.
-    """
+    """Finds the nouns of look words."""
 
     def __init__(self, passage: Passage, mentions: list[NounMention], vocabulary: Vocabulary) -> None:
         self._items, self._vocabulary = passage.items, vocabulary
@@ -32,30 +26,18 @@ class OwnNouns:
         self._at = {place: m for m in single for place in range(m.start, m.end + 1)}
 
     def of(self, look: int) -> NounMention | None:
-        """The noun that a look word is said of; None where that is not certain.
-
-        Args:
-            look: Place of the look word.
-        """
+        """The noun that a look word is said of; None where that is not certain."""
         if change := self._change(look):
             changed = (p for p, item in enumerate(self._items) if item.presents and item.change == change)
             return next((self._at[place] for place in changed if place in self._at), None)
         return self._purpose(look) or self._after(look) or self._before(look) or self._ahead(look)
 
     def changed(self, look: int) -> NounMention | None:
-        """The object of the change phrase that a look word is in, or that it goes on with: "from red to grey, still glossy".
-
-        Args:
-            look: Place of the look word.
-        """
+        """The object of the change phrase that a look word is in, or that it goes on with: "from red to grey, still glossy"."""
         return self.of(look) if self._change(look) else None
 
     def is_noun(self, look: int) -> bool:
-        """Whether a color stands as a noun itself, and speaks of what is there: "out of the black".
-
-        Args:
-            look: Place of the look word.
-        """
+        """Whether a color stands as a noun itself, and speaks of what is there: "out of the black"."""
         definite = look > 0 and self._items[look - 1].text == "the"
         return definite and not (self._items[look].change or self._after(look))
 

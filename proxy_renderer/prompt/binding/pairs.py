@@ -65,9 +65,6 @@ def looks(text: str, words: SceneWords, vocabulary: Vocabulary, foreign: Collect
     """A prompt with its look words, of which nothing is bound.
 
     Args:
-        text: The prompt, prepared.
-        words: The names in the scene.
-        vocabulary: What is known.
         foreign: Words of another language that are left in the prompt.
     """
     clauses = with_changes(Lexer(vocabulary, words, foreign).clauses(text), vocabulary)
@@ -80,9 +77,6 @@ def reading(
     """The pairs of a prompt.
 
     Args:
-        text: The prompt.
-        words: The names in the scene.
-        vocabulary: What is known.
         foreign: Words of another language that are left in the prompt.
     """
     found = looks(text, words, vocabulary, foreign)

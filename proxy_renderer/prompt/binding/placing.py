@@ -16,11 +16,6 @@ _NEAR = {0: "same clause", 1: "next clause"}
 class NounPlace:
     """A noun as seen from a look word.
 
-    Args:
-        forms: The clauses of the prompt.
-        look: Place of the look word.
-        mention: The noun.
-
     Attributes:
         side: Whether the noun stands "after" the look word or "before" it.
         where: The side, and how many clauses the nearer ends of the two are apart.
@@ -38,13 +33,7 @@ class NounPlace:
         self.where = f"{self.side}, {_NEAR.get(self._apart, 'far clause')}"
 
     def facts(self, kind: str, sort: str, lead: str) -> Iterator[str]:
-        """All that their places say.
-
-        Args:
-            kind: Of the target, in short.
-            sort: Of the look word.
-            lead: What leads the look word.
-        """
+        """All that their places say."""
         where = self.where
         yield f"{where}: {kind}"
         if not self._between and not self._apart:

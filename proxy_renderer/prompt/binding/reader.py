@@ -38,8 +38,6 @@ class PromptReader:
     """Scores every look word with everything that it may describe, and takes what is likeliest together.
 
     Args:
-        vocabulary: What is known.
-        scene: The names in the scene.
         weights: By feature; None for those that are shipped.
         is_part: What is read is what a mood stands for; no mood may be in it.
         told: Word -> what the artist says that it describes.
@@ -79,7 +77,6 @@ class PromptReader:
         """Binds every look word; the result lacks what `meaning.complete` adds.
 
         Args:
-            text: The prompt, prepared.
             foreign: Words of another language that are left in it.
             keyed: What it says of things that it sets before with a colon.
 

@@ -36,7 +36,6 @@ def shared_out(read: PromptPairs, chosen: Iterable[TargetPair], scene: SceneWord
     The first look gets the largest material, as a body is named before its trim, and so on in turn.
 
     Args:
-        read: The prompt.
         chosen: The pair of each look word.
         scene: Its materials, and how large the things are that wear them.
     """
@@ -54,11 +53,7 @@ def shared_out(read: PromptPairs, chosen: Iterable[TargetPair], scene: SceneWord
 
 
 def told(shares: list[Share]) -> str:
-    """Says how looks are shared out.
-
-    Args:
-        shares: Of one thing.
-    """
+    """Says how looks are shared out."""
     each = (f"'{' '.join(p.look.text for p in s.look)}' is {', '.join(s.names)}" for s in shares)
     return f"Shared out among materials, the largest first: {'; '.join(each)}."
 

@@ -49,12 +49,7 @@ class Target:
 
 
 def targets(mentions: list[NounMention], words: SceneWords) -> list[Target]:
-    """All of a prompt.
-
-    Args:
-        mentions: The prompt's.
-        words: The names in the scene.
-    """
+    """All of a prompt."""
     found = [Target(kind) for kind in UNNAMED]
     for number, mention in enumerate(mentions):
         found += _of_mention(number, mention, mentions, words)
@@ -104,8 +99,6 @@ def rest(
     """All materials that a prompt neither names nor leaves out; details only if nothing else is left.
 
     Args:
-        mentions: The prompt's.
-        words: The names in the scene.
         described: Materials that are something else's.
     """
     left = frozenset(words.materials) - taken(mentions, words) - described

@@ -59,8 +59,6 @@ class ToldTargets:
 
     Args:
         told: Word of the prompt -> a name in the scene, several with " + ", or one of `schema.targets.GENERAL`.
-        scene: Its names.
-        vocabulary: What words mean.
         english: Word of the prompt -> the same in English, where the prompt is in another language.
         keyed: Number of a look word -> the name in the scene that the prompt itself sets before it: "Cup: copper".
 
@@ -125,12 +123,7 @@ class ToldTargets:
 
 
 def told_thing(pair: TargetPair, thing: Thing) -> Thing:
-    """A thing by the name that the artist gave it.
-
-    Args:
-        pair: Told.
-        thing: As the reader calls it.
-    """
+    """A thing by the name that the artist gave it."""
     return replace(thing, thing=pair.told) if pair.target.names else thing
 
 

@@ -14,11 +14,7 @@ _TARGETS, _FACTS = 4, 4  # lines for each look word, and facts in each line
 
 
 def why(reader: PromptReader) -> str:
-    """An account of a prompt, for people.
-
-    Args:
-        reader: That has read the prompt.
-    """
+    """An account of a prompt, for people."""
     lines = ["Why (each look word with its likeliest targets, and the facts that weigh most)"]
     for pairs, chosen in zip(reader.found.pairs, reader.chosen, strict=True):
         lines.append(f"  {chosen.look.text}")

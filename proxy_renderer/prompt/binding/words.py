@@ -25,8 +25,6 @@ def prompt_words(reader: PromptReader, parsed: Parsed, said: Callable[[str], str
     """The look words of a prompt and the words that are left out, in the order of the text.
 
     Args:
-        reader: Has read the prompt.
-        parsed: What it came to.
         said: The prompt's own words for English ones.
     """
     looks = (_look_word(reader, parsed, number, said) for number in range(len(reader.chosen)))

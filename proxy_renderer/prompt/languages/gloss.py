@@ -50,9 +50,7 @@ def gloss(text: str, scene: SceneWords, vocabulary: Vocabulary) -> Gloss:
     """A prompt as English would say it; itself where it is English, or in no language that has a lexicon.
 
     Args:
-        text: The prompt.
         scene: The names in the scene, which may be in any language.
-        vocabulary: What English words mean.
     """
     names = scene_parts(scene)
     words = _WORD.findall(text.lower())
@@ -73,10 +71,7 @@ class _Attempt:
     """A prompt as if it were in one language.
 
     Args:
-        text: The prompt.
-        lexicon: Of the language.
         names: Parts of the names in the scene, folded.
-        vocabulary: What English words mean.
 
     Attributes:
         letters: Of the words that only the language knows; 0 for an English prompt in which nothing else is a look of the language.

@@ -34,8 +34,6 @@ def ordered(found: list[Piece], lexicon: LanguageLexicon, vocabulary: Vocabulary
 
     Args:
         found: In the order of the prompt.
-        lexicon: Of their language.
-        vocabulary: Knows colors, materials and comparatives.
     """
 
     def moved(found: list[Piece], pattern: re.Pattern[str], order: Callable[..., list[Piece]]) -> list[Piece]:

@@ -50,8 +50,6 @@ def pieces(
     """All of a prompt, in its order.
 
     Args:
-        text: The prompt.
-        lexicon: Of its language.
         names: Parts of the names in the scene, folded.
         phrases: What the vocabulary knows as it stands: "film noir", and the artist's own words.
     """
@@ -135,8 +133,6 @@ def with_particles(found: list[Piece], text: str, lexicon: LanguageLexicon) -> l
 
     Args:
         found: In the order of the prompt.
-        text: The prompt.
-        lexicon: Of its language.
     """
     ends = [after is None or after.kind == "mark" for after in (*found[1:], None)]
     said = [lexicon.particles.get(folded(text[p.start : p.end]), "") for p in found]
@@ -147,12 +143,7 @@ def with_particles(found: list[Piece], text: str, lexicon: LanguageLexicon) -> l
 
 
 def corrected(piece: Piece, lexicon: LanguageLexicon) -> Piece:
-    """A long word that nobody knows as the known one that it is but for a letter; names of things, in any language, stay.
-
-    Args:
-        piece: Of a prompt.
-        lexicon: Of the prompt's language.
-    """
+    """A long word that nobody knows as the known one that it is but for a letter; names of things, in any language, stay."""
     word = folded(piece.english)
     if piece.kind != "unknown" or len(word) < _MISTYPED or not lexicon.spaces or word in thing_words().rows:
         return piece

@@ -17,11 +17,7 @@ _NEAR = 6  # words that may stand between a look word and its intensity
 
 
 class Retelling:
-    """Finds the artist's words for English ones.
-
-    Args:
-        gloss: The prompt.
-    """
+    """Finds the artist's words for English ones."""
 
     def __init__(self, gloss: Gloss) -> None:
         self.gloss = gloss

@@ -29,8 +29,6 @@ def cut(letters: str, known: Container[str], compounds: bool) -> tuple[str, ...]
     """The words of letters without spaces, those that are not known among them: the path of the least cost.
 
     Args:
-        letters: What stands together.
-        known: Words.
         compounds: Whether words of several letters are made of such of one, so that one of them says little: 液体.
     """
     best: list[list[_Cut]] = [[_Cut(0.0)], *([] for _ in letters)]

@@ -17,10 +17,8 @@ def misfit(parameter: Parameter, mode: str, lower: Values, upper: Values) -> str
     """The remedy for an effect whose mode or numbers its parameter cannot have; "" for one that fits.
 
     Args:
-        parameter: That it changes.
         mode: One of `entries.RANGE_MODES` or `entries.COLOR_MODES`.
         lower: Of its range; empty for colors.
-        upper: Likewise.
     """
     if not _has(parameter, mode):
         return f"'{mode}' is no mode of {parameter.family}: use another, or none."

@@ -20,7 +20,6 @@ def told(text: str, vocabulary: Vocabulary) -> str:
     """A prompt with times of day as the vocabulary calls them.
 
     Args:
-        text: The prompt.
         vocabulary: Has the names of times of day.
     """
     clock, sun, exactly = _patterns()

@@ -133,9 +133,6 @@ class LanguageLexicon:
         """The wording that words are a form of, folded, and what it says; None where they are none.
 
         Accents count first: "glacé" is no "glace".
-
-        Args:
-            words: As they are typed.
         """
         lower = [as_spelled(word) for word in words]
         wording = self.spelled.find(lower)

@@ -12,10 +12,6 @@ def at_line(path: Path, text: str, what: str, remedy: str, *said: str) -> VibeEr
     """An error that names a line.
 
     Args:
-        path: The file.
-        text: Its content.
-        what: Is wrong.
-        remedy: What to do about it.
         said: Texts that lead to the line: the first line that has the first, from there on the first that has the second.
     """
     lines, line = text.splitlines(), 0

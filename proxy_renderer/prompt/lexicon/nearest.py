@@ -49,7 +49,6 @@ class Nearest:
         """The entry for which the nearest words are, the nearest of these, and how sure that is.
 
         Args:
-            likeness: Of all known words.
             order: Of those that vote, the nearest last.
         """
         import numpy as np

@@ -20,7 +20,6 @@ def add_look(path: Path, name: str, rows: Mapping[str, str | Sequence[str]]) -> 
 
     Args:
         path: Of the vocabulary; need not exist.
-        name: Of the entry.
         rows: As in vocabulary.toml; empty ones are left out.
 
     Raises:
@@ -36,8 +35,6 @@ def add_color(path: Path, name: str, code: str) -> None:
 
     Args:
         path: Of the vocabulary; need not exist.
-        name: Of the color.
-        code: "#rrggbb".
     """
     text, line = _text(path), f"{json.dumps(name, ensure_ascii=False)} = {json.dumps(code)}\n"
     head = _COLORS.search(text)

@@ -55,7 +55,6 @@ class QuantityTable:
         Args:
             owner: As an effect names it: "key", "others", "material".
             family: Of the parameter: "light/power".
-            mode: Of the effect.
 
         Raises:
             VibeError: No row has it.

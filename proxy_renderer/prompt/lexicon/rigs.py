@@ -187,12 +187,7 @@ class RigTable:
         return Modifier(kelvin=kelvin) if kelvin else self.modifiers.get(entry)
 
     def is_a_light(self, entry: str, word: str) -> bool:
-        """Whether a word for a setup names a light by itself: a candle, the low sun of "low sun", and no night.
-
-        Args:
-            entry: Of the vocabulary.
-            word: As the prompt says it.
-        """
+        """Whether a word for a setup names a light by itself: a candle, the low sun of "low sun", and no night."""
         rig = self.rigs.get(entry)
         if rig is None or not rig.lights:
             return False
@@ -259,10 +254,6 @@ def read_modifiers(text: str) -> dict[str, Modifier]:
 
 def read(text: str, place: str) -> dict[str, Rig]:
     """Rigs by name from the text of a .toml file.
-
-    Args:
-        text: Of the file.
-        place: What messages call the file.
 
     Raises:
         VibeError: Something in it is not what it should be; names the line and the remedy.

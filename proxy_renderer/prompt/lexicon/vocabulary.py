@@ -64,11 +64,7 @@ class Vocabulary:
     )
 
     def made(self, make: Callable[[Vocabulary], T]) -> T:
-        """What is made of it, once and for all.
-
-        Args:
-            make: Takes the vocabulary.
-        """
+        """What is made of it, once and for all."""
         if make not in self._made:
             self._made[make] = make(self)
         made: T = self._made[make]
@@ -91,7 +87,6 @@ class Vocabulary:
         """What a word may be made of if it compares: "cold" of "colder", "dry" of "drier".
 
         Args:
-            word: The word.
             degree: "comparative" or "superlative".
         """
         base = word.removesuffix(self.endings[degree])

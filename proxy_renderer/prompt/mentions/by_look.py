@@ -32,7 +32,6 @@ class LookIndex:
 
     Args:
         words: The scene, with the looks of its materials.
-        vocabulary: What words mean.
     """
 
     def __init__(self, words: SceneWords, vocabulary: Vocabulary) -> None:
@@ -44,7 +43,6 @@ class LookIndex:
         """The materials that a noun clearly means; none where they cannot be told.
 
         Args:
-            noun: As the prompt says it.
             presents: Looks that it has at present.
         """
         shaped = self._shaped(noun)
@@ -54,12 +52,7 @@ class LookIndex:
         return self._colored(color, shaped, plural=noun.endswith("s"))
 
     def own(self, named: Iterable[Named], objects: Iterable[str]) -> list[Named]:
-        """What words name, without materials by objects that are mostly seen on others: a sofa that wears the wall's paint.
-
-        Args:
-            named: What they name.
-            objects: Those that they name.
-        """
+        """What words name, without materials by objects that are mostly seen on others: a sofa that wears the wall's paint."""
         wearers = {*objects}
         others = {
             name
@@ -73,7 +66,6 @@ class LookIndex:
         """Those of some materials that have a present look; all where none is known to.
 
         Args:
-            names: Of materials.
             presents: Looks that they have at present.
         """
         color = next((look.color for look in presents if look.color), None)

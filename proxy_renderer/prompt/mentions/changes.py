@@ -48,18 +48,12 @@ def with_changes(clauses: list[list[Token]], vocabulary: Vocabulary) -> list[lis
 
     Args:
         clauses: Tokens of each clause, as the lexer gives them.
-        vocabulary: What words mean.
     """
     return [_changed(number, tokens, vocabulary) for number, tokens in enumerate(clauses, start=1)]
 
 
 def is_object(token: Token, vocabulary: Vocabulary) -> bool:
-    """Whether a word names an object: one of the scene, of a kind with a surface, or of the list of things.
-
-    Args:
-        token: The word.
-        vocabulary: What words mean.
-    """
+    """Whether a word names an object: one of the scene, of a kind with a surface, or of the list of things."""
     if token.noun:
         return token.noun in ("surroundings", "subject")
     word = singular(token.text)

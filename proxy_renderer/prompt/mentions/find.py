@@ -24,13 +24,7 @@ _NO_NOUNS = {"negation", "comparison", "exception", "action", "undo", "beyond"}
 
 
 def mentions(passage: Passage, index: SceneIndex, vocabulary: Vocabulary) -> list[NounMention]:
-    """All of a prompt, those of several nouns last.
-
-    Args:
-        passage: The prompt.
-        index: The scene.
-        vocabulary: What words mean.
-    """
+    """All of a prompt, those of several nouns last."""
     finder = _Finder(passage, index, vocabulary)
     found = [*finder.single()]
     determiners = NounRow(passage, found, vocabulary).determiners()

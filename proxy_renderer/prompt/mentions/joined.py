@@ -10,12 +10,7 @@ from .nouns import REGIONS, Named, NounMention, fit_rank, fit_signs, materials_o
 
 
 def joined(run: list[NounMention], words: SceneWords) -> NounMention | None:
-    """One mention of several: what each names in the surest way, once of all sources and once of materials; None if nothing.
-
-    Args:
-        run: The nouns.
-        words: The names in the scene.
-    """
+    """One mention of several: what each names in the surest way, once of all sources and once of materials; None if nothing."""
     if not any(mention.named for mention in run):
         return None
     named = {(n.kind, n.names): n for n in reversed([*_unions(run, words)])}

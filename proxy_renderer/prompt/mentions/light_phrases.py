@@ -31,11 +31,7 @@ class LightPhrases:
     gone: set[int] = field(default_factory=set)
 
     def role(self, place: int) -> str:
-        """The role of the light that an item belongs to; "" if none is said.
-
-        Args:
-            place: Of the item.
-        """
+        """The role of the light that an item belongs to; "" if none is said."""
         return next((self.roles[n] for n in self.of.get(place, ()) if n in self.roles), "")
 
 
@@ -46,8 +42,6 @@ def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> L
     sentence that name nothing: "a softbox from the left, large and warm". "Both" and "all" speak of every light before them.
 
     Args:
-        passage: The prompt.
-        vocabulary: What words mean.
         rigs: Names of setups that are lights.
     """
     reader = _PhraseReader(passage, vocabulary, rigs)
@@ -60,8 +54,6 @@ class _PhraseReader:
     """Reads the segments of a prompt one after the other, and remembers which lights are spoken of.
 
     Args:
-        passage: The prompt.
-        vocabulary: What words mean.
         rigs: Names of setups that are lights.
 
     Attributes:
@@ -78,11 +70,7 @@ class _PhraseReader:
         self._listed: list[int] = []  # the numbers of these lights
 
     def read(self, places: list[int]) -> None:
-        """Takes the next segment.
-
-        Args:
-            places: Of its items.
-        """
+        """Takes the next segment."""
         items = [self._passage.items[place] for place in places]
         goes_on = all(_goes_on(item, self._rigs, self._vocabulary) for item in items)
         expected = self._several or bool(self._spoken_of)

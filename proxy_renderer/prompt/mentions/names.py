@@ -40,7 +40,6 @@ def fit(words: tuple[str, ...], name: tuple[str, ...], vocabulary: Vocabulary) -
 
     Args:
         words: Of the prompt, as `parts` gives them.
-        name: Parts of the name.
         vocabulary: Says which words of a name are about its surface.
 
     Returns:

@@ -55,11 +55,7 @@ class NounMention:
     spared: bool = False
 
     def covers(self, index: int) -> bool:
-        """Whether an item is one of its own.
-
-        Args:
-            index: Of the item.
-        """
+        """Whether an item is one of its own."""
         return self.start <= index <= self.end
 
 
@@ -81,7 +77,6 @@ def surest(mention: NounMention, kind: str, first: str) -> Named | None:
     """The surest of what a mention names; None if it names nothing of a kind.
 
     Args:
-        mention: The mention.
         kind: "things" or "lights".
         first: What is preferred: "material" or "object" for a source, "first" or "whole" for a part or all of a thing.
     """
@@ -97,18 +92,12 @@ def materials_of(region: str, words: SceneWords) -> frozenset[str]:
 
     Args:
         region: "subject" or "surroundings".
-        words: The names in the scene.
     """
     return frozenset(name for name, its in words.materials.items() if its == region)
 
 
 def taken(mentions: Iterable[NounMention], words: SceneWords) -> frozenset[str]:
-    """The materials that nouns name in the surest way; what is left out by a word that no name has is the subject.
-
-    Args:
-        mentions: The nouns.
-        words: The names in the scene.
-    """
+    """The materials that nouns name in the surest way; what is left out by a word that no name has is the subject."""
     names: set[str] = set()
     for mention in mentions:
         best = surest(mention, "things", "object") if mention.members == 1 else None

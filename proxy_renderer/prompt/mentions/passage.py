@@ -68,12 +68,7 @@ class Passage:
         return next((other for other in following if self.items[other.index].clause == clause), None)
 
     def adjoin(self, one: PromptLook, other: PromptLook) -> bool:
-        """Whether nothing but an intensity stands between two look words.
-
-        Args:
-            one: A look word.
-            other: One after it.
-        """
+        """Whether nothing but an intensity stands between two look words."""
         between = self.items[one.index + 1 : other.index]
         parted = self.starts.intersection(range(one.index + 1, other.index + 1))
         return not parted and all(item.strength is not None for item in between)
@@ -88,7 +83,6 @@ def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
 
     Args:
         clauses: Tokens of each clause, as the lexer gives them.
-        vocabulary: What words mean.
     """
     found = Passage([])
     for number, tokens in _listed(clauses):

@@ -31,14 +31,7 @@ _RANKS = {
 def with_picks(
     passage: Passage, single: list[NounMention], index: SceneIndex, vocabulary: Vocabulary
 ) -> list[NounMention]:
-    """The mentions of a prompt, with what is picked; the noun of "the left one" is one that came before.
-
-    Args:
-        passage: The prompt.
-        single: Its mentions.
-        index: The scene.
-        vocabulary: What words mean.
-    """
+    """The mentions of a prompt, with what is picked; the noun of "the left one" is one that came before."""
     found = {mention.start: _with_number(passage, mention, index) for mention in single}
     for place, item in enumerate(passage.items):
         way = _way(item.text, vocabulary)
@@ -136,7 +129,6 @@ def _picked(way: str, group: list[str], words: SceneWords) -> str:
 
     Args:
         way: A key of `_RANKS`.
-        group: Names of objects.
         words: The names in the scene, and where the objects are.
     """
     by, index = _RANKS[way]
@@ -155,12 +147,7 @@ def _rank(by: str, name: str, words: SceneWords) -> tuple[float, str]:
 
 
 def _numbered(said: str, group: list[str]) -> str:
-    """The object whose name ends in a number or letter: "cube 2" is Cube.002, "ribbon B" Ribbon_B; "" for none.
-
-    Args:
-        said: What stands after the noun.
-        group: Names of objects.
-    """
+    """The object whose name ends in a number or letter: "cube 2" is Cube.002, "ribbon B" Ribbon_B; "" for none."""
     same = [name for name in group if _bare(re.split(r"[\W_]+", name)[-1].lower()) == _bare(said)]
     return same[0] if len(same) == 1 else ""
 

@@ -40,13 +40,7 @@ _JOINED = re.compile(  # "box and cup"; over a comma only names: "bezel, strap a
 
 
 class NounRow:
-    """The nouns of a prompt among its other tokens.
-
-    Args:
-        passage: The prompt.
-        single: Its nouns.
-        vocabulary: What words mean.
-    """
+    """The nouns of a prompt among its other tokens."""
 
     def __init__(self, passage: Passage, single: Iterable[NounMention], vocabulary: Vocabulary) -> None:
         self._vocabulary = vocabulary

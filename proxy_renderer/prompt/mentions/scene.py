@@ -30,7 +30,6 @@ class _Fits:
     Args:
         said: Words of the prompt, as `parts` gives them.
         guess: Whether things of nearly the same spelling count.
-        vocabulary: What words mean.
     """
 
     def __init__(self, said: tuple[str, ...], guess: bool, vocabulary: Vocabulary) -> None:
@@ -38,11 +37,7 @@ class _Fits:
         self._ways: dict[tuple[str, ...], str] = {}
 
     def __call__(self, names: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
-        """The names that the words fit, with the way.
-
-        Args:
-            names: Names with their parts.
-        """
+        """The names that the words fit, with the way."""
         return {name: way for name, its in names.items() if (way := self._way(its))}
 
     def _way(self, name: tuple[str, ...]) -> str:
@@ -56,12 +51,7 @@ class _Fits:
 
 
 class SceneIndex:
-    """Finds what words may name; `SceneWords.made` keeps it with the scene.
-
-    Args:
-        words: The names in the scene.
-        vocabulary: What words mean.
-    """
+    """Finds what words may name; `SceneWords.made` keeps it with the scene."""
 
     def __init__(self, words: SceneWords, vocabulary: Vocabulary) -> None:
         self.words, self._vocabulary = words, vocabulary
@@ -104,20 +94,12 @@ class SceneIndex:
         return [name for name, way in ways.items() if way == surest]
 
     def is_several(self, named: Named) -> bool:
-        """Whether several objects wear what is named.
-
-        Args:
-            named: Materials.
-        """
+        """Whether several objects wear what is named."""
         worn = self.words.object_materials.values()
         return sum(not named.names.isdisjoint(its) for its in worn) > 1
 
     def worn(self, name: str) -> frozenset[str]:
-        """The materials of an object.
-
-        Args:
-            name: Of the object.
-        """
+        """The materials of an object."""
         return frozenset(self.words.object_materials.get(name, ()))
 
     def _of_things(self, fits: _Fits, plural: bool) -> Iterator[_Found]:

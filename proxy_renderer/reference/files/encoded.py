@@ -48,9 +48,6 @@ _PANORAMA = re.compile(rb"ProjectionType\W{1,3}equirectangular")
 def read(path: Path) -> FileContents:
     """Reads a picture; of several frames or pages the first.
 
-    Args:
-        path: An existing file.
-
     Raises:
         VibeError: It is none, damaged, too large, or of a kind that nothing here reads.
     """

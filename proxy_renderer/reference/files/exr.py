@@ -23,9 +23,6 @@ _BRADFORD = np.array(((0.8951, 0.2664, -0.1614), (-0.7502, 1.7135, 0.0367), (0.0
 def read(path: Path) -> FileContents:
     """Reads the picture in an EXR: its only layer, or what Blender calls Combined.
 
-    Args:
-        path: An existing file.
-
     Raises:
         VibeError: It is damaged, too large, or holds no picture.
     """

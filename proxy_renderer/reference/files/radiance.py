@@ -21,9 +21,6 @@ _MOST = 2 * 10**8
 def read(path: Path) -> FileContents:
     """Reads an RGBE picture, run-length encoded or not.
 
-    Args:
-        path: An existing file.
-
     Raises:
         VibeError: It is damaged, too large, or holds XYZ or turned pixels.
     """

@@ -75,13 +75,9 @@ class Correction:
         """Compares a picture with the proxy's of the same values and size.
 
         Args:
-            picture: Cycles'.
             whole: (3, P) the proxy's.
             parts: Owner to the proxy's picture (3, P) of its light alone.
             colors: Owner to the color (3,) of its light.
-            values: What the proxy was given.
-            view: The camera.
-            cache: What it sees.
         """
         guide = GuideImage(_names(cache.samples.center_hits, cache.geometry).view(cache.depth.shape))
         shared_owners = [owner for owner in picture.parts if owner in parts]
@@ -126,8 +122,6 @@ class Correction:
         Args:
             radiance: (3, N) the proxy's; gradients pass.
             colors: As for `pixels`.
-            view: The camera now.
-            cache: What it sees.
             before: Makes the proxy's samples (3, N) of θ₀ for this camera.
         """
         if self._kept is None or self._kept[0] is not cache:

@@ -46,7 +46,6 @@ class CyclesPicture:
         """Reads what the add-on's `anchoring.render_anchor` has written.
 
         Args:
-            path: The EXR.
             groups: Name of a light group to its owner, as `render_anchor` returns them.
             film: Of the scene, for its working color space.
 

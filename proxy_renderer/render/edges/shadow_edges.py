@@ -54,10 +54,6 @@ class ShadowEdges:
         """Traces shadows of a lamp, detached, where a view, detached, shows its penumbra.
 
         Args:
-            geometry: The triangles.
-            samples: What the view sees.
-            view: The camera.
-            lamp: The lamp.
             visible: (N,) share of it that the samples see.
         """
         pixel_index = (samples.center_hits.hit & _penumbra(samples, visible)).nonzero()[:, 0]
@@ -89,8 +85,6 @@ class ShadowEdges:
 
         Args:
             view: The camera, differentiable if it is learned.
-            lamp: The lamp, likewise.
-            pixels: P.
         """
         direct = lamp.irradiance(self.surface.position, self.surface.normal)
         toward, distance = lamp.shadow_targets(direct.toward, direct.distance, direct.solid_angle, self.spot)

@@ -62,9 +62,7 @@ class Silhouettes:
         """The zero-valued picture (C, P) whose gradient is that of the outlines.
 
         Args:
-            view: The camera, differentiable.
             values: (C, N) what the samples have.
-            pixels: P.
         """
         place = view.project(self.points)
         moved = ((place - place.detach()) * self.motion).sum(0)

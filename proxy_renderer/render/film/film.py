@@ -21,9 +21,7 @@ class Film:
     """Develops linear pictures of one size.
 
     Args:
-        spec: The scene's view settings.
         size: (width, height) in pixels.
-        device: Where the pictures are.
 
     Raises:
         VibeError: The view transform cannot be read.

@@ -25,7 +25,6 @@ class SparseWeights:
         rows: (R,) the rows that are not empty, in order.
         columns: (R, K) where they have entries; one that is named twice counts twice.
         weights: (R, K) the entries.
-        shape: N, A.
     """
 
     def __init__(self, rows: Tensor, columns: Tensor, weights: Tensor, shape: tuple[int, int]) -> None:
@@ -71,7 +70,6 @@ class GatherPoints:
     """Samples on a coarse grid, one for each material seen in each cell.
 
     Args:
-        samples, surface: What the view sees.
         across: Cells along the picture's longer side.
 
     Attributes:
@@ -125,7 +123,6 @@ class GatherPoints:
         """Interpolates from gather points to other points that the picture shows, or nearly shows.
 
         Args:
-            surface: N points.
             place: (2, N) picture positions in pixels, which may lie outside.
             distance: (N,) from the camera.
             chosen: (N,) bool: the points that get light; None for all.
@@ -172,8 +169,6 @@ def _spread(
     """Weights from the gather points that fit each point's normal, plane and place best.
 
     Args:
-        gather_points: From where.
-        points: To where.
         lists: The gather points of every cell.
         window: Cells to look at along both axes: offsets from a point's own, or from the upper left of the
             four whose middles surround it where the window has an even length.

@@ -87,7 +87,6 @@ def last_of(group: Tensor, order: Tensor, count: int) -> Tensor:
     Args:
         group: (N,) int64 in [0, count); every group must have a member.
         order: (N,) a permutation of the N members.
-        count: How many groups there are.
     """
     rank = torch.arange(len(order), device=order.device)
     last = torch.zeros(count, dtype=torch.int64, device=order.device)

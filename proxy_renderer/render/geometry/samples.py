@@ -102,8 +102,6 @@ def take(geometry: RayGeometry, view: View, smooth: Tensor) -> Samples:
     Where surfaces are transparent, a ray makes a sample of each, weighted by what it adds.
 
     Args:
-        geometry: The triangles.
-        view: The camera.
         smooth: (M,) bool: materials that show sharp reflections.
     """
     width, height = view.size

@@ -33,7 +33,6 @@ class RaySegments:
         """Camera rays through the centers of blocks of pixels.
 
         Args:
-            view: The camera.
             coarse: Side of a block in pixels.
             cuts: As for the class.
         """

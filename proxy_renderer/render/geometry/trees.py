@@ -32,7 +32,6 @@ class TriangleTree:
     """Some triangles of a mesh, ready for rays.
 
     Args:
-        mesh: The mesh.
         members: (n,) indices of the triangles.
     """
 
@@ -114,7 +113,6 @@ def classes_of(
     """Sorts the triangles of a mesh into classes.
 
     Args:
-        mesh: The triangles.
         hidden: For each object the kinds of rays that pass it.
         clear: (M,) bool: materials that may let light through.
         apart: Materials with classes of their own.

@@ -69,7 +69,6 @@ class RayGeometry:
     Args:
         mesh: The triangles, world space, meters.
         hidden: For each object the kinds of rays that pass it, of `RAYS`.
-        opacity: Alpha of their materials.
         device: Where to compute; rays are traced on the CPU.
 
     Attributes:
@@ -180,11 +179,9 @@ class RayGeometry:
         """Share (N,) of light that passes along rays (3, N) over distances (N,).
 
         Args:
-            origin: Where the rays start.
             toward: Their directions, of unit length.
             distance: Their lengths, meters.
             without: A material that was set apart and does not block them; -1 for none.
-            ray: Their kind.
         """
         passing = torch.ones(origin.shape[1], device=self.device)
         blocking = [

@@ -19,14 +19,7 @@ _RAYS = 4
 
 
 class ClusterShadows:
-    """Shadows of the clusters, traced again where one of their lights has moved.
-
-    Args:
-        geometry: The triangles.
-        smoothing: Of the view.
-        surface: The surface at its samples.
-        clusters: The lights' clusters.
-    """
+    """Shadows of the clusters, traced again where one of their lights has moved."""
 
     def __init__(
         self, geometry: RayGeometry, smoothing: ShadowFilter, surface: Surface, clusters: LightClusters
@@ -35,13 +28,7 @@ class ClusterShadows:
         self._kept: dict[int, tuple[tuple[float, ...], Tensor]] = {}
 
     def of(self, row: int, lamps: Sequence[LightSource], signature: tuple[float, ...]) -> Tensor:
-        """Share (N,) of a cluster's light that every surface sample sees.
-
-        Args:
-            row: The cluster's.
-            lamps: All lights.
-            signature: Of the cluster's lights.
-        """
+        """Share (N,) of a cluster's light that every surface sample sees."""
         kept = self._kept.get(row)
         if kept is None or kept[0] != signature:
             cluster = self._clusters.clusters[row]
@@ -63,9 +50,6 @@ def _shadow(
     smooth surface, with and without shadows: the ratio of the two sums.
 
     Args:
-        geometry: The triangles.
-        smoothing: Of the view.
-        surface: The surface at its samples.
         lamps: The lamps, detached; all cast shadows, and light all things.
         weights: (C,) positive: how often rays go to each lamp.
     """

@@ -73,9 +73,7 @@ class LightClusters:
         """Clusters lights by what they send to a surface; few of them stay alone.
 
         Args:
-            lamps: The lights.
             moving: Whether gradients with respect to the place of each are wanted.
-            surface: What the camera sees.
         """
         if len(lamps) <= EXACT or not len(surface.material):
             return LightClusters([LightCluster((i,), (1.0,)) for i in range(len(lamps))])

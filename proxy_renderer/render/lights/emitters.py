@@ -92,7 +92,6 @@ class Emitters:
     """Finds small bright surfaces and lights the scene with them; they stay lights even if they fade.
 
     Args:
-        geometry: The triangles.
         near: A typical distance of what is seen, meters.
 
     Attributes:
@@ -143,8 +142,6 @@ def clusters_of(geometry: RayGeometry, material: int, near: float) -> list[Emitt
     """Cuts a material's surface into clusters; none where it is too large for that.
 
     Args:
-        geometry: The triangles.
-        material: Its index.
         near: A typical distance of what is seen, meters.
     """
     triangles = (geometry.material == material).nonzero()[:, 0]

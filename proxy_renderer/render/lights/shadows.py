@@ -29,11 +29,6 @@ def shadow(
     """Share (N,) of a lamp that every surface sample sees.
 
     Args:
-        geometry: The triangles.
-        smoothing: Of the view.
-        surface: The surface at its samples.
-        lamp: The lamp, detached.
-        direct: What it sends, unshadowed.
         moving: Whether the lamp is being moved by a gradient loop: fewer rays then, more smoothing.
     """
     linked = lamp.lights(surface.object)
@@ -61,10 +56,6 @@ class ShadowFilter:
     """A cross-bilateral box filter over the picture: neighbors on the same smooth surface share rays.
 
     Which they are depends on the view only, and is kept for every shadow that is traced in it.
-
-    Args:
-        samples: The samples of the view.
-        surface: Their surface.
     """
 
     def __init__(self, samples: Samples, surface: Surface) -> None:

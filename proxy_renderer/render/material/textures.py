@@ -21,8 +21,6 @@ class MaterialTextures:
     """All pictures of a scene's materials.
 
     Args:
-        scene: The exported scene.
-        device: Where to compute.
         size: Of the picture that is rendered: what the camera saw is averaged down to it.
     """
 
@@ -148,10 +146,6 @@ def _image(texture: Texture, device: torch.device, size: tuple[int, int] | None)
 class MaterialOpacity:
     """Alpha of surfaces.
 
-    Args:
-        scene: The exported scene.
-        device: Where to compute.
-
     Attributes:
         clear: (M,) bool: materials that are not opaque everywhere.
     """
@@ -170,7 +164,6 @@ class MaterialOpacity:
         """Alpha (N,) of surface points.
 
         Args:
-            surface: The points.
             by_camera: Whether the exported camera sees them directly. If not, alpha baked from it is its mean.
         """
         alpha = self._alpha[surface.material]

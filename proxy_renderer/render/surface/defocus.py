@@ -43,8 +43,6 @@ class Defocus:
         """The blur of a view; None where all of it is sharp.
 
         Args:
-            camera: Its aperture and focus.
-            view: The view.
             distance: (H, W) along the rays through the pixels' centers; infinite where nothing is met.
         """
         if camera.aperture <= 0:

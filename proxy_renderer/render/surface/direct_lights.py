@@ -33,14 +33,7 @@ class _Shadowed:
 
 
 class DirectLights:
-    """Of one view.
-
-    Args:
-        geometry: The triangles.
-        samples: Of the view.
-        seen: What they meet.
-        clusters: The lights' clusters.
-    """
+    """Of one view."""
 
     def __init__(
         self, geometry: RayGeometry, samples: Samples, seen: ViewSamples, clusters: LightClusters
@@ -60,12 +53,7 @@ class DirectLights:
         return other
 
     def forget_moved(self, index: int, lamps: Sequence[LightSource]) -> bool:
-        """Forgets a light's shadows if it, or one of its cluster, has moved; returns whether they have to be traced.
-
-        Args:
-            index: The light's.
-            lamps: All lights.
-        """
+        """Forgets a light's shadows if it, or one of its cluster, has moved; returns whether they have to be traced."""
         kept = self._kept.get(index)
         if kept is not None and kept.signature == self._signature(index, lamps):
             return False
@@ -78,10 +66,7 @@ class DirectLights:
         """The direct light of one of the lights, as it was before unless `forget_moved`; differentiable where it, or the camera, moves.
 
         Args:
-            index: The light's.
-            lamps: All lights.
             view_samples: As the view sees the samples.
-            view: The camera.
         """
         lamp, moving = lamps[index], lamps[index].moving or view_samples.moving
         kept = self._kept.get(index)

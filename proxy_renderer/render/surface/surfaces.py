@@ -50,11 +50,9 @@ def radiance(
     A transparent film has a fourth row, the coverage of each sample.
 
     Args:
-        frame: What is rendered.
         direct_lights: From `direct_lights_of`.
         table: Radiances of what secondary rays meet, from `table_of`.
         gathered: The indirect light, gathered after `direct_lights_of`, which traces its shadows.
-        transparent: Whether the film is.
     """
     cache, view_samples, sky = frame.cache, frame.view_samples, frame.sky
     gathered = cache.indirect.following(gathered, table, frame.sources)
@@ -102,7 +100,6 @@ def _images(
     """Reflected radiance by roughness: increasing roughnesses, and the radiance (3, N) for each.
 
     Args:
-        gathered: Light reflected from surfaces.
         worlds: The world (3, N) in the mirror direction: sharp, a little blurred if it is a picture, and blurred.
         around: (3, N) what the roughest surface reflects.
     """

@@ -60,9 +60,6 @@ class ViewCache:
     """Samples, shadows and bounced light that are traced once per camera position.
 
     Args:
-        scene: The exported scene.
-        geometry: Its triangles.
-        view: The camera.
         metals: (M,) weight of mirror reflection of each material, 0 for what is no metal.
         smooth: (M,) bool: materials of which every pixel gets several samples.
         lamps: The lights, the suns of the world and glowing surfaces included.
@@ -211,10 +208,7 @@ class ViewCache:
         """What is seen through a material's samples; traced anew for a new IOR.
 
         Args:
-            material: Its index.
             side: 0, or -1 and 1 for the IORs beside it: each is kept.
-            part: Its samples.
-            ior: Its IOR.
             lamps: Those that stand for the clusters of lights.
         """
         place = tuple(lamp.signature() for lamp in lamps)

@@ -55,14 +55,11 @@ def glow_of(
     """Looks for what glows.
 
     Args:
-        geometry: The triangles.
-        points: A points.
         arrived: (3, A) directions of the camera's rays to them.
         near: (A,) `GatherPoints.turns` that share rays of reflections.
         wide: (A,) those that share rays of the hemisphere.
         glowing: Indices of all materials that glow.
         emissive: Those of them that lamps stand for in diffuse light.
-        materials: M.
         generator: For jitter.
     """
     lobes = LobeRays.of(points, arrived)
@@ -150,7 +147,6 @@ class _Search:
         """Shares (A, M) of a lobe that the materials' glow fills.
 
         Args:
-            materials: M.
             directions: Rays (3, A * R) of the lobe from (2, A, R) in [0, 1).
             density: Their density (A * R) at directions (3, A * R).
         """
@@ -171,10 +167,6 @@ class _Search:
         """Sums (A, M) of rays by the power heuristic.
 
         Args:
-            materials: M.
-            hits: Where the rays end.
-            toward: Their directions.
-            lobe: Density of the lobe there.
             seen: Share of the light that arrives.
             by_lobe: Whether the rays were chosen by the lobe, or else by the lamps.
         """

@@ -62,9 +62,6 @@ class IndirectFogRays:
     """Rays of one view along which fog is integrated, and their hits.
 
     Args:
-        geometry: The triangles.
-        samples, surface: What the view sees.
-        view: The camera.
         gather_points: Indices (A,) of the samples at which indirect light is gathered.
         near: A typical distance of what is seen, meters.
     """
@@ -150,8 +147,6 @@ class IndirectFogRays:
         """Transmittance (P, L) from the lights to the hits of diffuse rays, and from there on to the points.
 
         Args:
-            fog: The medium.
-            lamps: The L lights.
             passing: (P, rays) transmittance from the hits to the points.
         """
         light_transmittance, path_transmittance = [], []

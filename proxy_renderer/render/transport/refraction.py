@@ -50,10 +50,7 @@ def through(
     """Follows rays that enter a surface through all walls of the same glass.
 
     Args:
-        geometry: The triangles.
-        surface: Where N rays enter.
         toward: (3, N) their unit directions.
-        ior: Of the glass.
         metals: As for `SecondaryHits`.
         lamps: As for `SecondaryHits`.
         maps: As for `SecondaryHits`.

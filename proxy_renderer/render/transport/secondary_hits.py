@@ -35,12 +35,9 @@ class SecondaryHits:
     """R rays from each of A points, and the surfaces that they hit.
 
     Args:
-        geometry: The triangles.
         origin: (3, A * R) where the rays start.
         toward: (3, A * R) their unit directions.
-        count: R.
         metals: (M,) weight of mirror reflection of each material, 0 for what is no metal.
-        lamps: How many the scene has.
         ray: Their kind, of `RAYS`.
         maps: Textures of the hits; None for each material's mean color.
         deep: Whether hits get the world's light and a second bounce.
@@ -156,7 +153,6 @@ class SecondaryHits:
 
         Args:
             index: The light's row among the sources.
-            lamp: The light, detached.
         """
         self._trace(lamp, self._bounces(index))
 

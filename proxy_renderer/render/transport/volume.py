@@ -107,10 +107,7 @@ class SingleScattering:
         """The fog in front of a camera.
 
         Args:
-            fog: The medium, active.
-            view: The camera.
             near: A typical distance of what is seen, meters: up to there the segments are finest.
-            lamps: The lights.
             world: (3, 14) blurred radiance of the world from `DIRECTIONS`, or (3, 1) for an even one.
         """
         eye = view.position.detach()
@@ -135,9 +132,6 @@ class SingleScattering:
         """In-scattered light (3, S, rows, columns) of one light in S segments, for an albedo of 1.
 
         Args:
-            fog: The medium.
-            rays: In segments.
-            lamp: The light.
             parts: In how many parts each segment is looked at, where the type of light needs it.
         """
         direct = lamp.in_scattering(rays, parts)

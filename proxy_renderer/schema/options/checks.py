@@ -21,7 +21,6 @@ def prompt(text: str, like: str = "", goals: str = "") -> str:
     """A prompt with something in it, of a length that a person types.
 
     Args:
-        text: The prompt.
         like: A picture whose look is wanted; with one, there need be no words.
         goals: A file of goals, which stand in the place of words.
 
@@ -77,7 +76,6 @@ def traits(given: Sequence[str], like: str) -> list[str]:
     """What to take over from a picture, from "a,b" lists, each once.
 
     Args:
-        given: As on a command line.
         like: The picture; "" for none.
 
     Raises:

@@ -16,7 +16,6 @@ def add_option(container: argparse._ActionsContainer, option: Option, **changes:
 
     Args:
         container: A parser, or a group of its options.
-        option: Its row.
         **changes: What this command has otherwise: `default`, `required`, `help`.
     """
     default = changes.get("default", option.command_default)
@@ -38,9 +37,7 @@ def add_options(
     """Adds all options under some of the `HEADINGS`, each heading with its title.
 
     Args:
-        parser: Where to.
         headings: Keys of `HEADINGS`.
-        table: The options.
     """
     table = tuple(table)
     for heading in headings:
@@ -56,7 +53,6 @@ def to_arguments(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> 
 
     Args:
         given: A command line, or a part of one; what the budget decides is filled in, and the budget said thereby.
-        table: The options.
     """
     arguments: list[str] = []
     for option in table:

@@ -337,10 +337,6 @@ TABLE = (*TASK, *rows(Options), *SUPPORT)
 def named(name: str, table: Iterable[Option] = TABLE) -> Option:
     """The row of an option.
 
-    Args:
-        name: Of the option.
-        table: Where to look.
-
     Raises:
         StopIteration: The table has no such row.
     """

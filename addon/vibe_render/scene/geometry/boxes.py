@@ -43,7 +43,6 @@ def boxes(
     Args:
         depsgraph: The evaluated scene, of the viewport.
         shown: The objects that a render shows.
-        camera: The scene's.
     """
     known: dict[int, list[_Box]] = {}
     hidden: list[frozenset[str]] = []
@@ -127,11 +126,8 @@ def _geometry(
     """Triangles of boxes (B, 8, 3) at their matrices.
 
     Args:
-        corners: In the objects' own space.
-        matrices: To world space.
         numbers: Of each box: its object and its material.
         names: Numbers of objects and materials, and the kinds of rays that pass each object.
-        camera: Sees the scene.
     """
     objects, materials, hidden = names
     placed = np.array(matrices).reshape(-1, 4, 4)

@@ -97,7 +97,6 @@ def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
     """Puts all triangles in world space; those of slots without a surface are left out.
 
     Args:
-        things: What a picture shows.
         warnings: Notes about what could not be read.
     """
     copies: dict[int, list[int]] = {}

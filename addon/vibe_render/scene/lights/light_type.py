@@ -63,8 +63,6 @@ class LightType(Protocol):
         """A vector from the pivot toward where the light comes from, world space; it gives the orbit's angles.
 
         Args:
-            obj: The light.
-            pivot: World space.
             rotation: The light's, 3x3.
         """
 
@@ -76,7 +74,6 @@ class LightType(Protocol):
         """The slot of how large it is.
 
         Args:
-            light: The data-block.
             locked: Why it must be left alone; "" where it may change.
         """
 

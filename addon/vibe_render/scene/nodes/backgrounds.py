@@ -27,7 +27,6 @@ def mixed(world: World, part: str = LIGHT) -> list[Layer]:
     One whose strength nodes compute, or whose color depends on the kind of ray, counts as a mix.
 
     Args:
-        world: The world.
         part: LIGHT or BACKDROP; of a world without a backdrop of its own everything is LIGHT.
     """
     found = _of(world, part)

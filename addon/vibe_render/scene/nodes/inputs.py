@@ -54,7 +54,6 @@ def slot(find: FindEntry, tinted: bool = False) -> ValueSlot | None:
     """The slot of an input's value, where an artist would drag it; None if there is no such input.
 
     Args:
-        find: Finds the input.
         tinted: Whether a computed value has a tint instead of a slot.
     """
     entry = find()
@@ -77,7 +76,6 @@ def own_groups(journal: Journal, inside: tuple[Node, ...]) -> None:
     """Gives a material copies of the node groups on the way to a value that it shares with others.
 
     Args:
-        journal: Records the copies.
         inside: The group nodes from the material's tree inwards.
     """
     tree: NodeTree | None = None

@@ -35,8 +35,6 @@ class Inset:
         """An input of the inset of an input; None where there is no such input, or its value is not computed.
 
         Args:
-            find: Finds the input.
-            name: Of the inset's input.
             plain: Whether a value that is not computed gets an inset too: one of several that are mixed.
         """
         entry = find()

@@ -115,7 +115,6 @@ def behind(
     """The shaders behind an input, those of groups included.
 
     Args:
-        socket: The input.
         inside: The group nodes that lead to it.
         sides: The sides of the Mix Shaders that lead to it.
     """

@@ -28,7 +28,6 @@ def part(journal: Journal, world: World) -> None:
     """Lets the camera see a Background of its own, which starts as the one that lights, without what we do to its color.
 
     Args:
-        journal: Records every node and link.
         world: One that this is possible with.
     """
     single = backgrounds.single(world)

@@ -21,7 +21,6 @@ def material(name: str, color: Color, roughness: float = 0.5, metallic: float = 
     """A Principled material with constant inputs.
 
     Args:
-        name: Its name.
         color: Base color, linear Rec.709.
         roughness: In [0, 1].
         metallic: In [0, 1].
@@ -49,7 +48,6 @@ def pose(pivot: Point, azimuth: float, elevation: float, distance: float) -> Mat
     Args:
         pivot: World space, meters.
         azimuth: Degrees, as in `schema.orbit`.
-        elevation: Degrees.
         distance: From the pivot, meters.
     """
     rotation = Matrix(schema.orbit.frame(azimuth, elevation)).to_4x4()
@@ -70,14 +68,11 @@ def area_light(
     """A square area light aimed at the pivot.
 
     Args:
-        scene: What it is added to.
-        name: Of the light.
         angles: Azimuth and elevation, degrees.
         distance: From the pivot, meters.
         size: Edge length, meters.
         radiance: What a white diffuse surface at the pivot that faces the light sends back.
         pivot: World space, meters.
-        color: Linear RGB.
     """
     lamp = bpy.data.lights.new(name, "AREA")
     lamp.shape, lamp.size, lamp.color = "SQUARE", size, color
@@ -99,7 +94,6 @@ def camera(
     """A camera that sees all points, and makes it the scene's.
 
     Args:
-        scene: What it is added to.
         points: (N, 3), world space.
         angles: Azimuth and elevation, degrees.
         fov: Along the longer side of the picture, degrees.
@@ -150,11 +144,9 @@ def cyclorama(
     floor stays flat.
 
     Args:
-        scene: What it is added to.
         radius: From the middle to the wall, meters.
         height: Of the wall, meters.
         azimuth: Of the camera, degrees.
-        stuff: What it is made of.
     """
     turn = np.linspace(0, math.pi / 2, 17)
     bend = 0.5 * radius

@@ -149,7 +149,6 @@ class ExportDialog(FileDialog, ExportHelper):
         """Proposes a file for a look.
 
         Args:
-            name: Of the look.
             folder: Where, if there was no dialog before; then it is the last one's folder.
         """
         if self.filepath:  # type: ignore[has-type]

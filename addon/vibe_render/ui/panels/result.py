@@ -111,7 +111,6 @@ def agreement(difference: float, engine: str) -> tuple[str, bool]:
 
     Args:
         difference: Mean CIEDE2000 between them.
-        engine: The scene's render engine.
 
     Returns:
         The words, and whether they are good news.

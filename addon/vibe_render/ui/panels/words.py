@@ -15,13 +15,7 @@ _ICON_LETTERS = 5  # room that an icon and its margins take, in letters
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context, readings: messages.Readings) -> None:
-    """Draws the words as buttons, which tell more of each, in lines; and why nothing is understood, if so.
-
-    Args:
-        layout: Where.
-        context: Its region has the width.
-        readings: As the engine gave them.
-    """
+    """Draws the words as buttons, which tell more of each, in lines; and why nothing is understood, if so."""
     if readings.note:
         paragraph(layout, context, readings.note, "INFO", faint=True)
     column = layout.column(align=True)

@@ -24,9 +24,6 @@ LIGHT_TYPES: dict[str, type[LightSource]] = {
 def light_type(name: str) -> type[LightSource]:
     """The class of a light type.
 
-    Args:
-        name: Blender's name of it.
-
     Raises:
         VibeError: The renderer has no such type.
     """

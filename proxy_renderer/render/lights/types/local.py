@@ -60,7 +60,6 @@ def equiangular(
     Parts of a segment subtend the same angle at the light, and so count the same.
 
     Args:
-        segments: The rays.
         position: (3,) of the light.
         softness: () meters by which the light is at least off the ray: about what averaging over its size does.
         back: (3,) unit vector away from where a flat light shines; None for one that shines to all sides.
