@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pages that follow the code: generated parts, environment variables, words that do nothing, examples of files."""
+
+import json
+import re
+import runpy
+from pathlib import Path
+
+import pytest
+
+from proxy_renderer.cli.explain import account
+from proxy_renderer.schema import VibeError, preset
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+PAGES = runpy.run_path(str(DOCS / "pages.py"))
+VARIABLE = re.compile(r"\bVIBE_(?!MT_|OT_|PT|UL_|RENDER|VIEWER)[A-Z_]+\b")
+
+
+def text(page):
+    return (DOCS / page).read_text("utf-8")
+
+
+@pytest.mark.parametrize("page", sorted({page for page, _ in PAGES["PARTS"].values()}))
+def test_generated_parts_are_those_of_the_code(page):
+    assert PAGES["written_anew"](page, text(page)) == text(page), "run: PYTHONPATH=. python docs/pages.py"
+
+
+def test_every_environment_variable_is_on_its_page():
+    packages = (ROOT / "proxy_renderer", ROOT / "addon" / "vibe_render")
+    used = {
+        name
+        for package in packages
+        for path in package.rglob("*.py")
+        for name in VARIABLE.findall(path.read_text("utf-8"))
+    }
+    page = text("reference/environment-variables.md")
+    assert used == set(VARIABLE.findall(page))
+
+
+def test_words_that_do_nothing_do_nothing():
+    section = text("guide/prompts.md").split("## Words that do nothing")[1].split("Three kinds")[0]
+    rows = re.findall(r"^\| [^|]+ \| ([^|]+) \|$", section, re.M)
+    words = [word for row in rows[1:] for word in row.split(", ") if not set(row) <= {"-"}]
+    assert len(words) > 20
+    for word in words:
+        with pytest.raises(VibeError, match="names a look"):
+            account(word, as_json=False)
+
+
+def test_the_example_of_a_preset_can_be_read():
+    example = re.search(r"^```json\n(.*?)^```$", text("reference/preset-json.md"), re.M | re.S)[1]
+    assert preset.loads(example).roles["key"][0]["temperature"] == [2900.0]
+
+
+def test_fields_of_a_preset_are_on_its_page():
+    page = text("reference/preset-json.md")
+    written = json.loads(preset.Preset("a", {}).dumps())
+    assert [field for field in written if f"| `{field}` |" not in page] == []
+
+
+def test_fields_of_a_report_are_on_its_page():
+    sources = ("engine/session.py", "engine/report.py", "claims/verdict.py")
+    code = "".join((ROOT / "proxy_renderer" / name).read_text("utf-8") for name in sources)
+    page = text("reference/report-json.md")
+    top = re.findall(r"^\| `(\w+)`", page.split("## Top level")[1].split("\n## ")[0], re.M)
+    side = "".join(path.read_text("utf-8") for path in (ROOT / "addon/vibe_render/headless").glob("*.py"))
+    assert len(top) > 15
+    assert [name for name in top if f'"{name}"' not in code + side] == []
