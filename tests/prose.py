@@ -8,6 +8,9 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGES = [
     *(path for path in sorted(ROOT.glob("*.md")) if path.name != "CHANGELOG.md"),
     *sorted((ROOT / "docs").glob("**/*.md")),
+    *sorted((ROOT / "LICENSES").glob("*.md")),
+    *sorted((ROOT / "proxy_renderer").glob("**/*.md")),
+    *sorted((ROOT / "lab").glob("**/*.md")),
 ]
 LONGEST_SENTENCE, LONGEST_CELL = 40, 20
 """Words."""
