@@ -67,3 +67,39 @@ def test_fields_of_a_report_are_on_its_page():
     side = "".join(path.read_text("utf-8") for path in (ROOT / "addon/vibe_render/headless").glob("*.py"))
     assert len(top) > 15
     assert [name for name in top if f'"{name}"' not in code + side] == []
+
+
+def data(name):
+    return json.loads((DOCS / "results" / name).read_text("utf-8"))
+
+
+def total(rows, field):
+    return sum(row[field] for row in rows)
+
+
+def test_sums_of_the_sets_are_in_the_results():
+    sets, page = data("sealed-sets.json"), text("research/results.md")
+    rivals = [row for row in sets["short"] if "rival" in row]
+    won, tied, lost = (total([row["rival"] for row in rivals], field) for field in ("won", "tied", "lost"))
+    met, theirs = total(rivals, "requests_met"), total([row["rival"] for row in rivals], "requests_met")
+    asked = total(rivals, "requests")
+    assert f"{total(sets['short'], 'requests_met')} of {total(sets['short'], 'requests')}" in page
+    assert f"| {won} | {tied} | {lost} | {met} of {asked} | {theirs} of {asked} |" in page
+    assert f"{total(sets['long'], 'requests_met')} of {total(sets['long'], 'requests')}" in page
+
+
+def test_the_last_sets_are_those_of_the_sums():
+    sets = data("sealed-sets.json")
+    for row, name in ((sets["short"][-1], "sealed.json"), (sets["long"][0], "sealed-long.json")):
+        whole = data(name)
+        assert whole["seed"].startswith(row["commit"])
+        assert (whole["asks"]["held"], whole["asks"]["asked"]) == (row["requests_met"], row["requests"])
+
+
+def test_rows_of_the_judge_are_in_the_results():
+    page, draws = text("research/results.md"), data("judged.json")["draws"]
+    for row in draws:
+        cells = [f"{row[field]} of {row['cases']}" for field in ("kept", "kept_after_correction")]
+        cells += [f"{row[field]} of {row['requests']}" for field in ("visible", "visible_or_partly")]
+        assert f"{row['commit']} | {' | '.join(cells)} |" in page
+    assert f"{total(draws, 'visible')} of {total(draws, 'requests')}" in page
