@@ -48,6 +48,14 @@ def test_words_that_do_nothing_do_nothing():
             account(word, as_json=False)
 
 
+def test_examples_of_the_prompt_guide_are_understood():
+    section = text("guide/prompts.md").split("## The form of a prompt")[1].split("\n- ")[0]
+    examples = re.findall(r"`([^`]+)`", section)
+    assert len(examples) > 9
+    for example in examples:
+        assert "not used" not in account(example, as_json=False).split("Told to")[0]
+
+
 def test_the_example_of_a_preset_can_be_read():
     example = re.search(r"^```json\n(.*?)^```$", text("reference/preset-json.md"), re.M | re.S)[1]
     assert preset.loads(example).roles["key"][0]["temperature"] == [2900.0]
