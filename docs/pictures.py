@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The documents' pictures, small, and figures, from what commands have written into one folder; those that are not there are left alone.
+"""The documents' images, small, and figures, from what commands have written into one folder; missing ones are skipped.
 
 python docs/pictures.py [FOLDER]     FOLDER is the commands' `out`
 
@@ -10,10 +10,10 @@ like.jpg       vibe demo --like coffee.png --out out/like, coffee.png being skim
 fidelity.jpg   python -m lab fidelity --out out/fidelity
 sealed.jpg     python -m lab sealed --out out/sealed
 rigs.jpg       vibe batch rigs.toml --out out/rigs: four scenes, and the prompts of `RIGS`
-results/       results.json of out/sealed, out/ladder and out/materials, those that are there; sealed-long.json is copied by hand
+results/       results.json of out/sealed, and of out/sealed-long (`python -m lab sealed --long --out out/sealed-long`)
 tutorial/      the tutorial's own commands
 
-Those of the panel are photographs of Blender's window, made by hand.
+Those of the panel are screenshots, made by hand.
 """
 
 import json
@@ -38,7 +38,7 @@ PICTURES = {
 }
 """Picture of the documents: the file that it is made of, and its width in pixels."""
 
-RESULTS = ("sealed", "ladder", "materials")
+RESULTS = ("sealed", "sealed-long")
 """Benchmarks whose figures are kept."""
 
 SCENES = (

@@ -3,6 +3,7 @@
 
 import doctest
 import importlib
+import importlib.util
 import re
 import runpy
 import shlex
@@ -17,10 +18,17 @@ from proxy_renderer.schema import VibeError
 ROOT = Path(__file__).parents[1]
 PAGES = sorted(
     path.relative_to(ROOT).as_posix()
-    for pattern in ("*.md", "docs/**/*.md", "LICENSES/*.md", "proxy_renderer/**/*.md", "lab/**/*.md")
+    for pattern in (
+        "*.md",
+        ".github/**/*.md",
+        "docs/**/*.md",
+        "LICENSES/*.md",
+        "proxy_renderer/**/*.md",
+        "lab/**/*.md",
+    )
     for path in ROOT.glob(pattern)
 )
-FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.M | re.S)
+FENCE = re.compile(r"^ *```(\w*)\n(.*?)^ *```$", re.M | re.S)
 
 
 def text(page):
@@ -73,6 +81,21 @@ def wrong_commands(markdown):
     return wrong
 
 
+def missing_modules(markdown):
+    """Modules after `python -m`, in text and in blocks, that Python does not find."""
+    named = set(re.findall(r"python3? -m ([\w.]*\w)", markdown))
+    return sorted(
+        name for name in named if importlib.util.find_spec(name.split(".")[0]) is None or not found(name)
+    )
+
+
+def found(name):
+    try:
+        return importlib.util.find_spec(name) is not None
+    except ModuleNotFoundError:
+        return False
+
+
 def missing_files(page, markdown):
     """Source files in backquotes, by their path from the repository or a package, that do not exist."""
     roots = (
@@ -94,6 +117,11 @@ def test_links_lead_somewhere(page):
 @pytest.mark.parametrize("page", PAGES)
 def test_commands_parse(page):
     assert wrong_commands(text(page)) == []
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_modules_that_are_run_exist(page):
+    assert missing_modules(text(page)) == []
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -133,3 +161,6 @@ def test_the_checks_can_fail():
     assert dead_links("README.md", page + block) == ["#three", "nowhere.md", "README.md#no"]
     assert missing_files("README.md", page) == ["cli/nothing.py"]
     assert wrong_commands(page + block) == ["vibe run --frobnicate > c"]
+    assert missing_modules("`python -m proxy_renderer.nothing`, python -m lab x") == [
+        "proxy_renderer.nothing"
+    ]

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-TUTORIAL = ROOT / "docs" / "tutorial.md"
+TUTORIAL = ROOT / "docs" / "start" / "tutorial.md"
 SMALL = {
     "run": "--rounds 1 --steps 4 --size 96 --samples 4 --no-anchor",
     "apply": "--size 96 --samples 4",
@@ -24,6 +24,14 @@ def commands():
     """The lines of the tutorial's shell blocks."""
     blocks = re.findall(r"^```sh\n(.*?)^```", TUTORIAL.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
     return [line for block in blocks for line in block.splitlines()]
+
+
+def printed():
+    """The lines that the tutorial says that `vibe explain` prints."""
+    block = re.search(r"^```text\n(.*?)^```", TUTORIAL.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)[
+        1
+    ]
+    return [line for line in block.splitlines() if line != "…"]
 
 
 def arguments(line):
@@ -48,6 +56,8 @@ def test_the_tutorial_runs_from_the_first_command_to_the_last(tmp_path):
     for line in lines:
         done = subprocess.run(arguments(line), cwd=tmp_path, env=environment, capture_output=True, text=True)
         assert done.returncode == 0, (line, done.stdout, done.stderr)
+        if line.startswith("vibe explain"):
+            assert [each for each in printed() if each not in done.stdout.splitlines()] == []
     teal = tmp_path / "out" / "teal"
     promised = re.findall(r"^\| (`.*?`) \|", TUTORIAL.read_text(encoding="utf-8"), re.MULTILINE)
     names = [name for row in promised for name in re.findall(r"`(.*?)`", row)]
