@@ -1,19 +1,183 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Asks a model: from the cache if it can, else with patience, within a time limit, and counts what it costs."""
+"""Asks a model: retries, time limits, cache, what the server cannot do, what it costs."""
 
 from __future__ import annotations
 
+import base64
+import contextlib
+import hashlib
+import json
+import os
+import re
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
-from .cache import Cache
-from .dialect import Dialect, Question
+from ..folders import cache_folder
+from ..schema import atomic
 from .endpoint import Endpoint
 from .errors import ModelError
 from .extract import find_object, scrub
 from .transport import Completion, Transport
+
+_FORMATS = ("json_schema", "json_object", "text")
+_MOST_TOKENS = 8192  # a plan has one or two thousand; the rest is for models that think first
+_TEMPERATURE = re.compile(r"temperature", re.IGNORECASE)
+_LIMIT = re.compile(r"max_(completion_)?tokens", re.IGNORECASE)
+_FORMAT = re.compile(
+    r"response_format|json_schema|json_object|schema|grammar|structured|json mode", re.IGNORECASE
+)
+_PICTURE = re.compile(
+    r"image|vision|multi-?modal|mmproj|content.{0,20}(part|type|array|list|string)", re.IGNORECASE
+)
+
+
+@dataclass(frozen=True)
+class Question:
+    """What a model is asked.
+
+    Attributes:
+        system: Our instructions.
+        text: The data, as one JSON document, or a text of ours.
+        picture: A JPEG; None for none.
+        schema: JSON schema of the answer; None where the answer is plain text.
+        must_see: Whether an answer without the picture is of no use.
+    """
+
+    system: str
+    text: str
+    picture: bytes | None = None
+    schema: dict[str, Any] | None = None
+    must_see: bool = False
+
+
+class Dialect:
+    """The options of a request that the server has not refused so far.
+
+    Attributes:
+        format: "json_schema", "json_object" or "text".
+        pictures: Whether pictures are sent.
+    """
+
+    def __init__(self) -> None:
+        self.format = _FORMATS[0]
+        self.pictures = True
+        self._temperature = True
+        self._limit = "max_completion_tokens"
+
+    def body(self, model: str, question: Question, earlier: list[dict[str, Any]]) -> dict[str, Any]:
+        """The request.
+
+        Args:
+            earlier: Messages after the question: an answer that could not be read, and our complaint.
+        """
+        system = question.system
+        body: dict[str, Any] = {"model": model}
+        if question.schema is not None:
+            if self.format == "json_schema":
+                strict = {"name": "reply", "strict": True, "schema": question.schema}
+                body["response_format"] = {"type": "json_schema", "json_schema": strict}
+            else:
+                schema = json.dumps(question.schema, separators=(",", ":"))
+                system += f"\n\nReply with one JSON object, and nothing else, by this JSON schema:\n{schema}"
+                if self.format == "json_object":
+                    body["response_format"] = {"type": "json_object"}
+        content: Any = question.text
+        if question.picture is not None and self.pictures:
+            url = "data:image/jpeg;base64," + base64.b64encode(question.picture).decode()
+            content = [
+                {"type": "text", "text": question.text},
+                {"type": "image_url", "image_url": {"url": url}},
+            ]
+        if self._temperature:
+            body["temperature"] = 0
+        if self._limit:
+            body[self._limit] = _MOST_TOKENS
+        messages = [{"role": "system", "content": system}, {"role": "user", "content": content}, *earlier]
+        return {**body, "messages": messages}
+
+    def give_up(self, complaint: str, question: Question) -> bool:
+        """Leaves out the option that the server refuses; False if there is nothing more to leave out."""
+        if _TEMPERATURE.search(complaint) and self._temperature:
+            self._temperature = False
+            return True
+        if _LIMIT.search(complaint) and self._limit:
+            self._limit = "max_tokens" if self._limit == "max_completion_tokens" else ""
+            return True
+        formats = question.schema is not None and self.format != "text"
+        pictures = question.picture is not None and self.pictures
+        if (
+            pictures
+            and not question.must_see
+            and ((_PICTURE.search(complaint) and not _FORMAT.search(complaint)) or not formats)
+        ):
+            self.pictures = False
+            return True
+        if formats:
+            self.format = _FORMATS[_FORMATS.index(self.format) + 1]
+            return True
+        return False
+
+    @staticmethod
+    def about(complaint: str) -> bool:
+        """Whether a server error's words are really a refusal of something that we sent."""
+        return bool(complaint) and any(p.search(complaint) for p in (_TEMPERATURE, _LIMIT, _FORMAT, _PICTURE))
+
+
+_MOST = 500  # answers that are kept; the ones used longest ago go first
+
+
+class Cache:
+    """One small JSON file for each answer. A file that cannot be read or written counts as missing.
+
+    Args:
+        folder: Made when needed; None for the user's cache folder.
+    """
+
+    def __init__(self, folder: Path | None = None) -> None:
+        self.folder = folder or cache_folder("vlm")
+
+    @staticmethod
+    def key(*parts: Any) -> str:
+        """A name for content: JSON values and bytes."""
+        digest = hashlib.sha256()
+        for part in parts:
+            raw = part if isinstance(part, bytes) else json.dumps(part, sort_keys=True).encode()
+            digest.update(len(raw).to_bytes(8, "big") + raw)
+        return digest.hexdigest()
+
+    def read(self, key: str) -> Any:
+        """An answer, or None."""
+        path = self.folder / f"{key}.json"
+        try:
+            answer = json.loads(path.read_text(encoding="utf-8"))["answer"]
+            os.utime(path)
+            return answer
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):
+            return None
+
+    def write(self, key: str, answer: Any) -> None:
+        """Keeps an answer, all at once or not at all, readable by its owner only.
+
+        A disk that cannot be written is no error: the question is then paid for again.
+
+        Args:
+            key: Of the question, as `key` returns it.
+        """
+        with contextlib.suppress(OSError, RuntimeError):
+            self.folder.mkdir(parents=True, exist_ok=True)
+            with atomic.replacing(self.folder / f"{key}.json") as part:
+                part.touch(mode=0o600)
+                part.write_text(json.dumps({"answer": answer}), encoding="utf-8")
+            self._prune()
+
+    def _prune(self) -> None:
+        files = sorted(self.folder.glob("*.json"), key=lambda p: p.stat().st_mtime)
+        for path in files[:-_MOST]:
+            path.unlink(missing_ok=True)
+
 
 _VERSION = 1  # of the questions and what is made of answers; a new one forgets the cache
 _TRIES = 4

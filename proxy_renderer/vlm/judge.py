@@ -9,8 +9,7 @@ from dataclasses import dataclass
 
 from PIL import Image, ImageDraw, ImageFont
 
-from .client import Client
-from .dialect import Question
+from .client import Client, Question
 from .errors import ModelError
 from .extract import clean
 from .picture import jpeg_of

@@ -14,7 +14,7 @@ from ..prompt.types import Prompts
 from ..schema import FAMILIES
 from ..schema.spec import SRGB
 from .aliases import AliasTable
-from .dialect import Question
+from .client import Question
 from .extract import clean
 
 SLOTS = ("color", "material", "lighting", "style", "mood", "shape")

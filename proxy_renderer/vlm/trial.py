@@ -5,8 +5,7 @@ from __future__ import annotations
 
 from PIL import Image
 
-from .client import Client
-from .dialect import Question
+from .client import Client, Question
 from .endpoint import Endpoint
 from .extract import clean
 from .picture import jpeg_of
