@@ -21,10 +21,10 @@ from ..prompt.understood import Understood
 from ..schema import Instance, VibeError
 from .aliases import AliasTable
 from .client import Client
-from .errors import ModelError
 from .picture import jpeg_of
 from .reply import Reply, read_reply
 from .request import make_question
+from .transport import ModelError
 
 _SAYS = "the model"
 """What stands in reports in the place of a word, where a model asks for something."""

@@ -18,9 +18,8 @@ from typing import Any
 from ..folders import cache_folder
 from ..schema import atomic
 from .endpoint import Endpoint
-from .errors import ModelError
 from .extract import find_object, scrub
-from .transport import Completion, Transport
+from .transport import Completion, ModelError, Transport
 
 _FORMATS = ("json_schema", "json_object", "text")
 _MOST_TOKENS = 8192  # a plan has one or two thousand; the rest is for models that think first

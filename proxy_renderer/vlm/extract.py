@@ -8,7 +8,7 @@ import unicodedata
 from collections.abc import Collection
 from typing import Any
 
-from .errors import ModelError
+from .transport import ModelError
 
 _SECRET = 12  # characters; real keys have 20 or more
 _TRIES = 200  # braces that are tried in a text around the object

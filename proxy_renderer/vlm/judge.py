@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from PIL import Image, ImageDraw, ImageFont
 
 from .client import Client, Question
-from .errors import ModelError
 from .extract import clean
 from .picture import jpeg_of
+from .transport import ModelError
 
 INSTRUCTIONS = """\
 Unpaired Text-to-Appearance Evaluation Instructions

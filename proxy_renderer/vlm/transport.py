@@ -13,9 +13,26 @@ from dataclasses import dataclass
 from email.utils import parsedate_to_datetime
 from typing import Any
 
+from ..schema import VibeError
 from .endpoint import OPENAI, Endpoint
-from .errors import ModelError
 from .extract import clean, scrub
+
+
+class ModelError(VibeError):
+    """A question that was not answered.
+
+    Attributes:
+        lasting: Whether asking again in this run would fail in the same way (a wrong key, say).
+        wait: Seconds after which asking again may help; None if it would not.
+        complaint: What the server said, for finding out what it cannot do; "" if it said nothing.
+    """
+
+    def __init__(
+        self, message: str, remedy: str, lasting: bool = False, wait: float | None = None, complaint: str = ""
+    ) -> None:
+        super().__init__(message, remedy)
+        self.lasting, self.wait, self.complaint = lasting, wait, complaint
+
 
 LARGEST = 2_000_000
 """Bytes of an answer; a plan has a few thousand."""

@@ -15,8 +15,7 @@ from proxy_renderer.schema.messages import Options
 from proxy_renderer.vlm import client as client_module
 from proxy_renderer.vlm.client import Cache, Client, Question
 from proxy_renderer.vlm.endpoint import OPENAI, Endpoint, find_endpoint
-from proxy_renderer.vlm.errors import ModelError
-from proxy_renderer.vlm.transport import LARGEST
+from proxy_renderer.vlm.transport import LARGEST, ModelError
 from proxy_renderer.vlm.trial import try_model
 
 SCHEMA = {
