@@ -19,11 +19,10 @@ from ..prompt.prompts import compose
 from ..prompt.types import Attribute, Parsed, PromptObject, Prompts
 from ..prompt.understood import Understood
 from ..schema import Instance, VibeError
-from .aliases import AliasTable
 from .client import Client
 from .picture import jpeg_of
 from .reply import Reply, read_reply
-from .request import make_question
+from .request import AliasTable, make_question
 from .transport import ModelError
 
 _SAYS = "the model"
