@@ -19,8 +19,7 @@ from ..prompt.prompts import compose
 from ..prompt.types import Attribute, Parsed, PromptObject, Prompts
 from ..prompt.understood import Understood
 from ..schema import Instance, VibeError
-from .client import Client
-from .picture import jpeg_of
+from .client import Client, jpeg_of
 from .reply import Reply, read_reply
 from .request import AliasTable, make_question
 from .transport import ModelError

@@ -9,10 +9,8 @@ from dataclasses import dataclass
 
 from PIL import Image, ImageDraw, ImageFont
 
-from .client import Client, Question
-from .extract import clean
-from .picture import jpeg_of
-from .transport import ModelError
+from .client import Client, Question, jpeg_of
+from .transport import ModelError, clean
 
 INSTRUCTIONS = """\
 Unpaired Text-to-Appearance Evaluation Instructions

@@ -18,8 +18,8 @@ from ..prompt.lexicon.quantities import quantities
 from ..prompt.types import PromptObject, Prompts
 from ..schema import Instance, Values
 from ..schema.spec import Region
-from .extract import clean
 from .request import REGIONS, SLOTS, AliasTable
+from .transport import clean
 
 _MOST_OBJECTS, _MOST_TEXTS, _MOST_ENTRIES = 12, 8, 200
 _CAPTION, _WORD, _REASON = 160, 60, 160

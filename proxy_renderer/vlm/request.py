@@ -16,7 +16,7 @@ from ..prompt.types import Prompts
 from ..schema import FAMILIES, Instance, Values
 from ..schema.spec import SRGB
 from .client import Question
-from .extract import clean
+from .transport import clean
 
 _LIGHTS, _MATERIALS = 8, 10  # the most important ones; a question has to fit into small contexts
 _LONGEST_NAME = 60

@@ -5,10 +5,9 @@ from __future__ import annotations
 
 from PIL import Image
 
-from .client import Client, Question
+from .client import Client, Question, jpeg_of
 from .endpoint import Endpoint
-from .extract import clean
-from .picture import jpeg_of
+from .transport import clean
 
 _SCHEMA = {
     "type": "object",
