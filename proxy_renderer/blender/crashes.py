@@ -8,7 +8,7 @@ import signal
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..schema import atomic, faults
+from ..schema import atomic, errors
 
 _TRACE = re.compile(
     r"(Fatal Python error|Current thread|Thread 0x|Extension modules|\s+File |EGL Error|VIBE )"
@@ -28,18 +28,18 @@ def tidy(out: Path, process: int) -> None:
         part.unlink(missing_ok=True)
 
 
-def crash(code: int, doing: str, output: Sequence[str]) -> faults.UnexpectedError:
+def crash(code: int, doing: str, output: Sequence[str]) -> errors.UnexpectedError:
     """The error for a Blender that ended by itself; its output goes to a log.
 
     Args:
         code: Its exit code; a negative one is the number of a signal.
         doing: What it was doing: "reading the scene".
     """
-    log = faults.write_log(f"Blender ended while {doing}, exit code {code}\n\n" + "".join(output))
+    log = errors.write_log(f"Blender ended while {doing}, exit code {code}\n\n" + "".join(output))
     kind = signal.strsignal(-code) if code < 0 else None
     words = last_words(output)
     said = f' Its last words: "{words}".' if words else ""
-    return faults.UnexpectedError(
+    return errors.UnexpectedError(
         f"Blender crashed while {doing} ({kind or f'exit code {code}'}).{said}",
         "Render the file in Blender: if that crashes too, find out there which object or modifier does it. "
         f"If not, please report it with {log}.",

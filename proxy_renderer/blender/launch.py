@@ -19,7 +19,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..schema import VibeError, faults
+from ..schema import VibeError, errors
 from .crashes import crash, temporary, tidy
 from .progress import VibeProgress
 
@@ -55,7 +55,7 @@ def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None
         for event in events(process, tail):
             doing = event["name"] if event.get("type") == "stage" else doing
             if event.get("type") == "error":
-                kind = faults.UnexpectedError if event.get("unexpected") else VibeError
+                kind = errors.UnexpectedError if event.get("unexpected") else VibeError
                 failure = kind(event.get("message", "It failed."), event.get("remedy", ""))
             else:
                 progress.show(event)

@@ -11,7 +11,7 @@ from ..color.floats import chroma, lab_from_srgb, oklab_from_srgb, srgb_from_lab
 from ..prompt.colors import display_color
 from ..prompt.types import Attribute
 from ..schema import Values
-from ..schema.spec import Region
+from ..schema.parameters import Region
 from .claim import Claim
 from .measures.picture import Part
 

@@ -26,7 +26,7 @@ from ..rigs.chosen import chosen_rig
 from ..scene.plain import plain_instances
 from ..schema import Instance, VibeError
 from ..schema.options import checks
-from ..schema.spec import Region
+from ..schema.parameters import Region
 
 if TYPE_CHECKING:
     from ..engine.additions import Addition

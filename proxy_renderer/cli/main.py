@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from types import ModuleType
 
 from .. import __version__
-from ..schema import VibeError, faults
+from ..schema import VibeError, errors
 from .commands import apply, batch, demo, doctor, explain, extension, flamenco, revert, run, vocabulary
 from .parser import Help, Parser
 
@@ -38,7 +38,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return arguments.act(arguments)
     except VibeError as error:
         print(f"vibe: {error}", file=sys.stderr)
-        return 1 if isinstance(error, faults.UnexpectedError) else 2
+        return 1 if isinstance(error, errors.UnexpectedError) else 2
     except KeyboardInterrupt:
         print("vibe: stopped.", file=sys.stderr)
         return 130
@@ -46,7 +46,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stderr.close()
         return 1
     except Exception as error:
-        print(f"vibe: {faults.unexpected(error, 'carrying out the command')}", file=sys.stderr)
+        print(f"vibe: {errors.unexpected(error, 'carrying out the command')}", file=sys.stderr)
         return 1
 
 

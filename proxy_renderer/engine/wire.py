@@ -8,7 +8,7 @@ import threading
 from typing import BinaryIO
 
 from ..schema import VibeError, messages
-from ..schema.wire import encode, read
+from ..schema.messages import encode, read
 
 
 class Wire:

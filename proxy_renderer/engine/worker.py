@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, BinaryIO
 from .. import __version__
 from ..folders import cache_folder
 from ..optimize.progress import BEFORE
-from ..schema import VibeError, faults, messages, schema_hash
-from ..schema.wire import check_schema
+from ..schema import VibeError, errors, messages, schema_hash
+from ..schema.messages import check_schema
 from .allocator import keep_freed_memory
 from .remote_observer import RemoteObserver, look_message
 from .wire import Wire
@@ -76,7 +76,7 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
 
 def _fault(error: Exception) -> messages.Error:
     """What to say of an error that nobody expected."""
-    fault = faults.unexpected(error, "the engine was at work")
+    fault = errors.unexpected(error, "the engine was at work")
     return messages.Error(fault.message, fault.remedy, unexpected=True)
 
 

@@ -12,7 +12,7 @@ from ..prompt.lexicon.quantities import quantities
 from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.types import Attribute
 from ..schema import FAMILIES
-from ..schema.means import may_serve
+from ..schema.parameters import may_serve
 from .wish import PAINTED, Wish, breadth_of
 
 _SOFT = 0.8

@@ -12,7 +12,7 @@ from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.types import Attribute, Parsed
 from ..prompt.understood import Understood
 from ..schema import VibeError
-from ..schema.means import SURFACES
+from ..schema.parameters import SURFACES
 from .contradictions import contradicts
 from .meaning import wishes_of
 from .wish import Wish

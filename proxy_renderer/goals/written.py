@@ -15,8 +15,7 @@ from ..prompt.lexicon.entries import OWNERS, SLOTS, parse_effect
 from ..prompt.lexicon.quantities import quantities
 from ..prompt.types import GLOW, STRONGEST, Attribute, Parsed, PromptObject, SceneWords
 from ..schema import VibeError
-from ..schema.means import may_serve
-from ..schema.spec import Region
+from ..schema.parameters import Region, may_serve
 from .json_fields import JsonFields
 from .resolve import Goals, resolved
 from .wish import Wish, breadth_of

@@ -22,7 +22,7 @@ from ..scene.data import Light
 from ..scene.values import RenderValues
 from ..schema import Values
 from ..schema.messages import Options
-from ..schema.spec import Region
+from ..schema.parameters import Region
 from . import headroom
 from .places import places
 from .present_looks import present_looks, sees_sky

@@ -9,7 +9,7 @@ from ..color.constants import Lab
 from ..prompt.lexicon.entries import Effect
 from ..prompt.types import Attribute
 from ..schema import Values
-from ..schema.spec import Region
+from ..schema.parameters import Region
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from ..color.constants import Lab
 from ..color.floats import chroma, lab_from_srgb
 from ..color.shades import basic, shade
 from ..schema import Values
-from ..schema.spec import Region
+from ..schema.parameters import Region
 from .lexicon.attributes import COLORS
 from .types import Attribute
 

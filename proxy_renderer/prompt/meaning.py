@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..schema.spec import Region
+from ..schema.parameters import Region
 from .lexicon.vocabulary import Vocabulary
 from .lights import numbered
 from .shading import all_shaded

@@ -8,7 +8,7 @@ import tomllib
 from functools import cache, lru_cache
 from pathlib import Path
 
-from ..schema.spec import Region
+from ..schema.parameters import Region
 from .lexicon.entries import normalize
 from .types import SceneWords
 

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..schema import Values, VibeError
-from ..schema.spec import Region
+from ..schema.parameters import Region
 from ..schema.targets import NOT_USED
 
 if TYPE_CHECKING:

@@ -4,12 +4,24 @@
 Standard library and relative imports only: building the extension copies this folder into it.
 """
 
-from . import added_lights, budgets, labels, orbit, radiometry
-from .budgets import BUDGETS, Budget
+from . import added_lights, labels, orbit, radiometry
 from .errors import VibeError
+from .limits import BUDGETS, Budget
 from .options.frames import frame_numbers
-from .parameters import FAMILIES, GROUPS, PARAMETERS, REFERENCES, VERSION, schema_hash
-from .spec import Instance, Parameter, Scale, Values, matches, split_key
+from .parameters import (
+    FAMILIES,
+    GROUPS,
+    PARAMETERS,
+    REFERENCES,
+    VERSION,
+    Instance,
+    Parameter,
+    Scale,
+    Values,
+    matches,
+    schema_hash,
+    split_key,
+)
 
 __all__ = [
     "BUDGETS",

@@ -5,8 +5,7 @@ from __future__ import annotations
 
 import re
 
-from .parameters import FAMILIES
-from .spec import Parameter, Values, split_key
+from .parameters import FAMILIES, Parameter, Values, split_key
 
 GROUP_TITLES = {
     "camera": "Camera",

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Limits that more than one side keeps: the command line, the panel, the manifest, presets, the parser."""
+"""Limits that several sides keep (command line, panel, manifest, presets, parser), and budgets: how long a vibe may take."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
 
 LONGEST_PROMPT = 2000
 """Characters of a prompt."""
@@ -14,3 +17,43 @@ LARGEST_SEED = 2**31 - 1
 
 MESH_FORMATS = (".obj", ".glb", ".gltf", ".ply", ".stl")
 """Suffixes of the bare meshes that can be opened."""
+
+
+@dataclass(frozen=True)
+class Budget:
+    """How much work a vibe is.
+
+    Attributes:
+        rounds: Outer rounds of Algorithm 1.
+        steps: Most steps of the inner loop in each.
+        size: Longer side of the pictures, pixels.
+        starts: Points that a coarse first pass tries; 1 for the artist's scene alone.
+        summary: For whom it is, in words.
+    """
+
+    rounds: int
+    steps: int
+    size: int
+    starts: int
+    summary: str
+
+
+BUDGETS = {
+    "quick": Budget(3, 8, 256, 1, "a first idea"),
+    "standard": Budget(6, 12, 512, 1, "the usual"),
+    "thorough": Budget(10, 20, 512, 6, "several starts, and time to refine"),
+}
+STANDARD = BUDGETS["standard"]
+NUMBERS = ("rounds", "steps", "size", "starts")
+"""What a budget decides, where nothing else does."""
+
+
+def fill(options: Any) -> None:
+    """Gives options the numbers of their budget, where they have none of their own.
+
+    Args:
+        options: Anything with the attributes `budget`, a name of `BUDGETS`, and `NUMBERS`; those that are None are set.
+    """
+    for name in NUMBERS:
+        if getattr(options, name) is None:
+            setattr(options, name, getattr(BUDGETS[options.budget], name))

@@ -17,7 +17,7 @@ from ..planning.types import PlanEntry
 from ..prompt.lexicon.quantities import quantities
 from ..prompt.types import PromptObject, Prompts
 from ..schema import Instance, Values
-from ..schema.spec import Region
+from ..schema.parameters import Region
 from .request import REGIONS, SLOTS, AliasTable
 from .transport import clean
 

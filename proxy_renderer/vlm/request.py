@@ -14,7 +14,7 @@ from ..planning.types import Plan, PlanContext
 from ..prompt.lexicon.quantities import quantities
 from ..prompt.types import Prompts
 from ..schema import FAMILIES, Instance, Values
-from ..schema.spec import SRGB
+from ..schema.parameters import SRGB
 from .client import Question
 from .transport import clean
 

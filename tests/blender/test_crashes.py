@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from proxy_renderer.blender import crashes, launch
-from proxy_renderer.schema.faults import UnexpectedError
+from proxy_renderer.schema.errors import UnexpectedError
 
 BLENDER = """
 import os, signal, sys, tempfile

@@ -68,10 +68,10 @@ def test_nothing_and_nonsense(prompt):
 
 
 def test_messages_survive_the_wire():
-    from proxy_renderer.schema import wire
+    from proxy_renderer.schema import messages
 
     found = read("a sumptuous red vase")
-    assert wire.decode(wire.encode(found)) == found
+    assert messages.decode(messages.encode(found)) == found
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from proxy_renderer.prompt.lexicon.quantities import quantities
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.types import Attribute
 from proxy_renderer.schema import FAMILIES
-from proxy_renderer.schema.means import may_serve
+from proxy_renderer.schema.parameters import may_serve
 
 VOCABULARY = shipped_vocabulary()
 ENTRIES = [entry for entry in VOCABULARY.entries.values() if entry.wishes]

@@ -19,7 +19,7 @@ from proxy_renderer.prompt.lexicon.entries import OWNERS
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import Parsed
-from proxy_renderer.schema.means import SURFACES
+from proxy_renderer.schema.parameters import SURFACES
 
 VOCABULARY = shipped_vocabulary()
 SEEDS = (1, 2, 3)

@@ -5,17 +5,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from proxy_renderer import schema
-    from proxy_renderer.schema import (
-        atomic,
-        faults,
-        labels,
-        limits,
-        messages,
-        preset,
-        targets,
-        verdicts,
-        wire,
-    )
+    from proxy_renderer.schema import atomic, labels, limits, messages, preset, targets, verdicts
     from proxy_renderer.schema.options import checks, command_line
     from proxy_renderer.schema.options import table as options
 else:
@@ -26,17 +16,7 @@ else:
         from ..schema.options import table as options
     except ImportError:
         from proxy_renderer import schema
-        from proxy_renderer.schema import (
-            atomic,
-            faults,
-            labels,
-            limits,
-            messages,
-            preset,
-            targets,
-            verdicts,
-            wire,
-        )
+        from proxy_renderer.schema import atomic, labels, limits, messages, preset, targets, verdicts
         from proxy_renderer.schema.options import checks, command_line
         from proxy_renderer.schema.options import table as options
 

@@ -7,7 +7,7 @@ import argparse
 from pathlib import Path
 
 from ...inputs import check
-from ...schema import budgets
+from ...schema import limits
 from ...schema.options import checks, command_line
 from ...schema.options.table import named
 from ..parser import add_scene
@@ -25,7 +25,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--out", required=True, type=Path, metavar="DIR", help="folder for pictures and .blend"
     )
     render = parser.add_argument_group("render")
-    command_line.add_option(render, named("size"), default=budgets.STANDARD.size)
+    command_line.add_option(render, named("size"), default=limits.STANDARD.size)
     command_line.add_option(render, named("samples"))
 
 

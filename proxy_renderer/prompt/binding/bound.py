@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...schema.spec import Region
+from ...schema.parameters import Region
 from ..meaning import NamedThing
 from ..mentions.nouns import NounMention, materials_of
 from ..types import SceneWords

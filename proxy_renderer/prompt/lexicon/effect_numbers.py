@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from ...schema import Values
-from ...schema.spec import Parameter
+from ...schema.parameters import Parameter
 
 _COUNTS = {"plus": 1, "camera": 1, "sides": 1, "lightness": 1, "share": 1, "shade": 2}
 """Mode -> how many numbers an end of a range has; of other modes one, or as many as the parameter has components."""

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from ...schema import FAMILIES, Values, VibeError
-from ...schema.means import MEANS, SURFACES, may_serve
+from ...schema.parameters import MEANS, SURFACES, may_serve
 from .claim_text import ClaimText, read_claim
 from .effect_numbers import misfit
 from .quantities import quantities

@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from .. import budgets
+from .. import limits
 from ..errors import VibeError
 from ..limits import LONGEST_PROMPT
 from ..parameters import GROUPS
@@ -48,8 +48,8 @@ def numbers(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> None:
     Raises:
         VibeError: One is not.
     """
-    if all(hasattr(given, name) for name in ("budget", *budgets.NUMBERS)):
-        budgets.fill(given)
+    if all(hasattr(given, name) for name in ("budget", *limits.NUMBERS)):
+        limits.fill(given)
     for option in table:
         value = getattr(given, option.name, None)
         if option.bounds and value is not None and not option.bounds[0] <= value <= option.bounds[1]:

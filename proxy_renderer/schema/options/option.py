@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from ..budgets import NUMBERS
+from ..limits import NUMBERS
 
 T = TypeVar("T")
 

@@ -13,9 +13,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from ..budgets import BUDGETS, STANDARD
 from ..errors import VibeError
-from ..limits import LARGEST_SEED, LONGEST_PROMPT
+from ..limits import BUDGETS, LARGEST_SEED, LONGEST_PROMPT, STANDARD
 from ..parameters import GROUPS
 from .option import HEADINGS as HEADINGS
 from .option import Option as Option
