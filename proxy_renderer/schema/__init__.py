@@ -4,7 +4,7 @@
 Standard library and relative imports only: building the extension copies this folder into it.
 """
 
-from . import added_lights, labels, orbit, radiometry
+from . import added_lights, labels, limits, orbit, radiometry
 from .errors import VibeError
 from .limits import BUDGETS, Budget
 from .options.frames import frame_numbers
@@ -37,9 +37,9 @@ __all__ = [
     "Values",
     "VibeError",
     "added_lights",
-    "budgets",
     "frame_numbers",
     "labels",
+    "limits",
     "matches",
     "orbit",
     "radiometry",

@@ -5,18 +5,18 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from proxy_renderer import schema
-    from proxy_renderer.schema import atomic, labels, limits, messages, preset, targets, verdicts
+    from proxy_renderer.schema import atomic, errors, labels, limits, messages, preset, targets, verdicts
     from proxy_renderer.schema.options import checks, command_line
     from proxy_renderer.schema.options import table as options
 else:
     try:
         from .. import schema
-        from ..schema import atomic, faults, labels, limits, messages, preset, targets, verdicts, wire
+        from ..schema import atomic, errors, labels, limits, messages, preset, targets, verdicts
         from ..schema.options import checks, command_line
         from ..schema.options import table as options
     except ImportError:
         from proxy_renderer import schema
-        from proxy_renderer.schema import atomic, labels, limits, messages, preset, targets, verdicts
+        from proxy_renderer.schema import atomic, errors, labels, limits, messages, preset, targets, verdicts
         from proxy_renderer.schema.options import checks, command_line
         from proxy_renderer.schema.options import table as options
 
@@ -24,7 +24,7 @@ __all__ = [
     "atomic",
     "checks",
     "command_line",
-    "faults",
+    "errors",
     "labels",
     "limits",
     "messages",
@@ -33,5 +33,4 @@ __all__ = [
     "schema",
     "targets",
     "verdicts",
-    "wire",
 ]

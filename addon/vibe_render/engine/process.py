@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO, TypeAlias, cast
 
-from ..core.schema_import import faults, schema, wire
+from ..core.schema_import import errors, messages, schema
 from ..core.schema_import import messages as message_types
 from .find import engine_environment, find_python, own_group
 
@@ -39,7 +39,7 @@ class Engine:
     def __init__(self, python: str = "", log: Path | None = None, cache: Path | None = None) -> None:
         self._choice = python
         self._variables = {"VIBE_CACHE": str(cache)} if cache else {}
-        self.log = log or faults.log_folder() / f"vibe-engine-{os.getpid()}.log"
+        self.log = log or errors.log_folder() / f"vibe-engine-{os.getpid()}.log"
         self._process: subprocess.Popen[bytes] | None = None
         self._inbox: queue.Queue[_Item] = queue.Queue()
         self._readings: queue.Queue[message_types.Readings] = queue.Queue()
@@ -103,7 +103,7 @@ class Engine:
             with self._exit_lock:  # another thread may be about to find out
                 raise self._exit_error or schema.VibeError("The engine is not running.", "Start it first.")
         try:
-            process.stdin.write(wire.encode(message))
+            process.stdin.write(messages.encode(message))
             process.stdin.flush()
             self._busy = self._busy or isinstance(message, _REQUESTS)
         except (OSError, ValueError) as error:
@@ -178,7 +178,7 @@ class Engine:
         if process is None:
             return
         with contextlib.suppress(OSError, ValueError):
-            process.stdin.write(wire.encode(message_types.Quit()))  # type: ignore[union-attr]
+            process.stdin.write(messages.encode(message_types.Quit()))  # type: ignore[union-attr]
             process.stdin.close()  # type: ignore[union-attr]
         for end in (lambda: None, process.terminate, process.kill):
             end()
@@ -195,11 +195,11 @@ class Engine:
         if isinstance(item, schema.VibeError):
             raise item
         if isinstance(item, message_types.Error):
-            kind = faults.UnexpectedError if item.unexpected else schema.VibeError
+            kind = errors.UnexpectedError if item.unexpected else schema.VibeError
             raise kind(item.message, item.remedy)
         if isinstance(item, message_types.Ready):
             try:
-                wire.check_schema(item.schema, "engine")
+                messages.check_schema(item.schema, "engine")
             except schema.VibeError:
                 self.stop()
                 raise
@@ -235,7 +235,7 @@ def _receive(
     """Puts what arrives into the inbox, or among the readings, until the output ends."""
     try:
         with stream:
-            for message in wire.read(stream):
+            for message in messages.read(stream):
                 if isinstance(message, message_types.Readings):
                     readings.put(message)
                 else:

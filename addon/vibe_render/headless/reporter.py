@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from ..core.schema_import import faults, messages, schema
+from ..core.schema_import import errors, messages, schema
 
 
 class Reporter:
@@ -63,7 +63,7 @@ class Reporter:
     def error(self, error: schema.VibeError) -> None:
         """Reports an error."""
         if self._events:
-            unexpected = isinstance(error, faults.UnexpectedError)
+            unexpected = isinstance(error, errors.UnexpectedError)
             event = {"type": "error", "message": error.message, "remedy": error.remedy}
             self._print({**event, "unexpected": unexpected}, "")
         else:

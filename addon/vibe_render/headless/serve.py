@@ -13,7 +13,7 @@ import queue
 import sys
 import threading
 
-from ..core.schema_import import faults, schema
+from ..core.schema_import import errors, schema
 from ..engine.conversation import Conversation
 from ..engine.process import Engine
 from . import commands, vibe
@@ -41,7 +41,7 @@ def serve() -> None:
                 _run_command(json.loads(line), reporter, conversation)
             except Exception as error:  # the next command opens a file of its own
                 known = error if isinstance(error, schema.VibeError) else None
-                reporter.error(known or faults.unexpected(error, reporter.doing))
+                reporter.error(known or errors.unexpected(error, reporter.doing))
                 engine.stop(patience=0.1)  # it may be in the middle of something
     finally:
         engine.stop()

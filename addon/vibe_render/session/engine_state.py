@@ -10,7 +10,7 @@ from pathlib import Path
 import bpy
 
 from ..core import background, drawing
-from ..core.schema_import import faults, messages, schema
+from ..core.schema_import import errors, messages, schema
 from ..core.user_folder import own_folder
 from ..engine.find import find_python
 from ..engine.process import Engine
@@ -175,7 +175,7 @@ def _answer_of(future: Future) -> tuple:
     except schema.VibeError as error:
         return None, error
     except Exception as error:  # a panel must say so, whatever it is
-        return None, faults.unexpected(error, "looking for the engine")
+        return None, errors.unexpected(error, "looking for the engine")
 
 
 engine_state = EngineState()

@@ -8,7 +8,7 @@ from typing import Any
 import bpy
 
 from ..core import drawing
-from ..core.schema_import import faults, schema
+from ..core.schema_import import errors, schema
 from ..session.state import addon_state
 from . import obstacles
 
@@ -43,7 +43,7 @@ def _tick() -> float | None:
     except schema.VibeError as error:
         failure = error
     except Exception as error:  # an artist must never be left with a stuck panel
-        failure = faults.unexpected(error, "looking at the words")
+        failure = errors.unexpected(error, "looking at the words")
     if failure:
         addon_state.end_live()
         addon_state.failure = failure

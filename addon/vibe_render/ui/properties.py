@@ -198,7 +198,7 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
             owner = saved if row.panel and row.panel.preferences else self
             if row.panel and owner:
                 chosen[row.name] = getattr(owner, row.name)
-        chosen |= {name: getattr(budget, name) for name in schema.budgets.NUMBERS}
+        chosen |= {name: getattr(budget, name) for name in schema.limits.NUMBERS}
         chosen["device"] = chosen.get("device", "").strip().lower() or "auto"
         patterns = filter(None, (pattern.strip() for pattern in self.lock.split(",")))
         chosen |= {"groups": self.groups(), "lock": [*patterns, *self.locks.keys()]}

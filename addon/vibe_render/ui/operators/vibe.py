@@ -12,7 +12,7 @@ import bpy
 from bpy.props import BoolProperty
 
 from ...core import drawing
-from ...core.schema_import import faults, schema
+from ...core.schema_import import errors, schema
 from ...session import prompt_history
 from ...session.session import Session
 from ...session.state import addon_state
@@ -145,7 +145,7 @@ def _advance(session: Session) -> schema.VibeError | None:
     except schema.VibeError as error:
         return error
     except Exception as error:  # an artist must never be left with a stuck panel
-        return faults.unexpected(error, session.stage.lower())
+        return errors.unexpected(error, session.stage.lower())
     return None
 
 
