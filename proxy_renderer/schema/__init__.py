@@ -7,7 +7,7 @@ Standard library and relative imports only: building the extension copies this f
 from . import added_lights, labels, limits, orbit, radiometry
 from .errors import VibeError
 from .limits import BUDGETS, Budget
-from .options.frames import frame_numbers
+from .options.checks import frame_numbers
 from .parameters import (
     FAMILIES,
     GROUPS,

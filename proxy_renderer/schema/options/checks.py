@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can be wrong with the options of a vibe, whichever side reads them."""
+"""Checks of the options of a vibe, whichever side reads them."""
 
 from __future__ import annotations
 
@@ -15,6 +15,25 @@ from ..limits import LONGEST_PROMPT
 from ..parameters import GROUPS
 from .option import Option
 from .table import TABLE, TRAITS
+
+
+def frame_numbers(text: str) -> list[int]:
+    """Frames as people write them: "1,50,100-110"; none from "".
+
+    Raises:
+        VibeError: A part is neither a number nor a range of two.
+
+    >>> frame_numbers("1, 50, 100-102, 50")
+    [1, 50, 100, 101, 102]
+    """
+    numbers: dict[int, None] = {}
+    for part in filter(None, re.split(r"[,\s]+", text)):
+        match = re.fullmatch(r"(\d+)(?:-(\d+))?", part)
+        if not match:
+            raise VibeError(f"{part!r} names no frames.", "Write them as in 1,50,100 or 1-24.")
+        first = int(match[1])
+        numbers |= dict.fromkeys(range(first, int(match[2] or first) + 1))
+    return list(numbers)
 
 
 def prompt(text: str, like: str = "", goals: str = "") -> str:
