@@ -21,7 +21,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TextIO
 
-from ..blender import process_tree
+from ..blender import crashes
 from ..blender.crashes import temporary
 from ..blender.launch import blender_side, environment
 from ..blender.meshes import prepared
@@ -165,7 +165,7 @@ class Worker:
         process, self._process = self._process, None
         if process is None:
             return
-        process_tree.kill(process.pid)
+        crashes.kill(process.pid)
         process.wait()
         assert process.stdin is not None
         with contextlib.suppress(OSError):
@@ -209,7 +209,7 @@ class _Watch:
         if now < self._next:
             return
         self._next = now + _TICK
-        used = process_tree.memory(pid)
+        used = crashes.memory(pid)
         self.peak_gb = max(self.peak_gb, round(used / 1e9, 3))
         if used > self._limits.memory_gb * 1e9:
             raise VibeError(

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is said, and what is left, when Blender ends by itself."""
+"""Blender's processes: their memory, their end, and the error for one that crashed."""
 
 from __future__ import annotations
 
+import contextlib
 import re
 import signal
 from collections.abc import Sequence
 from pathlib import Path
+
+import psutil
 
 from ..schema import atomic, errors
 
@@ -51,3 +54,27 @@ def last_words(output: Sequence[str]) -> str:
     lines = [line.strip() for line in output if line.strip() and not _TRACE.match(line)][-_LAST:]
     telling = [line for line in lines if _TELLING.search(line)]
     return (telling or lines or [""])[-1][:200].rstrip(".")
+
+
+def memory(number: int) -> int:
+    """Bytes that a process and all it has started hold together; 0 if it is gone."""
+    total = 0
+    for process in _family(number):
+        with contextlib.suppress(psutil.Error):
+            total += process.memory_info().rss
+    return total
+
+
+def kill(number: int) -> None:
+    """Ends a process and all it has started, the youngest first."""
+    for process in reversed(_family(number)):
+        with contextlib.suppress(psutil.Error):
+            process.kill()
+
+
+def _family(number: int) -> list[psutil.Process]:
+    try:
+        first = psutil.Process(number)
+        return [first, *first.children(recursive=True)]
+    except psutil.Error:
+        return []
