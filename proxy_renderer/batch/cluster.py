@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from ..schema import VibeError
-from .local import PER_GPU
 from .manifest.manifest import Limits
 from .plan import Job
+from .schedule import PER_GPU
 from .store import TOKEN, JobRow, Store, read_json
 from .worker import Interrupted, Setup, Worker
 

@@ -16,10 +16,10 @@ from ..schema import VibeError
 from . import schedule
 from .estimate import account
 from .finals import Finals
-from .local import Pool, fitting, local_pool
 from .manifest import manifest
 from .plan import BatchPlan, Job, Jobs
 from .progress import BatchProgress
+from .schedule import Pool, fitting, local_pool
 from .sheet import Sheet
 from .store import JobRow, Store
 from .worker import Setup

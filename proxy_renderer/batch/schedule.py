@@ -1,15 +1,161 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hands out jobs until all are done or given up: the same on one machine and on a cluster."""
+"""Workers on this machine, and the jobs handed out to them until all are done or given up."""
 
 from __future__ import annotations
 
+import os
+import queue
+import shutil
+import subprocess
 from collections import Counter, deque
 from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from pathlib import Path
+from typing import Protocol
 
-from .local import Pool
+import psutil
+
 from .manifest.manifest import Limits
 from .plan import Job, Jobs
 from .store import JobRow, Store, head
+from .worker import Interrupted, Setup, Worker
+
+PER_GPU = 4  # engines that share a graphics card
+
+
+class Pool(Protocol):
+    """Workers, wherever they are."""
+
+    def capacity(self) -> int:
+        """How many jobs may be out at once, now."""
+
+    def submit(self, job: Job) -> None:
+        """Hands out a job."""
+
+    def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
+        """Waits for jobs to end.
+
+        Args:
+            seconds: The longest to wait for the first one.
+
+        Returns:
+            Jobs that have ended, with their rows; None for a job whose worker is lost.
+        """
+
+    def close(self) -> None:
+        """Ends all workers now."""
+
+
+class Carrier(Protocol):
+    """What carries out jobs: a `Worker`, or what stands for one in measurements."""
+
+    def run(self, job: Job, folder: Path) -> JobRow:
+        """Carries out a job, and leaves its files in the folder.
+
+        Returns:
+            The job's row of the table.
+
+        Raises:
+            Interrupted: It was closed meanwhile.
+        """
+
+    def close(self) -> None:
+        """Ends a job that runs, and takes no other."""
+
+
+class LocalPool:
+    """A thread for each worker.
+
+    Args:
+        jobs: The folder of the jobs' folders.
+    """
+
+    def __init__(self, jobs: Path, workers: list[Carrier]) -> None:
+        self._jobs, self._workers = jobs, workers
+        self._idle: queue.SimpleQueue[Carrier] = queue.SimpleQueue()
+        for worker in workers:
+            self._idle.put(worker)
+        self._threads = ThreadPoolExecutor(len(workers))
+        self._out: dict[Future[JobRow], Job] = {}
+
+    def capacity(self) -> int:
+        """How many workers there are, idle or not."""
+        return len(self._workers)
+
+    def submit(self, job: Job) -> None:
+        """Hands a job to the next worker that is idle."""
+        self._out[self._threads.submit(self._run, job)] = job
+
+    def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
+        """As `Pool.wait`; a job that was ended from outside comes back with the status "interrupted".
+
+        Args:
+            seconds: The longest to wait for the first one.
+        """
+        ended, _ = wait(self._out, seconds, FIRST_COMPLETED)
+        return [(self._out.pop(future), future.result()) for future in ended]
+
+    def close(self) -> None:
+        """Ends the jobs that run, forgets those that wait, and returns when all threads have ended."""
+        for worker in self._workers:
+            worker.close()
+        self._threads.shutdown(wait=True, cancel_futures=True)
+
+    def _run(self, job: Job) -> JobRow:
+        worker = self._idle.get()
+        try:
+            return worker.run(job, self._jobs / job.name)
+        except Interrupted:
+            return {"status": "interrupted"}
+        finally:
+            self._idle.put(worker)
+
+
+def local_pool(jobs: Path, setup: Setup, count: int = 0) -> LocalPool:
+    """Workers for this machine, each on cores of its own; graphics cards are dealt out in turn.
+
+    Args:
+        jobs: The folder of the jobs' folders.
+        count: Of workers; 0 for as many as cores, memory and graphics cards hold.
+    """
+    count = count or fitting(setup.limits)
+    cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+    cards = graphics_cards()
+
+    def worker(number: int) -> Worker:
+        first = number * setup.limits.cores
+        mine = cores[first : first + setup.limits.cores] if count > 1 else []
+        card = {"CUDA_VISIBLE_DEVICES": str(number % cards)} if cards else {}
+        return Worker(Setup(setup.limits, setup.variables | card, setup.command), mine)
+
+    return LocalPool(jobs, [worker(number) for number in range(count)])
+
+
+def fitting(limits: Limits, cards: Callable[[], int] | None = None) -> int:
+    """How many workers this machine holds; at least one.
+
+    Args:
+        limits: Of one worker: cores and gigabytes of memory.
+        cards: Counts the graphics cards; None for `graphics_cards`.
+    """
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    memory = psutil.virtual_memory().total / 1e9
+    fits = [cores // limits.cores, int(memory // limits.memory_gb)]
+    if card_count := (cards or graphics_cards)():
+        fits.append(card_count * PER_GPU)
+    return max(1, min(fits))
+
+
+def graphics_cards() -> int:
+    """How many CUDA cards there are, asked without starting torch."""
+    chosen = os.environ.get("CUDA_VISIBLE_DEVICES")
+    if chosen is not None:
+        return len([c for c in chosen.split(",") if c.strip()])
+    if not shutil.which("nvidia-smi"):
+        return 0
+    done = subprocess.run(["nvidia-smi", "-L"], capture_output=True, text=True, timeout=30)
+    return done.stdout.count("GPU ") if done.returncode == 0 else 0
+
 
 _LOSSES = 5
 """Times that a worker may be lost in a job before the job is blamed for it."""
