@@ -7,22 +7,196 @@ import argparse
 import os
 import re
 import signal
+import sys
+import time
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from pathlib import Path
+from types import TracebackType
+from typing import Any, TextIO
 
 from ..prompt.lexicon.user_words import VARIABLE
 from ..schema import VibeError
 from . import schedule
-from .estimate import account
 from .finals import Finals
 from .manifest import manifest
 from .plan import BatchPlan, Job, Jobs
-from .progress import BatchProgress
 from .schedule import Pool, fitting, local_pool
 from .sheet import Sheet
-from .store import JobRow, Store
+from .store import DONE, FAILED, JobRow, Store, read_json
 from .worker import Setup
+
+
+class BatchProgress:
+    """Counts jobs and shows them. Use it as a context manager around the batch.
+
+    Args:
+        done: Those that had been done before.
+        stream: Where to; standard output if None.
+
+    Attributes:
+        counts: Jobs by "done", "failed" and "running".
+    """
+
+    def __init__(self, total: int, done: int, stream: TextIO | None = None) -> None:
+        self._total, self._before = total, done
+        self._stream = stream or sys.stdout
+        self._start = time.monotonic()
+        self.counts = {"done": done, "failed": 0, "running": 0}
+        self._bar: Any = None
+        self._task: Any = None
+
+    def __enter__(self) -> BatchProgress:
+        if self._stream.isatty():
+            from rich.console import Console
+            from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+            from rich.progress import Progress as Bar
+
+            columns = (
+                TextColumn("{task.completed:.0f}/{task.total:.0f} jobs"),
+                BarColumn(bar_width=32),
+                TextColumn("{task.description}"),
+                TimeElapsedColumn(),
+            )
+            self._bar = Bar(*columns, console=Console(file=self._stream))
+            self._task = self._bar.add_task(self._state(), total=self._total, completed=self._before)
+            self._bar.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+            self._bar = None
+
+    def tell(self, what: str, job: Job, row: JobRow) -> None:
+        """Counts and shows an event of a job.
+
+        Args:
+            what: "started", "done", "failed", "again" (it is tried once more) or "lost" (with its worker).
+        """
+        self.counts["running"] += 1 if what == "started" else -1
+        if what in ("done", "failed"):
+            self.counts[what] += 1
+        if self._bar is not None:
+            ended = self.counts["done"] + self.counts["failed"]
+            self._bar.update(self._task, description=self._state(), completed=ended)
+        if what == "failed" or (what != "started" and self._bar is None):
+            self.note(self._line(what, job, row))
+
+    def note(self, text: str) -> None:
+        """A line that stays."""
+        if self._bar is not None:
+            self._bar.console.print(text, markup=False, highlight=False)
+        else:
+            print(text, file=self._stream, flush=True)
+
+    def summary(self) -> str:
+        """The outcome in one line."""
+        seconds = time.monotonic() - self._start
+        new = self.counts["done"] - self._before
+        waiting = self._total - self.counts["done"] - self.counts["failed"]
+        parts = [f"{self.counts['done']} of {self._total} jobs are done ({new} now, in {duration(seconds)})"]
+        parts += [f"{self.counts['failed']} failed"] if self.counts["failed"] else []
+        parts += [f"{waiting} wait"] if waiting else []
+        return ", ".join(parts) + "."
+
+    def _line(self, what: str, job: Job, row: JobRow) -> str:
+        ended = self.counts["done"] + self.counts["failed"]
+        who = f"{job.scene} · {job.prompt} · {job.seed}"
+        if what == "done" and job.frames is not None:
+            how = f"{row['seconds']:.0f} s, {row['frames']} frames"
+        elif what == "done":
+            how = f"{row['seconds']:.0f} s, delta E {row['delta_e']:.1f}"
+        elif what == "lost":
+            how = "its machine is lost; it will be done elsewhere"
+        else:
+            how = f"{row['error']}{' It will be tried again.' if what == 'again' else ''}"
+        return f"[{ended}/{self._total}] {what:6} {who}: {how}   {self._left()}".rstrip()
+
+    def _state(self) -> str:
+        failed = f", {self.counts['failed']} failed" if self.counts["failed"] else ""
+        return f"{self.counts['running']} running{failed}   {self._left()}"
+
+    def _left(self) -> str:
+        """Rate and time left, by the jobs that have ended since the start."""
+        ended = self.counts["done"] + self.counts["failed"]
+        if ended == self._before:
+            return ""
+        pace = (time.monotonic() - self._start) / (ended - self._before)
+        return f"{3600 / pace:.0f} jobs/h, {duration(pace * (self._total - ended))} left"
+
+
+def duration(seconds: float) -> str:
+    """A time for people.
+
+    >>> duration(45), duration(200), duration(7500)
+    ('45 s', '3:20 min', '2:05 h')
+    """
+    if seconds < 60:
+        return f"{seconds:.0f} s"
+    if seconds < 3600:
+        return f"{int(seconds) // 60}:{int(seconds) % 60:02d} min"
+    return f"{int(seconds) // 3600}:{int(seconds) % 3600 // 60:02d} h"
+
+
+_LISTED = 12
+_MEASURED = 50  # finished jobs that an estimate looks at
+
+# Seconds on two cores at 512 pixels and 128 samples, from `vibe demo`: see "Speed" in the README.
+_FIXED, _ROUND, _STEP, _RENDERS = 5.0, 3.0, 0.14, 12.0
+
+
+def account(plan: BatchPlan, out: Path, workers: int) -> str:
+    """The plan as text.
+
+    Args:
+        out: The results folder; it need not exist.
+        workers: Jobs at a time; 0 if a cluster decides.
+    """
+    counts = {True: 0, False: 0}
+    scenes: Counter[str] = Counter()
+    seconds: list[float] = []
+    guessed, failed = 0.0, 0
+    for job in plan:
+        folder = out / "jobs" / job.name
+        done = (folder / DONE).is_file()
+        counts[done] += 1
+        scenes[job.scene] += 1
+        failed += not done and (folder / FAILED).is_file()
+        if done and len(seconds) < _MEASURED:
+            seconds.append((read_json(folder / DONE) or {}).get("seconds", 0.0))
+        if not done:
+            guessed += guess(job)
+    to_do = counts[False]
+    lines = [
+        f"{len(plan)} jobs: {counts[True]} done, {to_do} to do"
+        + (f", of which {failed} had failed." * bool(failed) or ".")
+    ]
+    lines += [f"  {count:5}  {scene}" for scene, count in list(scenes.items())[:_LISTED]]
+    lines += [f"         ... and {len(scenes) - _LISTED} more scenes"] if len(scenes) > _LISTED else []
+    if not to_do:
+        return "\n".join(lines)
+    each = sum(seconds) / len(seconds) if seconds else guessed / to_do
+    basis = f"as the {len(seconds)} looked at took" if seconds else "a guess, until jobs have been measured"
+    where = f"with {workers} worker{'s' * (workers != 1)}" if workers else "divided by the cluster's workers"
+    total = each * to_do / max(workers, 1)
+    lines.append(f"About {duration(each)} a job ({basis}): {duration(total)} {where}.")
+    return "\n".join(lines)
+
+
+def guess(job: Job) -> float:
+    """Seconds that a job would take on two cores."""
+    options = dict(a[2:].split("=", 1) for a in job.arguments if "=" in a)
+    rounds, steps = int(options["rounds"]), int(options["steps"])
+    pictures = (int(options["size"]) / 512) ** 2 * int(options["samples"]) / 128
+    cameras = sum(a.startswith("--cameras=") for a in job.arguments)
+    frames = 1 + options.get("frames", "").count(",")
+    shots = (1 + len(job.more)) * max(cameras, 1) * frames
+    # Steps take the shots in turn; anchors and final pictures are made of each.
+    return _FIXED + rounds * (_ROUND * shots + steps * _STEP) + _RENDERS * pictures * shots
 
 
 def run(a: argparse.Namespace) -> int:
