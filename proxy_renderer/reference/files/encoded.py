@@ -12,7 +12,7 @@ import numpy as np
 from PIL import Image, ImageOps, UnidentifiedImageError
 
 from ...schema import VibeError
-from . import profile
+from .profile import to_srgb
 from .contents import LONGEST, FileContents, counted, shrunk_linear, small_size
 
 FORMATS = ("JPEG", "PNG", "WEBP", "TIFF", "BMP", "GIF", "AVIF", "JPEG2000", "PPM", "TGA", "QOI")
@@ -45,7 +45,7 @@ _FAULTS = (OSError, SyntaxError, ValueError, TypeError, KeyError, IndexError, EO
 _PANORAMA = re.compile(rb"ProjectionType\W{1,3}equirectangular")
 
 
-def read(path: Path) -> FileContents:
+def read_encoded(path: Path) -> FileContents:
     """Reads a picture; of several frames or pages the first.
 
     Raises:
@@ -101,7 +101,7 @@ def _contents(picture: Image.Image, path: Path) -> FileContents:
         notes.append(f"It was reduced from {full[0]} × {full[1]} pixels.")
     if upright.mode == "F":
         return _floats(upright, panorama, notes)
-    color, alpha, told = profile.to_srgb(_small(upright), icc)
+    color, alpha, told = to_srgb(_small(upright), icc)
     return FileContents(color, alpha, linear=False, panorama=panorama, notes=(*notes, *told))
 
 

@@ -20,7 +20,7 @@ _BRADFORD = np.array(((0.8951, 0.2664, -0.1614), (-0.7502, 1.7135, 0.0367), (0.0
 """Cones from XYZ, for adaptation to another white (Lindbloom, "Chromatic Adaptation")."""
 
 
-def read(path: Path) -> FileContents:
+def read_exr(path: Path) -> FileContents:
     """Reads the picture in an EXR: its only layer, or what Blender calls Combined.
 
     Raises:

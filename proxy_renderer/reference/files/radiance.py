@@ -18,7 +18,7 @@ _SIZE = re.compile(rb"\n([-+])Y (\d+) ([-+])X (\d+)\n")
 _MOST = 2 * 10**8
 
 
-def read(path: Path) -> FileContents:
+def read_radiance(path: Path) -> FileContents:
     """Reads an RGBE picture, run-length encoded or not.
 
     Raises:
