@@ -11,7 +11,7 @@ import numpy as np
 from ..color.arrays import srgb_from_linear
 from ..inputs import check
 from ..schema import VibeError
-from .files.encoded import read_encoded
+from .encoded_files import read_encoded
 from .files.exr import read_exr
 from .files.radiance import read_radiance
 

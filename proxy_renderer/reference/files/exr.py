@@ -11,7 +11,7 @@ import numpy as np
 
 from ...color import constants as c
 from ...schema import VibeError
-from .contents import LONGEST, FileContents, counted, shrunk_linear
+from ..encoded_files import LONGEST, FileContents, counted, shrunk_linear
 
 _LARGEST = 3 * 10**9
 """Bytes of all channels, above which a file is not opened."""

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from ...schema import VibeError
-from .contents import LONGEST, FileContents, shrunk_linear
+from ..encoded_files import LONGEST, FileContents, shrunk_linear
 
 _SIZE = re.compile(rb"\n([-+])Y (\d+) ([-+])X (\d+)\n")
 _MOST = 2 * 10**8

@@ -3,17 +3,124 @@
 
 from __future__ import annotations
 
+import io
 import re
 import struct
 import warnings
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from PIL import Image, ImageOps, UnidentifiedImageError
+from PIL import Image, ImageCms, ImageOps, UnidentifiedImageError
 
-from ...schema import VibeError
-from .profile import to_srgb
-from .contents import LONGEST, FileContents, counted, shrunk_linear, small_size
+from ..schema import VibeError
+
+LONGEST = 1024
+"""Longer side in pixels beyond which a picture tells nothing more of a look."""
+
+
+@dataclass(frozen=True)
+class FileContents:
+    """The pixels of a file, at most `LONGEST` long.
+
+    Attributes:
+        color: (H, W, 3) float32: sRGB in [0, 1], or linear Rec.709, finite and at least 0.
+        alpha: (H, W) in [0, 1]; None if every pixel counts wholly.
+        linear: Whether the colors are linear light.
+        panorama: Whether the file itself says that it shows all directions.
+        notes: What was done to it, a sentence each.
+    """
+
+    color: np.ndarray
+    alpha: np.ndarray | None
+    linear: bool
+    panorama: bool
+    notes: tuple[str, ...]
+
+
+def small_size(width: int, height: int) -> tuple[int, int]:
+    """Width and height with the longer one at most `LONGEST`, and none below 1."""
+    factor = min(1.0, LONGEST / max(width, height))
+    return max(1, round(width * factor)), max(1, round(height * factor))
+
+
+def shrunk_linear(color: np.ndarray, alpha: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Means of areas, each pixel as much as its alpha.
+
+    Args:
+        color: (H, W, 3) linear.
+        alpha: (H, W) in [0, 1].
+
+    Returns:
+        Both at `small_size`; the color is 0 where the alpha is.
+    """
+    size = small_size(color.shape[1], color.shape[0])
+    weight = _mean(alpha, size)
+    sums = np.stack([_mean(color[..., c] * alpha, size) for c in range(3)], -1)
+    return sums / np.maximum(weight, 1e-6)[..., None], weight
+
+
+def counted(alpha: np.ndarray) -> np.ndarray | None:
+    """The alpha as it is kept: None where all pixels count."""
+    return None if alpha.min() >= 1.0 - 0.5 / 255 else alpha.astype(np.float32).clip(0.0, 1.0)
+
+
+def _mean(channel: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    picture = Image.fromarray(np.ascontiguousarray(channel, np.float32))
+    return np.asarray(picture.resize(size, Image.Resampling.BOX))
+
+
+_FLAGS = ImageCms.Flags.BLACKPOINTCOMPENSATION
+
+
+def to_srgb(picture: Image.Image, icc: bytes) -> tuple[np.ndarray, np.ndarray | None, list[str]]:
+    """sRGB of a picture in any mode that its profile fits.
+
+    Args:
+        picture: Small already; L, RGB, CMYK, LAB, YCbCr or HSV, the first two also with alpha.
+        icc: The profile; b"" for none.
+
+    Returns:
+        Colors (H, W, 3) in [0, 1], alpha (H, W) or None, and what was done, a sentence each.
+    """
+    alpha = None
+    if picture.mode in ("LA", "RGBA", "La", "RGBa"):
+        straight = picture.convert("RGBA") if picture.mode in ("RGBA", "RGBa") else picture.convert("LA")
+        alpha = np.asarray(straight.getchannel("A"), np.float32) / 255
+        picture = straight.convert(straight.mode[:-1])
+    rgb, notes = _converted(picture, icc)
+    if alpha is not None and counted(alpha) is not None:
+        notes.append("Its transparent pixels do not count.")
+    color = np.asarray(rgb, np.float32) / 255
+    return color, None if alpha is None else counted(alpha), notes
+
+
+def _converted(picture: Image.Image, icc: bytes) -> tuple[Image.Image, list[str]]:
+    if not icc and picture.mode == "CMYK":
+        return picture.convert("RGB"), ["Its inks have no color profile: their colors are guessed."]
+    if not icc:
+        return _plain(picture), []
+    try:
+        source = ImageCms.ImageCmsProfile(io.BytesIO(icc))
+        name = (ImageCms.getProfileDescription(source) or "its color profile").strip()
+        target = ImageCms.createProfile("sRGB")
+        intent = ImageCms.Intent.RELATIVE_COLORIMETRIC
+        made = ImageCms.profileToProfile(picture, source, target, intent, outputMode="RGB", flags=_FLAGS)
+    except (ImageCms.PyCMSError, OSError, ValueError):
+        return _plain(picture), ["Its color profile cannot be used: it was taken for sRGB."]
+    assert made is not None
+    return made, [] if "srgb" in name.lower() else [f"Its colors were brought from {name} to sRGB."]
+
+
+def _plain(picture: Image.Image) -> Image.Image:
+    """RGB of a picture without a profile, as Pillow has it."""
+    if picture.mode == "LAB":
+        lab, srgb = ImageCms.createProfile("LAB"), ImageCms.createProfile("sRGB")
+        made = ImageCms.profileToProfile(picture, ImageCms.ImageCmsProfile(lab), srgb, outputMode="RGB")
+        assert made is not None
+        return made
+    return picture.convert("RGB")
+
 
 FORMATS = ("JPEG", "PNG", "WEBP", "TIFF", "BMP", "GIF", "AVIF", "JPEG2000", "PPM", "TGA", "QOI")
 """Of Pillow's, those that hold one flat picture."""
