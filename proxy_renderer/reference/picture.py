@@ -12,8 +12,7 @@ from ..color.arrays import srgb_from_linear
 from ..inputs import check
 from ..schema import VibeError
 from .encoded_files import read_encoded
-from .files.exr import read_exr
-from .files.radiance import read_radiance
+from .linear_files import read_exr, read_radiance
 
 _SEAM = 2.5
 """How many times as much as neighbors the first and the last column of a panorama may differ."""
