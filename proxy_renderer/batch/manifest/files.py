@@ -13,8 +13,7 @@ from typing import Any
 from ...inputs import check
 from ...prompt.lexicon.user_words import user_file
 from ...schema import VibeError
-from .options import texts
-from .toml_source import TomlSource
+from ..manifest_options import TomlSource, texts
 
 
 class Files:

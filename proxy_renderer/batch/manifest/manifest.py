@@ -39,9 +39,8 @@ from typing import Any
 from ...inputs import check
 from ...schema import VibeError
 from ...schema.limits import LARGEST_SEED
+from ..manifest_options import IN_FILES, OptionReader, TomlSource, texts
 from .files import Files, digest
-from .options import IN_FILES, OptionReader, texts
-from .toml_source import TomlSource
 
 _KNOWN = ("scenes", "prompts", "seeds", "files", "options", "limits", "scene", "shots")
 
