@@ -17,9 +17,8 @@ from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
 
-from proxy_renderer.batch import schedule
-from proxy_renderer.batch.manifest import manifest
-from proxy_renderer.batch.manifest.manifest import Limits, SceneGroup
+from proxy_renderer.batch import manifest, schedule
+from proxy_renderer.batch.manifest import Limits, SceneGroup
 from proxy_renderer.batch.plan import BatchPlan, Job
 from proxy_renderer.batch.schedule import LocalPool, local_pool
 from proxy_renderer.batch.sheet import Sheet

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ..schema import VibeError
-from .manifest.manifest import Limits
+from .manifest import Limits
 from .plan import Job
 from .schedule import PER_GPU
 from .store import TOKEN, JobRow, Store, read_json

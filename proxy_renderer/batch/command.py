@@ -18,9 +18,8 @@ from typing import Any, TextIO
 
 from ..prompt.lexicon.user_words import VARIABLE
 from ..schema import VibeError
-from . import schedule
+from . import manifest, schedule
 from .finals import Finals
-from .manifest import manifest
 from .plan import BatchPlan, Job, Jobs
 from .schedule import Pool, fitting, local_pool
 from .sheet import Sheet

@@ -14,7 +14,7 @@ from typing import Protocol
 
 from .. import __version__
 from ..schema import schema_hash
-from .manifest.manifest import SceneGroup
+from .manifest import SceneGroup
 from .manifest_options import IN_FILES
 
 _WORDS, _DIGEST = 32, 12  # letters of a prompt, and of the digest, in a folder's name

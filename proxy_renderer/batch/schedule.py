@@ -15,7 +15,7 @@ from typing import Protocol
 
 import psutil
 
-from .manifest.manifest import Limits
+from .manifest import Limits
 from .plan import Job, Jobs
 from .store import JobRow, Store, head
 from .worker import Interrupted, Setup, Worker

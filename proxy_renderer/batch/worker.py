@@ -25,7 +25,7 @@ from ..blender.crashes import temporary
 from ..blender.launch import blender_side, environment
 from ..blender.meshes import prepared
 from ..schema import VibeError, labels
-from .manifest.manifest import Limits
+from .manifest import Limits
 from .plan import Job
 from .store import DONE, FINAL, FRAMES, LOG, JobRow, head, read_json, tidy, write_bytes, write_json
 
