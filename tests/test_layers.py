@@ -24,7 +24,7 @@ LAYERS = {
         render.film render.geometry render.material render.lights=render.lights.types render.transport render.edges render.surface
         render.cycles render claims.measures claims rigs reference
         guidance optimize=optimize.inner=optimize.rounds engine
-        cli=cli.commands
+        cli
     """,
     "vibe_render": """
         core engine scene.geometry scene.lights scene.nodes scene scene.stage render export session.notes session looks

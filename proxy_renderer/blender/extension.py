@@ -21,7 +21,7 @@ from ..schema import VibeError, atomic
 _LEFTOVERS = ("__pycache__", "*.pyc", "*.md")
 _OF_THE_COMMAND = (
     *("cli", "batch", "blender"),
-    *("command_line.py", "explanation.py", "own_entry.py", "plain.py", "preset.py", "trial.py", "why.py"),
+    *("command_line.py", "explanation.py", "own_entry.py", "plain.py", "preset.py", "why.py"),
 )
 """Folders and modules of the engine's package that the command `vibe` alone runs."""
 

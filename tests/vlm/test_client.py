@@ -10,13 +10,13 @@ import pytest
 from model_server import KEY, MODEL, has_picture, refuses, says, serving
 
 from proxy_renderer.cli import doctor
+from proxy_renderer.cli.doctor import try_model
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.messages import Options
 from proxy_renderer.vlm import client as client_module
 from proxy_renderer.vlm.client import Cache, Client, Question
 from proxy_renderer.vlm.endpoint import OPENAI, Endpoint, find_endpoint
 from proxy_renderer.vlm.transport import LARGEST, ModelError
-from proxy_renderer.vlm.trial import try_model
 
 SCHEMA = {
     "type": "object",
