@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import sys
 import tempfile
+import threading
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -33,7 +35,7 @@ if TYPE_CHECKING:
 
 _LIGHTS = (("Key", "AREA", "key"), ("Fill", "AREA", "fill"), ("Rim", "AREA", "rim"))
 _MATERIALS: dict[str, Region] = {"Subject": "subject", "Surroundings": "surroundings"}
-_LOOK = 96  # longer side of the picture that is looked at, in pixels
+_SIZE = 96  # pixels of the longer side: no picture is drawn, rays only find what the camera sees
 
 
 def account(
@@ -99,16 +101,20 @@ def _reasons(prompt: str, words: SceneWords, target: Sequence[str]) -> str:
 def _read(
     prompt: str, scene: Path, subject: Sequence[str], target: Sequence[str]
 ) -> tuple[SceneWords, dict[str, Instance], PlanContext, Addition]:
-    """A scene as the first round of a vibe sees it: its names, its parameters, and the picture that they give."""
+    """A scene before the first round of a vibe: its names, its places and its parameters. Nothing is rendered."""
     from ..blender.launch import launch
     from ..blender.meshes import prepared
     from ..blender.progress import VibeProgress
 
+    # The engine takes as long to import as Blender takes to read the scene: both at the same time.
+    threading.Thread(
+        target=importlib.import_module, args=("proxy_renderer.render.proxy",), daemon=True
+    ).start()
     with tempfile.TemporaryDirectory(prefix="vibe-explain-") as folder, prepared(scene) as place:
-        launch(["export", str(place), f"--out={folder}", *subject], scene, VibeProgress(sys.stderr))
+        arguments = ["export", str(place), f"--out={folder}", "--names-only", *subject]
+        launch(arguments, scene, VibeProgress(sys.stderr))
         from ..engine.additions import with_additions
-        from ..optimize import context
-        from ..optimize.drawing import draw
+        from ..optimize.context import picture_size, plan_context
         from ..optimize.plan import lock
         from ..optimize.vector import ParameterVector
         from ..render.proxy import Proxy
@@ -117,9 +123,8 @@ def _read(
         addition = with_additions([load_scene(Path(folder))], prompt, told=target)
         data = addition.scenes[0]
         vector = ParameterVector(lock(data.instances, (), (), scene.suffix.lower() != ".blend"))
-        proxy = Proxy(data, context.picture_size(data.resolution, _LOOK), device="cpu", seed=0)
-        u = vector.encode({})
-        now = context.plan_context(proxy, vector.values(u), draw(proxy, vector, u))
+        proxy = Proxy(data, picture_size(data.resolution, _SIZE), device="cpu", seed=0)
+        now = plan_context(proxy, vector.values(vector.encode({})), None)
         return addition.understood.scene, dict(vector.instances), now, addition
 
 

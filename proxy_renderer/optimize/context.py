@@ -12,7 +12,6 @@ from torch import Tensor
 from ..color import arrays
 from ..color.tensors import lab_from_srgb
 from ..guidance import regions
-from ..guidance.encoder import Encoder
 from ..planning.lights.glow import glowing, glows
 from ..planning.types import PictureStats, PlanContext
 from ..prompt.types import LightWords, SceneWords
@@ -28,6 +27,7 @@ from .places import places
 from .present_looks import present_looks, sees_sky
 
 if TYPE_CHECKING:
+    from ..guidance.encoder import Encoder
     from ..render.proxy import Proxy, Render
 
 _GRID = 64  # rays along each side of the picture
@@ -74,13 +74,13 @@ def _light_words(scene: SceneData, light: Light) -> LightWords:
     return LightWords(light.type, light.role, turn)
 
 
-def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> PlanContext:
+def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render | None) -> PlanContext:
     """What the planner knows: the scene, where its values are now, and what that looks like.
 
     Args:
         proxy: Of the shot that plans are made for.
         values: Current values by key in schema units.
-        picture: The proxy's picture of them.
+        picture: The proxy's picture of them; None where it is not drawn.
     """
     scene = proxy.scene
     world, materials = coverage(scene, *_look(proxy, values))
@@ -101,7 +101,7 @@ def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> Pl
         ),
         texture_luminance={name: float(arrays.luminance(image).mean()) for name, image in textures.items()},
         values=values,
-        picture=picture_stats(picture),
+        picture=None if picture is None else picture_stats(picture),
     )
 
 

@@ -59,24 +59,25 @@ class SceneJob:
         return replace(self, instances={**self.instances, **added})
 
 
-def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
+def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> SceneJob:
     """Writes the job folder; `scene.json` comes last and atomically.
 
     Args:
         analysis: The scene's geometry, subject and visible surfaces.
         folder: Made if it does not exist.
+        measure: Whether textures and the world are read, which may need renders. Without them the job only serves to explain words.
     """
     folder.mkdir(parents=True, exist_ok=True)
     scene, geometry = analysis.scene, analysis.geometry
     spoiling = view_faults.notes(analysis)
     bound = bindings.instances(scene, analysis.objects, analysis.pivot)
-    materials = measured.materials(analysis)
+    materials = measured.materials(analysis) if measure else _unmeasured(analysis)
     instances, mended = sanitize.instances(_with_materials(bound, analysis, materials))
     spare, spare_instances = standby.lights(analysis)
     spare_instances |= standby.backdrop(analysis, instances)
     warnings = [*spoiling, *notes.by_reason(_material_notes(analysis, materials)), *geometry.warnings]
     warnings += [*view.ignored(scene), *mended]
-    world, note = _write_world(scene.world, folder)
+    world, note = _write_world(scene.world, folder) if measure else ({"kind": "color"}, "")
     content = _content(analysis, materials, instances, folder) | {
         "standby": {
             "lights": spare,
@@ -100,15 +101,20 @@ def write_sketch(analysis: SceneAnalysis, folder: Path) -> None:
     """
     folder.mkdir(parents=True, exist_ok=True)
     bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot, _OF_WORDS)
-    named = {m.name_full: m for m in bpy.data.materials}
-    exported = [export_material(named.get(name), {}) for name in analysis.geometry.materials]
-    materials = {each.row["name"]: each for each in exported}
+    materials = _unmeasured(analysis)
     instances = sanitize.instances(_with_materials(bound, analysis, materials))[0]
     content = _content(analysis, materials, instances, folder) | {
         "world": {"kind": "color"},
         "volume": {"kind": "none", "center": analysis.pivot, "half_size": (1.0, 1.0, 1.0), "base": 0.0},
     }
     _write(content, analysis, folder, [])
+
+
+def _unmeasured(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
+    """All materials of a scene by name, without what their nodes compute."""
+    by_name = {m.name_full: m for m in bpy.data.materials}
+    exported = [export_material(by_name.get(name), {}) for name in analysis.geometry.materials]
+    return {each.row["name"]: each for each in exported}
 
 
 def _content(

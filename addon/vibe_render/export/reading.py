@@ -37,6 +37,7 @@ def export_scene(
     choice: SubjectChoice,
     first_shot: SceneAnalysis | None = None,
     eyes: Sequence[Vector] = (),
+    measure: bool = True,
 ) -> SceneJob:
     """Adds what the scene lacks and writes its job folder; a failure leaves the scene as it was.
 
@@ -44,6 +45,7 @@ def export_scene(
         folder: Made if it does not exist.
         first_shot: The analysis of an earlier shot of this scene, whose subject and pivot this shot takes.
         eyes: Positions of the cameras of all its shots: one fog box holds them all.
+        measure: As for `write_job`.
 
     Raises:
         VibeError: The scene cannot be worked with; see `analysis.analyze`.
@@ -52,7 +54,7 @@ def export_scene(
     def write(analysis: SceneAnalysis) -> SceneJob:
         if eyes:
             fog.plan(scene, fog.domain(_context(analysis), eyes))
-        return write_job(with_subject_of(analysis, first_shot) if first_shot else analysis, folder)
+        return write_job(with_subject_of(analysis, first_shot) if first_shot else analysis, folder, measure)
 
     return _prepared(scene, choice, write)
 

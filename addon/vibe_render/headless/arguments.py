@@ -81,6 +81,9 @@ def _parser() -> argparse.ArgumentParser:
         help="run SCENE | demo | export SCENE | apply PRESET SCENE | revert FILE",
     )
     parser.add_argument("--events", action="store_true", help="print events for the vibe command")
+    parser.add_argument(
+        "--names-only", action="store_true", help="export: no textures and no world, for `vibe explain`"
+    )
     parser.add_argument("--scene", default="", help="a .blend or a mesh (default: the open file)")
     parser.add_argument(
         "--apply",

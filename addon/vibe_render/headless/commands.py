@@ -25,7 +25,7 @@ def export(args: argparse.Namespace, reporter: Reporter) -> None:
     """Writes a job folder of a scene; its file stays as it is."""
     scene, choice, _ = open_scene(args, reporter)
     reporter.stage("reading the scene")
-    reading.export_scene(scene, args.out, choice)
+    reading.export_scene(scene, args.out, choice, measure=not args.names_only)
     reporter.result([f"Written: {args.out}"])
 
 
