@@ -145,44 +145,28 @@ _KNOWN = ("scenes", "prompts", "seeds", "files", "options", "limits", "scene", "
 
 @dataclass(frozen=True)
 class Limits:
-    """Cores, memory and time of a job.
+    """Cores, memory and time of a job."""
 
-    Attributes:
-        minutes: Of wall time; it is ended after that.
-        memory_gb: Of Blender and the engine together; it is ended above that. As many workers are started as fit.
-        cores: Threads of the engine. The same number gives the same values, bit for bit, on any machine.
-        retries: Times that a failed job is tried again.
-        free_gb: Of disk space; no job is started below that.
-    """
-
-    minutes: float = 60.0
+    minutes: float = 60.0  # of wall time; it is ended after that
+    # of Blender and the engine together; it is ended above that. As many workers are started as fit
     memory_gb: float = 6.0
+    # threads of the engine. The same number gives the same values, bit for bit, on any machine
     cores: int = 2
-    retries: int = 1
-    free_gb: float = 1.0
+    retries: int = 1  # times that a failed job is tried again
+    free_gb: float = 1.0  # of disk space; no job is started below that
 
 
 @dataclass(frozen=True)
 class SceneGroup:
-    """A scene of the manifest, or several that are to share a look.
+    """A scene of the manifest, or several that are to share a look."""
 
-    Attributes:
-        name: Its path from the manifest's folder, with forward slashes; or what the manifest calls them.
-        source: Where it is now.
-        digest: Of its content, and of what else the result depends on.
-        prompts: To be tried on it.
-        seeds: Likewise.
-        arguments: Options for Blender's side, without prompt and seed.
-        more: Where the other scenes are.
-    """
-
-    name: str
-    source: Path
-    digest: str
-    prompts: tuple[str, ...]
-    seeds: tuple[int, ...]
-    arguments: tuple[str, ...]
-    more: tuple[Path, ...] = ()
+    name: str  # its path from the manifest's folder, with forward slashes; or what the manifest calls them
+    source: Path  # where it is now
+    digest: str  # of its content, and of what else the result depends on
+    prompts: tuple[str, ...]  # to be tried on it
+    seeds: tuple[int, ...]  # likewise
+    arguments: tuple[str, ...]  # options for Blender's side, without prompt and seed
+    more: tuple[Path, ...] = ()  # where the other scenes are
 
 
 @dataclass(frozen=True)

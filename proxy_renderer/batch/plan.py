@@ -23,46 +23,28 @@ _FILES = tuple(f"--{name}=" for name in IN_FILES)
 
 @dataclass(frozen=True)
 class Take:
-    """Final frames of one .blend through one camera.
+    """Final frames of one .blend through one camera."""
 
-    Attributes:
-        blend: Its number among the job's scenes.
-        camera: Its name; "" for the .blend's own.
-        frames: "1-24" or "1,50"; "" for the .blend's own.
-        folder: For its frames, in that of the job's frames; "" for that itself.
-    """
-
-    blend: int
-    camera: str = ""
-    frames: str = ""
-    folder: str = ""
+    blend: int  # its number among the job's scenes
+    camera: str = ""  # its name; "" for the .blend's own
+    frames: str = ""  # "1-24" or "1,50"; "" for the .blend's own
+    folder: str = ""  # for its frames, in that of the job's frames; "" for that itself
 
 
 @dataclass(frozen=True)
 class Job:
-    """One vibe.
+    """One vibe."""
 
-    Attributes:
-        name: Of its folder: readable, and ending in a digest of everything that its result depends on.
-        scene: As the manifest names it.
-        source: Where the scene is now.
-        prompt: The look.
-        seed: Of every random choice.
-        arguments: Options for Blender's side, with prompt and seed.
-        more: Where the other scenes are that are to have the same look.
-        frames: None for a vibe; else which final frames of its result are wanted: "1-24", "" for the scene's own.
-        takes: The same, for every .blend and camera of the result.
-    """
-
-    name: str
-    scene: str
-    source: Path
-    prompt: str
-    seed: int
-    arguments: tuple[str, ...]
-    more: tuple[Path, ...] = ()
+    name: str  # of its folder: readable, and ending in a digest of everything that its result depends on
+    scene: str  # as the manifest names it
+    source: Path  # where the scene is now
+    prompt: str  # the look
+    seed: int  # of every random choice
+    arguments: tuple[str, ...]  # options for Blender's side, with prompt and seed
+    more: tuple[Path, ...] = ()  # where the other scenes are that are to have the same look
+    # None for a vibe; else which final frames of its result are wanted: "1-24", "" for the scene's own
     frames: str | None = None
-    takes: tuple[Take, ...] = ()
+    takes: tuple[Take, ...] = ()  # the same, for every .blend and camera of the result
 
 
 class Jobs(Protocol):

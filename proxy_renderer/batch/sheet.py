@@ -49,11 +49,7 @@ class Sheet:
             self.write()
 
     def write(self) -> None:
-        """Writes everything anew, a row at a time.
-
-        Raises:
-            VibeError: It cannot be written.
-        """
+        """Writes everything anew, a row at a time. Raises VibeError if it cannot be written."""
         start = time.monotonic()
         folder = self._store.folder
         before, after = _page(self._title)

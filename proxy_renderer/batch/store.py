@@ -156,20 +156,12 @@ def read_json(path: Path) -> JobRow | None:
 
 
 def write_json(path: Path, content: Any) -> None:
-    """Writes a JSON file, all at once or not at all.
-
-    Raises:
-        VibeError: It cannot be written.
-    """
+    """Writes a JSON file, all at once or not at all. Raises VibeError if it cannot be written."""
     write_bytes(path, json.dumps(content, ensure_ascii=False).encode())
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Writes a file, all at once or not at all.
-
-    Raises:
-        VibeError: It cannot be written.
-    """
+    """Writes a file, all at once or not at all. Raises VibeError if it cannot be written."""
     try:
         atomic.write_bytes(path, content)
     except OSError as error:

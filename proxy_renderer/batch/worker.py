@@ -141,17 +141,12 @@ _TICK = 0.5
 
 @dataclass(frozen=True)
 class Setup:
-    """How workers are started.
+    """How workers are started."""
 
-    Attributes:
-        limits: Of each job.
-        variables: Of the environment, besides those that are there.
-        command: The program that carries out jobs; empty for Blender.
-    """
-
-    limits: Limits = field(default_factory=Limits)
+    limits: Limits = field(default_factory=Limits)  # of each job
+    # of the environment, besides those that are there
     variables: dict[str, str] = field(default_factory=dict)
-    command: tuple[str, ...] = ()
+    command: tuple[str, ...] = ()  # the program that carries out jobs; empty for Blender
 
 
 class Interrupted(Exception):

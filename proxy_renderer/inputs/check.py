@@ -40,11 +40,7 @@ def file(name: str, what: str) -> Path:
 
 
 def scene(name: str) -> Path:
-    """An existing .blend or mesh.
-
-    Raises:
-        VibeError: There is none, or it is of another format.
-    """
+    """An existing .blend or mesh. Raises VibeError if there is none, or it is of another format."""
     path = file(name, "scene")
     if path.suffix.lower() not in SCENES:
         raise VibeError(f"{name} is not a scene that can be opened.", f"Use one of: {' '.join(SCENES)}.")
@@ -145,11 +141,7 @@ def vocabulary(name: str) -> None:
 
 
 def device(name: str) -> None:
-    """Makes sure that torch could know a device.
-
-    Raises:
-        VibeError: It is no name of a device.
-    """
+    """Makes sure that torch could know a device. Raises VibeError if it is no name of a device."""
     if not _DEVICE.fullmatch(name):
         raise VibeError(
             f"Unknown device {name!r}.", "Use auto, cpu, cuda or cuda:1; `vibe doctor` lists yours."

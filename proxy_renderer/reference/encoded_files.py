@@ -21,21 +21,13 @@ LONGEST = 1024
 
 @dataclass(frozen=True)
 class FileContents:
-    """The pixels of a file, at most `LONGEST` long.
+    """The pixels of a file, at most `LONGEST` long."""
 
-    Attributes:
-        color: (H, W, 3) float32: sRGB in [0, 1], or linear Rec.709, finite and at least 0.
-        alpha: (H, W) in [0, 1]; None if every pixel counts wholly.
-        linear: Whether the colors are linear light.
-        panorama: Whether the file itself says that it shows all directions.
-        notes: What was done to it, a sentence each.
-    """
-
-    color: np.ndarray
-    alpha: np.ndarray | None
-    linear: bool
-    panorama: bool
-    notes: tuple[str, ...]
+    color: np.ndarray  # (H, W, 3) float32: sRGB in [0, 1], or linear Rec.709, finite and at least 0
+    alpha: np.ndarray | None  # (H, W) in [0, 1]; None if every pixel counts wholly
+    linear: bool  # whether the colors are linear light
+    panorama: bool  # whether the file itself says that it shows all directions
+    notes: tuple[str, ...]  # what was done to it, a sentence each
 
 
 def small_size(width: int, height: int) -> tuple[int, int]:

@@ -25,19 +25,12 @@ COLLECTION = "Vibe Lights"
 
 @dataclass(frozen=True)
 class AddedLight:
-    """A light that a scene may get.
+    """A light that a scene may get."""
 
-    Attributes:
-        name: Of the object in Blender; parameters are keyed by it.
-        type: "AREA", "POINT", "SPOT" or "SUN".
-        part: One of `PARTS`.
-        pattern: Of `PATTERNS`, or "".
-    """
-
-    name: str
-    type: str
-    part: str
-    pattern: str = ""
+    name: str  # of the object in Blender; parameters are keyed by it
+    type: str  # "AREA", "POINT", "SPOT" or "SUN"
+    part: str  # one of `PARTS`
+    pattern: str = ""  # of `PATTERNS`, or ""
 
     @property
     def role(self) -> str:

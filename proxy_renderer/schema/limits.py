@@ -21,21 +21,13 @@ MESH_FORMATS = (".obj", ".glb", ".gltf", ".ply", ".stl")
 
 @dataclass(frozen=True)
 class Budget:
-    """How much work a vibe is.
+    """How much work a vibe is."""
 
-    Attributes:
-        rounds: Outer rounds of Algorithm 1.
-        steps: Most steps of the inner loop in each.
-        size: Longer side of the pictures, pixels.
-        starts: Points that a coarse first pass tries; 1 for the artist's scene alone.
-        summary: For whom it is, in words.
-    """
-
-    rounds: int
-    steps: int
-    size: int
-    starts: int
-    summary: str
+    rounds: int  # outer rounds of Algorithm 1
+    steps: int  # most steps of the inner loop in each
+    size: int  # longer side of the pictures, pixels
+    starts: int  # points that a coarse first pass tries; 1 for the artist's scene alone
+    summary: str  # for whom it is, in words
 
 
 BUDGETS = {

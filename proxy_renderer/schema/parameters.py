@@ -17,15 +17,11 @@ Values = tuple[float, ...]
 
 @dataclass(frozen=True)
 class Scale:
-    """A monotone map between a bounded value and u in [0, 1] in which equal steps look alike.
+    """A monotone map between a bounded value and u in [0, 1] in which equal steps look alike."""
 
-    Attributes:
-        name: "linear", "log" (needs a positive lower bound) or "power".
-        exponent: For "power": value = lower + (upper - lower) * u ** exponent.
-    """
-
+    # "linear", "log" (needs a positive lower bound) or "power"
     name: Literal["linear", "log", "power"] = "linear"
-    exponent: float = 1.0
+    exponent: float = 1.0  # for "power": value = lower + (upper - lower) * u ** exponent
 
     def to_unit(self, value: float, lower: float, upper: float) -> float:
         """Maps a value to the place where it stands between its bounds.
@@ -70,38 +66,22 @@ SRGB = Scale("power", 2.2)  # color components: even steps in u are about even s
 
 @dataclass(frozen=True)
 class Parameter:
-    """One row of the schema: a family of values that every scene has none, one or several of.
+    """One row of the schema: a family of values that every scene has none, one or several of."""
 
-    Attributes:
-        group: camera, light, world, material, volume or film.
-        name: Unique within the group.
-        kind: "scalar", "color" (three linear Rec.709 components) or "angle" (degrees).
-        default: Value of one component that leaves the picture as a fresh Blender scene has it.
-        lower: Hard lower bound of every component, in `unit`, times the instance's reference.
-        upper: Hard upper bound, likewise.
-        unit: "", "W", "W/m2", "m", "1/m", "deg", "K" or "stops".
-        scale: The perceptual scale that optimization steps on.
-        region: The part of the picture that it mainly changes.
-        doc: What it does, for help texts and tool tips.
-        blender: The socket or property that it means, as an artist would look for it.
-        reference: The scene length (see `REFERENCES`) that makes the bounds independent of the
-            scene's size; "" for none.
-        only: The kinds of owner that have it (light types, say); empty for all.
-    """
-
-    group: str
-    name: str
-    kind: Kind
-    default: float
-    lower: float
-    upper: float
-    unit: str
-    scale: Scale
-    region: Region
-    doc: str
-    blender: str
+    group: str  # camera, light, world, material, volume or film
+    name: str  # unique within the group
+    kind: Kind  # "scalar", "color" (three linear Rec.709 components) or "angle" (degrees)
+    default: float  # value of one component that leaves the picture as a fresh Blender scene has it
+    lower: float  # hard lower bound of every component, in `unit`, times the instance's reference
+    upper: float  # hard upper bound, likewise
+    unit: str  # "", "W", "W/m2", "m", "1/m", "deg", "K" or "stops"
+    scale: Scale  # the perceptual scale that optimization steps on
+    region: Region  # the part of the picture that it mainly changes
+    doc: str  # what it does, for help texts and tool tips
+    blender: str  # the socket or property that it means, as an artist would look for it
+    # the scene length (see `REFERENCES`) that makes the bounds independent of the scene's size; "" for none
     reference: str = ""
-    only: tuple[str, ...] = ()
+    only: tuple[str, ...] = ()  # the kinds of owner that have it (light types, say); empty for all
 
     @property
     def family(self) -> str:
@@ -120,23 +100,14 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Instance:
-    """A parameter of one thing in one scene.
+    """A parameter of one thing in one scene."""
 
-    Attributes:
-        parameter: The schema row.
-        owner: Name of the light or material; "" for groups that a scene has one of.
-        value: The artist's value, one float per component, in the parameter's unit.
-        reference: What the schema's bounds are multiplied by.
-        role: "subject" or "surroundings" for materials; "key", "fill", "rim" for lights.
-        locked: Why the value must stay as it is; "" when it may change.
-    """
-
-    parameter: Parameter
-    owner: str
-    value: Values
-    reference: float = 1.0
-    role: str = ""
-    locked: str = ""
+    parameter: Parameter  # the schema row
+    owner: str  # name of the light or material; "" for groups that a scene has one of
+    value: Values  # the artist's value, one float per component, in the parameter's unit
+    reference: float = 1.0  # what the schema's bounds are multiplied by
+    role: str = ""  # "subject" or "surroundings" for materials; "key", "fill", "rim" for lights
+    locked: str = ""  # why the value must stay as it is; "" when it may change
     lower: Values = field(init=False)
     upper: Values = field(init=False)
 

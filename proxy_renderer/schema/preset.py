@@ -48,23 +48,16 @@ _OURS = "Use a preset that Vibe Render has written."
 
 @dataclass(frozen=True)
 class Preset:
-    """A look.
+    """A look."""
 
-    Attributes:
-        name: Its title.
-        roles: Role to its entries, the most visible or brightest first.
-        kinds: Of every light entry, its type ("AREA", …), by role.
-        prompt: What the artist typed.
-        goals: What it was searched for by, see docs/reference/goals.md: `vibe run --goals` searches it again; {} for none.
-        version: Of the parameter table that it was made with.
-    """
-
-    name: str
-    roles: dict[str, list[Entry]]
+    name: str  # its title
+    roles: dict[str, list[Entry]]  # role to its entries, the most visible or brightest first
+    # of every light entry, its type ("AREA", …), by role
     kinds: dict[str, list[str]] = field(default_factory=dict)
-    prompt: str = ""
+    prompt: str = ""  # what the artist typed
+    # what it was searched for by, see docs/reference/goals.md: `vibe run --goals` searches it again; {} for none
     goals: dict[str, Any] = field(default_factory=dict)
-    version: int = VERSION
+    version: int = VERSION  # of the parameter table that it was made with
 
     def dumps(self) -> str:
         """The text of a preset file."""

@@ -60,21 +60,13 @@ _PICTURE = re.compile(
 
 @dataclass(frozen=True)
 class Question:
-    """What a model is asked.
+    """What a model is asked."""
 
-    Attributes:
-        system: Our instructions.
-        text: The data, as one JSON document, or a text of ours.
-        picture: A JPEG; None for none.
-        schema: JSON schema of the answer; None where the answer is plain text.
-        must_see: Whether an answer without the picture is of no use.
-    """
-
-    system: str
-    text: str
-    picture: bytes | None = None
-    schema: dict[str, Any] | None = None
-    must_see: bool = False
+    system: str  # our instructions
+    text: str  # the data, as one JSON document, or a text of ours
+    picture: bytes | None = None  # a JPEG; None for none
+    schema: dict[str, Any] | None = None  # JSON schema of the answer; None where the answer is plain text
+    must_see: bool = False  # whether an answer without the picture is of no use
 
 
 class Dialect:
@@ -214,23 +206,14 @@ _AGAIN = (
 
 @dataclass
 class Usage:
-    """Requests, tokens and cost so far.
+    """Requests, tokens and cost so far."""
 
-    Attributes:
-        calls: Requests sent, repetitions included.
-        cached: Questions answered from the disk.
-        read: Tokens of all questions, as the server counts them.
-        written: Tokens of all answers.
-        seconds: Time spent waiting.
-        cost: US dollars, where the server or VIBE_VLM_PRICE says what tokens cost.
-    """
-
-    calls: int = 0
-    cached: int = 0
-    read: int = 0
-    written: int = 0
-    seconds: float = 0.0
-    cost: float | None = None
+    calls: int = 0  # requests sent, repetitions included
+    cached: int = 0  # questions answered from the disk
+    read: int = 0  # tokens of all questions, as the server counts them
+    written: int = 0  # tokens of all answers
+    seconds: float = 0.0  # time spent waiting
+    cost: float | None = None  # US dollars, where the server or VIBE_VLM_PRICE says what tokens cost
 
     def account(self) -> dict[str, Any]:
         """For report.json."""

@@ -20,20 +20,13 @@ _HOW = "Ollama's is http://localhost:11434/v1, OpenAI's is " + OPENAI + "."
 
 @dataclass(frozen=True)
 class Endpoint:
-    """A model behind an OpenAI-compatible endpoint.
+    """A model behind an OpenAI-compatible endpoint."""
 
-    Attributes:
-        model: Its name there.
-        url: The base URL, without a slash at its end.
-        key: Never written anywhere, not even by `repr`.
-        seconds: Time limit of a question, repetitions included.
-        prices: US dollars per million tokens, (read, written); None if unknown.
-    """
-
-    model: str
-    url: str
-    key: str = field(default="", repr=False)
-    seconds: float = _SECONDS
+    model: str  # its name there
+    url: str  # the base URL, without a slash at its end
+    key: str = field(default="", repr=False)  # never written anywhere, not even by `repr`
+    seconds: float = _SECONDS  # time limit of a question, repetitions included
+    # US dollars per million tokens, (read, written); None if unknown
     prices: tuple[float, float] | None = None
 
     @property

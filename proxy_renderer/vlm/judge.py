@@ -41,32 +41,20 @@ _NUMBERS = ("zero", "one", "two", "three", "four", "five", "six")
 
 @dataclass(frozen=True)
 class Column:
-    """One object's two pictures.
+    """One object's two pictures."""
 
-    Attributes:
-        name: Of the object.
-        prompt: What both were asked for.
-        top: The first row's picture.
-        bottom: The second row's.
-    """
-
-    name: str
-    prompt: str
-    top: Image.Image
-    bottom: Image.Image
+    name: str  # of the object
+    prompt: str  # what both were asked for
+    top: Image.Image  # the first row's picture
+    bottom: Image.Image  # the second row's
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """A judge's decision.
+    """A judge's decision."""
 
-    Attributes:
-        winner: A row's name in capitals, or "TIE".
-        reason: One sentence.
-    """
-
-    winner: str
-    reason: str
+    winner: str  # a row's name in capitals, or "TIE"
+    reason: str  # one sentence
 
 
 def judge(

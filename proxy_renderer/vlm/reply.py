@@ -31,33 +31,20 @@ _NEGATION = re.compile(r"\b(no|not|never|without|n't)\b", re.IGNORECASE)
 
 @dataclass
 class Reply:
-    """A model's proposals; fields are empty where its answer had nothing usable.
+    """A model's proposals; fields are empty where its answer had nothing usable."""
 
-    Attributes:
-        objects: What the look describes.
-        prompts: Captions; "" and () where there is none.
-        targets: Quantity -> class.
-        colors: Region -> sRGB that it should show.
-        ignored: Words that no parameter can express.
-        entries: Key -> plan entry, within hard bounds.
-        keep: Keys that should not move.
-        clipped: Ranges that lay outside of their bounds, in part or entirely.
-        mended: Ranges upside down or without width, and captions that the encoder would misread.
-        dropped: Fields and entries that were of no use.
-        missing: Fields that the schema has and the answer has not.
-    """
-
-    objects: list[PromptObject] = field(default_factory=list)
+    objects: list[PromptObject] = field(default_factory=list)  # what the look describes
+    # Captions; "" and () where there is none
     prompts: Prompts = field(default_factory=lambda: Prompts("", "", ""))
-    targets: dict[str, str] = field(default_factory=dict)
-    colors: dict[Region, Values] = field(default_factory=dict)
-    ignored: list[str] = field(default_factory=list)
-    entries: dict[str, PlanEntry] = field(default_factory=dict)
-    keep: set[str] = field(default_factory=set)
-    clipped: int = 0
-    mended: int = 0
-    dropped: int = 0
-    missing: int = 0
+    targets: dict[str, str] = field(default_factory=dict)  # quantity -> class
+    colors: dict[Region, Values] = field(default_factory=dict)  # region -> sRGB that it should show
+    ignored: list[str] = field(default_factory=list)  # words that no parameter can express
+    entries: dict[str, PlanEntry] = field(default_factory=dict)  # key -> plan entry, within hard bounds
+    keep: set[str] = field(default_factory=set)  # keys that should not move
+    clipped: int = 0  # ranges that lay outside of their bounds, in part or entirely
+    mended: int = 0  # ranges upside down or without width, and captions that the encoder would misread
+    dropped: int = 0  # fields and entries that were of no use
+    missing: int = 0  # fields that the schema has and the answer has not
 
     @property
     def useful(self) -> bool:

@@ -24,21 +24,13 @@ _LONGEST_NAME = 60
 
 @dataclass(frozen=True)
 class Alias:
-    """A short name for a light or material, which a model may use.
+    """A short name for a light or material, which a model may use."""
 
-    Attributes:
-        id: "light1".
-        name: The artist's.
-        role: As in `schema.Instance`.
-        share: Fraction of its region's pixels, for materials; None if unknown.
-        kind: Type of light; "" for materials.
-    """
-
-    id: str
-    name: str
-    role: str
-    share: float | None = None
-    kind: str = ""
+    id: str  # "light1"
+    name: str  # the artist's
+    role: str  # as in `schema.Instance`
+    share: float | None = None  # fraction of its region's pixels, for materials; None if unknown
+    kind: str = ""  # type of light; "" for materials
 
 
 class AliasTable:

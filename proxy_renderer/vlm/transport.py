@@ -120,21 +120,13 @@ _OVERFULL = re.compile(r"context[ _](length|size|window)|too many tokens|n_ctx",
 
 @dataclass(frozen=True)
 class Completion:
-    """A server's answer.
+    """A server's answer."""
 
-    Attributes:
-        text: The model's words.
-        cut: Whether it ran out of tokens.
-        read: Tokens of the question; 0 if the server does not say.
-        written: Tokens of the answer.
-        cost: US dollars, where the server says so.
-    """
-
-    text: str
-    cut: bool
-    read: int = 0
-    written: int = 0
-    cost: float | None = None
+    text: str  # the model's words
+    cut: bool  # whether it ran out of tokens
+    read: int = 0  # tokens of the question; 0 if the server does not say
+    written: int = 0  # tokens of the answer
+    cost: float | None = None  # US dollars, where the server says so
 
 
 class _TooLong(Exception):
@@ -256,11 +248,7 @@ class Transport:
 
 
 def read_completion(raw: bytes) -> Completion:
-    """The model's words in a body that should be a chat completion.
-
-    Raises:
-        ModelError: It is none.
-    """
+    """The model's words in a body that should be a chat completion. Raises ModelError if it is none."""
     try:
         body = json.loads(raw)
         choice = body["choices"][0]

@@ -77,11 +77,7 @@ def numbers(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> None:
 
 
 def groups(given: Sequence[str]) -> list[str]:
-    """Group names from "a,b" lists, each once.
-
-    Raises:
-        VibeError: There is no group of that name.
-    """
+    """Group names from "a,b" lists, each once. Raises VibeError if there is no group of that name."""
     names = [name for part in given for name in re.split(r"[,\s]+", part) if name]
     if given and not names:
         raise VibeError("--groups names no group.", f"Use some of: {', '.join(GROUPS)}.")

@@ -30,12 +30,7 @@ TRAITS = ("light", "grade", "palette", "air", "materials")
 
 @dataclass(frozen=True)
 class Options:
-    """How a vibe is carried out: what the engine is told.
-
-    Attributes:
-        camera: Whether the camera may be optimized though `groups` does not name it.
-        online: Whether other computers may be reached; a model on this one always may.
-    """
+    """How a vibe is carried out: what the engine is told."""
 
     rounds: int = option(
         STANDARD.rounds,
@@ -222,8 +217,8 @@ class Options:
         "anchor, and without any",
         "render",
     )
-    camera: bool = False
-    online: bool = True
+    camera: bool = False  # whether the camera may be optimized though `groups` does not name it
+    online: bool = True  # whether other computers may be reached; a model on this one always may
 
     @classmethod
     def from_dict(cls, raw: dict[str, Any]) -> Options:
