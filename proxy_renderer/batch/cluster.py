@@ -21,12 +21,7 @@ from .worker import Interrupted, Setup, Worker
 
 
 class Station:
-    """A worker in an actor's process.
-
-    Args:
-        out: Where the results folder is on the head.
-        token: Its name: this machine sees the same folder if it finds it there.
-    """
+    """A worker in an actor's process."""
 
     def __init__(self, setup: Setup, out: Path, token: str) -> None:
         self._worker = Worker(setup)
@@ -83,12 +78,7 @@ _FAREWELL = 10.0  # seconds that workers get to end their processes
 
 
 class RayPool:
-    """A `Pool` of stations, as many as the nodes hold.
-
-    Args:
-        ray: The module, connected to a cluster.
-        most: Workers at a time; 0 for as many as fit.
-    """
+    """A `Pool` of stations, as many as the nodes hold."""
 
     def __init__(self, ray: Any, store: Store, setup: Setup, most: int = 0) -> None:
         self._ray, self._store, self._setup, self._most = ray, store, setup, most
@@ -113,11 +103,7 @@ class RayPool:
         self._out[station.run.remote(job, *map(self._scene, sources))] = (station, job)
 
     def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
-        """As `Pool.wait`; stations that come and go meanwhile are taken in.
-
-        Raises:
-            VibeError: The cluster's head is lost.
-        """
+        """As `Pool.wait`; stations that come and go meanwhile are taken in."""
         self._look()
         waiting = [*self._coming, *self._out]
         if not waiting:
@@ -159,11 +145,7 @@ class RayPool:
                     group.append(self._start(node, resources))
 
     def _check_head(self) -> None:
-        """Notices that the head is gone before Ray does, which then ends this process without a word of ours.
-
-        Raises:
-            VibeError: It has not answered several times in a row.
-        """
+        """Notices that the head is gone before Ray does, which then ends this process without a word of ours."""
         host, port = self._ray.get_runtime_context().gcs_address.rsplit(":", 1)
         for _ in range(_PATIENCE):
             try:
@@ -238,7 +220,6 @@ def cluster_pool(address: str, store: Store, setup: Setup, most: int = 0) -> Ray
 
     Args:
         address: Of its head, HOST:PORT; "auto" for the one that this machine belongs to.
-        most: Stations at once; 0 for as many as the nodes hold.
 
     Raises:
         VibeError: Ray is not installed, or there is no cluster.
@@ -259,11 +240,7 @@ def cluster_pool(address: str, store: Store, setup: Setup, most: int = 0) -> Ray
 
 
 def fitting(resources: dict[str, float], limits: Limits) -> int:
-    """How many workers a node holds; 0 if it is too small.
-
-    Args:
-        resources: What Ray says of the node: "CPU" cores, "memory" in bytes, "GPU" cards.
-    """
+    """How many workers a node holds; 0 if it is too small."""
     fits = [int(resources.get("CPU", 0) // limits.cores)]
     fits.append(int(resources.get("memory", 0) / 1e9 // limits.memory_gb))
     if cards := resources.get("GPU"):

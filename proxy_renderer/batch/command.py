@@ -30,10 +30,6 @@ from .worker import Setup
 class BatchProgress:
     """Counts jobs and shows them. Use it as a context manager around the batch.
 
-    Args:
-        done: Those that had been done before.
-        stream: Where to; standard output if None.
-
     Attributes:
         counts: Jobs by "done", "failed" and "running".
     """
@@ -149,12 +145,7 @@ _FIXED, _ROUND, _STEP, _RENDERS = 5.0, 3.0, 0.14, 12.0
 
 
 def account(plan: BatchPlan, out: Path, workers: int) -> str:
-    """The plan as text.
-
-    Args:
-        out: The results folder; it need not exist.
-        workers: Jobs at a time; 0 if a cluster decides.
-    """
+    """The plan as text."""
     counts = {True: 0, False: 0}
     scenes: Counter[str] = Counter()
     seconds: list[float] = []

@@ -38,12 +38,7 @@ class Finals:
 
 
 def takes(shots: list[dict[str, Any]], blends: list[str], frames: str) -> tuple[Take, ...]:
-    """The renders of a vibe's shots: each .blend through each of its cameras, once.
-
-    Args:
-        shots: As in report.json; none for a vibe of one.
-        frames: Those that are wanted; "" for the shots' own.
-    """
+    """The renders of a vibe's shots: each .blend through each of its cameras, once."""
     if not shots:
         return (Take(0, frames=frames),)
     grouped: dict[tuple[str, str], list[dict[str, Any]]] = {}

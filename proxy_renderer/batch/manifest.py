@@ -46,14 +46,7 @@ from .manifest_options import IN_FILES, OptionReader, TomlSource, texts
 
 
 class Files:
-    """Finds files from the manifest's folder.
-
-    Args:
-        out: The results folder, which holds no scenes.
-
-    Attributes:
-        base: The manifest's folder.
-    """
+    """Finds files from the manifest's folder."""
 
     def __init__(self, source: TomlSource, out: Path) -> None:
         self.base = source.path.parent.resolve()
@@ -61,10 +54,6 @@ class Files:
 
     def scenes(self, patterns: Any, *keys: str) -> Iterator[tuple[str, Path]]:
         """The scenes that patterns name, in the order of the manifest.
-
-        Args:
-            patterns: A list of paths and globs, from the manifest's folder.
-            *keys: Where they stand in the manifest, for the error's line number.
 
         Yields:
             A scene's name in the results, and its path.
@@ -92,13 +81,6 @@ class Files:
     def common(self, patterns: Any, vocabulary: str) -> str:
         """Digest of what every result depends on: linked files and the artist's own words.
 
-        Args:
-            patterns: `files` of the manifest: glob patterns relative to its folder.
-            vocabulary: The option of that name; "" for none.
-
-        Returns:
-            SHA-256 in hexadecimal, 64 characters.
-
         Raises:
             VibeError: The patterns are no texts, or one of them matches no file; names the line.
         """
@@ -119,11 +101,6 @@ class Files:
 
     def named(self, name: str, what: str, *keys: str) -> Path:
         """The path of a file that the manifest names, once it is known to be readable.
-
-        Args:
-            name: As written, relative to the manifest's folder.
-            what: The kind of file, for the error: "scene".
-            keys: Where the manifest names it, for the error's line.
 
         Raises:
             VibeError: There is no such file, or it cannot be read; names the line.

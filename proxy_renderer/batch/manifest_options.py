@@ -22,15 +22,7 @@ _TABLE = re.compile(r"\s*\[.*\]\s*(#.*)?$")
 
 
 class TomlSource:
-    """A TOML file.
-
-    Attributes:
-        path: Where it is, as it was named.
-        content: What it says.
-
-    Raises:
-        VibeError: It cannot be read, or is not TOML; names the line.
-    """
+    """A TOML file. Raises VibeError if it cannot be read, or is not TOML; names the line."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -51,7 +43,6 @@ class TomlSource:
 
         Args:
             *keys: From the outermost table to the key; tables of a list, [[shots]], are counted: "shots", "0", "frames".
-            quoted: The text that is looked for.
         """
         table: tuple[str, ...] = ()
         counts: Counter[tuple[str, ...]] = Counter()
@@ -79,7 +70,6 @@ class TomlSource:
         """An error that names the file and the line of a key; the caller raises it.
 
         Args:
-            keys: The way to the key, from the outermost table on.
             quoted: A text in the key's value whose line is meant, such as one pattern of a list.
         """
         return VibeError(f"{self.path}, line {self.line(*keys, quoted=quoted)}: {what}", remedy)
@@ -168,9 +158,6 @@ class OptionReader:
     def prompt(self, prompt: str, options: dict[str, Any]) -> None:
         """Refuses a prompt that a vibe could not work with.
 
-        Args:
-            options: Of the job; those that are missing have the manifest's defaults.
-
         Raises:
             VibeError: It is empty or too long, or nothing in it is understood and no model is there to ask.
         """
@@ -180,10 +167,6 @@ class OptionReader:
 
     def arguments(self, options: dict[str, Any], scenes: list[Path]) -> tuple[str, ...]:
         """A job's options as the command line of Blender's side, without prompt and seed.
-
-        Args:
-            options: Of the job; those that are missing have the manifest's defaults.
-            scenes: The job's scenes, one or more that share a look.
 
         Raises:
             VibeError: A value is out of bounds, or options do not go together.

@@ -35,9 +35,6 @@ class Pool(Protocol):
     def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
         """Waits for jobs to end.
 
-        Args:
-            seconds: The longest to wait for the first one.
-
         Returns:
             Jobs that have ended, with their rows; None for a job whose worker is lost.
         """
@@ -52,9 +49,6 @@ class Carrier(Protocol):
     def run(self, job: Job, folder: Path) -> JobRow:
         """Carries out a job, and leaves its files in the folder.
 
-        Returns:
-            The job's row of the table.
-
         Raises:
             Interrupted: It was closed meanwhile.
         """
@@ -64,11 +58,7 @@ class Carrier(Protocol):
 
 
 class LocalPool:
-    """A thread for each worker.
-
-    Args:
-        jobs: The folder of the jobs' folders.
-    """
+    """A thread for each worker."""
 
     def __init__(self, jobs: Path, workers: list[Carrier]) -> None:
         self._jobs, self._workers = jobs, workers
@@ -87,11 +77,7 @@ class LocalPool:
         self._out[self._threads.submit(self._run, job)] = job
 
     def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
-        """As `Pool.wait`; a job that was ended from outside comes back with the status "interrupted".
-
-        Args:
-            seconds: The longest to wait for the first one.
-        """
+        """As `Pool.wait`; a job that was ended from outside comes back with the status "interrupted"."""
         ended, _ = wait(self._out, seconds, FIRST_COMPLETED)
         return [(self._out.pop(future), future.result()) for future in ended]
 
@@ -112,12 +98,7 @@ class LocalPool:
 
 
 def local_pool(jobs: Path, setup: Setup, count: int = 0) -> LocalPool:
-    """Workers for this machine, each on cores of its own; graphics cards are dealt out in turn.
-
-    Args:
-        jobs: The folder of the jobs' folders.
-        count: Of workers; 0 for as many as cores, memory and graphics cards hold.
-    """
+    """Workers for this machine, each on cores of its own; graphics cards are dealt out in turn."""
     count = count or fitting(setup.limits)
     cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
     cards = graphics_cards()
@@ -132,12 +113,7 @@ def local_pool(jobs: Path, setup: Setup, count: int = 0) -> LocalPool:
 
 
 def fitting(limits: Limits, cards: Callable[[], int] | None = None) -> int:
-    """How many workers this machine holds; at least one.
-
-    Args:
-        limits: Of one worker: cores and gigabytes of memory.
-        cards: Counts the graphics cards; None for `graphics_cards`.
-    """
+    """How many workers this machine holds; at least one."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     memory = psutil.virtual_memory().total / 1e9
     fits = [cores // limits.cores, int(memory // limits.memory_gb)]
@@ -172,7 +148,6 @@ def run(
     """Carries out the jobs that are not done yet. Jobs are made only when there is a worker for them.
 
     Args:
-        limits: How often a failed job is tried again, and how much disk space must be free.
         tell: Hears of "started", "done", "again", "lost" and "failed" jobs.
         finished: Which jobs are done, if that has been looked up; see `Store.finished`.
 

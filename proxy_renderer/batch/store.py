@@ -34,10 +34,6 @@ TOKEN = "batch.json"
 class Store:
     """A results folder, held by one batch at a time. Use it as a context manager.
 
-    Attributes:
-        folder: Where it is.
-        token: Its name.
-
     Raises:
         VibeError: It cannot be written, or another batch works in it.
     """
@@ -100,11 +96,7 @@ class Store:
         return map(self.row, plan)
 
     def fail(self, job: Job, row: JobRow) -> None:
-        """Records a failed attempt in the job's folder.
-
-        Args:
-            job: The job; if it renders final frames, its look stays done.
-        """
+        """Records a failed attempt in the job's folder."""
         folder = self.jobs / job.name
         folder.mkdir(exist_ok=True)
         if job.frames is not None:
@@ -125,14 +117,7 @@ class Store:
             write_bytes(folder / name, files[name])
 
     def check_space(self, free_gb: float) -> None:
-        """Makes sure that there is space for another job.
-
-        Args:
-            free_gb: Gigabytes that have to be free where the results are.
-
-        Raises:
-            VibeError: There are fewer.
-        """
+        """Makes sure that there is space for another job. Raises VibeError if there are fewer."""
         free = shutil.disk_usage(self.folder).free / 1e9
         if free < free_gb:
             raise VibeError(

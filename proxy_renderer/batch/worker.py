@@ -37,13 +37,6 @@ _ENGINE, _CYCLES = "engine: loop", ("render before", "render after")
 def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
     """Completes a job's folder after Blender has written its files; `done.json` is written last.
 
-    Args:
-        folder: Of the job, with Blender's report in it.
-        seconds: The job's time on the clock.
-
-    Returns:
-        The job's row, as it is in `done.json`.
-
     Raises:
         VibeError: Something is missing, or cannot be written.
     """
@@ -73,14 +66,6 @@ def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
 
 def leave_frames(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
     """Completes a job's folder after its final frames have been rendered.
-
-    Args:
-        job: The job, with its `frames`.
-        folder: Of the job, with the frames in it.
-        seconds: The render's time on the clock.
-
-    Returns:
-        The job's row, with the frames that were wanted and how many pictures there are.
 
     Raises:
         VibeError: The row cannot be written.
@@ -168,12 +153,6 @@ class Worker:
 
     def run(self, job: Job, folder: Path) -> JobRow:
         """Carries out a job; its files go to the folder, `done.json` last.
-
-        Args:
-            folder: Of the job; what an earlier attempt left there is removed.
-
-        Returns:
-            The job's row, of status "done" or "failed".
 
         Raises:
             Interrupted: The worker was closed meanwhile.

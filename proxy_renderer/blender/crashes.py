@@ -36,7 +36,6 @@ def crash(code: int, doing: str, output: Sequence[str]) -> errors.UnexpectedErro
 
     Args:
         code: Its exit code; a negative one is the number of a signal.
-        doing: What it was doing: "reading the scene".
     """
     log = errors.write_log(f"Blender ended while {doing}, exit code {code}\n\n" + "".join(output))
     kind = signal.strsignal(-code) if code < 0 else None

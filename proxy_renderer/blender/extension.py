@@ -29,9 +29,6 @@ _OF_THE_COMMAND = (
 def build(out: Path) -> Path:
     """Builds and validates the extension for Blender's "Install from Disk".
 
-    Args:
-        out: The folder for the zip; made if it does not exist.
-
     Returns:
         The zip, OUT/vibe_render-VERSION.zip. It remembers which Python built it, so that on this
         computer Blender finds the engine by itself.
@@ -54,9 +51,6 @@ def install(blender: str = "") -> str:
 
     Args:
         blender: The program, or the folder that it is in; "" for the one on the PATH.
-
-    Returns:
-        What has been installed where, in words.
 
     Raises:
         VibeError: If there is no Blender, or it refuses.

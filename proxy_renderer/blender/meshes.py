@@ -109,14 +109,7 @@ def is_packed(path: Path) -> bool:
 
 
 def unpacked(path: Path, folder: Path) -> Path:
-    """Writes an uncompressed .glb of the same name.
-
-    Args:
-        path: A file that `is_packed`.
-
-    Raises:
-        VibeError: Its geometry cannot be decoded.
-    """
+    """Writes an uncompressed .glb of the same name. Raises VibeError if its geometry cannot be decoded."""
     try:
         document, binary = read_gltf(path)
         data = _joined(document, binary, path.parent)
@@ -209,9 +202,6 @@ _LONGEST_TEXT = 16_000_000  # bytes; reading more of a text format would take lo
 def prepared(scene: Path) -> Iterator[Path]:
     """The file that Blender is to open for a scene: itself, or an unpacked copy that lives as long as the block.
 
-    Args:
-        scene: A .blend, which is left to Blender, or a mesh.
-
     Raises:
         VibeError: The mesh cannot be read, needs what Blender cannot do, or has no faces or no size.
     """
@@ -229,9 +219,6 @@ def prepared(scene: Path) -> Iterator[Path]:
 
 def check(path: Path) -> None:
     """Refuses a mesh that cannot be rendered; long texts go unchecked.
-
-    Args:
-        path: A mesh of one of the formats in `options.check.SCENES`.
 
     Raises:
         VibeError: It is broken, or has no faces, no size, or coordinates that are not finite.

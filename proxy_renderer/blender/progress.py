@@ -11,11 +11,7 @@ from typing import Any, TextIO
 
 
 class VibeProgress:
-    """Shows events as they come. Use it as a context manager around them.
-
-    Args:
-        stream: Where to; standard output if None.
-    """
+    """Shows events as they come. Use it as a context manager around them."""
 
     def __init__(self, stream: TextIO | None = None) -> None:
         self._stream = stream or sys.stdout
@@ -50,11 +46,7 @@ class VibeProgress:
             self._bar = None
 
     def show(self, event: dict[str, Any]) -> None:
-        """Shows one event.
-
-        Args:
-            event: What Blender's side has printed; unknown kinds are left out.
-        """
+        """Shows one event."""
         kind = event.get("type")
         if kind == "stage":
             self.stage(event["name"])

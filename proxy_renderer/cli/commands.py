@@ -73,9 +73,6 @@ def _demo(a: argparse.Namespace) -> int:
 def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> int:
     """Checks everything that can be checked without Blender, then starts it.
 
-    Args:
-        what: The command of Blender's side.
-
     Raises:
         VibeError: An input or an option is wrong; nothing was started then.
     """

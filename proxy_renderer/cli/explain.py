@@ -50,7 +50,6 @@ def account(
     """What the words mean, readable or as JSON.
 
     Args:
-        as_json: For programs.
         scene: A .blend or a mesh, which Blender reads; None for a subject, its surroundings and three lights.
         subject: Arguments that say what in the scene is the subject: "--subject=Cup".
         with_reasons: Say why each look word is bound as it is, and nothing else.

@@ -20,10 +20,6 @@ _DEVICE = re.compile(r"auto|cpu|(cuda|xpu)(:\d+)?")
 def file(name: str, what: str) -> Path:
     """The absolute path of an existing file that can be read and is not empty.
 
-    Args:
-        name: As the artist wrote it; "~" is the home folder.
-        what: The kind of file, for the error: "scene".
-
     Raises:
         VibeError: There is no such file, or it is a folder, unreadable or empty.
     """
@@ -49,9 +45,6 @@ def scene(name: str) -> Path:
 
 def shots(scenes: Sequence[Path], arguments: argparse.Namespace) -> list[Path]:
     """The scenes of shots that can share a look, each once.
-
-    Args:
-        arguments: The options `frames`, `cameras`, `groups` and `grade_each`.
 
     Raises:
         VibeError: There are bare meshes among several scenes, frames that are no numbers, or a camera that would have
@@ -110,9 +103,6 @@ def words(prompt: str) -> None:
 
 def model(arguments: argparse.Namespace) -> bool:
     """Whether a vision-language model is configured: it knows more words than we do.
-
-    Args:
-        arguments: The options `vlm_model` and `vlm_url`.
 
     Raises:
         VibeError: It is configured wrongly.

@@ -37,11 +37,7 @@ def small_size(width: int, height: int) -> tuple[int, int]:
 
 
 def shrunk_linear(color: np.ndarray, alpha: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Means of areas, each pixel as much as its alpha.
-
-    Args:
-        color: (H, W, 3) linear.
-        alpha: (H, W) in [0, 1].
+    """Means of areas of a linear image (H, W, 3), each pixel weighted by its alpha (H, W) in [0, 1].
 
     Returns:
         Both at `small_size`; the color is 0 where the alpha is.

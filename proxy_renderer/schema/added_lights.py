@@ -56,7 +56,6 @@ def card(pattern: str, size: float) -> list[Quad]:
 
     Args:
         pattern: "slats": a window with blinds in a wall; "leaves": a crown of leaves.
-        size: Of what is to be lit: its radius, meters.
     """
     if pattern == "slats":
         pitch = 2 * _WINDOW / _SLATS

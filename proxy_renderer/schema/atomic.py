@@ -16,12 +16,6 @@ def replacing(path: Path) -> Iterator[Path]:
     """A path beside it to write to, of the same suffix; it takes the file's place at the end of the block.
 
     If the block raises, the file is as it was, and nothing unfinished stays.
-
-    Args:
-        path: Of the file; its folder has to exist.
-
-    Raises:
-        OSError: It cannot be written.
     """
     part = path.with_name(f"{part_prefix()}{uuid.uuid4().hex[:8]}-{path.name}")
     try:
@@ -38,29 +32,13 @@ def part_prefix(process: int | None = None) -> str:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Writes a file as UTF-8, see `replacing`.
-
-    Args:
-        path: Of the file; its folder has to exist.
-        text: All that it is to hold.
-
-    Raises:
-        OSError: It cannot be written.
-    """
+    """Writes a file as UTF-8, see `replacing`."""
     with replacing(path) as part:
         part.write_text(text, encoding="utf-8")
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Writes a file, see `replacing`.
-
-    Args:
-        path: Of the file; its folder has to exist.
-        content: All that it is to hold.
-
-    Raises:
-        OSError: It cannot be written.
-    """
+    """Writes a file, see `replacing`."""
     with replacing(path) as part:
         part.write_bytes(content)
 

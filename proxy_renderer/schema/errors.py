@@ -13,12 +13,7 @@ from pathlib import Path
 
 
 class VibeError(Exception):
-    """A mistake that its reader can mend.
-
-    Attributes:
-        message: What went wrong, in one sentence.
-        remedy: What to do about it, in one sentence.
-    """
+    """A mistake that its reader can mend."""
 
     def __init__(self, message: str, remedy: str = "") -> None:
         super().__init__(message)

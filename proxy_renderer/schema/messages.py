@@ -294,11 +294,7 @@ _TYPES: dict[str, type] = {message.type: message for message in get_args(Message
 
 
 def encode(message: Message) -> bytes:
-    """The wire form: UTF-8 JSON and a NUL byte.
-
-    Raises:
-        ValueError: A number in the message is NaN or infinite.
-    """
+    """The wire form: UTF-8 JSON and a NUL byte."""
     body = {"type": message.type, **asdict(message)}
     return json.dumps(body, ensure_ascii=False, allow_nan=False).encode() + b"\0"
 
@@ -321,11 +317,7 @@ def decode(raw: bytes | str) -> Message:
 
 
 def read(stream: BinaryIO) -> Iterator[Message]:
-    """Messages of a stream as they arrive, until it ends. A message that was cut off is dropped.
-
-    Raises:
-        VibeError: As `decode` does.
-    """
+    """Messages of a stream as they arrive, until it ends. A message that was cut off is dropped."""
     pending = b""
     while chunk := stream.read1(65536):  # type: ignore[attr-defined]
         *whole, pending = (pending + chunk).split(b"\0")
@@ -334,9 +326,6 @@ def read(stream: BinaryIO) -> Iterator[Message]:
 
 def check_schema(theirs: str, who: str) -> None:
     """Makes sure that the other process has this process's parameter table.
-
-    Args:
-        who: "engine" or "add-on", the one that sent it.
 
     Raises:
         VibeError: It has another one.

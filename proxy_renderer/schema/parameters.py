@@ -26,11 +26,6 @@ class Scale:
     def to_unit(self, value: float, lower: float, upper: float) -> float:
         """Maps a value to the place where it stands between its bounds.
 
-        Args:
-            value: In the parameter's unit; outside of the bounds it is clamped.
-            lower: Above 0 for "log".
-            upper: Above `lower`.
-
         Returns:
             u in [0, 1].
 
@@ -43,16 +38,7 @@ class Scale:
         return ((value - lower) / (upper - lower)) ** (1.0 / self.exponent)
 
     def from_unit(self, u: float, lower: float, upper: float) -> float:
-        """Inverse of `to_unit`.
-
-        Args:
-            u: The place; outside of [0, 1] it is clamped.
-            lower: As for `to_unit`.
-            upper: As for `to_unit`.
-
-        Returns:
-            The value in [lower, upper].
-        """
+        """Inverse of `to_unit`."""
         u = min(max(u, 0.0), 1.0)
         if self.name == "log":
             return lower * (upper / lower) ** u
@@ -127,9 +113,6 @@ class Instance:
     def distance(self, value: Values) -> float:
         """How far a value is from the artist's on the perceptual scale.
 
-        Args:
-            value: One number per component, in the parameter's unit.
-
         Returns:
             The greatest difference of a component, 0 to 1.
         """
@@ -187,7 +170,6 @@ def may_serve(group: str, slot: str, cause: str = "") -> bool:
     """Whether a group of parameters may serve a word.
 
     Args:
-        group: Of the parameters.
         cause: The mood that stands for the word; "" for a word that the prompt says.
     """
     return group in MEANS[slot] and not (cause and group == PAINT)

@@ -183,7 +183,6 @@ def clamped(group: str, values: Mapping[str, Sequence[float]]) -> Entry:
     """An entry with every value within the bounds that `loads` insists on.
 
     Args:
-        group: Of the parameters: "material", "light", …
         values: Parameter name to components, in multiples of its reference.
     """
     entry = {}

@@ -35,9 +35,7 @@ class ModelAdvisor:
     """Asks a model once a round, with the current picture.
 
     Args:
-        understood: The prompt, read against the scene.
         goals: What it asks for; why there is nothing where nothing is understood.
-        tell: Called with what goes on, for a status line.
         light: What a rig plans, which is part of the draft; None where the words ask for none.
     """
 
@@ -67,8 +65,6 @@ class ModelAdvisor:
 
         Args:
             display: The current picture as it is displayed; None before the first one.
-            instances: The scene's parameters, by key.
-            context: What the planner knows about the scene.
 
         Raises:
             VibeError: Neither the model nor the offline planner understands the prompt.

@@ -70,12 +70,7 @@ class Question:
 
 
 class Dialect:
-    """The options of a request that the server has not refused so far.
-
-    Attributes:
-        format: "json_schema", "json_object" or "text".
-        pictures: Whether pictures are sent.
-    """
+    """The options of a request that the server has not refused so far."""
 
     def __init__(self) -> None:
         self.format = _FORMATS[0]
@@ -146,11 +141,7 @@ _MOST = 500  # answers that are kept; the ones used longest ago go first
 
 
 class Cache:
-    """One small JSON file for each answer. A file that cannot be read or written counts as missing.
-
-    Args:
-        folder: Made when needed; None for the user's cache folder.
-    """
+    """One small JSON file for each answer. A file that cannot be read or written counts as missing."""
 
     def __init__(self, folder: Path | None = None) -> None:
         self.folder = folder or cache_folder("vlm")
@@ -178,9 +169,6 @@ class Cache:
         """Keeps an answer, all at once or not at all, readable by its owner only.
 
         A disk that cannot be written is no error: the question is then paid for again.
-
-        Args:
-            key: Of the question, as `key` returns it.
         """
         with contextlib.suppress(OSError, RuntimeError):
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -236,15 +224,7 @@ def never() -> bool:
 
 
 class Client:
-    """A model to ask.
-
-    Args:
-        stop: True when the wait should end now.
-
-    Attributes:
-        usage: What it has cost.
-        dialect: What the server has turned out to understand.
-    """
+    """A model to ask."""
 
     def __init__(
         self, endpoint: Endpoint, stop: Callable[[], bool] = never, cache: Cache | None = None
@@ -261,10 +241,6 @@ class Client:
 
         Args:
             check: Raises ModelError for an answer that is of no use; the model is asked once more then.
-            fresh: Do not look on the disk.
-
-        Raises:
-            ModelError: There is none.
         """
         point = self.endpoint
         key = Cache.key(

@@ -54,7 +54,6 @@ def find_endpoint(
     Args:
         options: The vibe's; a `vlm_model` of "off" means none, whatever the environment says.
         key: From the add-on's preferences; "" for the environment's.
-        environment: This process's if left out.
 
     Raises:
         VibeError: For a URL that is none, a missing key, or a place that Blender may not reach.

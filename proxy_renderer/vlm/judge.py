@@ -62,11 +62,6 @@ def judge(
 ) -> Verdict:
     """Asks a model which row of a figure is better; the paper's own words for the paper's own figure.
 
-    Args:
-        client: The model; it has to see pictures.
-        rows: Names of the top and the bottom row.
-        fresh: Do not take the answer from the cache.
-
     Raises:
         ModelError: It does not answer, not in the strict form, or cannot see pictures.
     """
@@ -76,12 +71,7 @@ def judge(
 
 
 def instructions(names: Sequence[str], rows: tuple[str, str] = ROWS) -> str:
-    """The evaluation prompt for a figure; for the paper's own figure it is the paper's word for word.
-
-    Args:
-        names: Of the objects, a column each; one to six.
-        rows: Names of the top and the bottom row.
-    """
+    """The evaluation prompt for a figure; for the paper's own figure it is the paper's word for word."""
     count = len(names)
     many = "objects" if count > 1 else "object"
     return (
@@ -97,12 +87,6 @@ def instructions(names: Sequence[str], rows: tuple[str, str] = ROWS) -> str:
 
 def read_verdict(text: str, rows: tuple[str, str] = ROWS) -> Verdict:
     r"""Reads a verdict; bold marks, a colon for the equals sign and other lines are tolerated.
-
-    Args:
-        rows: Names of the top and the bottom row.
-
-    Returns:
-        The winner in capitals, a row's name or "TIE", and the reason.
 
     Raises:
         ModelError: The answer names no winner, or more than one.
@@ -121,15 +105,7 @@ def read_verdict(text: str, rows: tuple[str, str] = ROWS) -> Verdict:
 
 
 def figure(columns: Sequence[Column], rows: tuple[str, str] = ROWS) -> Image.Image:
-    """The comparison figure: two rows of pictures, a column for each object, its prompt under it.
-
-    Args:
-        columns: One to six, each with a picture for either row.
-        rows: Names of the top and the bottom row.
-
-    Returns:
-        An RGB picture that grows with the columns and the longest prompt.
-    """
+    """The comparison figure: two rows of pictures, a column for each object, its prompt under it."""
     font, small = ImageFont.load_default(20), ImageFont.load_default(17)
     lines = [_wrapped(f"{c.name}: {c.prompt}", small) for c in columns]
     left, top = 110, _MARGIN

@@ -53,11 +53,7 @@ class Reply:
 
 
 def read_reply(raw: dict[str, Any], table: AliasTable) -> Reply:
-    """Checks an answer.
-
-    Args:
-        raw: The JSON object, whatever is in it.
-    """
+    """Checks an answer."""
     reply = Reply()
     fields = ("objects", "prompts", "targets", "colors", "ignored", "plan", "keep")
     reply.missing = sum(name not in raw for name in fields)
@@ -171,15 +167,7 @@ def _add_entry(item: Any, table: AliasTable, reply: Reply) -> None:
 
 
 def widened(instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
-    """A range with at least the least width on the perceptual scale, inside the parameter's bounds.
-
-    Args:
-        instance: The parameter, with its bounds.
-        lower: The lower end, one number per component, in the schema's units.
-
-    Returns:
-        Both ends; components that are wide enough stay as they are.
-    """
+    """A range with at least the least width on the perceptual scale, inside the parameter's bounds."""
     scale, angle = instance.parameter.scale, instance.parameter.kind == "angle"
     low, high = [], []
     for a, b, bottom, top in zip(lower, upper, instance.lower, instance.upper, strict=True):

@@ -36,10 +36,6 @@ class Alias:
 class AliasTable:
     """The parameters that a model may plan, by short names.
 
-    Args:
-        instances: All of the scene's, by key; locked ones are left out.
-        context: What the planner knows about the scene.
-
     Attributes:
         rows: Name in questions and answers -> instance.
         aliases: Lights and materials that have a row.
@@ -81,10 +77,6 @@ class AliasTable:
     def shown(self, instance: Instance, values: Values) -> Values:
         """Values as a model sees them: colors as sRGB, light directions relative to the camera.
 
-        Args:
-            instance: The parameter.
-            values: In the schema's units; colors are linear.
-
         Returns:
             As many numbers; sRGB-encoded colors, directions in degrees from -180 up to 180.
         """
@@ -105,28 +97,13 @@ class AliasTable:
         """A model's range with its ends in order.
 
         A direction's range may pass 180 degrees: from 150 to -150 becomes 150 to 210.
-
-        Args:
-            instance: The parameter.
-            lower: One end, in the units of `shown`.
-
-        Returns:
-            The lower and the upper end, in the units of `shown`.
         """
         if _is_direction(instance) and lower[0] - upper[0] > 180.0:
             return lower, (upper[0] + 360.0,)
         return tuple(map(min, lower, upper)), tuple(map(max, lower, upper))
 
     def meant(self, instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
-        """The schema's values for a range in the units of `shown`: its inverse.
-
-        Args:
-            instance: The parameter.
-            lower: The lower end, as `ordered` returns it.
-
-        Returns:
-            Both ends in the schema's units; a direction's are turned by whole circles, nearest to the artist's value.
-        """
+        """The schema's values for a range in the units of `shown`: its inverse."""
         if instance.parameter.kind == "color" and instance.parameter.scale == SRGB:
             return _linear(lower), _linear(upper)
         if _is_direction(instance):
@@ -191,8 +168,6 @@ def make_question(
     """The question of a round.
 
     Args:
-        table: The parameters that may be planned.
-        context: The scene's current values and measurements.
         draft: What the offline planner makes of the look; the model improves on it.
     """
     goals, prompts, plan = draft

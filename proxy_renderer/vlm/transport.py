@@ -26,7 +26,6 @@ def find_object(text: str, names: Collection[str]) -> dict[str, Any]:
 
     Args:
         text: The model's words; what it thought before (`<think>`) is left out.
-        names: The object has at least one of these.
 
     Raises:
         ModelError: There is none, say because it was cut off.
@@ -54,9 +53,6 @@ def find_object(text: str, names: Collection[str]) -> dict[str, Any]:
 
 def clean(text: Any, longest: int) -> str:
     r"""A model's text for people: one line, without control and direction characters.
-
-    Args:
-        text: Any JSON value; one that is no text gives "".
 
     Example:
         >>> clean("warm\n  light", 40)
@@ -134,11 +130,7 @@ class _TooLong(Exception):
 
 
 class Transport:
-    """A connection to an endpoint.
-
-    Args:
-        stop: True when the wait should end now.
-    """
+    """A connection to an endpoint."""
 
     def __init__(self, endpoint: Endpoint, stop: Callable[[], bool]) -> None:
         self.endpoint, self._stop = endpoint, stop
@@ -149,9 +141,6 @@ class Transport:
 
         It runs in a thread of its own: whatever hangs, be it the name look-up or a server that sends
         a byte a minute, the time limit holds and Stop is heard.
-
-        Args:
-            body: Of a chat completion, without the time limit.
 
         Raises:
             ModelError: The server cannot be reached, refuses, or answers too late, too much or nonsense; or the
@@ -278,7 +267,6 @@ def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> 
 
     Args:
         complaint: The server's own words on one line, without the key; "" if there are none.
-        headers: Of the response; "retry-after" is read.
     """
     more = f": {complaint}" if complaint else ""
     if code in (401, 403):

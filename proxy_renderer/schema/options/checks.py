@@ -39,10 +39,6 @@ def frame_numbers(text: str) -> list[int]:
 def prompt(text: str, like: str = "", goals: str = "") -> str:
     """A prompt with something in it, of a length that a person types.
 
-    Args:
-        like: A picture whose look is wanted; with one, there need be no words.
-        goals: A file of goals, which stand in the place of words.
-
     Raises:
         VibeError: It is empty, or too long, or there are goals besides.
     """
@@ -90,9 +86,6 @@ def groups(given: Sequence[str]) -> list[str]:
 def traits(given: Sequence[str], like: str) -> list[str]:
     """What to take over from a picture, from "a,b" lists, each once.
 
-    Args:
-        like: The picture; "" for none.
-
     Raises:
         VibeError: There is no trait of that name, or no picture.
     """
@@ -139,9 +132,6 @@ def targets(pairs: Iterable[str]) -> dict[str, str]:
 
 def folder(path: Path) -> Path:
     """An output folder that exists now and can be written.
-
-    Returns:
-        Its absolute path.
 
     Raises:
         VibeError: It cannot be made, or not be written to.

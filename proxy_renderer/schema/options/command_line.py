@@ -15,7 +15,6 @@ def add_option(container: argparse._ActionsContainer, option: Option, **changes:
     """Adds one option.
 
     Args:
-        container: A parser, or a group of its options.
         **changes: What this command has otherwise: `default`, `required`, `help`.
     """
     default = changes.get("default", option.command_default)
@@ -34,11 +33,7 @@ def add_option(container: argparse._ActionsContainer, option: Option, **changes:
 def add_options(
     parser: argparse.ArgumentParser, headings: Iterable[str], table: Iterable[Option] = TABLE
 ) -> None:
-    """Adds all options under some of the `HEADINGS`, each heading with its title.
-
-    Args:
-        headings: Keys of `HEADINGS`.
-    """
+    """Adds all options under some of the `HEADINGS`, each heading with its title."""
     table = tuple(table)
     for heading in headings:
         title = HEADINGS[heading]
@@ -69,12 +64,6 @@ def to_arguments(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> 
 
 
 def engine_options(given: argparse.Namespace, camera: bool, online: bool) -> Options:
-    """What the engine is told of a command line.
-
-    Args:
-        given: The command line; what the budget decides is filled in.
-        camera: Whether the camera may be optimized though no group names it.
-        online: Whether other computers may be reached.
-    """
+    """What the engine is told of a command line."""
     chosen = {row.name: getattr(given, row.name) for row in rows(Options)}
     return Options.from_dict({**chosen, "camera": camera, "online": online})

@@ -75,12 +75,5 @@ class Option:
 
 
 def option(default: T, help: str, heading: str, **facts: Any) -> T:
-    """A field of `Options` that is a row of the table.
-
-    Args:
-        default: As in `Option`.
-        help: As in `Option`.
-        heading: As in `Option`.
-        **facts: The other attributes of `Option`.
-    """
+    """A field of `Options` that is a row of the table."""
     return field(default=default, metadata={"option": Option("", default, help, heading, **facts)})  # type: ignore[arg-type]

@@ -329,9 +329,5 @@ TABLE = (*TASK, *rows(Options), *SUPPORT)
 
 
 def named(name: str, table: Iterable[Option] = TABLE) -> Option:
-    """The row of an option.
-
-    Raises:
-        StopIteration: The table has no such row.
-    """
+    """The row of an option."""
     return next(row for row in table if row.name == name)
