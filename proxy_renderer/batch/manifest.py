@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The manifest of `vibe batch`, checked to its last key before anything starts.
+"""The manifest of `vibe batch`, checked to its last key before anything starts. A mistake raises VibeError, which names its line.
 
 scenes = ["shots/*.blend", "props/teapot.obj"]      # beside the manifest; ** goes into folders
 prompts = ["noir", "golden hour, warm haze"]        # or the name of a text file, a prompt on each line
@@ -53,14 +53,7 @@ class Files:
         self._problem, self._out = source.problem, out
 
     def scenes(self, patterns: Any, *keys: str) -> Iterator[tuple[str, Path]]:
-        """The scenes that patterns name, in the order of the manifest.
-
-        Yields:
-            A scene's name in the results, and its path.
-
-        Raises:
-            VibeError: There are none, a pattern matches nothing, or a file is not a scene.
-        """
+        """The scenes that patterns name, in the order of the manifest: names in the results, and paths."""
         if not texts(patterns):
             raise self._problem("There are no scenes.", 'Write scenes = ["shots/*.blend"].', *keys)
         for pattern in patterns:
@@ -79,11 +72,7 @@ class Files:
                 yield Path(os.path.relpath(self.base / place, self.base)).as_posix(), scene
 
     def common(self, patterns: Any, vocabulary: str) -> str:
-        """Digest of what every result depends on: linked files and the artist's own words.
-
-        Raises:
-            VibeError: The patterns are no texts, or one of them matches no file; names the line.
-        """
+        """Digest of what every result depends on: linked files and the artist's own words."""
         if patterns and not texts(patterns):
             raise self._problem("These are not files.", 'Write files = ["textures/**"].', "files")
         linked = []
@@ -100,11 +89,7 @@ class Files:
         return hashlib.sha256("\n".join(lines).encode()).hexdigest()
 
     def named(self, name: str, what: str, *keys: str) -> Path:
-        """The path of a file that the manifest names, once it is known to be readable.
-
-        Raises:
-            VibeError: There is no such file, or it cannot be read; names the line.
-        """
+        """The path of a file that the manifest names, once it is known to be readable."""
         try:
             return check.file(str(self.base / name), what)
         except VibeError as error:
@@ -159,9 +144,6 @@ def load(path: Path, out: Path) -> Manifest:
 
     Args:
         out: The results folder; scenes that patterns match in it are left out.
-
-    Raises:
-        VibeError: Something in it is wrong; names the file, the line and the remedy.
     """
     check.file(str(path), "manifest")
     return _Reader(TomlSource(path.expanduser()), out.expanduser().resolve()).manifest()

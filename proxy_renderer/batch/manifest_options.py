@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Options in a manifest, those of `vibe run`, checked, and the TOML file that knows the line of each key."""
+"""Options in a manifest, those of `vibe run`, checked, and the TOML file that knows the line of each key. A mistake raises VibeError, which names its line."""
 
 from __future__ import annotations
 
@@ -107,9 +107,6 @@ class OptionReader:
 
         Args:
             where: "scene" or "shots" if more may stand there than the options of every vibe.
-
-        Raises:
-            VibeError: One is not; names the line.
         """
         rows = {n: row for n, row in self._rows.items() if {"options", where} & set(row.manifest)}
         options: dict[str, Any] = {}
@@ -156,21 +153,13 @@ class OptionReader:
             check.vocabulary(str(self._base / given.vocabulary))
 
     def prompt(self, prompt: str, options: dict[str, Any]) -> None:
-        """Refuses a prompt that a vibe could not work with.
-
-        Raises:
-            VibeError: It is empty or too long, or nothing in it is understood and no model is there to ask.
-        """
+        """Refuses a prompt that a vibe could not work with."""
         checks.prompt(prompt, options.get("like", ""), options.get("goals", ""))
         if prompt.strip() and not check.model(argparse.Namespace(**self._defaults | options)):
             check.words(prompt)
 
     def arguments(self, options: dict[str, Any], scenes: list[Path]) -> tuple[str, ...]:
-        """A job's options as the command line of Blender's side, without prompt and seed.
-
-        Raises:
-            VibeError: A value is out of bounds, or options do not go together.
-        """
+        """A job's options as the command line of Blender's side, without prompt and seed."""
         given = argparse.Namespace(**self._defaults | options)
         checks.numbers(given, self._rows.values())
         given.groups = checks.groups(given.groups)

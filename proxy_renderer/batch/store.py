@@ -32,11 +32,7 @@ TOKEN = "batch.json"
 
 
 class Store:
-    """A results folder, held by one batch at a time. Use it as a context manager.
-
-    Raises:
-        VibeError: It cannot be written, or another batch works in it.
-    """
+    """A results folder, held by one batch at a time. Use it as a context manager."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = checks.folder(folder)

@@ -35,11 +35,7 @@ _ENGINE, _CYCLES = "engine: loop", ("render before", "render after")
 
 
 def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
-    """Completes a job's folder after Blender has written its files; `done.json` is written last.
-
-    Raises:
-        VibeError: Something is missing, or cannot be written.
-    """
+    """Completes a job's folder after Blender has written its files; `done.json` is written last."""
     report = read_json(folder / "report.json")
     if report is None:
         raise VibeError(f"{folder.name} holds no report.", "See the job's log.")
@@ -65,11 +61,7 @@ def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
 
 
 def leave_frames(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
-    """Completes a job's folder after its final frames have been rendered.
-
-    Raises:
-        VibeError: The row cannot be written.
-    """
+    """Completes a job's folder after its final frames have been rendered."""
     count = sum(1 for _ in (folder / FRAMES).rglob("*.png"))
     row = head(job) | {"status": "done", "wanted": job.frames, "frames": count}
     row |= {"seconds": round(seconds, 2), "memory_gb": memory_gb}

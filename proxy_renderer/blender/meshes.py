@@ -53,11 +53,7 @@ _REMEDIES = {
 
 
 def read_gltf(path: Path) -> tuple[dict[str, Any], bytes]:
-    """The document and the binary chunk of a .glb or .gltf; b"" where it has none.
-
-    Raises:
-        ValueError: It is neither; so does struct.error.
-    """
+    """The document and the binary chunk of a .glb or .gltf; b"" where it has none."""
     raw = path.read_bytes()
     if raw[:4] != MAGIC:
         return json.loads(raw), b""

@@ -71,11 +71,7 @@ def _demo(a: argparse.Namespace) -> int:
 
 
 def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> int:
-    """Checks everything that can be checked without Blender, then starts it.
-
-    Raises:
-        VibeError: An input or an option is wrong; nothing was started then.
-    """
+    """Checks everything that can be checked without Blender, then starts it."""
     checks.prompt(a.prompt, a.like, a.goals)
     checks.numbers(a)
     a.groups = checks.groups(a.groups)

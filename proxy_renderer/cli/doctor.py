@@ -140,11 +140,7 @@ def _model() -> str:
 
 
 def try_model(endpoint: Endpoint) -> str:
-    """Shows the model a red square and returns what it says, what its server understands, and the time.
-
-    Raises:
-        ModelError: It does not answer.
-    """
+    """Shows the model a red square and returns what it says, what its server understands, and the time."""
     from PIL import Image
 
     from ..vlm.client import Client, Question, jpeg_of

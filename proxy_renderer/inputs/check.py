@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can be wrong with what a command is given, found before anything is started. Everything raises VibeError."""
+"""Checks of what a command is given, before anything is started. A mistake raises VibeError."""
 
 from __future__ import annotations
 
@@ -18,11 +18,7 @@ _DEVICE = re.compile(r"auto|cpu|(cuda|xpu)(:\d+)?")
 
 
 def file(name: str, what: str) -> Path:
-    """The absolute path of an existing file that can be read and is not empty.
-
-    Raises:
-        VibeError: There is no such file, or it is a folder, unreadable or empty.
-    """
+    """The absolute path of an existing file that can be read and is not empty."""
     path = Path(name).expanduser()
     if path.is_dir():
         raise VibeError(f"{name} is a folder, not a {what}.", f"Name the {what} file in it.")
@@ -44,12 +40,7 @@ def scene(name: str) -> Path:
 
 
 def shots(scenes: Sequence[Path], arguments: argparse.Namespace) -> list[Path]:
-    """The scenes of shots that can share a look, each once.
-
-    Raises:
-        VibeError: There are bare meshes among several scenes, frames that are no numbers, or a camera that would have
-            to move.
-    """
+    """The scenes of shots that can share a look, each once."""
     frames = frame_numbers(arguments.frames)
     cameras = [name for part in arguments.cameras for name in part.split(",") if name.strip()]
     several = max(len(scenes), len(frames), len(cameras)) > 1
@@ -63,11 +54,7 @@ def shots(scenes: Sequence[Path], arguments: argparse.Namespace) -> list[Path]:
 
 
 def preset(name: str) -> str:
-    """An existing preset file, or what may be a name in the library, which the Blender side knows.
-
-    Raises:
-        VibeError: It is empty, looks like an option, or names a file that is not there.
-    """
+    """An existing preset file, or what may be a name in the library, which the Blender side knows."""
     if name.endswith(".json") or "/" in name or os.sep in name or Path(name).exists():
         return str(file(name, "preset"))
     if not name.strip() or name.startswith("-"):
@@ -76,11 +63,7 @@ def preset(name: str) -> str:
 
 
 def goals(name: str) -> str:
-    """The path of a file of goals whose fields are all right; "" for none.
-
-    Raises:
-        VibeError: It is missing, or a field of it is wrong.
-    """
+    """The path of a file of goals whose fields are all right; "" for none."""
     if not name:
         return ""
     from ..goals.written import read
@@ -91,22 +74,14 @@ def goals(name: str) -> str:
 
 
 def words(prompt: str) -> None:
-    """Refuses a prompt that says nothing in any scene; what its words describe is read in Blender's scene alone.
-
-    Raises:
-        VibeError: It has no look word.
-    """
+    """Refuses a prompt that says nothing in any scene; what its words describe is read in Blender's scene alone."""
     from ..prompt.parser import refuse_without_look
 
     refuse_without_look(prompt)
 
 
 def model(arguments: argparse.Namespace) -> bool:
-    """Whether a vision-language model is configured: it knows more words than we do.
-
-    Raises:
-        VibeError: It is configured wrongly.
-    """
+    """Whether a vision-language model is configured: it knows more words than we do."""
     from ..schema.messages import Options
     from ..vlm.endpoint import find_endpoint
 
@@ -119,9 +94,6 @@ def vocabulary(name: str) -> None:
 
     Args:
         name: The .toml; "" for the one in the configuration folder, if there is one.
-
-    Raises:
-        VibeError: The file is missing, or a row in it is wrong.
     """
     from ..prompt.lexicon.user_words import VARIABLE, default_vocabulary
 

@@ -38,11 +38,7 @@ class UnexpectedError(VibeError):
 
 
 def unexpected(error: BaseException, doing: str) -> UnexpectedError:
-    """The error to show for any exception; its trace goes to a log.
-
-    Args:
-        doing: What was being done: "reading the scene".
-    """
+    """The error to show for any exception; its trace goes to a log."""
     reason = " ".join(f"{type(error).__name__}: {error}".split())[:_LONGEST].rstrip(".: ")
     log = write_log(f"while {doing}\n\n" + "".join(traceback.format_exception(error)))
     return UnexpectedError(f"Something broke while {doing}: {reason}.", f"Please report it with {log}.")

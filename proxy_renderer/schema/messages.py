@@ -300,11 +300,7 @@ def encode(message: Message) -> bytes:
 
 
 def decode(raw: bytes | str) -> Message:
-    """Inverse of `encode`, with or without the NUL byte.
-
-    Raises:
-        VibeError: It is anything else than a message of this version.
-    """
+    """Inverse of `encode`, with or without the NUL byte."""
     text = raw.decode(errors="replace") if isinstance(raw, bytes) else raw
     try:
         body = json.loads(text.rstrip("\0"))
@@ -325,11 +321,7 @@ def read(stream: BinaryIO) -> Iterator[Message]:
 
 
 def check_schema(theirs: str, who: str) -> None:
-    """Makes sure that the other process has this process's parameter table.
-
-    Raises:
-        VibeError: It has another one.
-    """
+    """Makes sure that the other process has this process's parameter table."""
     if theirs != schema_hash():
         raise VibeError(
             f"The {who} has another parameter table ({theirs or 'none'} instead of {schema_hash()}).",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks of the options of a vibe, whichever side reads them."""
+"""Checks of the options of a vibe, whichever side reads them. A mistake raises VibeError."""
 
 from __future__ import annotations
 
@@ -37,11 +37,7 @@ def frame_numbers(text: str) -> list[int]:
 
 
 def prompt(text: str, like: str = "", goals: str = "") -> str:
-    """A prompt with something in it, of a length that a person types.
-
-    Raises:
-        VibeError: It is empty, or too long, or there are goals besides.
-    """
+    """A prompt with something in it, of a length that a person types."""
     if text.strip() and goals:
         raise VibeError("There are a prompt and goals.", "Leave out one of --prompt and --goals.")
     if not text.strip() and not like and not goals:
@@ -58,11 +54,7 @@ def prompt(text: str, like: str = "", goals: str = "") -> str:
 
 
 def numbers(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> None:
-    """Every number that a command line has is within its bounds; those that the budget decides are filled in.
-
-    Raises:
-        VibeError: One is not.
-    """
+    """Every number that a command line has is within its bounds; those that the budget decides are filled in."""
     if all(hasattr(given, name) for name in ("budget", *limits.NUMBERS)):
         limits.fill(given)
     for option in table:
@@ -84,11 +76,7 @@ def groups(given: Sequence[str]) -> list[str]:
 
 
 def traits(given: Sequence[str], like: str) -> list[str]:
-    """What to take over from a picture, from "a,b" lists, each once.
-
-    Raises:
-        VibeError: There is no trait of that name, or no picture.
-    """
+    """What to take over from a picture, from "a,b" lists, each once."""
     names = [name for part in given for name in re.split(r"[,\s]+", part) if name]
     for name in names:
         if name not in TRAITS:
@@ -99,11 +87,7 @@ def traits(given: Sequence[str], like: str) -> list[str]:
 
 
 def locks(patterns: Sequence[str]) -> None:
-    """Patterns that could match something in a scene; whether they do, the scene will tell.
-
-    Raises:
-        VibeError: One cannot.
-    """
+    """Patterns that could match something in a scene; whether they do, the scene will tell."""
     for pattern in patterns:
         head = pattern.partition("/")[0]
         if head not in GROUPS and not any(c in head for c in "*?["):
@@ -114,11 +98,7 @@ def locks(patterns: Sequence[str]) -> None:
 
 
 def targets(pairs: Iterable[str]) -> dict[str, str]:
-    """Word of a prompt -> what it describes, from "copper=Cup"; whether the scene has that, the scene will tell.
-
-    Raises:
-        VibeError: A pair lacks the word or the target.
-    """
+    """Word of a prompt -> what it describes, from "copper=Cup"; whether the scene has that, the scene will tell."""
     found = {}
     for pair in pairs:
         word, _, target = pair.partition("=")
@@ -131,11 +111,7 @@ def targets(pairs: Iterable[str]) -> dict[str, str]:
 
 
 def folder(path: Path) -> Path:
-    """An output folder that exists now and can be written.
-
-    Raises:
-        VibeError: It cannot be made, or not be written to.
-    """
+    """An output folder that exists now and can be written."""
     path = path.expanduser()
     try:
         path.mkdir(parents=True, exist_ok=True)

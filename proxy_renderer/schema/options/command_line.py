@@ -44,11 +44,7 @@ def add_options(
 
 
 def to_arguments(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> list[str]:
-    """The same options again, for the command line of Blender's side.
-
-    Args:
-        given: A command line, or a part of one; what the budget decides is filled in, and the budget said thereby.
-    """
+    """The same options again, for the command line of Blender's side."""
     arguments: list[str] = []
     for option in table:
         value = getattr(given, option.name, None)
