@@ -7,15 +7,14 @@ import argparse
 import os
 import re
 import signal
-import sys
 import time
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from types import TracebackType
 from typing import Any, TextIO
 
+from ..blender.progress import TerminalBar
 from ..prompt.lexicon.user_words import VARIABLE
 from ..schema import VibeError
 from . import manifest, schedule
@@ -27,26 +26,17 @@ from .store import DONE, FAILED, JobRow, Store, read_json
 from .worker import Setup
 
 
-class BatchProgress:
-    """Counts jobs and shows them. Use it as a context manager around the batch.
-
-    Attributes:
-        counts: Jobs by "done", "failed" and "running".
-    """
+class BatchProgress(TerminalBar):
+    """Counts jobs and shows them: `counts` by "done", "failed" and "running"."""
 
     def __init__(self, total: int, done: int, stream: TextIO | None = None) -> None:
+        super().__init__(stream)
         self._total, self._before = total, done
-        self._stream = stream or sys.stdout
-        self._start = time.monotonic()
         self.counts = {"done": done, "failed": 0, "running": 0}
-        self._bar: Any = None
-        self._task: Any = None
 
     def __enter__(self) -> BatchProgress:
         if self._stream.isatty():
-            from rich.console import Console
             from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
-            from rich.progress import Progress as Bar
 
             columns = (
                 TextColumn("{task.completed:.0f}/{task.total:.0f} jobs"),
@@ -54,17 +44,8 @@ class BatchProgress:
                 TextColumn("{task.description}"),
                 TimeElapsedColumn(),
             )
-            self._bar = Bar(*columns, console=Console(file=self._stream))
-            self._task = self._bar.add_task(self._state(), total=self._total, completed=self._before)
-            self._bar.start()
+            self._open(columns, self._state(), total=self._total, completed=self._before)
         return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._bar is not None:
-            self._bar.stop()
-            self._bar = None
 
     def tell(self, what: str, job: Job, row: JobRow) -> None:
         """Counts and shows an event of a job.
@@ -80,13 +61,6 @@ class BatchProgress:
             self._bar.update(self._task, description=self._state(), completed=ended)
         if what == "failed" or (what != "started" and self._bar is None):
             self.note(self._line(what, job, row))
-
-    def note(self, text: str) -> None:
-        """A line that stays."""
-        if self._bar is not None:
-            self._bar.console.print(text, markup=False, highlight=False)
-        else:
-            print(text, file=self._stream, flush=True)
 
     def summary(self) -> str:
         """The outcome in one line."""

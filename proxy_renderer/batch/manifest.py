@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The manifest of `vibe batch`, checked to its last key before anything starts. A mistake raises VibeError, which names its line.
+"""The manifest of `vibe batch`, checked to its last key before anything starts.
+
+A mistake raises VibeError, which names its line.
 
 scenes = ["shots/*.blend", "props/teapot.obj"]      # beside the manifest; ** goes into folders
 prompts = ["noir", "golden hour, warm haze"]        # or the name of a text file, a prompt on each line

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Options in a manifest, those of `vibe run`, checked, and the TOML file that knows the line of each key. A mistake raises VibeError, which names its line."""
+"""Options in a manifest, those of `vibe run`, and the TOML file that knows the line of each key.
+
+A mistake raises VibeError, which names its line.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +25,7 @@ _TABLE = re.compile(r"\s*\[.*\]\s*(#.*)?$")
 
 
 class TomlSource:
-    """A TOML file. Raises VibeError if it cannot be read, or is not TOML; names the line."""
+    """A TOML file, with its `path` as it was named and its `content`."""
 
     def __init__(self, path: Path) -> None:
         self.path = path

@@ -18,30 +18,20 @@ import numpy as np
 from ..schema import VibeError
 
 MAGIC, JSON, BIN = b"glTF", 0x4E4F534A, 0x004E4942
-_READ = frozenset(
-    f"KHR_{name}"
-    for name in [
-        "animation_pointer",
-        "draco_mesh_compression",
-        "lights_punctual",
-        "mesh_quantization",
-        "texture_transform",
-        "xmp_json_ld",
-        "materials_anisotropy",
-        "materials_clearcoat",
-        "materials_dispersion",
-        "materials_emissive_strength",
-        "materials_ior",
-        "materials_iridescence",
-        "materials_pbrSpecularGlossiness",
-        "materials_sheen",
-        "materials_specular",
-        "materials_transmission",
-        "materials_unlit",
-        "materials_variants",
-        "materials_volume",
-    ]
-) | {"EXT_mesh_gpu_instancing", "EXT_texture_webp"}
+_MATERIALS = (
+    "anisotropy clearcoat dispersion emissive_strength ior iridescence pbrSpecularGlossiness sheen specular "
+    "transmission unlit variants volume"
+)
+_READ = {f"KHR_materials_{name}" for name in _MATERIALS.split()} | {
+    "KHR_animation_pointer",
+    "KHR_draco_mesh_compression",
+    "KHR_lights_punctual",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+    "KHR_xmp_json_ld",
+    "EXT_mesh_gpu_instancing",
+    "EXT_texture_webp",
+}
 """Extensions that Blender 4.5 and 5 read, or pass over without harm; Draco is unpacked here."""
 _BASISU = "KHR_texture_basisu"
 _UNCOMPRESSED = "Export it again without compression."

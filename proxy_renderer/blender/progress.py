@@ -5,26 +5,54 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import Any, TextIO
 
 
-class VibeProgress:
-    """Shows events as they come. Use it as a context manager around them."""
+class TerminalBar:
+    """A bar in a terminal, plain lines elsewhere. Use it as a context manager; standard output if there is no stream."""
 
     def __init__(self, stream: TextIO | None = None) -> None:
         self._stream = stream or sys.stdout
         self._start = time.monotonic()
-        self._round = 0
         self._bar: Any = None
         self._task: Any = None
+
+    def _open(self, columns: Sequence[Any], description: str, **task: Any) -> None:
+        """Starts a bar with one task."""
+        from rich.console import Console
+        from rich.progress import Progress
+
+        transient = task.pop("transient", False)
+        self._bar = Progress(*columns, transient=transient, console=Console(file=self._stream))
+        self._task = self._bar.add_task(description, **task)
+        self._bar.start()
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+            self._bar = None
+
+    def note(self, text: str) -> None:
+        """A line that stays."""
+        if self._bar is not None:
+            self._bar.console.print(text, markup=False, highlight=False)
+        else:
+            print(text, file=self._stream, flush=True)
+
+
+class VibeProgress(TerminalBar):
+    """Shows events as they come."""
+
+    def __init__(self, stream: TextIO | None = None) -> None:
+        super().__init__(stream)
+        self._round = 0
         self._result: dict[str, Any] = {}
 
     def __enter__(self) -> VibeProgress:
         if self._stream.isatty():
-            from rich.console import Console
-            from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+            from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
 
             columns = (
                 SpinnerColumn(),
@@ -33,17 +61,8 @@ class VibeProgress:
                 TextColumn("{task.fields[detail]}"),
                 TimeElapsedColumn(),
             )
-            self._bar = Progress(*columns, transient=True, console=Console(file=self._stream))
-            self._task = self._bar.add_task("starting Blender", total=None, detail="")
-            self._bar.start()
+            self._open(columns, "starting Blender", total=None, detail="", transient=True)
         return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._bar is not None:
-            self._bar.stop()
-            self._bar = None
 
     def show(self, event: dict[str, Any]) -> None:
         """Shows one event."""
@@ -63,13 +82,6 @@ class VibeProgress:
             self._bar.update(self._task, description=name, total=None, detail="")
         else:
             self.note(f"{time.monotonic() - self._start:5.1f} s  {name}")
-
-    def note(self, text: str) -> None:
-        """A line that stays."""
-        if self._bar is not None:
-            self._bar.console.print(text, markup=False, highlight=False)
-        else:
-            print(text, file=self._stream, flush=True)
 
     def end(self, out: Path) -> None:
         """Prints the outcome, and the file or the comparison picture to open."""

@@ -113,28 +113,7 @@ def _plain(picture: Image.Image) -> Image.Image:
 FORMATS = ("JPEG", "PNG", "WEBP", "TIFF", "BMP", "GIF", "AVIF", "JPEG2000", "PPM", "TGA", "QOI")
 """Of Pillow's, those that hold one flat picture."""
 
-_RAW = frozenset(
-    [
-        ".3fr",
-        ".arw",
-        ".cr2",
-        ".cr3",
-        ".crw",
-        ".dng",
-        ".erf",
-        ".iiq",
-        ".kdc",
-        ".nef",
-        ".nrw",
-        ".orf",
-        ".pef",
-        ".raf",
-        ".raw",
-        ".rw2",
-        ".srw",
-        ".x3f",
-    ]
-)
+_RAW = re.compile(r"\.(3fr|arw|cr[23w]|dng|erf|iiq|kdc|nef|nrw|orf|pef|raf|raw|rw2|srw|x3f)")
 _FAULTS = (OSError, SyntaxError, ValueError, TypeError, KeyError, IndexError, EOFError, OverflowError)
 """What Pillow raises at files whose inside is wrong."""
 _PANORAMA = re.compile(rb"ProjectionType\W{1,3}equirectangular")
@@ -172,7 +151,7 @@ def _refuse_unread_kinds(path: Path) -> None:
         head = file.read(12)
     if head[4:8] == b"ftyp" and head[8:12] in (b"heic", b"heix", b"hevc", b"heim", b"heis", b"mif1", b"msf1"):
         raise VibeError(f"{path.name} is a HEIC picture, which is not read.", "Export it as JPEG or PNG.")
-    if path.suffix.lower() in _RAW:
+    if _RAW.fullmatch(path.suffix.lower()):
         raise VibeError(
             f"{path.name} is a camera's raw picture, which has no look yet.",
             "Develop it, and save it as JPEG or TIFF.",

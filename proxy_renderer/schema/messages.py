@@ -13,6 +13,12 @@ from .options.table import Options as Options
 from .parameters import schema_hash
 
 
+def _typed(message: Any, name: str, kind: type) -> None:
+    """Gives the rows of a message their class: those that come over the wire are plain objects."""
+    rows = [row if isinstance(row, kind) else kind(**row) for row in getattr(message, name)]
+    object.__setattr__(message, name, rows)
+
+
 @dataclass(frozen=True)
 class Ready:
     """Engine → Blender, at once on starting. `schema` is the engine's schema hash."""
@@ -46,9 +52,7 @@ class Vibe:
     looks: bool = False  # whether looks are wanted before the result, see `LookSoFar`
 
     def __post_init__(self) -> None:
-        """Shots that come over the wire are plain objects."""
-        plain = [s if isinstance(s, Shot) else Shot(**s) for s in self.shots]
-        object.__setattr__(self, "shots", plain)
+        _typed(self, "shots", Shot)
 
 
 @dataclass(frozen=True)
@@ -104,9 +108,7 @@ class Readings:
     note: str = ""  # why nothing is understood, in a sentence for the artist; "" where something is
 
     def __post_init__(self) -> None:
-        """Words that come over the wire are plain objects."""
-        plain = [w if isinstance(w, WordReading) else WordReading(**w) for w in self.words]
-        object.__setattr__(self, "words", plain)
+        _typed(self, "words", WordReading)
 
 
 @dataclass(frozen=True)
@@ -212,9 +214,7 @@ class Result:
     shots: list[dict[str, list[float]]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        """Variants that come over the wire are plain objects."""
-        plain = [v if isinstance(v, Variant) else Variant(**v) for v in self.variants]
-        object.__setattr__(self, "variants", plain)
+        _typed(self, "variants", Variant)
 
 
 @dataclass(frozen=True)
@@ -270,25 +270,9 @@ class Quit:
 
 
 Message = (
-    Ready
-    | Vibe
-    | Glance
-    | AskReadings
-    | Readings
-    | Stage
-    | LookSoFar
-    | Glanced
-    | Progress
-    | Anchor
-    | Anchored
-    | Result
-    | Stop
-    | Finish
-    | Finished
-    | Error
-    | Quit
-)
-
+    Ready | Vibe | Glance | AskReadings | Readings | Stage | LookSoFar | Glanced | Progress | Anchor | Anchored | Result
+    | Stop | Finish | Finished | Error | Quit
+)  # fmt: skip
 
 _TYPES: dict[str, type] = {message.type: message for message in get_args(Message)}
 

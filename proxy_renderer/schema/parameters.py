@@ -8,6 +8,7 @@ import json
 import math
 from dataclasses import asdict, dataclass, field
 from fnmatch import fnmatchcase
+from functools import partial
 from typing import Literal
 
 Kind = Literal["scalar", "color", "angle"]
@@ -191,29 +192,12 @@ REFERENCES = {
 _LAMPS = ("POINT", "SPOT", "AREA")
 
 
-def _camera(name: str, *row, **more) -> Parameter:
-    return Parameter("camera", name, *row, **more)
-
-
-def _light(name: str, *row, **more) -> Parameter:
-    return Parameter("light", name, *row, **more)
-
-
-def _world(name: str, *row, **more) -> Parameter:
-    return Parameter("world", name, *row, **more)
-
-
-def _material(name: str, *row, **more) -> Parameter:
-    return Parameter("material", name, *row, **more)
-
-
-def _volume(name: str, *row, **more) -> Parameter:
-    return Parameter("volume", name, *row, **more)
-
-
-def _film(name: str, *row, **more) -> Parameter:
-    return Parameter("film", name, *row, **more)
-
+_camera = partial(Parameter, "camera")
+_light = partial(Parameter, "light")
+_world = partial(Parameter, "world")
+_material = partial(Parameter, "material")
+_volume = partial(Parameter, "volume")
+_film = partial(Parameter, "film")
 
 # fmt: off
 PARAMETERS: tuple[Parameter, ...] = (
