@@ -47,57 +47,6 @@ from ..schema.limits import LARGEST_SEED
 from .manifest_options import IN_FILES, OptionReader, TomlSource, texts
 
 
-class Files:
-    """Finds files from the manifest's folder."""
-
-    def __init__(self, source: TomlSource, out: Path) -> None:
-        self.base = source.path.parent.resolve()
-        self._problem, self._out = source.problem, out
-
-    def scenes(self, patterns: Any, *keys: str) -> Iterator[tuple[str, Path]]:
-        """The scenes that patterns name, in the order of the manifest: names in the results, and paths."""
-        if not texts(patterns):
-            raise self._problem("There are no scenes.", 'Write scenes = ["shots/*.blend"].', *keys)
-        for pattern in patterns:
-            places = sorted(glob.glob(pattern, root_dir=self.base, recursive=True))
-            if glob.has_magic(pattern):
-                places = [p for p in places if Path(p).suffix.lower() in check.SCENES]
-            places = [p for p in places if not (self.base / p).resolve().is_relative_to(self._out)]
-            if not places:
-                remedy = f"It is looked for from {self.base}; scenes are {' '.join(check.SCENES)} files."
-                raise self._problem(f"No scene matches {pattern!r}.", remedy, *keys, quoted=pattern)
-            for place in places:
-                try:
-                    scene = check.scene(str(self.base / place))
-                except VibeError as error:
-                    raise self._problem(error.message, error.remedy, *keys, quoted=pattern) from error
-                yield Path(os.path.relpath(self.base / place, self.base)).as_posix(), scene
-
-    def common(self, patterns: Any, vocabulary: str) -> str:
-        """Digest of what every result depends on: linked files and the artist's own words."""
-        if patterns and not texts(patterns):
-            raise self._problem("These are not files.", 'Write files = ["textures/**"].', "files")
-        linked = []
-        for pattern in patterns:
-            matches = sorted(glob.glob(pattern, root_dir=self.base, recursive=True))
-            linked += [p for p in matches if (self.base / p).is_file()]
-            if not matches:
-                remedy = f"It is looked for from {self.base}."
-                raise self._problem(f"No file matches {pattern!r}.", remedy, "files", quoted=pattern)
-        if vocabulary:
-            self.named(vocabulary, "vocabulary", "options", "vocabulary")
-        words = user_file()
-        lines = [f"{p} {digest(self.base / p)}" for p in linked] + ([digest(words)] if words else [])
-        return hashlib.sha256("\n".join(lines).encode()).hexdigest()
-
-    def named(self, name: str, what: str, *keys: str) -> Path:
-        """The path of a file that the manifest names, once it is known to be readable."""
-        try:
-            return check.file(str(self.base / name), what)
-        except VibeError as error:
-            raise self._problem(error.message, error.remedy, *keys) from error
-
-
 def digest(path: Path) -> str:
     """Of a file's content."""
     with path.open("rb") as file:
@@ -153,9 +102,9 @@ def load(path: Path, out: Path) -> Manifest:
 
 class _Reader:
     def __init__(self, source: TomlSource, out: Path) -> None:
-        self._problem, self._content = source.problem, source.content
-        self._files = Files(source, out)
-        self._options = OptionReader(source, self._files.base)
+        self._source, self._problem, self._content = source, source.problem, source.content
+        self._base, self._out = source.path.parent.resolve(), out
+        self._options = OptionReader(source, self._base)
 
     def manifest(self) -> Manifest:
         content = self._content
@@ -164,7 +113,7 @@ class _Reader:
                 raise self._problem(f"Unknown key {key!r}.", f"Use {', '.join(_KNOWN)}.", key)
         limits = self._limits(content.get("limits", {}))
         common = self._options.read(self._table(content, "options"), ("options",))
-        everything = self._files.common(content.get("files", []), common.get("vocabulary", ""))
+        everything = self._common_digest(content.get("files", []), common.get("vocabulary", ""))
         groups = [*self._single(common, everything), *self._together(common, everything)]
         return Manifest(tuple(groups), limits)
 
@@ -172,7 +121,7 @@ class _Reader:
         """The scenes, each for itself."""
         if self._content.get("scenes", []) == [] and "shots" in self._content:
             return
-        scenes = dict(self._files.scenes(self._content.get("scenes"), "scenes"))
+        scenes = dict(self._scenes(self._content.get("scenes"), "scenes"))
         named = self._table(self._content, "scene")
         for pattern in named:
             if not fnmatch.filter(scenes, pattern):
@@ -196,13 +145,12 @@ class _Reader:
                     "Shots that share a look need a name of their own.", 'Write name = "kitchen".', *keys
                 )
             names.add(name)
-            scenes = [place for _, place in self._files.scenes(table.get("scenes"), *keys, "scenes")]
+            scenes = [place for _, place in self._scenes(table.get("scenes"), *keys, "scenes")]
             rest = {k: v for k, v in table.items() if k not in ("name", "scenes")}
             own = self._own(rest, common, *keys)
-            try:
-                yield self._group(name, scenes, common, own, everything)
-            except VibeError as error:
-                raise self._problem(error.message, error.remedy, *keys) from error
+            with self._source.at(*keys):
+                group = self._group(name, scenes, common, own, everything)
+            yield group
 
     def _group(
         self, name: str, scenes: list[Path], common: dict[str, Any], own: dict[str, Any], everything: str
@@ -227,15 +175,13 @@ class _Reader:
         if given is None and any(options.get(name) for name in IN_FILES):
             return ("",)
         if isinstance(given, str):
-            return self._prompts_of_file(self._files.named(given, "list of prompts", *keys), options)
+            return self._prompts_of_file(self._named(given, "list of prompts", *keys), options)
         if not texts(given):
             remedy = 'Write prompts = ["noir", "misty"], or prompts = "prompts.txt".'
             raise self._problem("There are no prompts.", remedy, *keys)
         for prompt in given:
-            try:
+            with self._source.at(*keys, quoted=prompt):
                 self._options.prompt(prompt, options)
-            except VibeError as error:
-                raise self._problem(error.message, error.remedy, *keys, quoted=prompt) from error
         return tuple(dict.fromkeys(given))
 
     def _prompts_of_file(self, path: Path, options: dict[str, Any]) -> tuple[str, ...]:
@@ -290,3 +236,42 @@ class _Reader:
                 remedy = f"Write a {'whole number' if whole else 'number'}, as in {key} = {defaults[key]}."
                 raise self._problem(f"{key} cannot be {value!r}.", remedy, "limits", key)
         return Limits(**self._table({"limits": table}, "limits"))
+
+    def _scenes(self, patterns: Any, *keys: str) -> Iterator[tuple[str, Path]]:
+        """The scenes that patterns name, in the order of the manifest: names in the results, and paths."""
+        if not texts(patterns):
+            raise self._problem("There are no scenes.", 'Write scenes = ["shots/*.blend"].', *keys)
+        for pattern in patterns:
+            places = sorted(glob.glob(pattern, root_dir=self._base, recursive=True))
+            if glob.has_magic(pattern):
+                places = [p for p in places if Path(p).suffix.lower() in check.SCENES]
+            places = [p for p in places if not (self._base / p).resolve().is_relative_to(self._out)]
+            if not places:
+                remedy = f"It is looked for from {self._base}; scenes are {' '.join(check.SCENES)} files."
+                raise self._problem(f"No scene matches {pattern!r}.", remedy, *keys, quoted=pattern)
+            for place in places:
+                with self._source.at(*keys, quoted=pattern):
+                    scene = check.scene(str(self._base / place))
+                yield Path(os.path.relpath(self._base / place, self._base)).as_posix(), scene
+
+    def _common_digest(self, patterns: Any, vocabulary: str) -> str:
+        """Digest of what every result depends on: linked files and the artist's own words."""
+        if patterns and not texts(patterns):
+            raise self._problem("These are not files.", 'Write files = ["textures/**"].', "files")
+        linked = []
+        for pattern in patterns:
+            matches = sorted(glob.glob(pattern, root_dir=self._base, recursive=True))
+            linked += [p for p in matches if (self._base / p).is_file()]
+            if not matches:
+                remedy = f"It is looked for from {self._base}."
+                raise self._problem(f"No file matches {pattern!r}.", remedy, "files", quoted=pattern)
+        if vocabulary:
+            self._named(vocabulary, "vocabulary", "options", "vocabulary")
+        words = user_file()
+        lines = [f"{p} {digest(self._base / p)}" for p in linked] + ([digest(words)] if words else [])
+        return hashlib.sha256("\n".join(lines).encode()).hexdigest()
+
+    def _named(self, name: str, what: str, *keys: str) -> Path:
+        """The path of a file that the manifest names, once it is known to be readable."""
+        with self._source.at(*keys):
+            return check.file(str(self._base / name), what)

@@ -10,7 +10,8 @@ import argparse
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -70,12 +71,16 @@ class TomlSource:
         return next((i for i in rest if text and any(q in self._lines[i] for q in quoted)), first)
 
     def problem(self, what: str, remedy: str, *keys: str, quoted: str = "") -> VibeError:
-        """An error that names the file and the line of a key; the caller raises it.
-
-        Args:
-            quoted: A text in the key's value whose line is meant, such as one pattern of a list.
-        """
+        """An error that names the file and the line of a key, or of a text in its value; the caller raises it."""
         return VibeError(f"{self.path}, line {self.line(*keys, quoted=quoted)}: {what}", remedy)
+
+    @contextmanager
+    def at(self, *keys: str, quoted: str = "") -> Iterator[None]:
+        """Errors inside the block name the line of a key."""
+        try:
+            yield
+        except VibeError as error:
+            raise self.problem(error.message, error.remedy, *keys, quoted=quoted) from error
 
 
 def _names(line: str) -> tuple[str, ...]:
@@ -101,7 +106,7 @@ class OptionReader:
     """Reads the tables of options."""
 
     def __init__(self, source: TomlSource, base: Path, options: Iterable[Option] = TABLE) -> None:
-        self._problem, self._base = source.problem, base
+        self._source, self._problem, self._base = source, source.problem, base
         self._rows = {row.name: row for row in options}
         self._defaults = {row.name: row.command_default for row in self._rows.values() if row.name != "stage"}
 
@@ -133,14 +138,12 @@ class OptionReader:
             raise self._problem(f"{key} cannot be {value!r}.", remedy, *keys, key)
         if row.choices and value not in row.choices:
             raise self._problem(f"{key} cannot be {value!r}.", f"Use {', '.join(row.choices)}.", *keys, key)
-        try:
+        with self._source.at(*keys, key):
             self._check_options(self._defaults | {row.name: value})
             if row.name == "like" and isinstance(value, str) and value:
                 value = str(check.file(str(self._base / value), "picture"))
             if row.name == "goals" and isinstance(value, str) and value:
                 value = check.goals(str(self._base / value))
-        except VibeError as error:
-            raise self._problem(error.message, error.remedy, *keys, key) from error
         return value
 
     def _check_options(self, options: dict[str, Any]) -> None:

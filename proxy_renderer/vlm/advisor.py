@@ -47,12 +47,8 @@ class ModelAdvisor:
         tell: Callable[[str], None],
         light: LightPlan | None = None,
     ) -> None:
-        self._prompt, self._words, self._client, self._tell = (
-            understood.prompt,
-            understood.scene,
-            client,
-            tell,
-        )
+        self._prompt, self._words = understood.prompt, understood.scene
+        self._client, self._tell = client, tell
         self._offline = OfflineAdvisor(goals, light)
         self._caption = ""  # the model's own words for the look: the vocabulary may know these at least
         self._failures: list[str] = []
@@ -138,7 +134,7 @@ class ModelAdvisor:
         theirs = {name: value for name, value in vars(reply.prompts).items() if value}
         prompts = replace(composed, **theirs)
         drafted = confine(goals, dict(instances), context)
-        entries = {key: self._kept(instances[key]) if key in reply.keep else e for key, e in drafted.items()}
+        entries = {key: _kept(instances[key]) if key in reply.keep else e for key, e in drafted.items()}
         plan = Plan({**entries, **reply.entries}, drafted.notes)
         return Advice(
             goals, prompts, plan, draft.unmeasured if draft else prompts, self._client.endpoint.model
@@ -173,11 +169,11 @@ class ModelAdvisor:
         except VibeError:
             return Parsed(self._prompt, objects=[PromptObject("subject", "subject")])
 
-    def _kept(self, instance: Instance) -> PlanEntry:
-        reason = f"locked: {instance.locked}" if instance.locked else "model: keeps the artist's value"
-        if instance.locked:
-            return PlanEntry(instance.value, instance.value, None, reason)
-        return PlanEntry(instance.lower, instance.upper, None, reason)
+
+def _kept(instance: Instance) -> PlanEntry:
+    if instance.locked:
+        return PlanEntry(instance.value, instance.value, None, f"locked: {instance.locked}")
+    return PlanEntry(instance.lower, instance.upper, None, "model: keeps the artist's value")
 
 
 def _wishes(reply: Reply) -> Iterator[Wish]:

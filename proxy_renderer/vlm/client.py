@@ -214,10 +214,6 @@ class Usage:
         }
 
 
-def _anything(answer: Any) -> None:
-    """Every answer will do."""
-
-
 def never() -> bool:
     """Nobody stops it."""
     return False
@@ -243,15 +239,8 @@ class Client:
             check: Raises ModelError for an answer that is of no use; the model is asked once more then.
         """
         point = self.endpoint
-        key = Cache.key(
-            _VERSION,
-            point.url,
-            point.model,
-            question.system,
-            question.text,
-            question.schema,
-            question.picture or b"",
-        )
+        asked = (question.system, question.text, question.schema, question.picture or b"")
+        key = Cache.key(_VERSION, point.url, point.model, *asked)
         if not fresh and (cached_answer := self._cache.read(key)) is not None:
             self.usage.cached += 1
             return cached_answer
@@ -261,7 +250,7 @@ class Client:
             )
         start = time.monotonic()
         try:
-            answer = self._converse(question, check or _anything, start + point.seconds)
+            answer = self._converse(question, check or (lambda answer: None), start + point.seconds)
         finally:
             self._transport.close()
             self.usage.seconds += time.monotonic() - start

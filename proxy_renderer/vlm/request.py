@@ -52,20 +52,14 @@ class AliasTable:
         share = context.material_share
         materials = sorted(owners["material"], key=lambda o: (o[1] != "subject", -share.get(o[0], 0.0), o))
         lights = sorted(owners["light"], key=lambda o: (o[1] != "key", o))
-        self.aliases = [
-            Alias(f"material{n}", _name(owner), role, share.get(owner))
-            for n, (owner, role) in enumerate(materials[:_MATERIALS], 1)
-        ]
-        self.aliases += [
-            Alias(f"light{n}", _name(owner), role, kind=context.light_types.get(owner, ""))
-            for n, (owner, role) in enumerate(lights[:_LIGHTS], 1)
-        ]
-        chosen = [*materials[:_MATERIALS], *lights[:_LIGHTS]]
-        groups = ["material"] * len(materials[:_MATERIALS]) + ["light"] * len(lights[:_LIGHTS])
-        ids = {
-            (group, owner): alias.id
-            for group, (owner, _), alias in zip(groups, chosen, self.aliases, strict=True)
-        }
+        self.aliases: list[Alias] = []
+        ids: dict[tuple[str, str], str] = {}
+        for group, chosen in (("material", materials[:_MATERIALS]), ("light", lights[:_LIGHTS])):
+            for number, (owner, role) in enumerate(chosen, 1):
+                ids[group, owner] = f"{group}{number}"
+                known = share.get(owner) if group == "material" else None
+                kind = context.light_types.get(owner, "") if group == "light" else ""
+                self.aliases.append(Alias(ids[group, owner], owner[:_LONGEST_NAME], role, known, kind))
         self.rows: dict[str, Instance] = {}
         for instance in free:
             group, owner = instance.parameter.group, instance.owner
@@ -75,11 +69,7 @@ class AliasTable:
         self.names = {i.key: name for name, i in self.rows.items()}
 
     def shown(self, instance: Instance, values: Values) -> Values:
-        """Values as a model sees them: colors as sRGB, light directions relative to the camera.
-
-        Returns:
-            As many numbers; sRGB-encoded colors, directions in degrees from -180 up to 180.
-        """
+        """Values as a model sees them: colors as sRGB, light directions relative to the camera, -180 up to 180 degrees."""
         if instance.parameter.kind == "color" and instance.parameter.scale == SRGB:
             return tuple(encode(max(v, 0.0)) for v in values)
         if _is_direction(instance):
@@ -94,10 +84,7 @@ class AliasTable:
         return min(low), max(high)
 
     def ordered(self, instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
-        """A model's range with its ends in order.
-
-        A direction's range may pass 180 degrees: from 150 to -150 becomes 150 to 210.
-        """
+        """A model's range with its ends in order; directions may pass 180 degrees: 150 to -150 becomes 150 to 210."""
         if _is_direction(instance) and lower[0] - upper[0] > 180.0:
             return lower, (upper[0] + 360.0,)
         return tuple(map(min, lower, upper)), tuple(map(max, lower, upper))
@@ -119,10 +106,6 @@ def _is_direction(instance: Instance) -> bool:
 
 def _linear(srgb: Values) -> Values:
     return tuple(decode(max(v, 0.0)) for v in srgb)
-
-
-def _name(text: str) -> str:
-    return text[:_LONGEST_NAME]
 
 
 SLOTS = ("color", "material", "lighting", "style", "mood", "shape")

@@ -92,19 +92,15 @@ def _no_number(name: str) -> float:
 
 
 class ModelError(VibeError):
-    """A question that was not answered.
-
-    Attributes:
-        lasting: Whether asking again in this run would fail in the same way (a wrong key, say).
-        wait: Seconds after which asking again may help; None if it would not.
-        complaint: What the server said, for finding out what it cannot do; "" if it said nothing.
-    """
+    """A question that was not answered."""
 
     def __init__(
         self, message: str, remedy: str, lasting: bool = False, wait: float | None = None, complaint: str = ""
     ) -> None:
         super().__init__(message, remedy)
-        self.lasting, self.wait, self.complaint = lasting, wait, complaint
+        self.lasting = lasting  # asking again in this run would fail in the same way: a wrong key, say
+        self.wait = wait  # seconds after which asking again may help; None if it would not
+        self.complaint = complaint  # the server's words, which tell what it cannot do; "" for none
 
 
 LARGEST = 2_000_000
@@ -137,14 +133,10 @@ class Transport:
         self._client: Any = None
 
     def post(self, body: dict[str, Any], seconds: float) -> Completion:
-        """Sends one request and waits for its answer.
+        """Sends one request and waits for its answer; all that goes wrong, and Stop, is a ModelError.
 
         It runs in a thread of its own: whatever hangs, be it the name look-up or a server that sends
         a byte a minute, the time limit holds and Stop is heard.
-
-        Raises:
-            ModelError: The server cannot be reached, refuses, or answers too late, too much or nonsense; or the
-                artist has pressed Stop.
         """
         client = self._connect()
         box: queue.Queue[Completion | ModelError] = queue.Queue()
@@ -195,9 +187,7 @@ class Transport:
             self._client = openai.OpenAI(
                 base_url=point.url, api_key=point.key or "none", max_retries=0, http_client=http
             )
-            if (
-                point.url != OPENAI
-            ):  # what the environment says about an account there is nobody else's business
+            if point.url != OPENAI:  # the account that the environment names there is nobody else's business
                 self._client.organization = self._client.project = None
         return self._client
 
@@ -223,8 +213,7 @@ class Transport:
                 f"{point.place} sent more than {LARGEST // 10**6} MB.", "Check that it is the right endpoint."
             )
         if isinstance(error, openai.APIConnectionError):
-            why = " ".join(str(error.__cause__ or "").split())[:120]
-            why = scrub(why, point.key)
+            why = scrub(" ".join(str(error.__cause__ or "").split())[:120], point.key)
             return ModelError(
                 f"{point.place} cannot be reached{f' ({why})' if why else ''}.",
                 "Start the server, or check VIBE_VLM_URL and the network.",
@@ -268,59 +257,35 @@ def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> 
     Args:
         complaint: The server's own words on one line, without the key; "" if there are none.
     """
-    more = f": {complaint}" if complaint else ""
+    wait: float | None = None
+    lasting, more = True, f": {complaint}" if complaint else ""
     if code in (401, 403):
-        return ModelError(
-            f"{point.place} refuses the key{more}.",
-            "Check the key: `vibe doctor` tries it.",
-            True,
-            complaint=complaint,
-        )
-    if code == 404:
-        return ModelError(
-            f"{point.place} does not have the model {point.model}{more}.",
-            "Check the model's name and the base URL, which usually ends in /v1.",
-            True,
-            complaint=complaint,
-        )
-    if code == 402 or (code == 429 and "quota" in complaint.lower()):
-        return ModelError(
-            f"{point.place} wants to be paid{more}.",
-            "Check the account's balance.",
-            True,
-            complaint=complaint,
-        )
-    if _OVERFULL.search(complaint):
+        what, remedy = f"refuses the key{more}", "Check the key: `vibe doctor` tries it."
+    elif code == 404:
+        what = f"does not have the model {point.model}{more}"
+        remedy = "Check the model's name and the base URL, which usually ends in /v1."
+    elif code == 402 or (code == 429 and "quota" in complaint.lower()):
+        what, remedy = f"wants to be paid{more}", "Check the account's balance."
+    elif _OVERFULL.search(complaint):
         return ModelError(
             f"The scene does not fit into the context of {point.model}{more}.",
             "Give the model more context: 16384 tokens are enough (Ollama: OLLAMA_CONTEXT_LENGTH=16384).",
-            True,
+            lasting=True,
         )
-    if code == 429:
-        wait = _retry_after(headers)
-        again = f" and asks to wait {wait:.0f} s" if wait else ""
-        return ModelError(
-            f"{point.place} is asked too often{again}.", "Wait a little, or use another model.", wait=wait
-        )
-    if 300 <= code < 400:
-        return ModelError(
-            f"{point.place} sends us elsewhere (HTTP {code}).",
-            "Name the final base URL.",
-            True,
-            complaint=complaint,
-        )
-    if code in (408, 409) or code >= 500:
-        return ModelError(
-            f"{point.place} fails (HTTP {code}){more}.",
-            "Look at the server's log, or try again.",
-            wait=_retry_after(headers),
-            complaint=complaint or f"HTTP {code}",
-        )
-    return ModelError(
-        f"{point.place} refuses the request (HTTP {code}){more}.",
-        "Use another model.",
-        complaint=complaint or f"HTTP {code}",
-    )
+    elif 300 <= code < 400:
+        what, remedy = f"sends us elsewhere (HTTP {code})", "Name the final base URL."
+    elif code == 429:
+        lasting, wait, complaint = False, _retry_after(headers), ""
+        what = "is asked too often" + (f" and asks to wait {wait:.0f} s" if wait else "")
+        remedy = "Wait a little, or use another model."
+    else:
+        lasting, complaint = False, complaint or f"HTTP {code}"
+        if code in (408, 409) or code >= 500:
+            wait = _retry_after(headers)
+            what, remedy = f"fails (HTTP {code}){more}", "Look at the server's log, or try again."
+        else:
+            what, remedy = f"refuses the request (HTTP {code}){more}", "Use another model."
+    return ModelError(f"{point.place} {what}.", remedy, lasting, wait, complaint)
 
 
 def _complaint(error: Any, key: str) -> str:
