@@ -37,14 +37,11 @@ class Station:
         """Carries out a job; its files are returned where they could not be put into the results folder.
 
         Args:
-            scenes: What is in its scenes' files, if this machine does not see them.
-
-        Raises:
-            Interrupted: The node has died. Ray kills this process's Blender before the process itself, and that must
-                not pass for a failure of the job.
+            scenes: The content of its scenes' files, if this machine does not see them.
         """
         row, files = self._carry_out(job, *scenes)
         if row["status"] == "failed" and os.getppid() != self._node:
+            # The node has died. Ray kills Blender before this process, which is no failure of the job.
             raise Interrupted
         return row, files
 
@@ -52,8 +49,11 @@ class Station:
         if self._shares:
             return self._worker.run(job, self._jobs / job.name), {}
         with tempfile.TemporaryDirectory(prefix="vibe-batch-") as place:
-            folder = Path(place) / "out"
-            sources = [_put(Path(place) / str(i), job, i, content) for i, content in enumerate(scenes)]
+            folder, sources = Path(place) / "out", []
+            for number, (source, content) in enumerate(zip((job.source, *job.more), scenes, strict=True)):
+                sources.append(Path(place) / str(number) / source.name)  # each under its own name
+                sources[-1].parent.mkdir()
+                sources[-1].write_bytes(content)
             row = self._worker.run(replace(job, source=sources[0], more=tuple(sources[1:])), folder)
             files = [p for p in folder.rglob("*") if p.is_file() and not p.name.startswith(".")]
             return row, {p.relative_to(folder).as_posix(): p.read_bytes() for p in files}
@@ -61,14 +61,6 @@ class Station:
     def close(self) -> None:
         """Ends the running job."""
         self._worker.close()
-
-
-def _put(folder: Path, job: Job, number: int, content: bytes) -> Path:
-    """A scene that has been sent, under its own name."""
-    path = folder / (job.source, *job.more)[number].name
-    path.parent.mkdir()
-    path.write_bytes(content)
-    return path
 
 
 _LOOK = 2.0  # seconds between two looks at the cluster's nodes
@@ -192,12 +184,10 @@ class RayPool:
         station, job = self._out.pop(reference)
         try:
             row, files = self._ray.get(reference)
-        except self._ray.exceptions.RayTaskError as error:
-            if not isinstance(error.cause, Interrupted):
+        except self._ray.exceptions.RayError as error:
+            failed = isinstance(error, self._ray.exceptions.RayTaskError)
+            if failed and not isinstance(error.cause, Interrupted):
                 raise
-            self._forget(station)
-            return job, None
-        except self._ray.exceptions.RayError:
             self._forget(station)
             return job, None
         if files:

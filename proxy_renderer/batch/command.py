@@ -180,7 +180,7 @@ def run(a: argparse.Namespace) -> int:
         workers = a.workers or fitting(wanted.limits)
         print(account(plan, a.out, 0 if a.ray else workers))
         return 0
-    with Store(a.out) as store, _terminable():
+    with Store(a.out) as store, _handling(_interrupt, signal.SIGTERM):
         store.check_space(wanted.limits.free_gb)
         return _carry_out(a, plan, store, wanted.limits)
 
@@ -195,7 +195,7 @@ def _carry_out(a: argparse.Namespace, plan: BatchPlan, store: Store, limits: man
         if a.final is not None:
             failed += _pass(Finals(plan, store, a.final), store, pool, limits, sheet)
     finally:
-        with _deaf():
+        with _handling(signal.SIG_IGN, signal.SIGINT, signal.SIGTERM):  # nothing interrupts the tidying up
             pool.close()
             sheet.write()
     print(f"Open {store.folder / 'index.html'}", flush=True)
@@ -231,25 +231,15 @@ def _pool(a: argparse.Namespace, store: Store, limits: manifest.Limits) -> Pool:
 
 
 @contextmanager
-def _terminable() -> Iterator[None]:
-    """SIGTERM is heard like Ctrl-C."""
-
-    def stop(number: int, frame: Any) -> None:
-        raise KeyboardInterrupt
-
-    old = signal.signal(signal.SIGTERM, stop)
+def _handling(handler: Any, *numbers: int) -> Iterator[None]:
+    """Signals go to a handler inside the block."""
+    old = {number: signal.signal(number, handler) for number in numbers}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, old)
+        for number, before in old.items():
+            signal.signal(number, before)
 
 
-@contextmanager
-def _deaf() -> Iterator[None]:
-    """Nothing interrupts the tidying up."""
-    old = {n: signal.signal(n, signal.SIG_IGN) for n in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield
-    finally:
-        for number, handler in old.items():
-            signal.signal(number, handler)
+def _interrupt(number: int, frame: Any) -> None:
+    raise KeyboardInterrupt

@@ -25,7 +25,7 @@ class Finals:
         self._plan, self._store, self._frames = plan, store, frames
 
     def __len__(self) -> int:
-        return self._store.count(self._plan)
+        return sum(self._store.finished(self._plan))
 
     def __iter__(self) -> Iterator[Job]:
         for job in filter(self._store.done, self._plan):

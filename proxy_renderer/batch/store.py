@@ -75,10 +75,6 @@ class Store:
             empty = not any(entries)
         return bytearray(not empty and self.done(job) for job in plan)
 
-    def count(self, plan: Iterable[Job]) -> int:
-        """How many jobs are done."""
-        return sum(self.finished(plan))
-
     def row(self, job: Job) -> JobRow:
         """A job's row: its result, its failure, or that it waits."""
         for name in (DONE, FAILED):
@@ -113,7 +109,7 @@ class Store:
             write_bytes(folder / name, files[name])
 
     def check_space(self, free_gb: float) -> None:
-        """Makes sure that there is space for another job. Raises VibeError if there are fewer."""
+        """Makes sure that there is space for another job. Raises VibeError if there is less."""
         free = shutil.disk_usage(self.folder).free / 1e9
         if free < free_gb:
             raise VibeError(

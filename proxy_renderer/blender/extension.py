@@ -27,11 +27,9 @@ _OF_THE_COMMAND = (
 
 
 def build(out: Path) -> Path:
-    """Builds and validates the extension for Blender's "Install from Disk".
+    """Builds and validates the extension for Blender's "Install from Disk": OUT/vibe_render-VERSION.zip.
 
-    Returns:
-        The zip, OUT/vibe_render-VERSION.zip. It remembers which Python built it, so that on this
-        computer Blender finds the engine by itself.
+    It remembers which Python built it, so that on this computer Blender finds the engine.
 
     Raises:
         VibeError: If Blender's tool is not installed or refuses, or the folder cannot be written.
