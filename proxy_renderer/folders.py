@@ -19,11 +19,7 @@ def config_folder() -> Path:
 
 
 def cache_folder(part: str) -> Path:
-    """The user's folder for what can be made again; it need not exist.
-
-    Args:
-        part: "vlm" for the answers of models, "fidelity" for reference pictures.
-    """
+    """The user's folder for what can be made again, such as "vlm", the answers of models; it need not exist."""
     if named := os.environ.get(CACHE):
         return Path(named).expanduser().resolve() / part
     return user_cache_path(_NAME, appauthor=False, opinion=False) / part

@@ -34,11 +34,7 @@ class Station:
         return self._shares
 
     def run(self, job: Job, *scenes: bytes) -> tuple[JobRow, dict[str, bytes]]:
-        """Carries out a job; its files are returned where they could not be put into the results folder.
-
-        Args:
-            scenes: The content of its scenes' files, if this machine does not see them.
-        """
+        """Carries out a job, and returns its files where they cannot be put into the results folder."""
         row, files = self._carry_out(job, *scenes)
         if row["status"] == "failed" and os.getppid() != self._node:
             # The node has died. Ray kills Blender before this process, which is no failure of the job.
@@ -206,14 +202,7 @@ class RayPool:
 
 
 def cluster_pool(address: str, store: Store, setup: Setup, most: int = 0) -> RayPool:
-    """Connects to a cluster.
-
-    Args:
-        address: Of its head, HOST:PORT; "auto" for the one that this machine belongs to.
-
-    Raises:
-        VibeError: Ray is not installed, or there is no cluster.
-    """
+    """Connects to a cluster by its head's HOST:PORT, or "auto". Raises VibeError if that fails."""
     os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")
     try:
         import ray

@@ -48,11 +48,7 @@ class BatchProgress(TerminalBar):
         return self
 
     def tell(self, what: str, job: Job, row: JobRow) -> None:
-        """Counts and shows an event of a job.
-
-        Args:
-            what: "started", "done", "failed", "again" (it is tried once more) or "lost" (with its worker).
-        """
+        """Counts and shows a job that is "started", "done", "failed", "again" (tried again) or "lost"."""
         self.counts["running"] += 1 if what == "started" else -1
         if what in ("done", "failed"):
             self.counts[what] += 1

@@ -14,17 +14,7 @@ NAME = "vibe-render.js"
 
 
 def install(scripts: Path) -> Path:
-    """Copies the job type to where a Flamenco Manager finds it.
-
-    Args:
-        scripts: The folder "scripts" beside the Manager's program; it is made if the Manager's folder is there.
-
-    Returns:
-        The file. It proposes this installation's `batch.py`; who submits a job can name another place.
-
-    Raises:
-        VibeError: There is no such place, or it cannot be written.
-    """
+    """Copies the job type to a Flamenco Manager's scripts; it proposes this installation's `batch.py`."""
     scripts = scripts.expanduser().resolve()
     if not scripts.parent.is_dir():
         raise VibeError(f"There is no folder {scripts.parent}.", "Name the folder of your Flamenco Manager.")

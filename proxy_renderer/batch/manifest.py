@@ -91,11 +91,7 @@ class Manifest:
 
 
 def load(path: Path, out: Path) -> Manifest:
-    """Reads and checks a manifest.
-
-    Args:
-        out: The results folder; scenes that patterns match in it are left out.
-    """
+    """Reads and checks a manifest; scenes that patterns match in the results folder are left out."""
     check.file(str(path), "manifest")
     return _Reader(TomlSource(path.expanduser()), out.expanduser().resolve()).manifest()
 

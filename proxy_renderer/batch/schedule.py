@@ -33,11 +33,7 @@ class Pool(Protocol):
         """Hands out a job."""
 
     def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
-        """Waits for jobs to end.
-
-        Returns:
-            Jobs that have ended, with their rows; None for a job whose worker is lost.
-        """
+        """Waits for jobs to end; returns them with their rows, None for a job whose worker is lost."""
 
     def close(self) -> None:
         """Ends all workers now."""
@@ -47,11 +43,7 @@ class Carrier(Protocol):
     """What carries out jobs: a `Worker`, or what stands for one in measurements."""
 
     def run(self, job: Job, folder: Path) -> JobRow:
-        """Carries out a job, and leaves its files in the folder.
-
-        Raises:
-            Interrupted: It was closed meanwhile.
-        """
+        """Carries out a job, and leaves its files in the folder. Raises Interrupted if it was closed meanwhile."""
 
     def close(self) -> None:
         """Ends a job that runs, and takes no other."""

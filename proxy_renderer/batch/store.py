@@ -97,11 +97,7 @@ class Store:
             write_json(folder / FAILED, row)
 
     def receive(self, job: Job, files: dict[str, bytes]) -> None:
-        """Takes the files of a job that another machine has done; `done.json` is written last.
-
-        Args:
-            files: Path in the job's folder -> content.
-        """
+        """Takes the files, by path, of a job that another machine has done; `done.json` is written last."""
         folder = self.jobs / job.name
         folder.mkdir(exist_ok=True)
         for name in sorted(files, key=lambda name: name in (DONE, FINAL)):

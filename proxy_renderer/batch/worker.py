@@ -131,11 +131,7 @@ class Interrupted(Exception):
 
 
 class Worker:
-    """One process at a time, started when it is needed.
-
-    Args:
-        cores: Numbers of the cores that it keeps to; empty for all.
-    """
+    """One process at a time, on some cores or on all, started when it is needed."""
 
     def __init__(self, setup: Setup, cores: Sequence[int] = ()) -> None:
         self._setup, self._cores = setup, list(cores)
@@ -144,11 +140,7 @@ class Worker:
         self._closed = False
 
     def run(self, job: Job, folder: Path) -> JobRow:
-        """Carries out a job; its files go to the folder, `done.json` last.
-
-        Raises:
-            Interrupted: The worker was closed meanwhile.
-        """
+        """Carries out a job; its `done.json` is written last. Raises Interrupted if the worker was closed."""
         start = time.monotonic()
         tidy(folder)
         watch = _Watch(self._setup.limits)

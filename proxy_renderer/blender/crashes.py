@@ -32,11 +32,7 @@ def tidy(out: Path, process: int) -> None:
 
 
 def crash(code: int, doing: str, output: Sequence[str]) -> errors.UnexpectedError:
-    """The error for a Blender that ended by itself; its output goes to a log.
-
-    Args:
-        code: Its exit code; a negative one is the number of a signal.
-    """
+    """The error for a Blender that ended with an exit code, or a signal (negative); its output goes to a log."""
     log = errors.write_log(f"Blender ended while {doing}, exit code {code}\n\n" + "".join(output))
     kind = signal.strsignal(-code) if code < 0 else None
     words = last_words(output)

@@ -45,14 +45,7 @@ def build(out: Path) -> Path:
 
 
 def install(blender: str = "") -> str:
-    """Builds the extension and installs it, enabled, into a Blender of this computer.
-
-    Args:
-        blender: The program, or the folder that it is in; "" for the one on the PATH.
-
-    Raises:
-        VibeError: If there is no Blender, or it refuses.
-    """
+    """Builds the extension and installs it, enabled, into a Blender: the program, its folder, or "" for the PATH's."""
     program = _blender(blender)
     with tempfile.TemporaryDirectory() as scratch:
         archive = build(Path(scratch))

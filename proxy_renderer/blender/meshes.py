@@ -60,11 +60,7 @@ def read_gltf(path: Path) -> tuple[dict[str, Any], bytes]:
 
 
 def refuse_unread_extensions(path: Path) -> None:
-    """Refuses a glTF file that requires what Blender's importer cannot do; a broken one is left to others.
-
-    Raises:
-        VibeError: It cannot be read as it is meant.
-    """
+    """Refuses a glTF file that requires what Blender's importer cannot do; a broken one is left to others."""
     try:
         document, _ = read_gltf(path)
         required = set(document.get("extensionsRequired", ()))
@@ -186,11 +182,7 @@ _LONGEST_TEXT = 16_000_000  # bytes; reading more of a text format would take lo
 
 @contextmanager
 def prepared(scene: Path) -> Iterator[Path]:
-    """The file that Blender is to open for a scene: itself, or an unpacked copy that lives as long as the block.
-
-    Raises:
-        VibeError: The mesh cannot be read, needs what Blender cannot do, or has no faces or no size.
-    """
+    """The file for Blender: the scene, or an unpacked copy that lives as long as the block. Refuses bad meshes."""
     if scene.suffix.lower() == ".blend":
         yield scene
         return
@@ -204,11 +196,7 @@ def prepared(scene: Path) -> Iterator[Path]:
 
 
 def check(path: Path) -> None:
-    """Refuses a mesh that cannot be rendered; long texts go unchecked.
-
-    Raises:
-        VibeError: It is broken, or has no faces, no size, or coordinates that are not finite.
-    """
+    """Refuses a mesh without faces or size, with infinite coordinates, or that is broken; long texts go unchecked."""
     if _is_text(path) and path.stat().st_size > _LONGEST_TEXT:
         return
     import numpy as np

@@ -90,11 +90,7 @@ def model(arguments: argparse.Namespace) -> bool:
 
 
 def vocabulary(name: str) -> None:
-    """Makes sure that the artist's own words can be used; this process and those that it starts will use them.
-
-    Args:
-        name: The .toml; "" for the one in the configuration folder, if there is one.
-    """
+    """Makes sure that the artist's own words can be used, here and in processes that follow; "" for the usual file."""
     from ..prompt.lexicon.user_words import VARIABLE, default_vocabulary
 
     if name:

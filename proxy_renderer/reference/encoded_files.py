@@ -120,11 +120,7 @@ _PANORAMA = re.compile(rb"ProjectionType\W{1,3}equirectangular")
 
 
 def read_encoded(path: Path) -> FileContents:
-    """Reads a picture; of several frames or pages the first.
-
-    Raises:
-        VibeError: It is none, damaged, too large, or of a kind that nothing here reads.
-    """
+    """Reads a picture; of several frames or pages the first. Raises VibeError if it is none, damaged or too large."""
     _refuse_unread_kinds(path)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a hundred megapixels are welcome, odd metadata is no matter

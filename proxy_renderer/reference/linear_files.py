@@ -22,11 +22,7 @@ _BRADFORD = np.array(((0.8951, 0.2664, -0.1614), (-0.7502, 1.7135, 0.0367), (0.0
 
 
 def read_exr(path: Path) -> FileContents:
-    """Reads the picture in an EXR: its only layer, or what Blender calls Combined.
-
-    Raises:
-        VibeError: It is damaged, too large, or holds no picture.
-    """
+    """Reads an EXR's only layer, or Blender's Combined. Raises VibeError if it is damaged or too large."""
     layer, pixels, header = _picture(path)
     if pixels.ndim == 2:
         pixels = np.repeat(pixels[..., None], 3, -1)
@@ -49,11 +45,7 @@ def read_exr(path: Path) -> FileContents:
 
 
 def rec709_from(chromaticities: Sequence[float]) -> np.ndarray:
-    """Matrix (3, 3) to linear Rec.709 from other primaries, white adapted.
-
-    Args:
-        chromaticities: CIE x and y of red, green, blue and white, as an EXR header has them.
-    """
+    """Matrix (3, 3) to linear Rec.709 from CIE x and y of red, green, blue and white, which is adapted."""
 
     def white(xy: Sequence[float]) -> np.ndarray:
         return np.array((xy[0] / xy[1], 1.0, (1 - xy[0] - xy[1]) / xy[1]))
@@ -125,11 +117,7 @@ _MOST = 2 * 10**8
 
 
 def read_radiance(path: Path) -> FileContents:
-    """Reads an RGBE picture, run-length encoded or not.
-
-    Raises:
-        VibeError: It is damaged, too large, or holds XYZ or turned pixels.
-    """
+    """Reads an RGBE picture, run-length encoded or not. Raises VibeError if it is damaged, too large, XYZ or turned."""
     data = path.read_bytes()
     size = _SIZE.search(data)
     if size is None or b"32-bit_rle_xyze" in data[: size.start()]:

@@ -41,11 +41,7 @@ NUMBERS = ("rounds", "steps", "size", "starts")
 
 
 def fill(options: Any) -> None:
-    """Gives options the numbers of their budget, where they have none of their own.
-
-    Args:
-        options: Anything with the attributes `budget`, a name of `BUDGETS`, and `NUMBERS`; those that are None are set.
-    """
+    """Sets the numbers of options that are None to those of their `budget`."""
     for name in NUMBERS:
         if getattr(options, name) is None:
             setattr(options, name, getattr(BUDGETS[options.budget], name))

@@ -112,11 +112,7 @@ class Instance:
         return self.parameter.key(self.owner)
 
     def distance(self, value: Values) -> float:
-        """How far a value is from the artist's on the perceptual scale.
-
-        Returns:
-            The greatest difference of a component, 0 to 1.
-        """
+        """The greatest distance of a component from the artist's value on the perceptual scale, 0 to 1."""
         unit = self.parameter.scale.to_unit
         ends = zip(self.value, value, self.lower, self.upper, strict=True)
         return max(abs(unit(a, low, high) - unit(b, low, high)) for a, b, low, high in ends)
@@ -168,11 +164,7 @@ SURFACES = tuple(slot for slot, groups in MEANS.items() if PAINT in groups)
 
 
 def may_serve(group: str, slot: str, cause: str = "") -> bool:
-    """Whether a group of parameters may serve a word.
-
-    Args:
-        cause: The mood that stands for the word; "" for a word that the prompt says.
-    """
+    """Whether a group of parameters may serve a word, or a word that a mood stands for (`cause`)."""
     return group in MEANS[slot] and not (cause and group == PAINT)
 
 

@@ -180,11 +180,7 @@ def _short(value: Any) -> str:
 
 
 def clamped(group: str, values: Mapping[str, Sequence[float]]) -> Entry:
-    """An entry with every value within the bounds that `loads` insists on.
-
-    Args:
-        values: Parameter name to components, in multiples of its reference.
-    """
+    """An entry (values are multiples of the reference) within the bounds that `loads` insists on."""
     entry = {}
     for name, value in values.items():
         parameter = FAMILIES[f"{group}/{name}"]

@@ -11,10 +11,7 @@ ClaimVerdict = Mapping[str, Any]
 
 
 def missing_by_word(rows: Sequence[ClaimVerdict]) -> dict[str, list[ClaimVerdict]]:
-    """Word -> its claims that do not hold; none where the picture shows the word.
-
-    Words that claim nothing that can be measured are left out.
-    """
+    """Measurable word -> its claims that do not hold; none where the image satisfies the word."""
     words: dict[str, list[ClaimVerdict]] = {}
     for row in rows:
         if row["word"] and row["holds"] is not None:

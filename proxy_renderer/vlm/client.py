@@ -79,11 +79,7 @@ class Dialect:
         self._limit = "max_completion_tokens"
 
     def body(self, model: str, question: Question, earlier: list[dict[str, Any]]) -> dict[str, Any]:
-        """The request.
-
-        Args:
-            earlier: Messages after the question: an answer that could not be read, and our complaint.
-        """
+        """The request; `earlier` is an answer that could not be read, and the complaint about it."""
         system = question.system
         body: dict[str, Any] = {"model": model}
         if question.schema is not None:
@@ -166,10 +162,7 @@ class Cache:
             return None
 
     def write(self, key: str, answer: Any) -> None:
-        """Keeps an answer, all at once or not at all, readable by its owner only.
-
-        A disk that cannot be written is no error: the question is then paid for again.
-        """
+        """Keeps an answer, readable by its owner only; where it cannot be written, the question is paid for again."""
         with contextlib.suppress(OSError, RuntimeError):
             self.folder.mkdir(parents=True, exist_ok=True)
             with atomic.replacing(self.folder / f"{key}.json") as part:
@@ -233,11 +226,7 @@ class Client:
     def ask(
         self, question: Question, check: Callable[[Any], object] | None = None, fresh: bool = False
     ) -> Any:
-        """The answer: an object if the question has a schema, else text.
-
-        Args:
-            check: Raises ModelError for an answer that is of no use; the model is asked once more then.
-        """
+        """The answer: an object if there is a schema, else text. If `check` refuses it, the model is asked again."""
         point = self.endpoint
         asked = (question.system, question.text, question.schema, question.picture or b"")
         key = Cache.key(_VERSION, point.url, point.model, *asked)

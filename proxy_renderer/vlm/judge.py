@@ -60,11 +60,7 @@ class Verdict:
 def judge(
     client: Client, columns: Sequence[Column], rows: tuple[str, str] = ROWS, fresh: bool = False
 ) -> Verdict:
-    """Asks a model which row of a figure is better; the paper's own words for the paper's own figure.
-
-    Raises:
-        ModelError: It does not answer, not in the strict form, or cannot see pictures.
-    """
+    """Asks a model which row of a figure is better, in the paper's words. Raises ModelError if it gives no verdict."""
     text = instructions([c.name for c in columns], rows)
     question = Question(text, "The comparison figure:", jpeg_of(figure(columns, rows)), must_see=True)
     return read_verdict(client.ask(question, lambda reply: read_verdict(reply, rows), fresh), rows)

@@ -148,11 +148,7 @@ def make_question(
     draft: tuple[Goals, Prompts, Plan],
     picture: bytes | None,
 ) -> Question:
-    """The question of a round.
-
-    Args:
-        draft: What the offline planner makes of the look; the model improves on it.
-    """
+    """The question of a round, with the offline planner's draft for the model to improve on."""
     goals, prompts, plan = draft
     document = {
         "look": look,

@@ -22,14 +22,7 @@ _TRIES = 200  # braces that are tried in a text around the object
 
 
 def find_object(text: str, names: Collection[str]) -> dict[str, Any]:
-    """The JSON object in a text: alone, fenced, or among other words.
-
-    Args:
-        text: The model's words; what it thought before (`<think>`) is left out.
-
-    Raises:
-        ModelError: There is none, say because it was cut off.
-    """
+    """The JSON object in a model's text that has one of these names. Raises ModelError if there is none."""
     text = text.rpartition("</think>")[2]
     decoder = json.JSONDecoder(parse_constant=_no_number)
     place = -1
@@ -252,11 +245,7 @@ def read_completion(raw: bytes) -> Completion:
 
 
 def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> ModelError:
-    """The error for an HTTP status other than 200, with its remedy.
-
-    Args:
-        complaint: The server's own words on one line, without the key; "" if there are none.
-    """
+    """The error for an HTTP status, with its remedy and the server's own words ("" for none)."""
     wait: float | None = None
     lasting, more = True, f": {complaint}" if complaint else ""
     if code in (401, 403):

@@ -12,11 +12,7 @@ from .table import TABLE, Options, rows
 
 
 def add_option(container: argparse._ActionsContainer, option: Option, **changes: Any) -> None:
-    """Adds one option.
-
-    Args:
-        **changes: What this command has otherwise: `default`, `required`, `help`.
-    """
+    """Adds one option; `changes` are its `default`, `required` and `help` in this command."""
     default = changes.get("default", option.command_default)
     keywords: dict[str, Any] = {"dest": option.name, "default": default, "help": option.text(default)}
     if isinstance(option.default, bool):

@@ -222,14 +222,7 @@ class Options:
 
     @classmethod
     def from_dict(cls, raw: dict[str, Any]) -> Options:
-        """Options from their JSON form.
-
-        Args:
-            raw: Option to value; those that are missing keep their defaults, and lists become tuples.
-
-        Raises:
-            VibeError: A name is not that of an option.
-        """
+        """Options from their JSON form; missing ones keep their defaults. Raises VibeError if a name is no option's."""
         defaults = {f.name: f.default for f in fields(cls)}
         if strange := sorted(set(raw) - set(defaults)):
             raise VibeError(f"Unknown option {strange[0]!r}.", f"Use one of: {', '.join(sorted(defaults))}.")
