@@ -105,11 +105,10 @@ def _read(
     from ..blender.meshes import prepared
     from ..blender.progress import VibeProgress
 
-    # The engine takes as long to import as Blender takes to read the scene: both at the same time.
-    threading.Thread(
-        target=importlib.import_module, args=("proxy_renderer.render.proxy",), daemon=True
-    ).start()
     with tempfile.TemporaryDirectory(prefix="vibe-explain-") as folder, prepared(scene) as place:
+        # The engine takes as long to import as Blender takes to read the scene: both at the same time. No daemon:
+        # torch must not be left half imported when this process ends.
+        threading.Thread(target=importlib.import_module, args=("proxy_renderer.render.proxy",)).start()
         arguments = ["export", str(place), f"--out={folder}", "--names-only", *subject]
         launch(arguments, scene, VibeProgress(sys.stderr))
         from ..engine.additions import with_additions
