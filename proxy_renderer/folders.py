@@ -9,8 +9,7 @@ from pathlib import Path
 from platformdirs import user_cache_path, user_config_path
 
 _NAME = "vibe-render"
-CACHE = "VIBE_CACHE"
-"""The environment variable that names another cache folder."""
+CACHE = "VIBE_CACHE"  # the environment variable that names another cache folder
 
 
 def config_folder() -> Path:

@@ -97,8 +97,7 @@ def _names(line: str) -> tuple[str, ...]:
     return tuple(names)
 
 
-IN_FILES = ("like", "goals")
-"""Options that name files in the place of a prompt, or next to one."""
+IN_FILES = ("like", "goals")  # options that name files in the place of a prompt, or next to one
 _ELSEWHERE = {"seed": "Write seeds = [0, 1] at the top."}
 
 

@@ -125,8 +125,7 @@ def graphics_cards() -> int:
     return done.stdout.count("GPU ") if done.returncode == 0 else 0
 
 
-_LOSSES = 5
-"""Times that a worker may be lost in a job before the job is blamed for it."""
+_LOSSES = 5  # times that a worker may be lost in a job before the job is blamed for it
 
 
 def run(

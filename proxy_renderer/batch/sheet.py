@@ -30,9 +30,7 @@ FILES = {
 }
 _PAGE = Path(__file__).with_name("page")
 _SCRIPTS = ("rows.js", "card.js", "large.js", "keys.js")
-_SHARE = 0.05
-"""Most of the time that may go into rewriting the sheet while jobs run."""
-
+_SHARE = 0.05  # most of the time that may go into rewriting the sheet while jobs run
 _SOONEST = 5.0  # seconds
 
 

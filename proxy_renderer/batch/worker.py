@@ -112,8 +112,7 @@ def _changed(key: str, change: dict[str, Any]) -> list[Any] | None:
 
 
 _MARK = "VIBE "
-_TICK = 0.5
-"""Seconds between two looks at the clock and at the memory."""
+_TICK = 0.5  # seconds between two looks at the clock and at the memory
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,7 @@ from PIL import Image, ImageCms, ImageOps, UnidentifiedImageError
 
 from ..schema import VibeError
 
-LONGEST = 1024
-"""Longer side in pixels beyond which a picture tells nothing more of a look."""
+LONGEST = 1024  # longer side in pixels beyond which a picture tells nothing more of a look
 
 
 @dataclass(frozen=True)

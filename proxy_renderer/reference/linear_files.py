@@ -14,8 +14,7 @@ from ..color import constants as c
 from ..schema import VibeError
 from .encoded_files import LONGEST, FileContents, counted, shrunk_linear
 
-_LARGEST = 3 * 10**9
-"""Bytes of all channels, above which a file is not opened."""
+_LARGEST = 3 * 10**9  # bytes of all channels, above which a file is not opened
 _REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 _BRADFORD = np.array(((0.8951, 0.2664, -0.1614), (-0.7502, 1.7135, 0.0367), (0.0389, -0.0685, 1.0296)))
 """Cones from XYZ, for adaptation to another white (Lindbloom, "Chromatic Adaptation")."""

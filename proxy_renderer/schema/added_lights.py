@@ -12,15 +12,12 @@ _TYPES = {"AREA": "", "POINT": " Lamp", "SPOT": " Spot", "SUN": " Sun"}
 _ROLES = {"key": "key", "rim": "rim", "kicker": "rim"}
 PATTERNS = {"slats": " Blinds", "leaves": " Leaves"}
 """What a card before a light lets through, and what the light's name says of it."""
-CARD = "Vibe Card"
-"""The name of such a card, which only shadow rays see."""
-CARD_AWAY = 1.6
-"""How far before the subject's center it stands, in sizes of the card."""
+CARD = "Vibe Card"  # the name of such a card, which only shadow rays see
+CARD_AWAY = 1.6  # how far before the subject's center it stands, in sizes of the card
 _SLATS, _OPEN, _WINDOW, _FRAME = 9, 0.5, 1.3, 14.0
 _LEAVES, _LEAF, _CROWN = 260, 0.17, 2.2
 _GOLDEN = 2.399963
-COLLECTION = "Vibe Lights"
-"""Where added lights are, in the scene."""
+COLLECTION = "Vibe Lights"  # where added lights are, in the scene
 
 
 @dataclass(frozen=True)
@@ -45,9 +42,7 @@ def light_name(part: str, kind: str, pattern: str = "") -> str:
 
 _PLAIN = [AddedLight(light_name(part, kind), kind, part) for part in PARTS for kind in _TYPES]
 _PATTERNED = [AddedLight(light_name("key", "SUN", p), "SUN", "key", p) for p in PATTERNS]
-ADDED_LIGHTS: dict[str, AddedLight] = {light.name: light for light in (*_PLAIN, *_PATTERNED)}
-"""By name."""
-
+ADDED_LIGHTS: dict[str, AddedLight] = {light.name: light for light in (*_PLAIN, *_PATTERNED)}  # by name
 Quad = tuple[tuple[float, float], tuple[float, float], tuple[float, float], tuple[float, float]]
 
 

@@ -6,17 +6,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-LONGEST_PROMPT = 2000
-"""Characters of a prompt."""
-
-LONGEST_NAME = 60
-"""Characters of a preset's name."""
-
-LARGEST_SEED = 2**31 - 1
-"""The largest whole number that a Blender property holds."""
-
-MESH_FORMATS = (".obj", ".glb", ".gltf", ".ply", ".stl")
-"""Suffixes of the bare meshes that can be opened."""
+LONGEST_PROMPT = 2000  # characters of a prompt
+LONGEST_NAME = 60  # characters of a preset's name
+LARGEST_SEED = 2**31 - 1  # the largest whole number that a Blender property holds
+MESH_FORMATS = (".obj", ".glb", ".gltf", ".ply", ".stl")  # suffixes of the bare meshes that can be opened
 
 
 @dataclass(frozen=True)
@@ -36,8 +29,7 @@ BUDGETS = {
     "thorough": Budget(10, 20, 512, 6, "several starts, and time to refine"),
 }
 STANDARD = BUDGETS["standard"]
-NUMBERS = ("rounds", "steps", "size", "starts")
-"""What a budget decides, where nothing else does."""
+NUMBERS = ("rounds", "steps", "size", "starts")  # what a budget decides, where nothing else does
 
 
 def fill(options: Any) -> None:

@@ -184,8 +184,7 @@ class Anchored:
     error: str = ""  # why there is no picture
 
 
-VARIANTS = "variants.png"
-"""The sheet of all variants, a file name in the job folder."""
+VARIANTS = "variants.png"  # the sheet of all variants, a file name in the job folder
 
 
 @dataclass(frozen=True)

@@ -145,8 +145,7 @@ def matches(key: str, patterns: tuple[str, ...] | list[str]) -> bool:
     return any(p in (group, f"{group}/{owner}", key) or fnmatchcase(key, p) for p in patterns)
 
 
-PAINT = "material"
-"""The group of parameters that only words about surfaces may change."""
+PAINT = "material"  # the group of parameters that only words about surfaces may change
 _LIT = frozenset(("light", "world", "volume", "film"))
 MEANS: dict[str, frozenset[str]] = {
     "color": _LIT | {PAINT},
@@ -159,8 +158,7 @@ MEANS: dict[str, frozenset[str]] = {
     "setting": _LIT,
 }
 """Slot of a word -> groups of parameters that may serve it."""
-SURFACES = tuple(slot for slot, groups in MEANS.items() if PAINT in groups)
-"""Slots of words about surfaces."""
+SURFACES = tuple(slot for slot, groups in MEANS.items() if PAINT in groups)  # slots of words about surfaces
 
 
 def may_serve(group: str, slot: str, cause: str = "") -> bool:
@@ -168,9 +166,7 @@ def may_serve(group: str, slot: str, cause: str = "") -> bool:
     return group in MEANS[slot] and not (cause and group == PAINT)
 
 
-VERSION = 1
-"""Raised when a row's meaning changes: presets carry it, and a newer one is refused."""
-
+VERSION = 1  # raised when a row's meaning changes: presets carry it, and a newer one is refused
 REFERENCES = {
     "light_distance": "distance from the light to the subject's center, meters",
     "light_distance_squared": "the same, squared: it cancels the inverse square law",

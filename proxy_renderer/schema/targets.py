@@ -12,11 +12,9 @@ GENERAL = {
     "highlights": "highlight", "not used": "none",
 }  # fmt: skip
 """Name that `--target` takes in every scene -> kind of target, as the reader calls it. Of two names of a kind, the first is shown."""
-OFFERED = ("lights", "key light", "world", "image", "not used")
-"""Names that every word's menu offers."""
+OFFERED = ("lights", "key light", "world", "image", "not used")  # names that every word's menu offers
 NOT_USED = "not used"
-NAME_OF = {kind: name for name, kind in reversed(GENERAL.items())}
-"""Kind of target -> its name."""
+NAME_OF = {kind: name for name, kind in reversed(GENERAL.items())}  # kind of target -> its name
 NUMBER = "#"
 """Between a word and its number, where the prompt says it several times: "red#2"."""
 _AND = " + "

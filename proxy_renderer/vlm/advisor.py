@@ -24,10 +24,8 @@ from .reply import Reply, read_reply
 from .request import AliasTable, make_question
 from .transport import ModelError
 
-_SAYS = "the model"
-"""What stands in reports in the place of a word, where a model asks for something."""
-_COLORS = {"subject": "color", "surroundings": "surroundings_color"}
-"""Region -> quantity of its color."""
+_SAYS = "the model"  # what stands in reports in the place of a word, where a model asks for something
+_COLORS = {"subject": "color", "surroundings": "surroundings_color"}  # region -> quantity of its color
 _PATIENCE = 2  # rounds in a row without an answer, after which the model is not asked any more
 
 

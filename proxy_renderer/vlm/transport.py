@@ -96,9 +96,7 @@ class ModelError(VibeError):
         self.complaint = complaint  # the server's words, which tell what it cannot do; "" for none
 
 
-LARGEST = 2_000_000
-"""Bytes of an answer; a plan has a few thousand."""
-
+LARGEST = 2_000_000  # bytes of an answer; a plan has a few thousand
 _TICK = 0.05
 _OVERFULL = re.compile(r"context[ _](length|size|window)|too many tokens|n_ctx", re.IGNORECASE)
 

@@ -20,8 +20,7 @@ from .option import HEADINGS as HEADINGS
 from .option import Option as Option
 from .option import Panel, option
 
-STAGES = ("none", "floor", "cyclorama")
-"""What a bare mesh can be put on."""
+STAGES = ("none", "floor", "cyclorama")  # what a bare mesh can be put on
 
 
 TRAITS = ("light", "grade", "palette", "air", "materials")
