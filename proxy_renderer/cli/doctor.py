@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import platform
 import subprocess
@@ -11,6 +12,7 @@ import tempfile
 from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 from .. import __version__
@@ -87,11 +89,16 @@ def _blender(config: list[str]) -> str:
     return f"{version} (the bpy module)"
 
 
-def _torch() -> str:
+def _imported(what: str, remedy: str, *names: str) -> ModuleType:
+    """The last of some modules; VibeError where one cannot be imported."""
     try:
-        import torch
+        return [importlib.import_module(name) for name in names][-1]
     except (ImportError, OSError) as error:
-        raise VibeError(f"torch cannot be imported: {error}", _AGAIN) from error
+        raise VibeError(f"{what} cannot be imported: {error}", remedy) from error
+
+
+def _torch() -> str:
+    torch = _imported("torch", _AGAIN, "torch")
     cards = [torch.cuda.get_device_name(i) for i in range(torch.cuda.device_count())]
     return f"{torch.__version__}, {torch.get_num_threads()} threads, " + (
         ", ".join(f"cuda:{i} {card}" for i, card in enumerate(cards)) or "no graphics card (the CPU is fine)"
@@ -99,22 +106,13 @@ def _torch() -> str:
 
 
 def _rays() -> str:
-    try:
-        import DracoPy  # noqa: F401
-        import embreex  # noqa: F401
-        import trimesh  # noqa: F401
-    except (ImportError, OSError) as error:
-        raise VibeError(
-            f"What reads meshes cannot be imported: {error}", "pip install embreex trimesh dracopy"
-        ) from error
+    remedy = "pip install embreex trimesh dracopy"
+    _imported("What reads meshes", remedy, "DracoPy", "embreex", "trimesh")
     return ", ".join(f"{name} {metadata.version(name)}" for name in ("embreex", "trimesh", "dracopy"))
 
 
 def _ocio(config: list[str]) -> str:
-    try:
-        import PyOpenColorIO as ocio
-    except (ImportError, OSError) as error:
-        raise VibeError(f"OpenColorIO cannot be imported: {error}", "pip install opencolorio") from error
+    ocio = _imported("OpenColorIO", "pip install opencolorio", "PyOpenColorIO")
     if not config:
         return f"OpenColorIO {ocio.__version__}"
     views = list(ocio.Config.CreateFromFile(config[0]).getViews("sRGB"))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -60,8 +61,10 @@ def read_reply(raw: dict[str, Any], table: AliasTable) -> Reply:
     reply.dropped = len(set(raw) - set(fields))
     reply.objects = _objects(raw.get("objects"), table, reply)
     reply.prompts = _prompts(raw.get("prompts"), reply)
-    reply.targets = _targets(raw.get("targets"), reply)
-    reply.colors = _colors(raw.get("colors"), reply)
+    classes = {name: quantity.classes for name, quantity in quantities().by_name.items()}
+    reply.targets = _usable(raw.get("targets"), lambda name, text: text in classes.get(name, ()), reply)
+    colors = _usable(raw.get("colors"), lambda name, text: name in REGIONS and is_hex(text), reply)
+    reply.colors = {region: srgb_from_hex(text) for region, text in colors.items()}  # type: ignore[misc]
     reply.ignored = _texts(raw.get("ignored"), _WORD)
     for item in _list(raw.get("plan"), reply)[:_MOST_ENTRIES]:
         _add_entry(item, table, reply)
@@ -120,24 +123,15 @@ def _prompts(raw: Any, reply: Reply) -> Prompts:
     )
 
 
-def _targets(raw: Any, reply: Reply) -> dict[str, str]:
-    targets, known = {}, quantities().by_name
+def _usable(raw: Any, fits: Callable[[str, str], bool], reply: Reply) -> dict[str, str]:
+    """The texts in an object that fit their names; others that are not empty are counted as dropped."""
+    found = {}
     for name, value in (raw if isinstance(raw, dict) else {}).items():
-        if name in known and isinstance(value, str) and value in known[name].classes:
-            targets[name] = value
+        if isinstance(value, str) and fits(name, value.strip()):
+            found[name] = value.strip()
         elif value not in ("", None):
             reply.dropped += 1
-    return targets
-
-
-def _colors(raw: Any, reply: Reply) -> dict[Region, Values]:
-    colors: dict[Region, Values] = {}
-    for region, value in (raw if isinstance(raw, dict) else {}).items():
-        if region in REGIONS and isinstance(value, str) and is_hex(value.strip()):
-            colors[region] = srgb_from_hex(value.strip())
-        elif value not in ("", None):
-            reply.dropped += 1
-    return colors
+    return found
 
 
 def _add_entry(item: Any, table: AliasTable, reply: Reply) -> None:
