@@ -18,11 +18,10 @@ from ..blender.progress import TerminalBar
 from ..prompt.lexicon.user_words import VARIABLE
 from ..schema import VibeError
 from . import manifest, schedule
-from .finals import Finals
 from .plan import BatchPlan, Job, Jobs
 from .schedule import Pool, fitting, local_pool
 from .sheet import Sheet
-from .store import DONE, FAILED, JobRow, Store, read_json
+from .store import DONE, FAILED, Finals, JobRow, Store, read_json
 from .worker import Setup
 
 
