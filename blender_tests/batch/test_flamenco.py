@@ -11,7 +11,7 @@ import bpy
 import pytest
 from small_scenes import studio
 
-from proxy_renderer.batch.flamenco import install
+from proxy_renderer.batch.command import install
 from proxy_renderer.schema import VibeError, preset
 
 ROOT = Path(__file__).parents[2]

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`vibe batch`: from a manifest to a folder of results."""
+"""`vibe batch`, from a manifest to a folder of results, and `vibe flamenco install`."""
 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import re
 import signal
@@ -14,6 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TextIO
 
+from ..blender.launch import blender_side
 from ..blender.progress import TerminalBar
 from ..prompt.lexicon.user_words import VARIABLE
 from ..schema import VibeError
@@ -21,7 +23,7 @@ from . import manifest, schedule
 from .plan import BatchPlan, Job, Jobs
 from .schedule import Pool, fitting, local_pool
 from .sheet import Sheet
-from .store import DONE, FAILED, Finals, JobRow, Store, read_json
+from .store import DONE, FAILED, Finals, JobRow, Store, read_json, write_bytes
 from .worker import Setup
 
 
@@ -238,3 +240,18 @@ def _handling(handler: Any, *numbers: int) -> Iterator[None]:
 
 def _interrupt(number: int, frame: Any) -> None:
     raise KeyboardInterrupt
+
+
+NAME = "vibe-render.js"
+
+
+def install(scripts: Path) -> Path:
+    """Copies the job type to a Flamenco Manager's scripts; it proposes this installation's `batch.py`."""
+    scripts = scripts.expanduser().resolve()
+    if not scripts.parent.is_dir():
+        raise VibeError(f"There is no folder {scripts.parent}.", "Name the folder of your Flamenco Manager.")
+    scripts.mkdir(exist_ok=True)
+    source = Path(__file__).with_name("flamenco.js").read_text("utf-8")
+    script = json.dumps(blender_side().as_posix())[1:-1]
+    write_bytes(scripts / NAME, source.replace("{{script}}", script).encode())
+    return scripts / NAME

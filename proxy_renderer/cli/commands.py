@@ -151,7 +151,7 @@ def _flamenco_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _flamenco(a: argparse.Namespace) -> int:
-    from ..batch.flamenco import install
+    from ..batch.command import install
 
     print(f"Written: {install(a.scripts)}. Restart the Manager, then refresh the job types in Blender.")
     return 0
