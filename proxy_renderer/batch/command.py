@@ -245,7 +245,7 @@ def _interrupt(number: int, frame: Any) -> None:
 NAME = "vibe-render.js"
 
 
-def install(scripts: Path) -> Path:
+def install_job_type(scripts: Path) -> Path:
     """Copies the job type to a Flamenco Manager's scripts; it proposes this installation's `batch.py`."""
     scripts = scripts.expanduser().resolve()
     if not scripts.parent.is_dir():
