@@ -17,6 +17,7 @@ from importlib import metadata
 from pathlib import Path
 
 from ..schema import VibeError, atomic
+from .launch import blender_side
 
 _LEFTOVERS = ("__pycache__", "*.pyc", "*.md")
 _OF_THE_COMMAND = (
@@ -92,7 +93,7 @@ def _assemble(package: Path) -> None:
     """Puts the add-on, the schema, the engine's code and the note about this Python together."""
     here = Path(__file__).parents[1]
     leftovers = shutil.ignore_patterns(*_LEFTOVERS)
-    shutil.copytree(_addon(), package, ignore=leftovers)
+    shutil.copytree(blender_side().parent, package, ignore=leftovers)
     schema = shutil.ignore_patterns(*_LEFTOVERS, "means.py")  # the planner's alone
     shutil.copytree(here / "schema", package / "schema", ignore=schema)
     engine = shutil.ignore_patterns(*_LEFTOVERS, *_OF_THE_COMMAND)
@@ -109,17 +110,6 @@ def _requirements() -> list[str]:
     else:
         needed = [line for line in metadata.requires("vibe-render") or [] if "extra ==" not in line]
     return [line for line in needed if not line.startswith("bpy")]
-
-
-def _addon() -> Path:
-    """The add-on's folder: importable beside this package, or in the clone that this is part of."""
-    spec = importlib.util.find_spec("vibe_render")
-    places = [Path(p) for p in (spec.submodule_search_locations or [])] if spec else []
-    places.append(Path(__file__).resolve().parents[2] / "addon" / "vibe_render")
-    for place in places:
-        if (place / "blender_manifest.toml").is_file():
-            return place
-    raise VibeError("The add-on's files are missing.", "Reinstall vibe-render, or run it from a clone.")
 
 
 def _blender_tool() -> Path:

@@ -151,9 +151,11 @@ def _flamenco_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _flamenco(a: argparse.Namespace) -> int:
-    from ..batch.command import install
+    from ..batch.command import install_job_type
 
-    print(f"Written: {install(a.scripts)}. Restart the Manager, then refresh the job types in Blender.")
+    print(
+        f"Written: {install_job_type(a.scripts)}. Restart the Manager, then refresh the job types in Blender."
+    )
     return 0
 
 
@@ -314,9 +316,9 @@ def _extension_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _extension(a: argparse.Namespace) -> int:
-    from ..blender.extension import build, install
+    from ..blender.extension import build
 
-    print(install(a.blender) if a.action == "install" else f"Written: {build(a.out)}")
+    print(install_job_type(a.blender) if a.action == "install" else f"Written: {build(a.out)}")
     return 0
 
 

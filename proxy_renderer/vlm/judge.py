@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw, ImageFont, ImageOps
 
 from .client import Client, Question, jpeg_of
 from .transport import ModelError, clean
@@ -113,7 +113,8 @@ def figure(columns: Sequence[Column], rows: tuple[str, str] = ROWS) -> Image.Ima
         y = top + row * (_CELL + _MARGIN)
         draw.text((left / 2, y + _CELL / 2), name, _FAINT, font, anchor="mm")
         for index, column in enumerate(columns):
-            picture = _fitted((column.top, column.bottom)[row])
+            whole = (column.top, column.bottom)[row].convert("RGB")
+            picture = ImageOps.contain(whole, (_CELL, _CELL), Image.Resampling.LANCZOS)
             x = left + index * (_CELL + _MARGIN)
             sheet.paste(picture, (x + (_CELL - picture.width) // 2, y + (_CELL - picture.height) // 2))
     for index, text in enumerate(lines):
@@ -122,13 +123,6 @@ def figure(columns: Sequence[Column], rows: tuple[str, str] = ROWS) -> Image.Ima
             below = top + 2 * (_CELL + _MARGIN) + (number + 0.5) * _LINE
             draw.text((middle, below), line, _INK, small, anchor="mm")
     return sheet
-
-
-def _fitted(picture: Image.Image) -> Image.Image:
-    """As large as fits into a cell."""
-    factor = _CELL / max(picture.size)
-    width, height = (max(round(n * factor), 1) for n in picture.size)
-    return picture.convert("RGB").resize((width, height), Image.Resampling.LANCZOS)
 
 
 def _wrapped(text: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont) -> list[str]:
