@@ -316,9 +316,9 @@ def _extension_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _extension(a: argparse.Namespace) -> int:
-    from ..blender.extension import build
+    from ..blender.extension import build, install
 
-    print(install_job_type(a.blender) if a.action == "install" else f"Written: {build(a.out)}")
+    print(install(a.blender) if a.action == "install" else f"Written: {build(a.out)}")
     return 0
 
 

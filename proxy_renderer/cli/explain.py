@@ -60,7 +60,10 @@ def account(
         _read(prompt, scene, subject, target) if scene else (*_plain(), None)
     )
     if with_reasons:
-        return _reasons(prompt, words, target)
+        vocabulary = default_vocabulary()
+        reader = PromptReader(vocabulary, words, told=checks.targets(target))
+        reader.read(prepared(prompt, words, vocabulary))
+        return why(reader)
     goals = addition.goals if addition else goals_or_why(Understood(prompt, words, target))
     if as_goals:
         if isinstance(goals, VibeError):
@@ -87,14 +90,6 @@ def _light(goals: Goals, addition: Addition | None) -> list[str]:
         for x in chosen.rig.lights
     )
     return [f"Light: {chosen.rig.says}", *lights]
-
-
-def _reasons(prompt: str, words: SceneWords, target: Sequence[str]) -> str:
-    """What the reader chose among, and why."""
-    vocabulary = default_vocabulary()
-    reader = PromptReader(vocabulary, words, told=checks.targets(target))
-    reader.read(prepared(prompt, words, vocabulary))
-    return why(reader)
 
 
 def _read(
