@@ -161,12 +161,7 @@ def guess(job: Job) -> float:
 
 
 def run(a: argparse.Namespace) -> int:
-    """Carries out the command; returns 0, or 1 if jobs have failed.
-
-    Raises:
-        VibeError: The manifest is wrong, or the batch cannot go on.
-        KeyboardInterrupt: It was interrupted; what is done stays, and the next run continues.
-    """
+    """Carries out the command; returns 0, or 1 if jobs have failed. What is done stays, and the next run continues."""
     wanted = manifest.load(a.manifest, a.out)
     plan = BatchPlan(wanted.groups)
     if a.workers < 0:

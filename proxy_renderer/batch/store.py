@@ -164,12 +164,10 @@ class Finals:
     """A job for the final frames of every finished result.
 
     Frames that have been rendered stay when a job is tried again, so that a time limit costs one frame at most.
-
-    Args:
-        frames: "1-24"; or "" for those that the look was made for, else the scene's own.
     """
 
     def __init__(self, plan: Jobs, store: Store, frames: str) -> None:
+        # frames: "1-24"; or "" for those that the look was made for, else the scene's own
         self._plan, self._store, self._frames = plan, store, frames
 
     def __len__(self) -> int:

@@ -83,10 +83,8 @@ _INDICES = 5125
 def is_packed(path: Path) -> bool:
     """Whether a mesh file is a glTF with Draco-compressed geometry; a broken file is not."""
     try:
-        return path.suffix.lower() in (".glb", ".gltf") and _NAME in read_gltf(path)[0].get(
-            "extensionsUsed", ()
-        )
-    except (ValueError, OSError, struct.error, AttributeError):
+        return path.suffix.lower() in (".glb", ".gltf") and _NAME in read_gltf(path)[0]["extensionsUsed"]
+    except (ValueError, OSError, struct.error, TypeError, KeyError):
         return False
 
 
@@ -186,7 +184,6 @@ def prepared(scene: Path) -> Iterator[Path]:
     if scene.suffix.lower() == ".blend":
         yield scene
         return
-
     if scene.suffix.lower() in (".glb", ".gltf"):
         refuse_unread_extensions(scene)
     with tempfile.TemporaryDirectory(prefix="vibe-mesh-") as folder:
@@ -199,7 +196,6 @@ def check(path: Path) -> None:
     """Refuses a mesh without faces or size, with infinite coordinates, or that is broken; long texts go unchecked."""
     if _is_text(path) and path.stat().st_size > _LONGEST_TEXT:
         return
-    import numpy as np
     import trimesh
 
     try:

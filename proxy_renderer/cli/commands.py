@@ -142,11 +142,7 @@ def _flamenco_options(parser: argparse.ArgumentParser) -> None:
         "action", choices=("install",), metavar="install", help="the only thing to do with it"
     )
     parser.add_argument(
-        "--scripts",
-        required=True,
-        type=Path,
-        metavar="DIR",
-        help="folder `scripts` of your Flamenco Manager",
+        "--scripts", required=True, type=Path, metavar="DIR", help="folder `scripts` of your Flamenco Manager"
     )
 
 

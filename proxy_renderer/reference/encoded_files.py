@@ -157,7 +157,8 @@ def _contents(picture: Image.Image, path: Path) -> FileContents:
     notes = []
     if (count := getattr(picture, "n_frames", 1)) > 1 and picture.format != "MPO":
         notes.append(f"The first of its {count} frames or pages was read.")
-    panorama = bool(_PANORAMA.search(_metadata(picture)))
+    packet = picture.info.get("xmp") or picture.info.get("XML:com.adobe.xmp") or b""  # of XMP
+    panorama = bool(_PANORAMA.search(packet.encode() if isinstance(packet, str) else packet))
     icc = picture.info.get("icc_profile", b"")
     full = picture.size
     picture.draft(None, (LONGEST, LONGEST))  # a JPEG is decoded at an eighth, if that is large enough
@@ -172,12 +173,6 @@ def _contents(picture: Image.Image, path: Path) -> FileContents:
         return _floats(upright, panorama, notes)
     color, alpha, told = to_srgb(_small(upright), icc)
     return FileContents(color, alpha, linear=False, panorama=panorama, notes=(*notes, *told))
-
-
-def _metadata(picture: Image.Image) -> bytes:
-    """The XMP packet, where panoramas are told; b"" if there is none."""
-    packet = picture.info.get("xmp") or picture.info.get("XML:com.adobe.xmp") or b""
-    return packet.encode() if isinstance(packet, str) else packet
 
 
 def _small(picture: Image.Image) -> Image.Image:

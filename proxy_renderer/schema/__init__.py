@@ -24,25 +24,7 @@ from .parameters import (
 )
 
 __all__ = [
-    "BUDGETS",
-    "FAMILIES",
-    "GROUPS",
-    "PARAMETERS",
-    "REFERENCES",
-    "VERSION",
-    "Budget",
-    "Instance",
-    "Parameter",
-    "Scale",
-    "Values",
-    "VibeError",
-    "added_lights",
-    "frame_numbers",
-    "labels",
-    "limits",
-    "matches",
-    "orbit",
-    "radiometry",
-    "schema_hash",
-    "split_key",
-]
+    "BUDGETS", "FAMILIES", "GROUPS", "PARAMETERS", "REFERENCES", "VERSION", "Budget", "Instance",
+    "Parameter", "Scale", "Values", "VibeError", "added_lights", "frame_numbers", "labels", "limits",
+    "matches", "orbit", "radiometry", "schema_hash", "split_key",
+]  # fmt: skip

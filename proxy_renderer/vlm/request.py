@@ -184,6 +184,12 @@ def answer_schema(table: AliasTable) -> dict[str, Any]:
     texts = {"type": "array", "items": text}
     key = {"type": "string", "enum": names}
     numbers = {"type": "array", "items": {"type": "number"}}
+    captions = dict.fromkeys(("subject", "surroundings", "whole"), text)
+    targets = {
+        name: {"type": "string", "enum": [*quantity.classes, ""]}
+        for name, quantity in quantities().by_name.items()
+        if quantity.classes
+    }
     thing = _object(
         name=text,
         region=region,
@@ -193,21 +199,8 @@ def answer_schema(table: AliasTable) -> dict[str, Any]:
     entry = _object(parameter=key, lower=numbers, upper=numbers, priority={"type": "integer"}, reason=text)
     return _object(
         objects={"type": "array", "items": thing},
-        prompts=_object(
-            subject=text,
-            surroundings=text,
-            whole=text,
-            subject_negatives=texts,
-            surroundings_negatives=texts,
-            whole_negatives=texts,
-        ),
-        targets=_object(
-            **{
-                name: {"type": "string", "enum": [*quantity.classes, ""]}
-                for name, quantity in quantities().by_name.items()
-                if quantity.classes
-            }
-        ),
+        prompts=_object(**captions, **{f"{name}_negatives": texts for name in captions}),
+        targets=_object(**targets),
         colors=_object(**dict.fromkeys(REGIONS, text)),
         ignored=texts,
         plan={"type": "array", "items": entry},

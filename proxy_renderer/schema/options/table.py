@@ -272,12 +272,7 @@ TASK = (
         manifest=("scene",),
     ),
     Option(
-        "cameras",
-        (),
-        "names of cameras (default: the scene's own)",
-        "shots",
-        unit="A,B",
-        manifest=("shots",),
+        "cameras", (), "names of cameras (default: the scene's own)", "shots", unit="A,B", manifest=("shots",)
     ),
     Option(
         "frames",
