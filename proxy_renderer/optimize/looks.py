@@ -13,7 +13,7 @@ from ..claims.claim import Claim
 from ..claims.verdict import ShotClaims
 from ..planning.advice import Advice, Advisor
 from ..render.gbuffer import GBuffer
-from ..schema import verdicts
+from ..schema import messages
 from . import context
 from .drawing import chosen_values
 from .plan import feasible_ranges
@@ -79,7 +79,7 @@ class Looks:
             display = self._shot.draw(u).display
         judged = ShotClaims(claims, self._before_seen, self._seen(u))
         rows = judged.verdicts(self.before.display, display, display)
-        words = {word: not missing for word, missing in verdicts.missing_by_word(rows).items()}
+        words = {word: not missing for word, missing in messages.missing_by_word(rows).items()}
         return EarlyLook(self._shot.vector.changes(u), display, words)
 
     def _seen(self, u: Tensor) -> GBuffer:

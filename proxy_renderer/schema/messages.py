@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, BinaryIO, ClassVar, get_args
 
@@ -310,3 +310,16 @@ def check_schema(theirs: str, who: str) -> None:
             f"The {who} has another parameter table ({theirs or 'none'} instead of {schema_hash()}).",
             "Install the same version of vibe-render for Blender and for the engine.",
         )
+
+
+ClaimVerdict = Mapping[str, Any]
+"""A row of the report's `claims`; `proxy_renderer.claims.verdict` says what is in it."""
+
+
+def missing_by_word(rows: Sequence[ClaimVerdict]) -> dict[str, list[ClaimVerdict]]:
+    """Measurable word -> its claims that do not hold; none where the image satisfies the word."""
+    words: dict[str, list[ClaimVerdict]] = {}
+    for row in rows:
+        if row["word"] and row["holds"] is not None:
+            words.setdefault(row["word"], []).extend([] if row["holds"] else [row])
+    return words

@@ -17,7 +17,7 @@ from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import FAMILIES, VibeError
-from proxy_renderer.schema.verdicts import missing_by_word
+from proxy_renderer.schema.messages import missing_by_word
 
 SCENE = SceneWords(
     "vase",

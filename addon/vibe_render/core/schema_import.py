@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from proxy_renderer import schema
-    from proxy_renderer.schema import atomic, errors, labels, limits, messages, preset, targets, verdicts
+    from proxy_renderer.schema import atomic, errors, labels, limits, messages, preset, targets
     from proxy_renderer.schema.options import checks, command_line
     from proxy_renderer.schema.options import table as options
 else:
@@ -16,7 +16,7 @@ else:
         from ..schema.options import table as options
     except ImportError:
         from proxy_renderer import schema
-        from proxy_renderer.schema import atomic, errors, labels, limits, messages, preset, targets, verdicts
+        from proxy_renderer.schema import atomic, errors, labels, limits, messages, preset, targets
         from proxy_renderer.schema.options import checks, command_line
         from proxy_renderer.schema.options import table as options
 
