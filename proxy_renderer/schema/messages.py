@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Messages between Blender and the engine: JSON objects, each ended by a NUL byte."""
+"""Messages between Blender and the engine: JSON objects, each ended by a NUL byte.
+
+Every class below is one message; its wire form is its fields plus "type". The engine's first message and every request
+carry the hash of the parameter table: versions that disagree about it refuse to work together.
+"""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 else:
     try:
         from .. import schema
-        from ..schema import atomic, errors, labels, limits, messages, preset, targets, verdicts
+        from ..schema import atomic, errors, labels, limits, messages, preset, targets
         from ..schema.options import checks, command_line
         from ..schema.options import table as options
     except ImportError:
@@ -32,5 +32,4 @@ __all__ = [
     "preset",
     "schema",
     "targets",
-    "verdicts",
 ]

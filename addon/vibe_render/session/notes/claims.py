@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ...core.schema_import import verdicts
+from ...core.schema_import import messages
 
 
 def words_shown(claims: Sequence[Mapping[str, Any]]) -> dict[str, str]:
@@ -19,7 +19,7 @@ def words_shown(claims: Sequence[Mapping[str, Any]]) -> dict[str, str]:
         Words in their order; those that claim nothing measurable are left out.
     """
     return {
-        word: _missing(rows[0]) if rows else "" for word, rows in verdicts.missing_by_word(claims).items()
+        word: _missing(rows[0]) if rows else "" for word, rows in messages.missing_by_word(claims).items()
     }
 
 
