@@ -25,10 +25,7 @@ class Scale:
     exponent: float = 1.0  # for "power": value = lower + (upper - lower) * u ** exponent
 
     def to_unit(self, value: float, lower: float, upper: float) -> float:
-        """Maps a value to the place where it stands between its bounds.
-
-        Returns:
-            u in [0, 1].
+        """Maps a value to the place u in [0, 1] where it stands between its bounds.
 
         >>> Scale("log").to_unit(10.0, 1.0, 100.0), Scale().to_unit(7.0, 0.0, 4.0)
         (0.5, 1.0)
@@ -132,11 +129,7 @@ def split_key(key: str) -> tuple[str, str, str]:
 
 
 def matches(key: str, patterns: tuple[str, ...] | list[str]) -> bool:
-    """Whether a key is named by a pattern.
-
-    Args:
-        key: Of an instance: "light/Key/power".
-        patterns: Each a group, a group with an owner, a key, or a glob of keys.
+    """Whether a pattern names a key: patterns are groups, groups with an owner, keys, or globs of keys.
 
     >>> matches("light/Key/power", ["light"]), matches("light/Key/power", ["*/power"])
     (True, True)
@@ -145,17 +138,14 @@ def matches(key: str, patterns: tuple[str, ...] | list[str]) -> bool:
     return any(p in (group, f"{group}/{owner}", key) or fnmatchcase(key, p) for p in patterns)
 
 
+# A mood never repaints the scene. Moods, light words, places, weather, seasons, times of day and grade words are served by
+# lights, world, air and film. A material changes only for a word that the prompt itself says, that is bound to it, and that
+# speaks of its color, substance or finish. A material that lights the scene by its glow is a light, and its glow no paint.
 PAINT = "material"  # the group of parameters that only words about surfaces may change
-_LIT = frozenset(("light", "world", "volume", "film"))
+_NO_PAINT = frozenset(("light", "world", "volume", "film"))
 MEANS: dict[str, frozenset[str]] = {
-    "color": _LIT | {PAINT},
-    "finish": _LIT | {PAINT},
-    "material": _LIT | {PAINT},
-    "lighting": _LIT,
-    "atmosphere": _LIT,
-    "grade": _LIT,
-    "mood": _LIT,
-    "setting": _LIT,
+    **dict.fromkeys(("color", "finish", "material"), _NO_PAINT | {PAINT}),
+    **dict.fromkeys(("lighting", "atmosphere", "grade", "mood", "setting"), _NO_PAINT),
 }
 """Slot of a word -> groups of parameters that may serve it."""
 SURFACES = tuple(slot for slot, groups in MEANS.items() if PAINT in groups)  # slots of words about surfaces
@@ -178,8 +168,6 @@ REFERENCES = {
 """Scene lengths that bounds are multiples of, measured once, before anything is changed."""
 
 _LAMPS = ("POINT", "SPOT", "AREA")
-
-
 _camera = partial(Parameter, "camera")
 _light = partial(Parameter, "light")
 _world = partial(Parameter, "world")

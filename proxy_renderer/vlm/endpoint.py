@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which model is asked, where, and with whose key. Standard library only."""
+"""The model that is asked, where it is, and its key."""
 
 from __future__ import annotations
 
@@ -31,14 +31,19 @@ class Endpoint:
 
     @property
     def local(self) -> bool:
-        """Whether it is this computer's own."""
-        return is_local(self.url)
+        """Whether its URL stays on this computer (a loopback address)."""
+        host = urlsplit(self.url).hostname or ""
+        if host == "localhost" or host.endswith(".localhost"):
+            return True
+        try:
+            return ipaddress.ip_address(host).is_loopback
+        except ValueError:
+            return False
 
     @property
     def place(self) -> str:
         """Host and port, for messages; the rest of the URL may hold secrets."""
-        parts = urlsplit(self.url)
-        return parts.netloc.rpartition("@")[2]
+        return urlsplit(self.url).netloc.rpartition("@")[2]
 
 
 def find_endpoint(
@@ -84,17 +89,6 @@ def find_endpoint(
             "Allow it in Preferences > System > Network, or use a model on this computer.",
         )
     return endpoint
-
-
-def is_local(url: str) -> bool:
-    """Whether a URL stays on this computer (a loopback address)."""
-    host = urlsplit(url).hostname or ""
-    if host == "localhost" or host.endswith(".localhost"):
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
 
 
 def _check(url: str) -> None:
