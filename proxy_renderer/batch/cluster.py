@@ -30,7 +30,7 @@ class Station:
         self._node = os.getppid()  # the node's own process has started this one
 
     def shares(self) -> bool:
-        """Whether this machine sees the results folder."""
+        """True if this machine sees the results folder."""
         return self._shares
 
     def run(self, job: Job, *scenes: bytes) -> tuple[JobRow, dict[str, bytes]]:
@@ -81,7 +81,7 @@ class RayPool:
         self._lost = False
 
     def capacity(self) -> int:
-        """How many stations are ready now."""
+        """Number of stations that are ready now."""
         return len(self._ready)
 
     def submit(self, job: Job) -> None:
@@ -219,7 +219,7 @@ def cluster_pool(address: str, store: Store, setup: Setup, most: int = 0) -> Ray
 
 
 def fitting(resources: dict[str, float], limits: Limits) -> int:
-    """How many workers a node holds; 0 if it is too small."""
+    """Number of workers that a node holds; 0 if it is too small."""
     fits = [int(resources.get("CPU", 0) // limits.cores)]
     fits.append(int(resources.get("memory", 0) / 1e9 // limits.memory_gb))
     if cards := resources.get("GPU"):

@@ -162,19 +162,19 @@ def guess(job: Job) -> float:
 
 def run(a: argparse.Namespace) -> int:
     """Carries out the command; returns 0, or 1 if jobs have failed. What is done stays, and the next run continues."""
-    wanted = manifest.load(a.manifest, a.out)
-    plan = BatchPlan(wanted.groups)
+    content = manifest.load(a.manifest, a.out)
+    plan = BatchPlan(content.groups)
     if a.workers < 0:
         raise VibeError(f"--workers {a.workers} is out of range.", "Use 1 or more, or leave it out.")
     if a.final and not re.fullmatch(r"\d+(-\d+)?", a.final):
         raise VibeError(f"--final {a.final} names no frames.", "Write them as in --final 1-24.")
     if a.dry_run:
-        workers = a.workers or fitting(wanted.limits)
+        workers = a.workers or fitting(content.limits)
         print(account(plan, a.out, 0 if a.ray else workers))
         return 0
     with Store(a.out) as store, _handling(_interrupt, signal.SIGTERM):
-        store.check_space(wanted.limits.free_gb)
-        return _carry_out(a, plan, store, wanted.limits)
+        store.check_space(content.limits.free_gb)
+        return _carry_out(a, plan, store, content.limits)
 
 
 def _carry_out(a: argparse.Namespace, plan: BatchPlan, store: Store, limits: manifest.Limits) -> int:

@@ -3,13 +3,13 @@
 
 A mistake raises VibeError, which names its line.
 
-scenes = ["shots/*.blend", "props/teapot.obj"]      # beside the manifest; ** goes into folders
+scenes = ["shots/*.blend", "props/teapot.obj"]      # from the manifest's folder; ** goes into folders
 prompts = ["noir", "golden hour, warm haze"]        # or the name of a text file, a prompt on each line
 seeds = [0, 1]                                      # default: [0]
 files = ["textures/**"]                             # what scenes link to: if it changes, they are done again
 
 [options]                                           # those of `vibe run`
-like = "stills/dusk.jpg"                            # a picture as the words, or beside them
+like = "stills/dusk.jpg"                            # a picture as the words, or next to them
 size = 512
 lock = ["material/*"]
 
@@ -84,7 +84,7 @@ class SceneGroup:
 
 @dataclass(frozen=True)
 class Manifest:
-    """What is wanted of which scenes, and what the jobs may use."""
+    """The scenes with their prompts and options, and the limits of jobs."""
 
     groups: tuple[SceneGroup, ...]
     limits: Limits
@@ -206,7 +206,7 @@ class _Reader:
         return tuple(dict.fromkeys(given))
 
     def _own(self, table: Any, options: dict[str, Any], *keys: str) -> dict[str, Any]:
-        """What a table for some scenes, "scene" or "shots", says."""
+        """Options, prompts and seeds in a table for some scenes, "scene" or "shots"."""
         if not isinstance(table, dict):
             raise self._problem("This is not a table.", f'Write [scene."{keys[-1]}"].', *keys)
         rest = {k: v for k, v in table.items() if k not in ("prompts", "seeds")}

@@ -177,7 +177,7 @@ class OptionReader:
 
 
 def texts(given: Any) -> bool:
-    """Whether this is a list of texts, and not an empty one."""
+    """True for a list of texts that is not empty."""
     return isinstance(given, list) and bool(given) and all(isinstance(text, str) for text in given)
 
 

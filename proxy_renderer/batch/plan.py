@@ -42,7 +42,7 @@ class Job:
     seed: int  # of every random choice
     arguments: tuple[str, ...]  # options for Blender's side, with prompt and seed
     more: tuple[Path, ...] = ()  # where the other scenes are that are to have the same look
-    # None for a vibe; else which final frames of its result are wanted: "1-24", "" for the scene's own
+    # None for a vibe; else the final frames of its result to render: "1-24", "" for the scene's own
     frames: str | None = None
     takes: tuple[Take, ...] = ()  # the same, for every .blend and camera of the result
 
@@ -82,7 +82,7 @@ class BatchPlan:
 
 
 def _wordless(arguments: Sequence[str]) -> str:
-    """What a job without a prompt is called after: "goals" or "like"."""
+    """The name of a job without a prompt: "goals" or "like"."""
     named = (name for name in IN_FILES if any(each.startswith(f"--{name}=") for each in arguments))
     return "-".join(named)
 

@@ -27,7 +27,7 @@ class Pool(Protocol):
     """Workers, wherever they are."""
 
     def capacity(self) -> int:
-        """How many jobs may be out at once, now."""
+        """Number of jobs that may be out at once, now."""
 
     def submit(self, job: Job) -> None:
         """Hands out a job."""
@@ -40,7 +40,7 @@ class Pool(Protocol):
 
 
 class Carrier(Protocol):
-    """What carries out jobs: a `Worker`, or what stands for one in measurements."""
+    """Carries out jobs: a `Worker`, or a stand-in in measurements."""
 
     def run(self, job: Job, folder: Path) -> JobRow:
         """Carries out a job, and leaves its files in the folder. Raises Interrupted if it was closed meanwhile."""
@@ -61,7 +61,7 @@ class LocalPool:
         self._out: dict[Future[JobRow], Job] = {}
 
     def capacity(self) -> int:
-        """How many workers there are, idle or not."""
+        """Number of workers, idle or not."""
         return len(self._workers)
 
     def submit(self, job: Job) -> None:
@@ -105,7 +105,7 @@ def local_pool(jobs: Path, setup: Setup, count: int = 0) -> LocalPool:
 
 
 def fitting(limits: Limits, cards: Callable[[], int] | None = None) -> int:
-    """How many workers this machine holds; at least one."""
+    """Number of workers that this machine holds; at least one."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     memory = psutil.virtual_memory().total / 1e9
     fits = [cores // limits.cores, int(memory // limits.memory_gb)]
@@ -115,7 +115,7 @@ def fitting(limits: Limits, cards: Callable[[], int] | None = None) -> int:
 
 
 def graphics_cards() -> int:
-    """How many CUDA cards there are, asked without starting torch."""
+    """Number of CUDA cards, asked without starting torch."""
     chosen = os.environ.get("CUDA_VISIBLE_DEVICES")
     if chosen is not None:
         return len([c for c in chosen.split(",") if c.strip()])
@@ -140,10 +140,7 @@ def run(
 
     Args:
         tell: Hears of "started", "done", "again", "lost" and "failed" jobs.
-        finished: Which jobs are done, if that has been looked up; see `Store.finished`.
-
-    Raises:
-        VibeError: Nothing can be written any more.
+        finished: As `Store.finished` returns it; None to look it up.
     """
     finished = store.finished(plan) if finished is None else finished
     fresh: Iterator[Job] = (job for job, done in zip(plan, finished, strict=True) if not done)
@@ -152,6 +149,7 @@ def run(
     losses: Counter[str] = Counter()
     out, exhausted = 0, False
     while True:
+        # Idle workers get a fresh job, or else one that failed.
         while out < pool.capacity():
             job = None if exhausted else next(fresh, None)
             exhausted = job is None
@@ -165,6 +163,7 @@ def run(
             out += 1
         if exhausted and not again and not out:
             return
+        # A job that ended is done, is tried again, or is given up. One that was lost is not to blame at first.
         for job, row in pool.wait(1.0):
             out -= 1
             if row is None:

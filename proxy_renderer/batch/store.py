@@ -62,7 +62,7 @@ class Store:
         self._lock.release()
 
     def done(self, job: Job) -> bool:
-        """Whether there is a result of it; for final frames, whether these have been rendered."""
+        """True if there is a result of it, or if its final frames have been rendered."""
         if job.frames is not None:
             final = read_json(self.jobs / job.name / FINAL) or {}
             return final.get("status") == "done" and final.get("wanted") == job.frames

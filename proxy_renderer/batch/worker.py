@@ -83,7 +83,7 @@ def _thumb(folder: Path, name: str) -> None:
 
 
 def _details(job: Job, report: dict[str, Any]) -> bytes:
-    """What the sheet shows of a job on demand: a script, because pages from disk may load nothing else."""
+    """The details of a job for the sheet: a script, because pages from disk may load nothing else."""
     parameters = report.get("parameters", {})
     largest_first = sorted(parameters.items(), key=lambda item: -item[1].get("moved", 0.0))
     rows = [row for key, change in largest_first if (row := _changed(key, change))]
@@ -117,7 +117,7 @@ _TICK = 0.5  # seconds between two looks at the clock and at the memory
 
 @dataclass(frozen=True)
 class Setup:
-    """How workers are started."""
+    """Limits, environment and program of workers."""
 
     limits: Limits = field(default_factory=Limits)  # of each job
     # of the environment, besides those that are there
@@ -287,7 +287,7 @@ def _read(process: subprocess.Popen[str], lines: queue.SimpleQueue[str | None]) 
 
 
 def _event(line: str) -> dict[str, Any]:
-    """What a line of Blender's side says, if it is one of those."""
+    """The event in a line of Blender's side; {} in other lines."""
     if not line.startswith(_MARK):
         return {}
     try:

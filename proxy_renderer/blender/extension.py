@@ -103,7 +103,7 @@ def _assemble(package: Path) -> None:
 
 
 def _requirements() -> list[str]:
-    """What the engine needs from pip: all that this package does, but Blender."""
+    """The engine's requirements for pip: those of this package without Blender."""
     project = Path(__file__).resolve().parents[2] / "pyproject.toml"
     if project.is_file():
         needed = tomllib.loads(project.read_text(encoding="utf-8"))["project"]["dependencies"]

@@ -81,7 +81,7 @@ _INDICES = 5125
 
 
 def is_packed(path: Path) -> bool:
-    """Whether a mesh file is a glTF with Draco-compressed geometry; a broken file is not."""
+    """True for a glTF with Draco-compressed geometry, and not for a broken file."""
     try:
         return path.suffix.lower() in (".glb", ".gltf") and _NAME in read_gltf(path)[0]["extensionsUsed"]
     except (ValueError, OSError, struct.error, TypeError, KeyError):

@@ -47,7 +47,7 @@ def account(
     target: Sequence[str] = (),
     as_goals: bool = False,
 ) -> str:
-    """What the words mean, readable or as JSON.
+    """The meaning of the words, readable or as JSON.
 
     Args:
         scene: A .blend or a mesh, which Blender reads; None for a subject, its surroundings and three lights.

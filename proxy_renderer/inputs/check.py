@@ -81,7 +81,7 @@ def words(prompt: str) -> None:
 
 
 def model(arguments: argparse.Namespace) -> bool:
-    """Whether a vision-language model is configured: it knows more words than we do."""
+    """True if a vision-language model is configured: it knows more words than the vocabulary."""
     from ..schema.messages import Options
     from ..vlm.endpoint import find_endpoint
 

@@ -114,7 +114,7 @@ FORMATS = ("JPEG", "PNG", "WEBP", "TIFF", "BMP", "GIF", "AVIF", "JPEG2000", "PPM
 
 _RAW = re.compile(r"\.(3fr|arw|cr[23w]|dng|erf|iiq|kdc|nef|nrw|orf|pef|raf|raw|rw2|srw|x3f)")
 _FAULTS = (OSError, SyntaxError, ValueError, TypeError, KeyError, IndexError, EOFError, OverflowError)
-"""What Pillow raises at files whose inside is wrong."""
+"""Errors that Pillow raises for broken files."""
 _PANORAMA = re.compile(rb"ProjectionType\W{1,3}equirectangular")
 
 
@@ -171,8 +171,8 @@ def _contents(picture: Image.Image, path: Path) -> FileContents:
         notes.append(f"It was reduced from {full[0]} × {full[1]} pixels.")
     if upright.mode == "F":
         return _floats(upright, panorama, notes)
-    color, alpha, told = to_srgb(_small(upright), icc)
-    return FileContents(color, alpha, linear=False, panorama=panorama, notes=(*notes, *told))
+    color, alpha, more = to_srgb(_small(upright), icc)
+    return FileContents(color, alpha, linear=False, panorama=panorama, notes=(*notes, *more))
 
 
 def _small(picture: Image.Image) -> Image.Image:

@@ -7,11 +7,11 @@ import math
 from dataclasses import dataclass
 
 PARTS = ("key", "fill", "rim", "kicker", "accent", "practical", "background", "top", "bounce")
-"""What a light is for, as a gaffer says it. The scene's own lights have the roles key, fill, rim and other."""
+"""Parts that a light can play, as gaffers name them. The scene's own lights have the roles key, fill, rim and other."""
 _TYPES = {"AREA": "", "POINT": " Lamp", "SPOT": " Spot", "SUN": " Sun"}
 _ROLES = {"key": "key", "rim": "rim", "kicker": "rim"}
 PATTERNS = {"slats": " Blinds", "leaves": " Leaves"}
-"""What a card before a light lets through, and what the light's name says of it."""
+"""Pattern of a card before a light -> end of the light's name."""
 CARD = "Vibe Card"  # the name of such a card, which only shadow rays see
 CARD_AWAY = 1.6  # how far before the subject's center it stands, in sizes of the card
 _SLATS, _OPEN, _WINDOW, _FRAME = 9, 0.5, 1.3, 14.0
@@ -31,7 +31,7 @@ class AddedLight:
 
     @property
     def role(self) -> str:
-        """What it counts as among the scene's lights: "key", "fill" or "rim"."""
+        """Its role among the scene's lights: "key", "fill" or "rim"."""
         return _ROLES.get(self.part, "fill")
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A path beside it to write to, of the same suffix; it takes the file's place at the end of the block.
+    """A path in the same folder to write to; it takes the file's place at the end of the block.
 
     If the block raises, the file is as it was, and nothing unfinished stays.
     """
@@ -27,7 +27,7 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def part_prefix(process: int | None = None) -> str:
-    """How the names of a process's unfinished files begin; this process's if none is given."""
+    """The beginning of the names of a process's unfinished files; by default this process's."""
     return f".part-{process or os.getpid()}-"
 
 
@@ -44,5 +44,5 @@ def write_bytes(path: Path, content: bytes) -> None:
 
 
 def is_full(error: Exception) -> bool:
-    """Whether an error says that the disk, or the user's share of it, is full."""
+    """True if an error says that the disk, or the user's quota, is full."""
     return getattr(error, "errno", 0) in (errno.ENOSPC, errno.EDQUOT) or "No space left" in str(error)

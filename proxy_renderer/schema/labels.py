@@ -85,7 +85,7 @@ def bare(key: str, values: Values) -> str:
 
 
 def same(key: str, before: Values, after: Values) -> bool:
-    """Whether two values read the same, so that listing the change would only puzzle."""
+    """True if two values read the same: such a change is not listed."""
     return text(key, before) == text(key, after)
 
 

@@ -14,7 +14,7 @@ MESH_FORMATS = (".obj", ".glb", ".gltf", ".ply", ".stl")  # suffixes of the bare
 
 @dataclass(frozen=True)
 class Budget:
-    """How much work a vibe is."""
+    """The work of a vibe."""
 
     rounds: int  # outer rounds of Algorithm 1
     steps: int  # most steps of the inner loop in each

@@ -53,7 +53,7 @@ class Vibe:
     # the model's key from the add-on's preferences; it goes through the pipe and nowhere else
     vlm_key: str = field(default="", repr=False)
     shots: list[Shot] = field(default_factory=list)  # all of several shots; empty for a single one
-    looks: bool = False  # whether looks are wanted before the result, see `LookSoFar`
+    looks: bool = False  # whether to send looks before the result, see `LookSoFar`
 
     def __post_init__(self) -> None:
         _typed(self, "shots", Shot)
@@ -87,7 +87,7 @@ class AskReadings:
 
 @dataclass(frozen=True)
 class WordReading:
-    """How a word of a prompt is understood."""
+    """A word of a prompt, as it is understood."""
 
     text: str  # as the prompt says it
     state: str  # "understood", "guessed" or "left out"

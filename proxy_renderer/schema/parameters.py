@@ -129,7 +129,7 @@ def split_key(key: str) -> tuple[str, str, str]:
 
 
 def matches(key: str, patterns: tuple[str, ...] | list[str]) -> bool:
-    """Whether a pattern names a key: patterns are groups, groups with an owner, keys, or globs of keys.
+    """True if a pattern names a key: patterns are groups, groups with an owner, keys, or globs of keys.
 
     >>> matches("light/Key/power", ["light"]), matches("light/Key/power", ["*/power"])
     (True, True)
@@ -152,7 +152,7 @@ SURFACES = tuple(slot for slot, groups in MEANS.items() if PAINT in groups)  # s
 
 
 def may_serve(group: str, slot: str, cause: str = "") -> bool:
-    """Whether a group of parameters may serve a word, or a word that a mood stands for (`cause`)."""
+    """True if a group of parameters may serve a word, or a word that a mood stands for (`cause`)."""
     return group in MEANS[slot] and not (cause and group == PAINT)
 
 

@@ -37,7 +37,7 @@ def listed(target: str) -> str:
 
 
 def is_said(key: str, prompt: str) -> bool:
-    """Whether a prompt says the word of a key, such as "very glossy" or "red#2"."""
+    """True if a prompt has the word of a key, such as "very glossy" or "red#2"."""
     words = re.findall(r"[^\W_]+", key.partition(NUMBER)[0].casefold())
-    said = prompt.casefold().replace("colour", "color")
-    return bool(words) and words[-1] in said  # an intensity may stand elsewhere
+    text = prompt.casefold().replace("colour", "color")
+    return bool(words) and words[-1] in text  # an intensity may stand elsewhere

@@ -24,7 +24,7 @@ from .reply import Reply, read_reply
 from .request import AliasTable, make_question
 from .transport import ModelError
 
-_SAYS = "the model"  # what stands in reports in the place of a word, where a model asks for something
+_MODEL = "the model"  # what stands in reports in the place of a word, where a model asks for something
 _COLORS = {"subject": "color", "surroundings": "surroundings_color"}  # region -> quantity of its color
 _PATIENCE = 2  # rounds in a row without an answer, after which the model is not asked any more
 
@@ -175,10 +175,10 @@ def _kept(instance: Instance) -> PlanEntry:
 
 
 def _wishes(reply: Reply) -> Iterator[Wish]:
-    """What a model says that the image should show: implied, so that the prompt's own words come first."""
+    """A model's wishes for the image: implied, so that the prompt's own words come first."""
     for quantity, named in reply.targets.items():
-        said = Attribute(named, "", "mood", "whole", "light", cause=_SAYS)
-        yield Wish(said, quantity, named, claims=quantities().by_name[quantity].classes[named])
+        word = Attribute(named, "", "mood", "whole", "light", cause=_MODEL)
+        yield Wish(word, quantity, named, claims=quantities().by_name[quantity].classes[named])
     for region, color in reply.colors.items():
-        said = Attribute(hex_from_srgb(color), "", "color", region, region, color=color, cause=_SAYS)
-        yield Wish(said, _COLORS[region])
+        word = Attribute(hex_from_srgb(color), "", "color", region, region, color=color, cause=_MODEL)
+        yield Wish(word, _COLORS[region])

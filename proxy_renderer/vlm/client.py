@@ -60,7 +60,7 @@ _PICTURE = re.compile(
 
 @dataclass(frozen=True)
 class Question:
-    """What a model is asked."""
+    """A question to a model."""
 
     system: str  # our instructions
     text: str  # the data, as one JSON document, or a text of ours
@@ -129,7 +129,7 @@ class Dialect:
 
     @staticmethod
     def about(complaint: str) -> bool:
-        """Whether a server error's words are really a refusal of something that we sent."""
+        """True if a server error's words refuse a part of the request."""
         return bool(complaint) and any(p.search(complaint) for p in (_TEMPERATURE, _LIMIT, _FORMAT, _PICTURE))
 
 

@@ -31,7 +31,7 @@ class Endpoint:
 
     @property
     def local(self) -> bool:
-        """Whether its URL stays on this computer (a loopback address)."""
+        """True if its URL stays on this computer (a loopback address)."""
         host = urlsplit(self.url).hostname or ""
         if host == "localhost" or host.endswith(".localhost"):
             return True

@@ -49,7 +49,7 @@ class Reply:
 
     @property
     def useful(self) -> bool:
-        """Whether there is anything in it to go by."""
+        """True if there is anything in it to go by."""
         return bool(self.entries or self.targets or self.colors or self.prompts.whole or self.prompts.subject)
 
 
@@ -151,9 +151,9 @@ def _add_entry(item: Any, table: AliasTable, reply: Reply) -> None:
     low, high = (tuple(min(max(v, least), most) for v in end) for end in (lower, upper))
     reply.clipped += (low, high) != (lower, upper)
     ordered = table.ordered(instance, low, high)
-    meant = clip(*table.meant(instance, *ordered), instance)
-    wide = widened(instance, *meant)
-    reply.mended += None in ends or ordered != (low, high) or wide != meant
+    planned = clip(*table.in_schema_units(instance, *ordered), instance)
+    wide = widened(instance, *planned)
+    reply.mended += None in ends or ordered != (low, high) or wide != planned
     priority = item.get("priority")
     number = priority if isinstance(priority, int) and not isinstance(priority, bool) else 5
     reason = clean(item.get("reason"), _REASON) or "part of the look"

@@ -89,7 +89,7 @@ class AliasTable:
             return lower, (upper[0] + 360.0,)
         return tuple(map(min, lower, upper)), tuple(map(max, lower, upper))
 
-    def meant(self, instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
+    def in_schema_units(self, instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
         """The schema's values for a range in the units of `shown`: its inverse."""
         if instance.parameter.kind == "color" and instance.parameter.scale == SRGB:
             return _linear(lower), _linear(upper)

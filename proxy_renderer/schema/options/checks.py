@@ -81,7 +81,7 @@ def groups(given: Sequence[str]) -> list[str]:
 
 
 def traits(given: Sequence[str], like: str) -> list[str]:
-    """What to take over from a picture, from "a,b" lists, each once."""
+    """Traits to take over from a picture, from "a,b" lists, each once."""
     names = _listed(given)
     for name in names:
         if name not in TRAITS:

@@ -56,6 +56,6 @@ def to_arguments(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> 
 
 
 def engine_options(given: argparse.Namespace, camera: bool, online: bool) -> Options:
-    """What the engine is told of a command line."""
+    """The engine's options in a command line."""
     chosen = {row.name: getattr(given, row.name) for row in rows(Options)}
     return Options.from_dict({**chosen, "camera": camera, "online": online})

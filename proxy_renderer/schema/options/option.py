@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a row of the table of options holds."""
+"""A row of the table of options, and its property in Blender."""
 
 from __future__ import annotations
 

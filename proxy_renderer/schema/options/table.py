@@ -24,12 +24,12 @@ STAGES = ("none", "floor", "cyclorama")  # what a bare mesh can be put on
 
 
 TRAITS = ("light", "grade", "palette", "air", "materials")
-"""What can be taken over from a picture; materials only where it shows the same scene, or they are named."""
+"""Traits to take over from a picture; materials only where it shows the same scene, or they are named."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """How a vibe is carried out: what the engine is told."""
+    """The options of a vibe that the engine takes."""
 
     rounds: int = option(
         STANDARD.rounds,
@@ -291,7 +291,7 @@ TASK = (
         panel=Panel("Effort", "How long to look for the look", default="STANDARD"),
     ),
 )
-"""What is asked for, which Blender's side turns into a job for the engine."""
+"""The task, which Blender's side turns into a job for the engine."""
 
 SUPPORT = (
     Option(
@@ -310,7 +310,7 @@ SUPPORT = (
         bounds=(1, 65536),
     ),
 )
-"""What the processes around the engine need to know."""
+"""Options of the processes around the engine."""
 
 TABLE = (*TASK, *rows(Options), *SUPPORT)
 
