@@ -25,14 +25,14 @@ def joined(names: Iterable[str]) -> str:
     return _AND.join(names)
 
 
-def parted(target: str) -> list[str]:
+def target_names(target: str) -> list[str]:
     """The names in a target, see `joined`."""
     return [name.strip() for name in target.split(_AND)]
 
 
 def listed(target: str) -> str:
     """A target as a sentence has it: "Cup and Table", "the key light"."""
-    names = [f"the {name}" if name in GENERAL and name != NOT_USED else name for name in parted(target)]
+    names = [f"the {name}" if name in GENERAL and name != NOT_USED else name for name in target_names(target)]
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ...schema import VibeError
-from ...schema.targets import GENERAL, NUMBER, joined, parted
+from ...schema.targets import GENERAL, NUMBER, joined, target_names
 from ..lexicon.entries import normalize
 from ..lexicon.vocabulary import Vocabulary
 from ..types import GLOW, SceneWords
@@ -137,7 +137,7 @@ def _choice(key: str, name: str, scene: SceneWords, english: Mapping[str, str]) 
 def _target(word: str, name: str, scene: SceneWords) -> Target:
     """What a name means in a scene, or several names that " + " joins."""
     found = _named(name, scene)
-    several = [_named(part, scene) for part in parted(name)]
+    several = [_named(part, scene) for part in target_names(name)]
     if found is None and all(several):
         targets = [target for target in several if target]
         if len({target.kind for target in targets}) == 1 and all(target.names for target in targets):

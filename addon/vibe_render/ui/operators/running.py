@@ -127,7 +127,7 @@ class VIBE_OT_recall(bpy.types.Operator):
 def _is_in(scene: bpy.types.Scene, target: str) -> bool:
     """Whether a scene has all of what a target names."""
     known = (targets.GENERAL, scene.objects, bpy.data.materials)
-    return all(any(name in names for names in known) for name in targets.parted(target))
+    return all(any(name in names for names in known) for name in targets.target_names(target))
 
 
 class VIBE_OT_clear_history(bpy.types.Operator):

@@ -94,7 +94,7 @@ def _icon(scene: bpy.types.Scene, name: str) -> str:
     """The icon of a target."""
     if name in targets.GENERAL:
         return _ICONS.get(targets.GENERAL[name], "LIGHT" if "light" in name else "OBJECT_DATA")
-    thing = scene.objects.get(targets.parted(name)[0])
+    thing = scene.objects.get(targets.target_names(name)[0])
     if thing is None:
         return "MATERIAL"
     return "LIGHT" if thing.type == "LIGHT" else "OBJECT_DATA"
