@@ -140,6 +140,7 @@ def account(plan: BatchPlan, out: Path, workers: int) -> str:
     lines += [f"         ... and {len(scenes) - _LISTED} more scenes"] if len(scenes) > _LISTED else []
     if not to_do:
         return "\n".join(lines)
+    # Jobs that are done tell the time of others; without any it is a guess.
     each = sum(seconds) / len(seconds) if seconds else guessed / to_do
     basis = f"as the {len(seconds)} looked at took" if seconds else "a guess, until jobs have been measured"
     where = f"with {workers} worker{'s' * (workers != 1)}" if workers else "divided by the cluster's workers"

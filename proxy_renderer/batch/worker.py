@@ -178,8 +178,8 @@ class Worker:
             if line is None:
                 code = process.wait()
                 self._kill()
-                said = f' Its last words: "{last[:200]}".' if last else ""
-                raise VibeError(f"Blender crashed (exit code {code}).{said}", "See the job's log.")
+                words = f' Its last words: "{last[:200]}".' if last else ""
+                raise VibeError(f"Blender crashed (exit code {code}).{words}", "See the job's log.")
             event = _event(line)
             if event.get("type") != "progress" and line:
                 log.write(line)

@@ -35,10 +35,10 @@ def crash(code: int, doing: str, output: Sequence[str]) -> errors.UnexpectedErro
     """The error for a Blender that ended with an exit code, or a signal (negative); its output goes to a log."""
     log = errors.write_log(f"Blender ended while {doing}, exit code {code}\n\n" + "".join(output))
     kind = signal.strsignal(-code) if code < 0 else None
-    words = last_words(output)
-    said = f' Its last words: "{words}".' if words else ""
+    last = last_words(output)
+    words = f' Its last words: "{last}".' if last else ""
     return errors.UnexpectedError(
-        f"Blender crashed while {doing} ({kind or f'exit code {code}'}).{said}",
+        f"Blender crashed while {doing} ({kind or f'exit code {code}'}).{words}",
         "Render the file in Blender: if that crashes too, find out there which object or modifier does it. "
         f"If not, please report it with {log}.",
     )

@@ -66,7 +66,7 @@ def install(blender: str = "") -> str:
             raise VibeError(
                 f"{program} does not start: {error.strerror}.", "Choose another --blender."
             ) from error
-    output = (done.stdout + done.stderr).strip()
+    output = (done.stdout + done.stderr).strip()  # Blender may report errors and still exit with 0
     if done.returncode or "Error" in output:
         line = next((line for line in output.splitlines() if "rror" in line), output.rpartition("\n")[2])
         raise VibeError(
@@ -94,8 +94,7 @@ def _assemble(package: Path) -> None:
     here = Path(__file__).parents[1]
     leftovers = shutil.ignore_patterns(*_LEFTOVERS)
     shutil.copytree(blender_side().parent, package, ignore=leftovers)
-    schema = shutil.ignore_patterns(*_LEFTOVERS, "means.py")  # the planner's alone
-    shutil.copytree(here / "schema", package / "schema", ignore=schema)
+    shutil.copytree(here / "schema", package / "schema", ignore=leftovers)
     engine = shutil.ignore_patterns(*_LEFTOVERS, *_OF_THE_COMMAND)
     shutil.copytree(here, package / "carried" / here.name, ignore=engine)
     (package / "carried" / "requirements.txt").write_text("\n".join(_requirements()), encoding="utf-8")

@@ -127,10 +127,12 @@ class ModelAdvisor:
             or [PromptObject(self._words.subject or "subject", "subject")],
             ignored=reply.ignored if draft is None else read.parsed.ignored,
         )
+        # The prompt's own words come first, the model's wishes are implied.
         goals = resolved(parsed, [*read.wishes, *(each.wish for each in read.lost), *_wishes(reply)])
         composed = compose(read.parsed, read.overruled)
         theirs = {name: value for name, value in vars(reply.prompts).items() if value}
         prompts = replace(composed, **theirs)
+        # Its ranges replace the drafted ones; what it keeps stays free.
         drafted = confine(goals, dict(instances), context)
         entries = {key: _kept(instances[key]) if key in reply.keep else e for key, e in drafted.items()}
         plan = Plan({**entries, **reply.entries}, drafted.notes)

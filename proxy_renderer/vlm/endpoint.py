@@ -67,6 +67,7 @@ def find_endpoint(
     model = (options.vlm_model or env.get("VIBE_VLM_MODEL", "")).strip()
     if not model or model == OFF:
         return None
+    # Where, and with whose key: OpenAI's own key goes to OPENAI_BASE_URL alone.
     theirs = (env.get("OPENAI_BASE_URL", "").strip() or OPENAI).rstrip("/")
     url = (options.vlm_url or env.get("VIBE_VLM_URL", "")).strip().rstrip("/") or theirs
     _check(url)

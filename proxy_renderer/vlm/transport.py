@@ -142,6 +142,7 @@ class Transport:
                 box.put(self._explain(error))
 
         threading.Thread(target=act, daemon=True).start()
+        # Look at the answer, at Stop and at the clock in turn.
         end = time.monotonic() + seconds
         while True:
             try:
@@ -244,6 +245,7 @@ def read_completion(raw: bytes) -> Completion:
 
 def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> ModelError:
     """The error for an HTTP status, with its remedy and the server's own words ("" for none)."""
+    # First what asking again would not help, then what it may.
     wait: float | None = None
     lasting, more = True, f": {complaint}" if complaint else ""
     if code in (401, 403):
