@@ -132,7 +132,7 @@ class ModelAdvisor:
         composed = compose(read.parsed, read.overruled)
         theirs = {name: value for name, value in vars(reply.prompts).items() if value}
         prompts = replace(composed, **theirs)
-        # Its ranges replace the drafted ones; what it keeps stays free.
+        # Its ranges replace the drafted ones; parameters that it keeps leave the plan.
         drafted = confine(goals, dict(instances), context)
         entries = {key: _kept(instances[key]) if key in reply.keep else e for key, e in drafted.items()}
         plan = Plan({**entries, **reply.entries}, drafted.notes)

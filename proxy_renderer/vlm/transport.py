@@ -245,7 +245,7 @@ def read_completion(raw: bytes) -> Completion:
 
 def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> ModelError:
     """The error for an HTTP status, with its remedy and the server's own words ("" for none)."""
-    # First what asking again would not help, then what it may.
+    # Errors that asking again cannot fix come first.
     wait: float | None = None
     lasting, more = True, f": {complaint}" if complaint else ""
     if code in (401, 403):
