@@ -99,8 +99,12 @@ class RayPool:
             return []
         ended, _ = self._ray.wait(waiting, num_returns=1, timeout=seconds)
         for reference in ended:
-            if reference in self._coming:
-                self._arrive(reference)
+            if station := self._coming.pop(reference, None):
+                try:
+                    self._ready[station] = self._ray.get(reference)
+                    self._idle.append(station)
+                except self._ray.exceptions.RayError:  # gone before it came
+                    self._forget(station)
         return [self._end(reference) for reference in ended if reference in self._out]
 
     def close(self) -> None:
@@ -157,14 +161,6 @@ class RayPool:
         ).remote(self._setup, self._store.folder, self._store.token)
         self._coming[station.shares.remote()] = station
         return station
-
-    def _arrive(self, reference: Any) -> None:
-        station = self._coming.pop(reference)
-        try:
-            self._ready[station] = self._ray.get(reference)
-            self._idle.append(station)
-        except self._ray.exceptions.RayError:  # gone before it came
-            self._forget(station)
 
     def _forget(self, station: Any) -> None:
         """A station has died; the next look at its node, if that is there, starts another."""

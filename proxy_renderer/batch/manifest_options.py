@@ -61,14 +61,13 @@ class TomlSource:
             else:
                 continue
             if place[: len(keys)] == keys:
-                return 1 + self._of_text(quoted, number)
+                texts = (
+                    f'"{quoted}"',
+                    f"'{quoted}'",
+                )  # from here on, the first line that has the text in quotes
+                rest = enumerate(self._lines[number:], number + 1)
+                return next((n for n, later in rest if quoted and any(t in later for t in texts)), number + 1)
         return 1
-
-    def _of_text(self, text: str, first: int) -> int:
-        """The place of the line, from a first one on, that has a text in quotes; the first one where none has."""
-        rest = range(first, len(self._lines))
-        quoted = (f'"{text}"', f"'{text}'")
-        return next((i for i in rest if text and any(q in self._lines[i] for q in quoted)), first)
 
     def problem(self, what: str, remedy: str, *keys: str, quoted: str = "") -> VibeError:
         """An error that names the file and the line of a key, or of a text in its value; the caller raises it."""

@@ -72,19 +72,15 @@ class BatchPlan:
             base = hashlib.sha256(json.dumps([group.name, group.digest, options, version]).encode())
             stem = _slug(Path(group.name).stem)
             for prompt in group.prompts:
-                words = _slug(prompt or _wordless(group.arguments))[:_WORDS].strip("-")
+                # Without a prompt it is called after its files: "like", "goals".
+                files = (n for n in IN_FILES if any(a.startswith(f"--{n}=") for a in group.arguments))
+                words = _slug(prompt or "-".join(files))[:_WORDS].strip("-")
                 for seed in group.seeds:
                     digest = base.copy()
                     digest.update(f" {seed} {prompt}".encode())
                     arguments = (f"--prompt={prompt}", f"--seed={seed}", *group.arguments)
                     name = f"{stem}-{words}-{seed}-{digest.hexdigest()[:_DIGEST]}"
                     yield Job(name, group.name, group.source, prompt, seed, arguments, group.more)
-
-
-def _wordless(arguments: Sequence[str]) -> str:
-    """The name of a job without a prompt: "goals" or "like"."""
-    named = (name for name in IN_FILES if any(each.startswith(f"--{name}=") for each in arguments))
-    return "-".join(named)
 
 
 @lru_cache(4096)

@@ -172,7 +172,9 @@ def run(
                     again.append(job)
                     tell("lost", job, {})
                     continue
-                row = _lost(job)
+                error = f"The machine that worked on it was lost {_LOSSES + 1} times."
+                remedy = "Give it more memory: [limits] memory_gb."
+                row = head(job) | {"status": "failed", "error": error, "remedy": remedy}
             attempts[job.name] += 1
             row["attempts"] = attempts[job.name]
             if row["status"] == "done":
@@ -185,12 +187,3 @@ def run(
                 tell("again", job, row)
             else:
                 tell("failed", job, row)
-
-
-def _lost(job: Job) -> JobRow:
-    message = f"The machine that worked on it was lost {_LOSSES + 1} times."
-    return head(job) | {
-        "status": "failed",
-        "error": message,
-        "remedy": "Give it more memory: [limits] memory_gb.",
-    }

@@ -117,7 +117,13 @@ def _joined(document: dict[str, Any], binary: bytes, folder: Path) -> bytearray:
     for buffer in document.pop("buffers", ()):
         data += bytes(-len(data) % 4)
         starts.append(len(data))
-        data += _content(buffer["uri"], folder) if "uri" in buffer else binary
+        uri = buffer.get("uri")
+        if uri is None:
+            data += binary
+        elif uri.startswith("data:"):
+            data += base64.b64decode(uri.partition(",")[2])
+        else:
+            data += (folder / unquote(uri)).read_bytes()
     for view in document.get("bufferViews", ()):
         view["byteOffset"] = view.get("byteOffset", 0) + starts[view.pop("buffer")]
         view["buffer"] = 0
@@ -125,12 +131,6 @@ def _joined(document: dict[str, Any], binary: bytes, folder: Path) -> bytearray:
         if "uri" in image and not image["uri"].startswith("data:"):
             image["uri"] = quote((folder / unquote(image["uri"])).resolve().as_posix())
     return data
-
-
-def _content(uri: str, folder: Path) -> bytes:
-    if uri.startswith("data:"):
-        return base64.b64decode(uri.partition(",")[2])
-    return (folder / unquote(uri)).read_bytes()
 
 
 def _unpack(document: dict[str, Any], data: bytearray, primitive: dict[str, Any], packed: Any) -> None:
@@ -194,7 +194,9 @@ def prepared(scene: Path) -> Iterator[Path]:
 
 def check(path: Path) -> None:
     """Refuses a mesh without faces or size, with infinite coordinates, or that is broken; long texts go unchecked."""
-    if _is_text(path) and path.stat().st_size > _LONGEST_TEXT:
+    with path.open("rb") as file:
+        is_text = b"\0" not in file.read(1024)
+    if is_text and path.stat().st_size > _LONGEST_TEXT:
         return
     import trimesh
 
@@ -214,8 +216,3 @@ def check(path: Path) -> None:
         raise VibeError(f"{path.name} has coordinates that are not finite numbers.", "Export it again.")
     if not np.ptp(np.stack([b for m in meshes for b in m.bounds]), axis=0).any():
         raise VibeError(f"The mesh in {path.name} has no size.", "Check that it is a model.")
-
-
-def _is_text(path: Path) -> bool:
-    with path.open("rb") as file:
-        return b"\0" not in file.read(1024)

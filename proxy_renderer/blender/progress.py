@@ -97,7 +97,8 @@ class VibeProgress(TerminalBar):
 
     def _progress(self, event: dict[str, Any]) -> None:
         number, rounds, steps = event["round"], event["rounds"], event["steps"]
-        detail = f"loss {event['loss']:.3f}   {_minutes(event['seconds_left'])} left"
+        left = int(event["seconds_left"])
+        detail = f"loss {event['loss']:.3f}   {left // 60}:{left % 60:02d} left"
         if self._bar is not None:
             done = (number - 1) * steps + event["step"]
             title = f"round {number} of {rounds}"
@@ -107,7 +108,3 @@ class VibeProgress(TerminalBar):
         elif number != self._round:
             self._round = number
             self.stage(f"round {number} of {rounds}: {detail}")
-
-
-def _minutes(seconds: float) -> str:
-    return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"

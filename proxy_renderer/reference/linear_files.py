@@ -34,7 +34,8 @@ def read_exr(path: Path) -> FileContents:
     if pixels.shape[2] == 4:  # EXR holds colors that are multiplied by alpha
         alpha = alpha * pixels[..., 3].clip(0.0, 1.0)
         color = color / np.maximum(alpha, 1e-4)[..., None]
-    if (primaries := _primaries(header)) is not None:
+    primaries = header.get("chromaticities")
+    if primaries is not None and not np.allclose(primaries, _REC709, atol=2e-3):
         color = color @ rec709_from(primaries).T.astype(np.float32)
         notes.append("Its colors were brought to Rec.709.")
     if max(color.shape[:2]) > LONGEST:
@@ -56,12 +57,6 @@ def rec709_from(chromaticities: Sequence[float]) -> np.ndarray:
     ratio = (_BRADFORD @ white(_REC709[6:8])) / (_BRADFORD @ white(chromaticities[6:8]))
     adapted = np.linalg.solve(_BRADFORD, ratio[:, None] * _BRADFORD)
     return np.array(c.REC709_FROM_XYZ) @ adapted @ xyz(chromaticities)
-
-
-def _primaries(header: Mapping[str, Any]) -> Sequence[float] | None:
-    """The file's own primaries; None if they are Rec.709's."""
-    found = header.get("chromaticities")
-    return None if found is None or np.allclose(found, _REC709, atol=2e-3) else found
 
 
 def _picture(path: Path) -> tuple[str, np.ndarray, Mapping[str, Any]]:

@@ -65,14 +65,10 @@ def log_folder() -> Path:
         folder = base / "vibe-render" / "log"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        _prune(folder)
+        logs = sorted(folder.glob("vibe-*.log"), key=lambda log: log.stat().st_mtime)
+        for log in logs[:-_KEPT]:
+            with suppress(OSError):
+                log.unlink()
     except OSError:
         return Path(tempfile.gettempdir())
     return folder if os.access(folder, os.W_OK) else Path(tempfile.gettempdir())
-
-
-def _prune(folder: Path) -> None:
-    logs = sorted(folder.glob("vibe-*.log"), key=lambda log: log.stat().st_mtime)
-    for log in logs[:-_KEPT]:
-        with suppress(OSError):
-            log.unlink()

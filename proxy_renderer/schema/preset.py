@@ -87,23 +87,7 @@ def loads(text: str) -> Preset:
         raise VibeError(f"The preset is not JSON: {error}.", _OURS) from error
     if not isinstance(raw, dict) or raw.get("format") != FORMAT or not isinstance(raw.get("roles"), dict):
         raise VibeError("This file is not a Vibe Render preset.", _OURS)
-    _check_version(raw.get("version"))
-    for name in sorted(raw.keys() - _FIELDS):
-        raise VibeError(f"The preset has an unknown field {quoted(name)}.", "Remove it from the preset.")
-    for role, entries in raw["roles"].items():
-        _check_role(role, entries)
-    kinds = raw.get("kinds", {})
-    _check_kinds(kinds, raw["roles"])
-    name, prompt = (
-        _text(raw, field, most) for field, most in (("name", LONGEST_NAME), ("prompt", LONGEST_PROMPT))
-    )
-    goals = raw.get("goals", {})
-    if not isinstance(goals, dict):
-        raise VibeError("The preset's goals are no object.", "Remove them from the preset.")
-    return Preset(name, raw["roles"], kinds, prompt, goals, raw["version"])
-
-
-def _check_version(version: Any) -> None:
+    version = raw.get("version")
     if not isinstance(version, int) or isinstance(version, bool) or version < 1:
         raise VibeError("The preset does not say which version of the schema it is for.", _OURS)
     if version > VERSION:
@@ -111,6 +95,17 @@ def _check_version(version: Any) -> None:
             f"The preset was made by a newer version of Vibe Render ({_short(version)}, this is {VERSION}).",
             "Update Vibe Render.",
         )
+    for name in sorted(raw.keys() - _FIELDS):
+        raise VibeError(f"The preset has an unknown field {quoted(name)}.", "Remove it from the preset.")
+    for role, entries in raw["roles"].items():
+        _check_role(role, entries)
+    kinds = raw.get("kinds", {})
+    _check_kinds(kinds, raw["roles"])
+    name, prompt = _text(raw, "name", LONGEST_NAME), _text(raw, "prompt", LONGEST_PROMPT)
+    goals = raw.get("goals", {})
+    if not isinstance(goals, dict):
+        raise VibeError("The preset's goals are no object.", "Remove them from the preset.")
+    return Preset(name, raw["roles"], kinds, prompt, goals, version)
 
 
 def _text(raw: dict[str, Any], name: str, most: int) -> str:

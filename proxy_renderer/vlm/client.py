@@ -168,12 +168,9 @@ class Cache:
             with atomic.replacing(self.folder / f"{key}.json") as part:
                 part.touch(mode=0o600)
                 part.write_text(json.dumps({"answer": answer}), encoding="utf-8")
-            self._prune()
-
-    def _prune(self) -> None:
-        files = sorted(self.folder.glob("*.json"), key=lambda p: p.stat().st_mtime)
-        for path in files[:-_MOST]:
-            path.unlink(missing_ok=True)
+            files = sorted(self.folder.glob("*.json"), key=lambda p: p.stat().st_mtime)
+            for path in files[:-_MOST]:
+                path.unlink(missing_ok=True)
 
 
 _VERSION = 1  # of the questions and what is made of answers; a new one forgets the cache
