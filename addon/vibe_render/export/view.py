@@ -12,7 +12,7 @@ from mathutils import Vector
 
 from ..render import light_factors
 from ..scene import orbits, scene_context
-from ..scene.lights.registry import type_of
+from ..scene.light_types import type_of
 from ..scene.nodes import light_nodes
 from . import light_linking
 from .analysis import SceneAnalysis

@@ -9,8 +9,7 @@ import bpy
 
 from ..core.schema_import import labels, preset, schema
 from ..scene import prepare, scene_context
-from ..scene.lights.light_type import EXTENTS
-from ..scene.lights.registry import light_type, type_of
+from ..scene.light_types import EXTENTS, light_type, type_of
 from . import take
 from .take import SceneParameters, camera_azimuth, owners
 

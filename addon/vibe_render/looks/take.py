@@ -13,7 +13,7 @@ import numpy as np
 
 from ..core.schema_import import preset, schema
 from ..export.analysis import SceneAnalysis
-from ..scene.lights.registry import type_of
+from ..scene.light_types import type_of
 
 
 class SceneParameters(Protocol):

@@ -12,7 +12,7 @@ import numpy as np
 from bpy.types import Light, Object, Scene
 from mathutils import Vector
 
-from ..scene.lights.registry import type_of
+from ..scene.light_types import type_of
 from ..scene.nodes import light_nodes
 from . import bake
 

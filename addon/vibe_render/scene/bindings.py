@@ -17,7 +17,7 @@ from ..core.value_slots import ValueSlot
 from . import locators as at
 from . import own_backdrop, prepare, scene_context, snapshot
 from .codecs import COLOR, DEGREES, LENS, NUMBER, Codec
-from .lights.registry import type_of
+from .light_types import type_of
 from .nodes.backgrounds import BACKDROP
 
 

@@ -14,7 +14,7 @@ from ..core import compat, locks
 from ..core.journal import Journal
 from ..core.value_slots import LazySlot, PropertySlot, ValueSlot, together
 from . import fog
-from .lights.registry import type_of
+from .light_types import type_of
 from .nodes import backgrounds, environment_rotation, grade, inputs, lacquer, layers, light_nodes, shaders
 from .nodes.backgrounds import LIGHT
 from .nodes.factor import FACTOR

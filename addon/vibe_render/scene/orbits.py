@@ -12,7 +12,7 @@ from ..core import locks
 from ..core.journal import Journal
 from ..core.schema_import import schema
 from ..core.value_slots import PropertySlot, same
-from .lights.registry import type_of
+from .light_types import type_of
 
 
 @dataclass

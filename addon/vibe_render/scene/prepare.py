@@ -14,8 +14,7 @@ from ..core import compat
 from ..core.journal import Journal
 from ..core.schema_import import schema
 from . import emission, scene_context, snapshot
-from .lights.area import AreaLightType
-from .lights.registry import light_type
+from .light_types import AreaLightType, light_type
 from .nodes import backgrounds, owned, shaders
 from .nodes.trails import active_links
 

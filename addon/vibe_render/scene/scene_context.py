@@ -15,7 +15,7 @@ from mathutils import Matrix, Vector
 
 from ..core.schema_import import schema
 from . import emission
-from .lights.registry import type_of
+from .light_types import type_of
 from .nodes import owned
 
 GEOMETRY = {"MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES", "POINTCLOUD"}

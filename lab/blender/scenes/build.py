@@ -15,8 +15,7 @@ from vibe_render.core import compat
 from vibe_render.core.color import Color
 from vibe_render.core.schema_import import schema
 from vibe_render.scene import bindings, scene_context, snapshot
-from vibe_render.scene.lights.light_type import SIZE
-from vibe_render.scene.lights.registry import light_type
+from vibe_render.scene.light_types import SIZE, light_type
 from vibe_render.scene.stage import parts
 
 from lab.blender.scenes.places import PLACES
