@@ -9,7 +9,7 @@ from . import owned
 from .insets import Inset
 
 
-def _fill(tree: NodeTree) -> None:
+def _fill_factor(tree: NodeTree) -> None:
     owned.socket(tree, "Strength", "NodeSocketFloat", 1.0)
     owned.socket(tree, "Factor", "NodeSocketFloat", 1.0, 0.0, 1000.0)
     tree.interface.new_socket("Strength", in_out="OUTPUT", socket_type="NodeSocketFloat")
@@ -17,4 +17,4 @@ def _fill(tree: NodeTree) -> None:
     build.output(build.math("MULTIPLY", *build.inputs("Strength", "Factor")))
 
 
-FACTOR = Inset("Vibe Factor", {"Factor": 1.0}, _fill)
+FACTOR = Inset("Vibe Factor", {"Factor": 1.0}, _fill_factor)

@@ -10,7 +10,7 @@ from . import owned
 from .insets import Inset
 
 
-def _fill(tree: NodeTree) -> None:
+def _fill_tint(tree: NodeTree) -> None:
     owned.socket(tree, "Color", "NodeSocketColor", (0.8, 0.8, 0.8, 1.0))
     owned.socket(tree, "Tint", "NodeSocketColor", (1.0, 1.0, 1.0, 1.0))
     owned.socket(tree, "Recolor", "NodeSocketFloat", 0.0, 0.0, 1.0)
@@ -22,4 +22,4 @@ def _fill(tree: NodeTree) -> None:
     build.output(build.vector("MULTIPLY", build.vector("ADD", color, gray), tint))
 
 
-TINT = Inset("Vibe Tint", {"Tint": (1.0, 1.0, 1.0), "Recolor": 0.0}, _fill)
+TINT = Inset("Vibe Tint", {"Tint": (1.0, 1.0, 1.0), "Recolor": 0.0}, _fill_tint)
