@@ -12,7 +12,7 @@ from vibe_render.looks import fit, take
 from vibe_render.render import anchors
 from vibe_render.scene import bindings, own_backdrop, snapshot
 from vibe_render.scene.nodes import backgrounds, insets
-from vibe_render.scene.nodes.tint import TINT
+from vibe_render.scene.nodes.insets import TINT
 from vibe_render.scene.subject import SubjectChoice
 from vibe_render.session.session import result
 

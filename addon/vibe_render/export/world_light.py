@@ -12,8 +12,7 @@ import numpy as np
 
 from ..render import bake
 from ..scene.nodes import backgrounds, insets, shaders
-from ..scene.nodes.factor import FACTOR
-from ..scene.nodes.tint import TINT
+from ..scene.nodes.insets import FACTOR, TINT
 from .textures import image_colors
 
 _HEIGHT, _SAMPLES = 256, 32

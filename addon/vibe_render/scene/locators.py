@@ -17,9 +17,7 @@ from . import fog
 from .light_types import type_of
 from .nodes import backgrounds, environment_rotation, grade, inputs, lacquer, layers, light_nodes, shaders
 from .nodes.backgrounds import LIGHT
-from .nodes.factor import FACTOR
-from .nodes.insets import Inset
-from .nodes.tint import TINT
+from .nodes.insets import FACTOR, TINT, Inset
 from .nodes.trails import NodeEntry
 from .orbits import OrbitSlot, Pose
 from .scene_context import SceneContext

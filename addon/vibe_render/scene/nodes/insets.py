@@ -10,10 +10,12 @@ from typing import Any
 from bpy.types import Node, NodeSocket, NodeTree
 
 from ...core import locks
+from ...core.color import LUMA
 from ...core.journal import Journal
 from ...core.value_slots import LazySlot, ValueSlot, socket_slot
 from . import inputs, owned
 from .inputs import FindEntry
+from .insets import Inset
 from .trails import NodeEntry, ValueOrigin, active_links, resolve
 
 
@@ -106,3 +108,29 @@ def artists(entry: NodeEntry) -> ValueOrigin:
     taken = origin.source.node.inputs[0]
     source = active_links(taken)[0].from_socket if active_links(taken) else None
     return ValueOrigin(taken, source, origin.inside)
+
+
+def _fill_tint(tree: NodeTree) -> None:
+    owned.socket(tree, "Color", "NodeSocketColor", (0.8, 0.8, 0.8, 1.0))
+    owned.socket(tree, "Tint", "NodeSocketColor", (1.0, 1.0, 1.0, 1.0))
+    owned.socket(tree, "Recolor", "NodeSocketFloat", 0.0, 0.0, 1.0)
+    tree.interface.new_socket("Color", in_out="OUTPUT", socket_type="NodeSocketColor")
+    build = owned.Builder(tree)
+    color, tint, recolor = build.inputs("Color", "Tint", "Recolor")
+    luma = build.vector("DOT_PRODUCT", color, LUMA)
+    gray = build.vector("SCALE", build.vector("SUBTRACT", luma, color), scale=recolor)
+    build.output(build.vector("MULTIPLY", build.vector("ADD", color, gray), tint))
+
+
+TINT = Inset("Vibe Tint", {"Tint": (1.0, 1.0, 1.0), "Recolor": 0.0}, _fill_tint)
+
+
+def _fill_factor(tree: NodeTree) -> None:
+    owned.socket(tree, "Strength", "NodeSocketFloat", 1.0)
+    owned.socket(tree, "Factor", "NodeSocketFloat", 1.0, 0.0, 1000.0)
+    tree.interface.new_socket("Strength", in_out="OUTPUT", socket_type="NodeSocketFloat")
+    build = owned.Builder(tree)
+    build.output(build.math("MULTIPLY", *build.inputs("Strength", "Factor")))
+
+
+FACTOR = Inset("Vibe Factor", {"Factor": 1.0}, _fill_factor)
