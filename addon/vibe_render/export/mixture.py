@@ -144,10 +144,10 @@ class Mixture:
         values: dict[str, schema.Values] = {}
         if shares.get("glass", 0.0) > 0.0 and base.matter != "light":
             values["transmission"] = (shares["glass"] / whole,)
-        gloss = lacquer.gloss(self.layers, base)
+        gloss = lacquer.glossy_layer(self.layers, base)
         if base.matter == "metal":
             values["metallic"] = (shares["metal"] / whole,)
-            coat = lacquer.layer(self.layers, base)
+            coat = lacquer.lacquer_over(self.layers, base)
             values |= _coat(coat) if coat else {}
         elif gloss and base.matter == "matte":
             values |= _plastic(gloss, float(self.share(gloss, measured).mean()))
@@ -155,7 +155,7 @@ class Mixture:
 
     def coat_ior(self, base: Layer) -> float | None:
         """The IOR of a lacquer: of a glossy shader that a Fresnel node lays over another one."""
-        coat = lacquer.layer(self.layers, base)
+        coat = lacquer.lacquer_over(self.layers, base)
         node = coat.sides[-1].grazing if coat else None
         return _ior(node) if node else None
 

@@ -129,12 +129,12 @@ def shader(name: str) -> Locator:
 
 def coat(context: SceneContext, material: Material) -> ValueSlot | None:
     """How strong a coat is: the input of the shader, or the color of a glossy one that lies over a metal."""
-    return shader("Coat Weight")(context, material) or lacquer.weight(material)
+    return shader("Coat Weight")(context, material) or lacquer.lacquer_weight(material)
 
 
 def coat_roughness(context: SceneContext, material: Material) -> ValueSlot | None:
     """The roughness of the same."""
-    return shader("Coat Roughness")(context, material) or lacquer.roughness(material)
+    return shader("Coat Roughness")(context, material) or lacquer.lacquer_roughness(material)
 
 
 def surface_color(context: SceneContext, material: Material) -> ValueSlot | None:

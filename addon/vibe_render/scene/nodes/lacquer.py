@@ -42,7 +42,7 @@ class StrengthSlot:
         self.color.set(journal, tuple(raw * c / strongest if strongest else raw for c in color[:3]))
 
 
-def gloss(every: list[Layer], base: Layer) -> Layer | None:
+def glossy_layer(every: list[Layer], base: Layer) -> Layer | None:
     """The glossy shader that is mixed with another one.
 
     Args:
@@ -52,29 +52,29 @@ def gloss(every: list[Layer], base: Layer) -> Layer | None:
     return next((x for x in every if x.matter == "metal" and x != base and x.sides), None)
 
 
-def layer(every: list[Layer], base: Layer) -> Layer | None:
+def lacquer_over(every: list[Layer], base: Layer) -> Layer | None:
     """The lacquer over a metal; None over anything else.
 
     Args:
         every: The shaders of a material, in the order of the mixes.
         base: The one that has the color.
     """
-    over = gloss(every, base) if base.matter == "metal" else None
+    over = glossy_layer(every, base) if base.matter == "metal" else None
     return over if over and over.sides[-1].grazing else None
 
 
-def weight(material: Material) -> ValueSlot | None:
+def lacquer_weight(material: Material) -> ValueSlot | None:
     """How strong the lacquer over a metal is: its color, which is 1 at full strength; None without one."""
-    color = inputs.slot(partial(_entry, material, "Base Color"))
+    color = inputs.slot(partial(_lacquer_entry, material, "Base Color"))
     return StrengthSlot(color) if color else None
 
 
-def roughness(material: Material) -> ValueSlot | None:
+def lacquer_roughness(material: Material) -> ValueSlot | None:
     """The roughness of the lacquer over a metal; None without one."""
-    return inputs.slot(partial(_entry, material, "Roughness"))
+    return inputs.slot(partial(_lacquer_entry, material, "Roughness"))
 
 
-def _entry(material: Material, name: str) -> NodeEntry | None:
+def _lacquer_entry(material: Material, name: str) -> NodeEntry | None:
     body = layers.body(material)
-    coat = layer(layers.layers(material), body[0]) if body else None
+    coat = lacquer_over(layers.layers(material), body[0]) if body else None
     return coat.shader.entry(name) if coat else None
