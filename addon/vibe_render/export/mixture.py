@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 from ..core.schema_import import schema
-from ..scene.nodes import insets, lacquer, layers
+from ..scene.nodes import insets, layers
 from ..scene.nodes.layers import TRANSPARENT, Layer, MixSide
 from ..scene.nodes.trails import ValueOrigin, active_links, resolve
 
@@ -144,10 +144,10 @@ class Mixture:
         values: dict[str, schema.Values] = {}
         if shares.get("glass", 0.0) > 0.0 and base.matter != "light":
             values["transmission"] = (shares["glass"] / whole,)
-        gloss = lacquer.glossy_layer(self.layers, base)
+        gloss = layers.glossy_layer(self.layers, base)
         if base.matter == "metal":
             values["metallic"] = (shares["metal"] / whole,)
-            coat = lacquer.lacquer_over(self.layers, base)
+            coat = layers.lacquer_over(self.layers, base)
             values |= _coat(coat) if coat else {}
         elif gloss and base.matter == "matte":
             values |= _plastic(gloss, float(self.share(gloss, measured).mean()))
@@ -155,7 +155,7 @@ class Mixture:
 
     def coat_ior(self, base: Layer) -> float | None:
         """The IOR of a lacquer: of a glossy shader that a Fresnel node lays over another one."""
-        coat = lacquer.lacquer_over(self.layers, base)
+        coat = layers.lacquer_over(self.layers, base)
         node = coat.sides[-1].grazing if coat else None
         return _ior(node) if node else None
 

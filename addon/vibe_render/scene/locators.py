@@ -15,7 +15,7 @@ from ..core.journal import Journal
 from ..core.value_slots import LazySlot, PropertySlot, ValueSlot, together
 from . import fog
 from .light_types import type_of
-from .nodes import backgrounds, environment_rotation, grade, inputs, lacquer, layers, light_nodes, shaders
+from .nodes import backgrounds, environment_rotation, grade, inputs, layers, light_nodes, shaders
 from .nodes.backgrounds import LIGHT
 from .nodes.insets import FACTOR, TINT, Inset
 from .nodes.trails import NodeEntry
@@ -129,12 +129,12 @@ def shader(name: str) -> Locator:
 
 def coat(context: SceneContext, material: Material) -> ValueSlot | None:
     """How strong a coat is: the input of the shader, or the color of a glossy one that lies over a metal."""
-    return shader("Coat Weight")(context, material) or lacquer.lacquer_weight(material)
+    return shader("Coat Weight")(context, material) or layers.lacquer_weight(material)
 
 
 def coat_roughness(context: SceneContext, material: Material) -> ValueSlot | None:
     """The roughness of the same."""
-    return shader("Coat Roughness")(context, material) or lacquer.lacquer_roughness(material)
+    return shader("Coat Roughness")(context, material) or layers.lacquer_roughness(material)
 
 
 def surface_color(context: SceneContext, material: Material) -> ValueSlot | None:
