@@ -7,7 +7,8 @@ from collections.abc import Sequence
 
 from bpy.types import Collection, Object, Scene
 
-from ..scene import emission, scene_context
+from ..scene import scene_context
+from ..scene.nodes import layers
 
 
 def unlit(light: Object, objects: Sequence[tuple[str, str]]) -> list[int]:
@@ -52,4 +53,4 @@ def ignored(scene: Scene) -> list[str]:
 
 
 def _glows(obj: Object) -> bool:
-    return any(slot.material and emission.radiance(slot.material) > 0.0 for slot in obj.material_slots)
+    return any(slot.material and layers.radiance(slot.material) > 0.0 for slot in obj.material_slots)

@@ -3,19 +3,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import radians, tan
+from collections.abc import Iterable, Sequence
+from math import pi, radians, tan
 
 import bpy
+import numpy as np
 from bpy.types import Object, Scene
 from mathutils import Matrix, Vector
 
 from ..core import compat
 from ..core.journal import Journal
 from ..core.schema_import import schema
-from . import emission, scene_context, snapshot
+from . import scene_context, snapshot
 from .light_types import AreaLightType, light_type
-from .nodes import backgrounds, owned, shaders
+from .nodes import backgrounds, layers, owned, shaders
 from .nodes.trails import active_links
 
 _PLACES = {
@@ -102,7 +103,7 @@ def _key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
     if (
         scene_context.lights(scene)
         or scene_context.instanced_lights(scene)
-        or emission.light_at(graph, scene_context.meshes(scene), (low + high) / 2.0) > _LIT
+        or _light_of_surfaces(graph, scene_context.meshes(scene), (low + high) / 2.0) > _LIT
     ):
         return ""
     light = add_light(journal, scene, "Vibe Key", low, high)
@@ -195,7 +196,7 @@ def _is_lit(scene: Scene) -> bool:
     if scene.world is None:
         return False
     single = backgrounds.single(scene.world)
-    mixed = [layer.shader for layer in backgrounds.mixed(scene.world)]
+    mixed = [each.shader for each in backgrounds.mixed(scene.world)]
     return any(_lights(background) for background in mixed or ([single] if single else []))
 
 
@@ -225,3 +226,30 @@ def _material(journal: Journal, obj: Object) -> str:
     else:
         journal.append_material(data, material)
     return f'a material for "{obj.name}"'
+
+
+def _light_of_surfaces(depsgraph: bpy.types.Depsgraph, objects: Iterable[Object], place: Vector) -> float:
+    """Radiance of a white surface at a place that faces all that glows, as if nothing stood in the way."""
+    total = 0.0
+    for obj in objects:
+        strengths = [layers.radiance(slot.material) if slot.material else 0.0 for slot in obj.material_slots]
+        if any(strengths):
+            evaluated = obj.evaluated_get(depsgraph)
+            if mesh := evaluated.to_mesh():
+                total += _light_of_mesh(mesh, np.array(evaluated.matrix_world), strengths, place)
+                evaluated.to_mesh_clear()
+    return total
+
+
+def _light_of_mesh(mesh: bpy.types.Mesh, matrix: np.ndarray, strengths: list[float], place: Vector) -> float:
+    """The sum of radiance x area / (pi d^2) over a mesh's faces, half of which look the other way."""
+    count = len(mesh.polygons)
+    area, index, center = np.zeros(count), np.zeros(count, np.int32), np.zeros(3 * count)
+    mesh.polygons.foreach_get("area", area)
+    mesh.polygons.foreach_get("material_index", index)
+    mesh.polygons.foreach_get("center", center)
+    way = center.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3] - np.array(place)
+    scale = abs(np.linalg.det(matrix[:3, :3])) ** (2.0 / 3.0)
+    strength = np.array(strengths)[np.clip(index, 0, len(strengths) - 1)]
+    factor = np.minimum(0.5 * scale * area / (pi * np.maximum((way**2).sum(1), 1e-6)), 1.0)
+    return float((strength * factor).sum())

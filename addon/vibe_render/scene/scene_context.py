@@ -14,9 +14,8 @@ from bpy.types import Light, Material, Object, Scene
 from mathutils import Matrix, Vector
 
 from ..core.schema_import import schema
-from . import emission
 from .light_types import type_of
-from .nodes import owned
+from .nodes import layers, owned
 
 GEOMETRY = {"MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES", "POINTCLOUD"}
 
@@ -140,7 +139,7 @@ def materials(scene: Scene, subject: Sequence[Object], everything: bool = False)
     chosen, to_clip = set(subject), None if everything else frustum(scene)
     roles: dict[Material, str] = {}
     used: dict[tuple[int, int], list[Material]] = {}
-    glow = functools.cache(emission.radiance)
+    glow = functools.cache(layers.radiance)
     for item in graph.object_instances:
         if item.object.type not in GEOMETRY or not item.show_self:
             continue

@@ -15,7 +15,6 @@ from ...core.journal import Journal
 from ...core.value_slots import LazySlot, ValueSlot, socket_slot
 from . import inputs, owned
 from .inputs import FindEntry
-from .insets import Inset
 from .trails import NodeEntry, ValueOrigin, active_links, resolve
 
 

@@ -14,7 +14,6 @@ from ...core import compat
 from ...core.journal import Journal
 from ...core.value_slots import ValueSlot, same
 from . import inputs
-from .layers import Layer, body, layers
 from .shaders import ALIASES, NodeInGroups
 from .trails import NodeEntry, active_links, giver, resolve
 
@@ -36,6 +35,9 @@ _GRAZING = {"Fresnel": 0.1, "Facing": 0.3}
 _PART = (
     0.3  # what makes less than this of the most prominent shader is an accent, not a part of the body's color
 )
+
+
+_COMPUTED_COLOR, _COMPUTED_STRENGTH = 0.5, 1.0  # assumed for emission that nodes compute
 
 
 @dataclass(frozen=True)
@@ -263,3 +265,20 @@ def _lacquer_entry(material: Material, name: str) -> NodeEntry | None:
     shown = body(material)
     coat = lacquer_over(layers(material), shown[0]) if shown else None
     return coat.shader.entry(name) if coat else None
+
+
+def radiance(material: Material) -> float:
+    """About the radiance that a material's surface emits, its strongest component; 0 if it does not."""
+    return sum(layer.share * _emitted(layer.shader) for layer in layers(material))
+
+
+def _emitted(shader: NodeInGroups) -> float:
+    values = []
+    for name, computed in (("Emission Color", _COMPUTED_COLOR), ("Emission Strength", _COMPUTED_STRENGTH)):
+        entry = shader.entry(name)
+        if entry is None:
+            return 0.0
+        origin = resolve(entry)
+        value = origin.socket.default_value
+        values.append(computed if origin.source else max(value[:3]) if hasattr(value, "__len__") else value)
+    return max(values[0] * values[1], 0.0)
