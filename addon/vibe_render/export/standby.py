@@ -54,4 +54,4 @@ def backdrop(analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]) 
     world_is_seen = (shown < 0).sum() >= _SEEN * max((~mine).sum(), 1)
     if scene.render.film_transparent or not world_is_seen:
         return {}
-    return own_backdrop.offered(scene.world, instances)
+    return own_backdrop.offered_backdrop(scene.world, instances)

@@ -42,10 +42,10 @@ def pictures(world: bpy.types.World | None) -> WorldPictures:
         return WorldPictures()
     parted = backgrounds.has_backdrop(world)
     backdrop = _backdrop(world) if parted else None
-    if backgrounds.mixed(world):
+    if backgrounds.mixed_backgrounds(world):
         light, seen = _mix(world)
         return WorldPictures(light, backdrop if parted else seen)
-    image, note = _environment(world, backgrounds.single(world))
+    image, note = _environment(world, backgrounds.single_background(world))
     return WorldPictures(image, backdrop, note)
 
 
@@ -73,12 +73,12 @@ def _backdrop(world: bpy.types.World) -> np.ndarray | None:
     """What the camera alone sees, without what parameters do to it; None for one color, or the same picture."""
     if backgrounds.shares_picture(world):
         return None
-    single = backgrounds.single(world, backgrounds.BACKDROP)
+    single = backgrounds.single_background(world, backgrounds.BACKDROP)
     color = single.entry("Color") if single else None
     if color and insets.artists(color).source is None:
         return None
     with _untinted(world) as (twin, _):
-        if copy := backgrounds.single(twin, backgrounds.BACKDROP):
+        if copy := backgrounds.single_background(twin, backgrounds.BACKDROP):
             for link in copy.node.inputs["Strength"].links:
                 copy.node.id_data.links.remove(link)
             copy.node.inputs["Strength"].default_value = 1.0

@@ -216,9 +216,9 @@ def put(
     """
     for key, value in values.items():
         _check(key, value)
-    if any(key in own_backdrop.OF_WORLD for key in values):
+    if any(key in own_backdrop.WORLD_OF_BACKDROP for key in values):
         world = instances(scene, subject, pivot, ("world",))
-        values = own_backdrop.made(journal, scene.world, world, values)
+        values = own_backdrop.with_backdrop(journal, scene.world, world, values)
     rest = dict.fromkeys(values, "there is nothing of that name in this scene")
     owners = {owner for group, owner, _ in map(schema.split_key, values) if group == "light"}
     add_lights(journal, scene, owners, subject)

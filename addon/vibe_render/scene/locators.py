@@ -182,9 +182,9 @@ def background(name: str, part: str = LIGHT) -> Locator:
     """An input of a world's background; a computed color has a tint instead, of a mix each strength a factor."""
 
     def locate(context: SceneContext, world: World) -> ValueSlot | None:
-        if backgrounds.mixed(world, part):
+        if backgrounds.mixed_backgrounds(world, part):
             return _of_all(world, part, "Strength", FACTOR, "Factor") if name == "Strength" else None
-        if backgrounds.single(world, part) is None:
+        if backgrounds.single_background(world, part) is None:
             plain = part == LIGHT and name == "Color" and compat.node_tree(world) is None
             return PropertySlot(world, "color", locks.of_property(world, "color")) if plain else None
         return inputs.slot(partial(_single, world, part, name), tinted=name == "Color")
@@ -196,7 +196,7 @@ def world_tint(part: str = LIGHT) -> Locator:
     """The owned tint on a computed background, or on each of several that are mixed."""
 
     def locate(context: SceneContext, world: World) -> ValueSlot | None:
-        if backgrounds.mixed(world, part):
+        if backgrounds.mixed_backgrounds(world, part):
             return _of_all(world, part, "Color", TINT, "Tint")
         return TINT.slot(partial(_single, world, part, "Color"), "Tint")
 
@@ -204,25 +204,25 @@ def world_tint(part: str = LIGHT) -> Locator:
 
 
 def _single(world: World, part: str, name: str) -> NodeEntry | None:
-    node = backgrounds.single(world, part)
+    node = backgrounds.single_background(world, part)
     return node.entry(name) if node else None
 
 
 def _of_all(world: World, part: str, entry: str, inset: Inset, name: str) -> ValueSlot | None:
     """An input of the inset on an input of each Background that is mixed."""
-    count = len(backgrounds.entries(world, part, entry))
+    count = len(backgrounds.mixed_entries(world, part, entry))
     slots = [inset.slot(partial(_mixed, world, part, entry, n), name, plain=True) for n in range(count)]
     return together([slot for slot in slots if slot])
 
 
 def _mixed(world: World, part: str, entry: str, number: int) -> NodeEntry | None:
-    return backgrounds.entries(world, part, entry)[number]
+    return backgrounds.mixed_entries(world, part, entry)[number]
 
 
 def world_rotation(context: SceneContext, world: World) -> ValueSlot | None:
     """The turn of an environment texture around the vertical axis; none where it is one of several Backgrounds."""
-    background = backgrounds.single(world)
-    return environment_rotation.slot(background) if background else None
+    background = backgrounds.single_background(world)
+    return environment_rotation.rotation_slot(background) if background else None
 
 
 def volume(name: str) -> Locator:

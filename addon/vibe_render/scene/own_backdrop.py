@@ -12,25 +12,27 @@ from ..core.journal import Journal
 from ..core.schema_import import labels, schema
 from .nodes import parting
 
-OF_WORLD = {f"world/backdrop_{name}": f"world/{name}" for name in ("color", "tint", "strength")}
+WORLD_OF_BACKDROP = {f"world/backdrop_{name}": f"world/{name}" for name in ("color", "tint", "strength")}
 """The parameters of a backdrop, and those of the world that it starts from."""
 
 
-def offered(world: World | None, instances: Mapping[str, schema.Instance]) -> dict[str, schema.Instance]:
+def offered_backdrop(
+    world: World | None, instances: Mapping[str, schema.Instance]
+) -> dict[str, schema.Instance]:
     """The parameters that a backdrop would have; none where the world cannot be parted, or is partly locked.
 
     Args:
         instances: The scene's parameters by key.
     """
-    if world is None or not parting.is_possible(world):
+    if world is None or not parting.can_have_backdrop(world):
         return {}
-    own = {key: instances[its] for key, its in OF_WORLD.items() if its in instances}
+    own = {key: instances[its] for key, its in WORLD_OF_BACKDROP.items() if its in instances}
     if any(instance.locked for instance in own.values()):
         return {}
     return {key: replace(i, parameter=schema.FAMILIES[key]) for key, i in own.items()}
 
 
-def made(
+def with_backdrop(
     journal: Journal,
     world: World | None,
     instances: Mapping[str, schema.Instance],
@@ -45,12 +47,12 @@ def made(
     Returns:
         The values to write: without those of a backdrop that is to look as the world; of a new one, all.
     """
-    offer = offered(world, instances)
+    offer = offered_backdrop(world, instances)
     named = [key for key in values if key in offer]
     if world is None or not named:
         return dict(values)
     future = {key: tuple(values.get(key, instance.value)) for key, instance in {**instances, **offer}.items()}
-    if all(labels.same(key, future[OF_WORLD[key]], future[key]) for key in named):
+    if all(labels.same(key, future[WORLD_OF_BACKDROP[key]], future[key]) for key in named):
         return {key: value for key, value in values.items() if key not in offer}
-    parting.part(journal, world)
+    parting.add_backdrop(journal, world)
     return {**{key: instance.value for key, instance in offer.items()}, **values}

@@ -195,8 +195,8 @@ def light_distance(low: Vector, high: Vector) -> float:
 def _is_lit(scene: Scene) -> bool:
     if scene.world is None:
         return False
-    single = backgrounds.single(scene.world)
-    mixed = [each.shader for each in backgrounds.mixed(scene.world)]
+    single = backgrounds.single_background(scene.world)
+    mixed = [each.shader for each in backgrounds.mixed_backgrounds(scene.world)]
     return any(_lights(background) for background in mixed or ([single] if single else []))
 
 

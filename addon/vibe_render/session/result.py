@@ -76,7 +76,7 @@ def _list_changes(
     for key, new in values.items():
         if key not in skipped:
             dark = schema.split_key(key)[2] in ("power", "strength")
-            earlier = before.get(key) or before.get(own_backdrop.OF_WORLD.get(key, ""))
+            earlier = before.get(key) or before.get(own_backdrop.WORLD_OF_BACKDROP.get(key, ""))
             old = earlier or ((0.0,) if dark else tuple(new))
             _list_change(settings, key, old, tuple(new), records.get(key, {}))
 

@@ -17,11 +17,11 @@ LIGHT, BACKDROP = "light", "backdrop"
 
 def has_backdrop(world: World) -> bool:
     """Whether what the camera sees and what lights are Backgrounds of their own: Mix Shaders by Is Camera Ray part them."""
-    ways = {_seen_by_camera(layer) for layer in _layers(world)}
+    ways = {_seen_by_camera(layer) for layer in _world_layers(world)}
     return ways == {True, False}
 
 
-def mixed(world: World, part: str = LIGHT) -> list[Layer]:
+def mixed_backgrounds(world: World, part: str = LIGHT) -> list[Layer]:
     """The Backgrounds that a part of a world's surface is mixed of; none where it is a single, plain one.
 
     One whose strength nodes compute, or whose color depends on the kind of ray, counts as a mix.
@@ -29,21 +29,21 @@ def mixed(world: World, part: str = LIGHT) -> list[Layer]:
     Args:
         part: LIGHT or BACKDROP; of a world without a backdrop of its own everything is LIGHT.
     """
-    found = _of(world, part)
+    found = _layers_of_part(world, part)
     return found if len(found) > 1 or any(_is_mix(layer) for layer in found) else []
 
 
-def single(world: World, part: str = LIGHT) -> NodeInGroups | None:
+def single_background(world: World, part: str = LIGHT) -> NodeInGroups | None:
     """The only Background of a part of a world; None where it is mixed, or where there is none."""
     if part == BACKDROP or has_backdrop(world):
-        found = _of(world, part)
-        return found[0].shader if len(found) == 1 and not mixed(world, part) else None
-    return None if mixed(world) else first_background(world)
+        found = _layers_of_part(world, part)
+        return found[0].shader if len(found) == 1 and not mixed_backgrounds(world, part) else None
+    return None if mixed_backgrounds(world) else first_background(world)
 
 
-def entries(world: World, part: str, name: str) -> list[NodeEntry]:
+def mixed_entries(world: World, part: str, name: str) -> list[NodeEntry]:
     """An input of each of a part's mixed Backgrounds; those whose value has one origin once."""
-    layers = mixed(world, part)
+    layers = mixed_backgrounds(world, part)
     alike = tuple(s for layer in layers if (s := layer.shader.input(name)))
     found: list[NodeEntry] = []
     origins: list[NodeSocket] = []
@@ -60,7 +60,7 @@ def entries(world: World, part: str, name: str) -> list[NodeEntry]:
 
 def shares_picture(world: World) -> bool:
     """Whether what the camera sees and what lights have their colors from the same output: one texture."""
-    parts = [single(world, part) for part in (LIGHT, BACKDROP)]
+    parts = [single_background(world, part) for part in (LIGHT, BACKDROP)]
     colors = [background.entry("Color") for background in parts if background]
     sources = [artists(color).source for color in colors if color]
     return len(sources) == 2 and sources[0] is not None and sources[0] == sources[1]
@@ -73,14 +73,14 @@ def _is_mix(layer: Layer) -> bool:
     return computed or (color is not None and asks_for_rays(color)) or any(map(_weighs, layer.sides))
 
 
-def _layers(world: World) -> list[Layer]:
+def _world_layers(world: World) -> list[Layer]:
     tree = compat.node_tree(world)
     output = tree.get_output_node("ALL") if tree else None
     return list(behind(output.inputs["Surface"])) if output else []
 
 
-def _of(world: World, part: str) -> list[Layer]:
-    layers = _layers(world)
+def _layers_of_part(world: World, part: str) -> list[Layer]:
+    layers = _world_layers(world)
     if not has_backdrop(world):
         return layers if part == LIGHT else []
     return [layer for layer in layers if _seen_by_camera(layer) == (part == BACKDROP)]

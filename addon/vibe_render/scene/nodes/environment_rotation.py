@@ -13,7 +13,7 @@ from ...core.value_slots import LazySlot, PropertySlot, ValueSlot
 from . import owned, shaders
 from .trails import NodeEntry, active_links, resolve
 
-NAME = "Vibe Rotation"
+_ROTATION = "Vibe Rotation"
 
 
 @dataclass
@@ -44,7 +44,7 @@ class EnvironmentTurnSlot:
         PropertySlot(self.mapping.inputs["Rotation"], "default_value", index=2).set(journal, self._sign * raw)
 
 
-def slot(background: shaders.NodeInGroups) -> ValueSlot | None:
+def rotation_slot(background: shaders.NodeInGroups) -> ValueSlot | None:
     """The turn of the environment texture that a background comes from; None without one."""
     texture = shaders.environment(background.node.inputs["Color"])
     if not texture:
@@ -58,16 +58,18 @@ def slot(background: shaders.NodeInGroups) -> ValueSlot | None:
 
     def make(journal: Journal) -> ValueSlot:
         tree = vector.id_data
-        mapping = journal.node(tree, "ShaderNodeMapping", NAME)
+        mapping = journal.node(tree, "ShaderNodeMapping", _ROTATION)
         owned.dress(journal, tree, mapping, texture.node)
-        owned.insert(journal, _direction(journal, vector, mapping), mapping, "Vector", vector, "Vector")
+        owned.insert(
+            journal, _direction_source(journal, vector, mapping), mapping, "Vector", vector, "Vector"
+        )
         return EnvironmentTurnSlot(mapping)
 
     existing = find()
     return existing or LazySlot(find, make, 0.0, locks.of_socket(vector, None))
 
 
-def _direction(journal: Journal, vector: NodeSocket, mapping: Node) -> NodeSocket:
+def _direction_source(journal: Journal, vector: NodeSocket, mapping: Node) -> NodeSocket:
     links = active_links(vector)
     if links:
         return links[0].from_socket

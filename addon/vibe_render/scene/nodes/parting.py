@@ -14,23 +14,23 @@ from .trails import active_links
 _LEFT = 200.0  # from a node of ours to the next
 
 
-def is_possible(world: World) -> bool:
+def can_have_backdrop(world: World) -> bool:
     """Whether a world is one plain Background, in its own tree, that both lights and is seen."""
     tree = compat.node_tree(world)
     output = tree.get_output_node("ALL") if tree else None
-    single = backgrounds.single(world)
+    single = backgrounds.single_background(world)
     if output is None or single is None or backgrounds.has_backdrop(world):
         return False
     return not single.inside and bool(active_links(output.inputs["Surface"]))
 
 
-def part(journal: Journal, world: World) -> None:
+def add_backdrop(journal: Journal, world: World) -> None:
     """Lets the camera see a Background of its own, which starts as the one that lights, without what we do to its color.
 
     Args:
         world: One that this is possible with.
     """
-    single = backgrounds.single(world)
+    single = backgrounds.single_background(world)
     tree = compat.node_tree(world)
     assert single
     assert tree
