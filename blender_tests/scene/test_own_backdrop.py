@@ -10,7 +10,7 @@ from dump import contents, difference
 from vibe_render.export import reading
 from vibe_render.looks import fit, take
 from vibe_render.render import anchors
-from vibe_render.scene import bindings, own_backdrop, snapshot
+from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.nodes import backgrounds, insets
 from vibe_render.scene.nodes.insets import TINT
 from vibe_render.scene.subject import SubjectChoice
@@ -96,10 +96,10 @@ def moved(backdrop):
 def test_it_is_offered_with_the_worlds_values_and_is_no_part_of_the_scene(studio, tmp_path):
     before = contents()
     job, backdrop, place = exported(studio, tmp_path)
-    assert not set(own_backdrop.WORLD_OF_BACKDROP) & set(job.instances)
+    assert not set(backgrounds.WORLD_OF_BACKDROP) & set(job.instances)
     assert len(backdrop) == 2
     for key, instance in backdrop.items():
-        assert instance.value == job.instances[own_backdrop.WORLD_OF_BACKDROP[key]].value
+        assert instance.value == job.instances[backgrounds.WORLD_OF_BACKDROP[key]].value
         assert instance.key == key
     same = {key: i.value for key, i in backdrop.items()}
     assert bindings.write(studio, same, *place) == {}
@@ -235,7 +235,7 @@ def test_the_list_of_changes_starts_from_the_world_and_so_does_the_slider(addon)
     result.apply(addon, "green background", messages.Result(values, {}, ""), *place)
     for change in addon.vibe.changes:
         old, new = change.values()
-        assert old == pytest.approx(own[own_backdrop.WORLD_OF_BACKDROP[change.name]])
+        assert old == pytest.approx(own[backgrounds.WORLD_OF_BACKDROP[change.name]])
         assert new == pytest.approx(values[change.name])
     addon.vibe.show_original = True
     now = bindings.read(addon, *place)

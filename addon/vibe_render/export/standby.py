@@ -13,7 +13,8 @@ from mathutils import Vector
 
 from ..core.journal import Journal
 from ..core.schema_import import schema
-from ..scene import bindings, own_backdrop, prepare, scene_context
+from ..scene import bindings, prepare, scene_context
+from ..scene.nodes import backgrounds
 from . import view
 from .analysis import SceneAnalysis
 
@@ -54,4 +55,4 @@ def backdrop(analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]) 
     world_is_seen = (shown < 0).sum() >= _SEEN * max((~mine).sum(), 1)
     if scene.render.film_transparent or not world_is_seen:
         return {}
-    return own_backdrop.offered_backdrop(scene.world, instances)
+    return backgrounds.offered_backdrop(scene.world, instances)

@@ -15,9 +15,10 @@ from ..core.journal import Journal
 from ..core.schema_import import labels, schema
 from ..core.value_slots import ValueSlot
 from . import locators as at
-from . import own_backdrop, prepare, scene_context, snapshot
+from . import prepare, scene_context, snapshot
 from .codecs import COLOR, DEGREES, LENS, NUMBER, Codec
 from .light_types import type_of
+from .nodes import backgrounds
 from .nodes.backgrounds import BACKDROP
 
 
@@ -216,9 +217,9 @@ def put(
     """
     for key, value in values.items():
         _check(key, value)
-    if any(key in own_backdrop.WORLD_OF_BACKDROP for key in values):
+    if any(key in backgrounds.WORLD_OF_BACKDROP for key in values):
         world = instances(scene, subject, pivot, ("world",))
-        values = own_backdrop.with_backdrop(journal, scene.world, world, values)
+        values = backgrounds.with_backdrop(journal, scene.world, world, values)
     rest = dict.fromkeys(values, "there is nothing of that name in this scene")
     owners = {owner for group, owner, _ in map(schema.split_key, values) if group == "light"}
     add_lights(journal, scene, owners, subject)

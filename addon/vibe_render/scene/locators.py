@@ -15,7 +15,7 @@ from ..core.journal import Journal
 from ..core.value_slots import LazySlot, PropertySlot, ValueSlot, together
 from . import fog
 from .light_types import type_of
-from .nodes import backgrounds, environment_rotation, grade, inputs, layers, light_nodes, shaders
+from .nodes import backgrounds, grade, inputs, layers, light_nodes, shaders
 from .nodes.backgrounds import LIGHT
 from .nodes.insets import FACTOR, TINT, Inset
 from .nodes.trails import NodeEntry
@@ -222,7 +222,7 @@ def _mixed(world: World, part: str, entry: str, number: int) -> NodeEntry | None
 def world_rotation(context: SceneContext, world: World) -> ValueSlot | None:
     """The turn of an environment texture around the vertical axis; none where it is one of several Backgrounds."""
     background = backgrounds.single_background(world)
-    return environment_rotation.rotation_slot(background) if background else None
+    return backgrounds.rotation_slot(background) if background else None
 
 
 def volume(name: str) -> Locator:

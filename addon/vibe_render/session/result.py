@@ -10,7 +10,8 @@ from typing import Any
 import bpy
 
 from ..core.schema_import import labels, messages, schema
-from ..scene import bindings, own_backdrop, snapshot
+from ..scene import bindings, snapshot
+from ..scene.nodes import backgrounds
 from . import before_image, changes
 
 
@@ -76,7 +77,7 @@ def _list_changes(
     for key, new in values.items():
         if key not in skipped:
             dark = schema.split_key(key)[2] in ("power", "strength")
-            earlier = before.get(key) or before.get(own_backdrop.WORLD_OF_BACKDROP.get(key, ""))
+            earlier = before.get(key) or before.get(backgrounds.WORLD_OF_BACKDROP.get(key, ""))
             old = earlier or ((0.0,) if dark else tuple(new))
             _list_change(settings, key, old, tuple(new), records.get(key, {}))
 

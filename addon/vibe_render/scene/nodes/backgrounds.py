@@ -1,16 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Backgrounds that a world is mixed of. The camera may see some and get light from others: "backdrop" and "light"."""
+"""The Backgrounds of a world. The camera may see some and get light from others: "backdrop" and "light" parts."""
 
 from __future__ import annotations
 
-from bpy.types import NodeSocket, World
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
-from ...core import compat
+from bpy.types import Node, NodeSocket, World
+
+from ...core import compat, locks
+from ...core.journal import Journal
+from ...core.schema_import import labels, schema
+from ...core.value_slots import LazySlot, PropertySlot, ValueSlot
+from . import owned, shaders
 from .insets import artists
 from .layers import Layer, MixSide, behind
 from .shaders import NodeInGroups, asks_for_rays
 from .shaders import background as first_background
-from .trails import NodeEntry, resolve
+from .trails import NodeEntry, active_links, resolve
 
 LIGHT, BACKDROP = "light", "backdrop"
 
@@ -96,3 +103,162 @@ def _weighs(side: MixSide) -> bool:
     """Whether a side of a Mix Shader is a share, and not one kind of rays."""
     source = resolve(side.factor).source
     return not (source and source.node.type == "LIGHT_PATH" and source.name == "Is Camera Ray")
+
+
+_ROTATION = "Vibe Rotation"
+
+
+@dataclass
+class EnvironmentTurnSlot:
+    """Value slot: the angle by which the looked-up direction is turned, radians.
+
+    A Mapping node of type Texture turns the other way round.
+    """
+
+    mapping: Node
+
+    @property
+    def locked(self) -> str:
+        """Why the angle must be left alone."""
+        origin = resolve(NodeEntry(self.mapping.inputs["Rotation"]))
+        return locks.of_socket(origin.socket, origin.source)
+
+    @property
+    def _sign(self) -> float:
+        return -1.0 if self.mapping.vector_type == "TEXTURE" else 1.0
+
+    def get(self) -> float:
+        """Radians."""
+        return self._sign * self.mapping.inputs["Rotation"].default_value[2]
+
+    def set(self, journal: Journal, raw: float) -> None:
+        """Turns the environment."""
+        PropertySlot(self.mapping.inputs["Rotation"], "default_value", index=2).set(journal, self._sign * raw)
+
+
+def rotation_slot(background: shaders.NodeInGroups) -> ValueSlot | None:
+    """The turn of the environment texture that a background comes from; None without one."""
+    texture = shaders.environment(background.node.inputs["Color"])
+    if not texture:
+        return None
+    vector = texture.node.inputs["Vector"]
+
+    def find() -> ValueSlot | None:
+        links = active_links(vector)
+        node = links[0].from_node if links else None
+        return EnvironmentTurnSlot(node) if node and node.bl_idname == "ShaderNodeMapping" else None
+
+    def make(journal: Journal) -> ValueSlot:
+        tree = vector.id_data
+        mapping = journal.node(tree, "ShaderNodeMapping", _ROTATION)
+        owned.dress(journal, tree, mapping, texture.node)
+        owned.insert(
+            journal, _direction_source(journal, vector, mapping), mapping, "Vector", vector, "Vector"
+        )
+        return EnvironmentTurnSlot(mapping)
+
+    existing = find()
+    return existing or LazySlot(find, make, 0.0, locks.of_socket(vector, None))
+
+
+def _direction_source(journal: Journal, vector: NodeSocket, mapping: Node) -> NodeSocket:
+    links = active_links(vector)
+    if links:
+        return links[0].from_socket
+    node = journal.node(vector.id_data, "ShaderNodeTexCoord", "Vibe Direction")
+    node.parent = mapping.parent
+    node.location = (mapping.location.x - node.width - 60.0, mapping.location.y)
+    return node.outputs["Generated"]
+
+
+_LEFT = 200.0  # from a node of ours to the next
+
+
+def can_have_backdrop(world: World) -> bool:
+    """Whether a world is one plain Background, in its own tree, that both lights and is seen."""
+    tree = compat.node_tree(world)
+    output = tree.get_output_node("ALL") if tree else None
+    single = single_background(world)
+    if output is None or single is None or has_backdrop(world):
+        return False
+    return not single.inside and bool(active_links(output.inputs["Surface"]))
+
+
+def add_backdrop(journal: Journal, world: World) -> None:
+    """Lets the camera see a Background of its own, which starts as the one that lights, without what we do to its color.
+
+    Args:
+        world: One that this is possible with.
+    """
+    single = single_background(world)
+    tree = compat.node_tree(world)
+    assert single
+    assert tree
+    output = tree.get_output_node("ALL")
+    surface = output.inputs["Surface"]
+    lighting = active_links(surface)[0].from_socket
+    mix = journal.node(tree, "ShaderNodeMixShader", "Vibe Backdrop")
+    owned.dress(journal, tree, mix, output)
+    seen = journal.node(tree, "ShaderNodeBackground", "Vibe Backdrop Background")
+    path = journal.node(tree, "ShaderNodeLightPath", "Vibe Backdrop Light Path")
+    for node, rows in ((seen, 1), (path, -2)):
+        node.parent, node.use_custom_color, node.color = mix.parent, True, owned.COLOR
+        node.location = (mix.location.x - _LEFT, mix.location.y - rows * _LEFT)
+    for name in ("Color", "Strength"):
+        entry = single.entry(name)
+        assert entry
+        origin = artists(entry)
+        if origin.source:
+            journal.link(origin.source, seen.inputs[name])
+        else:
+            seen.inputs[name].default_value = origin.socket.default_value
+    journal.link(path.outputs["Is Camera Ray"], mix.inputs[0])
+    journal.link(lighting, mix.inputs[1])
+    journal.link(seen.outputs[0], mix.inputs[2])
+    journal.link(mix.outputs[0], surface)
+
+
+WORLD_OF_BACKDROP = {f"world/backdrop_{name}": f"world/{name}" for name in ("color", "tint", "strength")}
+"""The parameters of a backdrop, and those of the world that it starts from."""
+
+
+def offered_backdrop(
+    world: World | None, instances: Mapping[str, schema.Instance]
+) -> dict[str, schema.Instance]:
+    """The parameters that a backdrop would have; none where the world cannot be parted, or is partly locked.
+
+    Args:
+        instances: The scene's parameters by key.
+    """
+    if world is None or not can_have_backdrop(world):
+        return {}
+    own = {key: instances[its] for key, its in WORLD_OF_BACKDROP.items() if its in instances}
+    if any(instance.locked for instance in own.values()):
+        return {}
+    return {key: replace(i, parameter=schema.FAMILIES[key]) for key, i in own.items()}
+
+
+def with_backdrop(
+    journal: Journal,
+    world: World | None,
+    instances: Mapping[str, schema.Instance],
+    values: Mapping[str, Sequence[float]],
+) -> dict[str, Sequence[float]]:
+    """Parts a world if values move its backdrop away from it.
+
+    Args:
+        instances: The scene's parameters of the world, by key.
+        values: What is going to be written, by key; of anything.
+
+    Returns:
+        The values to write: without those of a backdrop that is to look as the world; of a new one, all.
+    """
+    offer = offered_backdrop(world, instances)
+    named = [key for key in values if key in offer]
+    if world is None or not named:
+        return dict(values)
+    future = {key: tuple(values.get(key, instance.value)) for key, instance in {**instances, **offer}.items()}
+    if all(labels.same(key, future[WORLD_OF_BACKDROP[key]], future[key]) for key in named):
+        return {key: value for key, value in values.items() if key not in offer}
+    add_backdrop(journal, world)
+    return {**{key: instance.value for key, instance in offer.items()}, **values}
