@@ -15,8 +15,7 @@ from ...core.value_slots import LazySlot, PropertySlot, ValueSlot
 from . import owned, shaders
 from .insets import artists
 from .layers import Layer, MixSide, behind
-from .shaders import NodeInGroups, asks_for_rays
-from .shaders import background as first_background
+from .shaders import NodeInGroups, asks_for_rays, first_background
 from .trails import NodeEntry, active_links, resolve
 
 LIGHT, BACKDROP = "light", "backdrop"

@@ -57,12 +57,12 @@ class NodeInGroups:
         return NodeEntry(socket, self.inside, alike) if socket else None
 
 
-def background(world: World) -> NodeInGroups | None:
+def first_background(world: World) -> NodeInGroups | None:
     """The Background node of a world."""
     return _from_output(compat.node_tree(world), "Surface", ("ShaderNodeBackground",))
 
 
-def bumps(material: Material) -> bool:
+def bumps_normals(material: Material) -> bool:
     """Whether a material's Displacement is rendered, at least partly, as a change of its normals."""
     tree = compat.node_tree(material)
     output = tree.get_output_node("CYCLES") if tree else None
@@ -116,7 +116,7 @@ def _search(socket: NodeSocket, inside: tuple[Node, ...], kinds: tuple[str, ...]
     return None
 
 
-def foreign(material: Material) -> list[Node]:
+def foreign_nodes(material: Material) -> list[Node]:
     """The nodes of a material, its groups included, that Cycles takes for absent."""
     tree, nodes = compat.node_tree(material), []
     trees = [tree] if tree else []
