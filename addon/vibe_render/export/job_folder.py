@@ -15,7 +15,7 @@ from mathutils import Vector
 
 from ..core.schema_import import atomic, schema
 from ..scene import bindings, fog, scene_context
-from ..scene.nodes import shaders
+from ..scene.nodes import trails
 from . import measured, notes, sanitize, standby, view, view_faults, world_light
 from .analysis import SceneAnalysis
 from .materials import NO_MATERIAL, ExportedMaterial
@@ -265,7 +265,7 @@ def _volume(analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]) -
     scene = analysis.scene
     domain = fog.domain(scene_context.SceneContext(scene, analysis.objects, Vector(analysis.pivot)))
     density = instances.get("volume/density")
-    if scene.world and shaders.world_volume(scene.world):
+    if scene.world and trails.world_volume(scene.world):
         kind = "world"
     else:
         kind = "box" if density and density.value[0] > 0 else "none"

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..core import compat
 from ..core.schema_import import schema
-from ..scene.nodes import insets, layers, shaders
+from ..scene.nodes import insets, layers, trails
 from ..scene.nodes.trails import FOREIGN, ValueOrigin
 from . import principled
 from .mixture import Mixture
@@ -80,7 +80,7 @@ def computed(material: bpy.types.Material | None) -> dict[str, ValueOrigin | Non
         outputs["base_color"] = mixture.colors[0]
     if cut := mixture.cutout():
         outputs["alpha"] = cut[0]
-    bumps = shaders.bumps_normals(material)
+    bumps = trails.bumps_normals(material)
     return {**outputs, "normal": None} if bumps and "normal" not in outputs else outputs
 
 
@@ -135,7 +135,7 @@ def _approximations(base: layers.Layer, shown: list[layers.Layer]) -> list[str]:
 
 def _foreign(material: bpy.types.Material) -> list[str]:
     """Notes about nodes that a render leaves out."""
-    labels = {node.bl_idname: node.bl_label for node in shaders.foreign_nodes(material)}
+    labels = {node.bl_idname: node.bl_label for node in trails.foreign_nodes(material)}
     return [f"{label}, which {FOREIGN[kind]}, is left out" for kind, label in labels.items()]
 
 

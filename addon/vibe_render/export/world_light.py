@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 from ..render import bake
-from ..scene.nodes import backgrounds, insets, shaders
+from ..scene.nodes import backgrounds, insets, trails
 from ..scene.nodes.insets import FACTOR, TINT
 from .textures import image_colors
 
@@ -50,7 +50,7 @@ def pictures(world: bpy.types.World | None) -> WorldPictures:
 
 
 def _environment(
-    world: bpy.types.World, background: shaders.NodeInGroups | None
+    world: bpy.types.World, background: trails.NodeInGroups | None
 ) -> tuple[np.ndarray | None, str]:
     """The picture of a single Background, unturned; None for one color. And what is approximated."""
     color = background.entry("Color") if background else None

@@ -15,7 +15,7 @@ from ..core.journal import Journal
 from ..core.value_slots import LazySlot, PropertySlot, ValueSlot, together
 from . import fog
 from .light_types import type_of
-from .nodes import backgrounds, grade, inputs, layers, light_nodes, shaders
+from .nodes import backgrounds, grade, inputs, layers, light_nodes, trails
 from .nodes.backgrounds import LIGHT
 from .nodes.insets import FACTOR, TINT, Inset
 from .nodes.trails import NodeEntry
@@ -229,7 +229,7 @@ def volume(name: str) -> Locator:
     """A value of the fog: of the artist's world volume if there is one, else of the owned box."""
 
     def locate(context: SceneContext, scene: Scene) -> ValueSlot | None:
-        node = shaders.world_volume(scene.world) if scene.world else None
+        node = trails.world_volume(scene.world) if scene.world else None
         if node is None:
             return fog.slot(context, name)
         if name not in node.node.inputs:
@@ -240,7 +240,7 @@ def volume(name: str) -> Locator:
 
 
 def _world_volume(scene: Scene, name: str) -> NodeEntry | None:
-    node = shaders.world_volume(scene.world) if scene.world else None
+    node = trails.world_volume(scene.world) if scene.world else None
     return node.entry(name) if node else None
 
 

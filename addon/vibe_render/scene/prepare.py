@@ -16,7 +16,7 @@ from ..core.journal import Journal
 from ..core.schema_import import schema
 from . import scene_context, snapshot
 from .light_types import AreaLightType, light_type
-from .nodes import backgrounds, layers, owned, shaders
+from .nodes import backgrounds, layers, owned, trails
 from .nodes.trails import active_links
 
 _PLACES = {
@@ -200,7 +200,7 @@ def _is_lit(scene: Scene) -> bool:
     return any(_lights(background) for background in mixed or ([single] if single else []))
 
 
-def _lights(background: shaders.NodeInGroups) -> bool:
+def _lights(background: trails.NodeInGroups) -> bool:
     color, strength = background.node.inputs["Color"], background.node.inputs["Strength"]
     if active_links(color) or active_links(strength):
         return True

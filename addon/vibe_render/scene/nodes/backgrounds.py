@@ -12,11 +12,10 @@ from ...core import compat, locks
 from ...core.journal import Journal
 from ...core.schema_import import labels, schema
 from ...core.value_slots import LazySlot, PropertySlot, ValueSlot
-from . import owned, shaders
+from . import owned, trails
 from .insets import artists
 from .layers import Layer, MixSide, behind
-from .shaders import NodeInGroups, asks_for_rays, first_background
-from .trails import NodeEntry, active_links, resolve
+from .trails import NodeEntry, NodeInGroups, active_links, asks_for_rays, first_background, resolve
 
 LIGHT, BACKDROP = "light", "backdrop"
 
@@ -135,9 +134,9 @@ class EnvironmentTurnSlot:
         PropertySlot(self.mapping.inputs["Rotation"], "default_value", index=2).set(journal, self._sign * raw)
 
 
-def rotation_slot(background: shaders.NodeInGroups) -> ValueSlot | None:
+def rotation_slot(background: trails.NodeInGroups) -> ValueSlot | None:
     """The turn of the environment texture that a background comes from; None without one."""
-    texture = shaders.environment(background.node.inputs["Color"])
+    texture = trails.environment(background.node.inputs["Color"])
     if not texture:
         return None
     vector = texture.node.inputs["Vector"]

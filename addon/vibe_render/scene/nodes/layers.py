@@ -14,8 +14,7 @@ from ...core import compat
 from ...core.journal import Journal
 from ...core.value_slots import ValueSlot, same
 from . import inputs
-from .shaders import ALIASES, NodeInGroups
-from .trails import NodeEntry, active_links, giver, resolve
+from .trails import ALIASES, NodeEntry, NodeInGroups, active_links, giver, resolve
 
 TRANSPARENT = "ShaderNodeBsdfTransparent"
 _BACKGROUND = "ShaderNodeBackground"
