@@ -163,7 +163,7 @@ def test_a_tint_that_was_kept_is_where_it_starts(scene, tmp_path):
     assert now["world/backdrop_tint"] == pytest.approx((0.5, 1.2, 0.8))
     bindings.write(scene, {"world/backdrop_tint": GREEN}, *place)
     assert bindings.read(scene, *place)["world/tint"] == pytest.approx((0.5, 1.2, 0.8))
-    assert len([n for n in scene.world.node_tree.nodes if insets._mark(n) == TINT.name]) == 2
+    assert len([n for n in scene.world.node_tree.nodes if insets._inset_name(n) == TINT.name]) == 2
     snapshot.revert(scene)
     assert difference(before, contents()) == {}
 

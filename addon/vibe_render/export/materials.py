@@ -74,7 +74,9 @@ def computed(material: bpy.types.Material | None) -> dict[str, ValueOrigin | Non
     mixture = Mixture.of(material)
     entries = {name: layers.entry(material, socket) for name, socket in principled.COMPUTED.items()}
     outputs: dict[str, ValueOrigin | None] = dict(mixture.channels())
-    outputs |= {name: o for name, each in entries.items() if each and (o := insets.artists(each)).source}
+    outputs |= {
+        name: o for name, each in entries.items() if each and (o := insets.artists_origin(each)).source
+    }
     outputs.pop("base_color", None)
     if len(mixture.colors) == 1 and mixture.colors[0].source:
         outputs["base_color"] = mixture.colors[0]

@@ -50,7 +50,7 @@ class Mixture:
             origin = resolve(side.factor)
             if origin.source and origin.source not in (known.source for known in mixture.factors):
                 mixture.factors.append(origin)
-        mixture.colors = [insets.artists(color) for color in layers.colors(material)]
+        mixture.colors = [insets.artists_origin(color) for color in layers.colors(material)]
         return mixture
 
     def cutout(self) -> tuple[ValueOrigin, bool] | None:
@@ -108,7 +108,7 @@ class Mixture:
         for layer in layers.body(material):
             entry = layer.shader.entry("Base Color")
             assert entry
-            origin = insets.artists(entry)
+            origin = insets.artists_origin(entry)
             share = self.share(layer, measured, coats=True)
             total = total + share * self._color(origin, measured)
             weight = weight + share

@@ -109,7 +109,7 @@ class TemperatureSlot:
 def lamp_temperature(context: SceneContext, obj: Object) -> ValueSlot | None:
     """The temperature of a light, where Blender has it: that of a Blackbody node, if it has its color from one."""
     if light_nodes.kelvin(obj.data) and not getattr(obj.data, "use_temperature", False):
-        return inputs.slot(lambda: light_nodes.kelvin(obj.data))
+        return inputs.input_slot(lambda: light_nodes.kelvin(obj.data))
     if not compat.HAS_TEMPERATURE:
         return None
     return TemperatureSlot(obj.data, _lamp_lock(context, obj, "temperature"))
@@ -122,7 +122,7 @@ def shader(name: str) -> Locator:
     """
 
     def locate(context: SceneContext, material: Material) -> ValueSlot | None:
-        return inputs.slot(lambda: layers.entry(material, name))
+        return inputs.input_slot(lambda: layers.entry(material, name))
 
     return locate
 
@@ -142,19 +142,19 @@ def surface_color(context: SceneContext, material: Material) -> ValueSlot | None
     if compat.node_tree(material) is None:
         return PropertySlot(material, "diffuse_color", locks.of_property(material, "diffuse_color"))
     colors = layers.colors(material)
-    return inputs.slot(lambda: layers.colors(material)[0], tinted=True) if len(colors) == 1 else None
+    return inputs.input_slot(lambda: layers.colors(material)[0], tinted=True) if len(colors) == 1 else None
 
 
 def glow_color(context: SceneContext, material: Material) -> ValueSlot | None:
     """The emission color, or the owned tint on one that is computed."""
     find = partial(layers.entry, material, "Emission Color")
-    return inputs.slot(find, tinted=True) or TINT.slot(find, "Tint")
+    return inputs.input_slot(find, tinted=True) or TINT.slot(find, "Tint")
 
 
 def glow_strength(context: SceneContext, material: Material) -> ValueSlot | None:
     """The emission strength, or the owned factor of one that is computed."""
     find = partial(layers.entry, material, "Emission Strength")
-    return inputs.slot(find, tinted=True) or FACTOR.slot(find, "Factor")
+    return inputs.input_slot(find, tinted=True) or FACTOR.slot(find, "Factor")
 
 
 def material_tint(name: str) -> Locator:
@@ -187,7 +187,7 @@ def background(name: str, part: str = LIGHT) -> Locator:
         if backgrounds.single_background(world, part) is None:
             plain = part == LIGHT and name == "Color" and compat.node_tree(world) is None
             return PropertySlot(world, "color", locks.of_property(world, "color")) if plain else None
-        return inputs.slot(partial(_single, world, part, name), tinted=name == "Color")
+        return inputs.input_slot(partial(_single, world, part, name), tinted=name == "Color")
 
     return locate
 
@@ -234,7 +234,7 @@ def volume(name: str) -> Locator:
             return fog.slot(context, name)
         if name not in node.node.inputs:
             return None
-        return inputs.slot(lambda: _world_volume(scene, name))
+        return inputs.input_slot(lambda: _world_volume(scene, name))
 
     return locate
 

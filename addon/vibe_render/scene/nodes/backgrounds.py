@@ -13,7 +13,7 @@ from ...core.journal import Journal
 from ...core.schema_import import labels, schema
 from ...core.value_slots import LazySlot, PropertySlot, ValueSlot
 from . import owned, trails
-from .insets import artists
+from .insets import artists_origin
 from .layers import Layer, MixSide, behind
 from .trails import NodeEntry, NodeInGroups, active_links, asks_for_rays, first_background, resolve
 
@@ -67,14 +67,14 @@ def shares_picture(world: World) -> bool:
     """Whether what the camera sees and what lights have their colors from the same output: one texture."""
     parts = [single_background(world, part) for part in (LIGHT, BACKDROP)]
     colors = [background.entry("Color") for background in parts if background]
-    sources = [artists(color).source for color in colors if color]
+    sources = [artists_origin(color).source for color in colors if color]
     return len(sources) == 2 and sources[0] is not None and sources[0] == sources[1]
 
 
 def _is_mix(layer: Layer) -> bool:
     """Whether a Background is more than a color and a strength."""
     color, strength = layer.shader.entry("Color"), layer.shader.entry("Strength")
-    computed = strength is not None and artists(strength).source is not None
+    computed = strength is not None and artists_origin(strength).source is not None
     return computed or (color is not None and asks_for_rays(color)) or any(map(_weighs, layer.sides))
 
 
@@ -205,7 +205,7 @@ def add_backdrop(journal: Journal, world: World) -> None:
     for name in ("Color", "Strength"):
         entry = single.entry(name)
         assert entry
-        origin = artists(entry)
+        origin = artists_origin(entry)
         if origin.source:
             journal.link(origin.source, seen.inputs[name])
         else:

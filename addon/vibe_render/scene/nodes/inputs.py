@@ -18,7 +18,7 @@ from .trails import NodeEntry, ValueOrigin, resolve
 FindEntry = Callable[[], NodeEntry | None]
 """Finds an input anew: copies of groups have other nodes than the groups."""
 
-_NAME = "Vibe Value"
+_VALUE = "Vibe Value"
 
 
 @dataclass
@@ -50,7 +50,7 @@ class InputSlot:
         socket_slot(origin.socket).set(journal, raw)
 
 
-def slot(find: FindEntry, tinted: bool = False) -> ValueSlot | None:
+def input_slot(find: FindEntry, tinted: bool = False) -> ValueSlot | None:
     """The slot of an input's value, where an artist would drag it; None if there is no such input.
 
     Args:
@@ -94,7 +94,7 @@ def _separate(journal: Journal, origin: ValueOrigin) -> None:
     not change the bump of another.
     """
     tree, node = origin.socket.id_data, origin.socket.node
-    twin = journal.node(tree, node.bl_idname, _NAME)
+    twin = journal.node(tree, node.bl_idname, _VALUE)
     owned.dress(journal, tree, twin, origin.targets[0].node)
     twin.outputs[0].default_value = origin.socket.default_value
     for target in origin.targets:

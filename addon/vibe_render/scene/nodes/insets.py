@@ -55,7 +55,7 @@ class Inset:
             return NodeEntry(node.inputs[name], origin().inside) if node else None
 
         def there() -> ValueSlot | None:
-            return inputs.slot(own) if self.of(origin().source) else None
+            return inputs.input_slot(own) if self.of(origin().source) else None
 
         def make(journal: Journal) -> ValueSlot:
             inputs.own_groups(journal, first.inside)
@@ -66,7 +66,7 @@ class Inset:
 
     def of(self, source: NodeSocket | None) -> Node | None:
         """The inset that an output belongs to, if it is one of this kind."""
-        return source.node if source and _mark(source.node) == self.name else None
+        return source.node if source and _inset_name(source.node) == self.name else None
 
     def _insert(self, journal: Journal, origin: ValueOrigin) -> Node:
         """Puts it before all inputs that mean the same; what else gets the value keeps it as it is."""
@@ -86,23 +86,23 @@ class Inset:
         return node
 
 
-def _mark(node: Node) -> str:
+def _inset_name(node: Node) -> str:
     return node.node_tree.get(owned.MARK, "") if node.type == "GROUP" and node.node_tree else ""
 
 
-def neutral(tree: NodeTree, kinds: Sequence[Inset]) -> None:
+def neutralize(tree: NodeTree, kinds: Sequence[Inset]) -> None:
     """Sets the insets of a tree to the values that change nothing."""
     for node in tree.nodes:
-        for kind in (kind for kind in kinds if _mark(node) == kind.name):
+        for kind in (kind for kind in kinds if _inset_name(node) == kind.name):
             for name, identity in kind.identities.items():
                 color = isinstance(identity, tuple)
                 node.inputs[name].default_value = (*identity, 1.0) if color else identity
 
 
-def artists(entry: NodeEntry) -> ValueOrigin:
+def artists_origin(entry: NodeEntry) -> ValueOrigin:
     """Where an input has its value from as the artist built it, before any inset of ours."""
     origin = resolve(entry)
-    if origin.source is None or not _mark(origin.source.node):
+    if origin.source is None or not _inset_name(origin.source.node):
         return origin
     taken = origin.source.node.inputs[0]
     source = active_links(taken)[0].from_socket if active_links(taken) else None

@@ -251,13 +251,13 @@ def lacquer_over(every: list[Layer], base: Layer) -> Layer | None:
 
 def lacquer_weight(material: Material) -> ValueSlot | None:
     """How strong the lacquer over a metal is: its color, which is 1 at full strength; None without one."""
-    color = inputs.slot(partial(_lacquer_entry, material, "Base Color"))
+    color = inputs.input_slot(partial(_lacquer_entry, material, "Base Color"))
     return StrengthSlot(color) if color else None
 
 
 def lacquer_roughness(material: Material) -> ValueSlot | None:
     """The roughness of the lacquer over a metal; None without one."""
-    return inputs.slot(partial(_lacquer_entry, material, "Roughness"))
+    return inputs.input_slot(partial(_lacquer_entry, material, "Roughness"))
 
 
 def _lacquer_entry(material: Material, name: str) -> NodeEntry | None:
