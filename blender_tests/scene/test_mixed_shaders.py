@@ -9,7 +9,7 @@ from dump import difference, dump
 from marks import few_of
 from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.nodes import layers, owned
-from vibe_render.scene.nodes.insets import TINT
+from vibe_render.scene.nodes.inputs import TINT
 
 PIVOT = (0.0, 0.0, 0.0)
 BLUE = (0.02, 0.05, 0.4)

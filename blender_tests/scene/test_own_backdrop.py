@@ -11,8 +11,8 @@ from vibe_render.export import reading
 from vibe_render.looks import fit, take
 from vibe_render.render import anchors
 from vibe_render.scene import bindings, snapshot
-from vibe_render.scene.nodes import backgrounds, insets
-from vibe_render.scene.nodes.insets import TINT
+from vibe_render.scene.nodes import backgrounds, inputs
+from vibe_render.scene.nodes.inputs import TINT
 from vibe_render.scene.subject import SubjectChoice
 from vibe_render.session.session import result
 
@@ -163,7 +163,7 @@ def test_a_tint_that_was_kept_is_where_it_starts(scene, tmp_path):
     assert now["world/backdrop_tint"] == pytest.approx((0.5, 1.2, 0.8))
     bindings.write(scene, {"world/backdrop_tint": GREEN}, *place)
     assert bindings.read(scene, *place)["world/tint"] == pytest.approx((0.5, 1.2, 0.8))
-    assert len([n for n in scene.world.node_tree.nodes if insets._inset_name(n) == TINT.name]) == 2
+    assert len([n for n in scene.world.node_tree.nodes if inputs._inset_name(n) == TINT.name]) == 2
     snapshot.revert(scene)
     assert difference(before, contents()) == {}
 

@@ -8,7 +8,7 @@ import small_scenes as scenes
 from vibe_render.core.color import LUMA
 from vibe_render.scene import bindings
 from vibe_render.scene.nodes import owned
-from vibe_render.scene.nodes.insets import TINT
+from vibe_render.scene.nodes.inputs import TINT
 
 PIVOT = (0.0, 0.0, 0.0)
 PAINT = (0.6, 0.3, 0.1)

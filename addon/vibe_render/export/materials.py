@@ -12,7 +12,7 @@ import numpy as np
 
 from ..core import compat
 from ..core.schema_import import schema
-from ..scene.nodes import insets, layers, trails
+from ..scene.nodes import inputs, layers, trails
 from ..scene.nodes.trails import FOREIGN, ValueOrigin
 from . import principled
 from .mixture import Mixture
@@ -75,7 +75,7 @@ def computed(material: bpy.types.Material | None) -> dict[str, ValueOrigin | Non
     entries = {name: layers.entry(material, socket) for name, socket in principled.COMPUTED.items()}
     outputs: dict[str, ValueOrigin | None] = dict(mixture.channels())
     outputs |= {
-        name: o for name, each in entries.items() if each and (o := insets.artists_origin(each)).source
+        name: o for name, each in entries.items() if each and (o := inputs.artists_origin(each)).source
     }
     outputs.pop("base_color", None)
     if len(mixture.colors) == 1 and mixture.colors[0].source:

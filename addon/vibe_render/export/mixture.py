@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 from ..core.schema_import import schema
-from ..scene.nodes import insets, layers
+from ..scene.nodes import inputs, layers
 from ..scene.nodes.layers import TRANSPARENT, Layer, MixSide
 from ..scene.nodes.trails import ValueOrigin, active_links, resolve
 
@@ -50,7 +50,7 @@ class Mixture:
             origin = resolve(side.factor)
             if origin.source and origin.source not in (known.source for known in mixture.factors):
                 mixture.factors.append(origin)
-        mixture.colors = [insets.artists_origin(color) for color in layers.colors(material)]
+        mixture.colors = [inputs.artists_origin(color) for color in layers.colors(material)]
         return mixture
 
     def cutout(self) -> tuple[ValueOrigin, bool] | None:
@@ -108,7 +108,7 @@ class Mixture:
         for layer in layers.body(material):
             entry = layer.shader.entry("Base Color")
             assert entry
-            origin = insets.artists_origin(entry)
+            origin = inputs.artists_origin(entry)
             share = self.share(layer, measured, coats=True)
             total = total + share * self._color(origin, measured)
             weight = weight + share

@@ -11,8 +11,8 @@ import bpy
 import numpy as np
 
 from ..render import bake
-from ..scene.nodes import backgrounds, insets, trails
-from ..scene.nodes.insets import FACTOR, TINT
+from ..scene.nodes import backgrounds, inputs, trails
+from ..scene.nodes.inputs import FACTOR, TINT
 from .textures import image_colors
 
 _HEIGHT, _SAMPLES = 256, 32
@@ -54,7 +54,7 @@ def _environment(
 ) -> tuple[np.ndarray | None, str]:
     """The picture of a single Background, unturned; None for one color. And what is approximated."""
     color = background.entry("Color") if background else None
-    source = insets.artists_origin(color).source if color else None
+    source = inputs.artists_origin(color).source if color else None
     if source is None:
         return None, ""
     node = source.node
@@ -75,7 +75,7 @@ def _backdrop(world: bpy.types.World) -> np.ndarray | None:
         return None
     single = backgrounds.single_background(world, backgrounds.BACKDROP)
     color = single.entry("Color") if single else None
-    if color and insets.artists_origin(color).source is None:
+    if color and inputs.artists_origin(color).source is None:
         return None
     with _untinted(world) as (twin, _):
         if copy := backgrounds.single_background(twin, backgrounds.BACKDROP):
@@ -122,7 +122,7 @@ def _untinted(world: bpy.types.World) -> Iterator[tuple[bpy.types.World, list[bp
     _unlink(twin.node_tree, ("Volume",))
     trees = [twin.node_tree]
     for tree in trees:  # grows by the groups inside
-        insets.neutralize(tree, (TINT, FACTOR))
+        inputs.neutralize(tree, (TINT, FACTOR))
         for node in tree.nodes:
             if node.type == "GROUP" and node.node_tree:
                 node.node_tree = node.node_tree.copy()

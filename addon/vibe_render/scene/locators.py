@@ -17,7 +17,7 @@ from . import fog
 from .light_types import type_of
 from .nodes import backgrounds, grade, inputs, layers, light_nodes, trails
 from .nodes.backgrounds import LIGHT
-from .nodes.insets import FACTOR, TINT, Inset
+from .nodes.inputs import FACTOR, TINT, Inset
 from .nodes.trails import NodeEntry
 from .orbits import OrbitSlot, Pose
 from .scene_context import SceneContext

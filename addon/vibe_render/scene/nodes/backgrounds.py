@@ -13,7 +13,7 @@ from ...core.journal import Journal
 from ...core.schema_import import labels, schema
 from ...core.value_slots import LazySlot, PropertySlot, ValueSlot
 from . import owned, trails
-from .insets import artists_origin
+from .inputs import artists_origin
 from .layers import Layer, MixSide, behind
 from .trails import NodeEntry, NodeInGroups, active_links, asks_for_rays, first_background, resolve
 
