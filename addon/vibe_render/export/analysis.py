@@ -114,7 +114,7 @@ def capture(scene: bpy.types.Scene) -> SceneCapture:
     if scene.camera is None:
         raise schema.VibeError("The scene has no camera.", "Add one, and aim it at the subject.")
     check_camera(scene)
-    meshes, warnings = evaluated.evaluate(scene, lambda depsgraph: collect(depsgraph, uv_of))
+    meshes, warnings = evaluated.evaluate_render(scene, lambda depsgraph: collect(depsgraph, uv_of))
     return SceneCapture(meshes, warnings, visibility.ray_camera(scene), data_blocks())
 
 

@@ -20,7 +20,7 @@ T = TypeVar("T")
 _SMALL = 32  # pixels; Blender refuses fewer than 16
 
 
-def evaluate(scene: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], T]) -> T:
+def evaluate_render(scene: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], T]) -> T:
     """Calls `read` with the dependency graph of a final render of the current frame.
 
     Nothing is rendered, nothing in the file changes.
