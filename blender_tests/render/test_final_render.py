@@ -8,7 +8,7 @@ import small_scenes as scenes
 from dump import difference, dump
 from vibe_render.core import compat
 from vibe_render.render import final_render
-from vibe_render.scene import evaluated
+from vibe_render.scene import copies
 
 
 def layers(picture):
@@ -43,7 +43,7 @@ def test_the_artists_output_stays(scene, tmp_path, output):
     before = dump()
     final_render.render(scene, tmp_path / "after.png", 32, 1)
     final_render.render_mask(scene, tmp_path / "mask.png", 32, subject)
-    evaluated.evaluate_render(scene, lambda depsgraph: len(depsgraph.objects))
+    copies.evaluate_render(scene, lambda depsgraph: len(depsgraph.objects))
     apart = difference(before, dump())
     assert {path for path in apart if "Render Result" not in path} == set()  # any render makes that
     assert scene.render.image_settings.file_format in ("FFMPEG", "OPEN_EXR_MULTILAYER")

@@ -3,14 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from typing import Any
+from typing import Any, TypeVar
 
 import bpy
 
 from ..core import compat
 from ..core.overrides import changed
+from . import scene_context
 
 _COARSE_LIGHT = {"sampling_method": "MANUAL", "sample_map_resolution": 512}
 """A map of a world's light that is computed in a moment. Cycles' own choice may take a minute for stars of noise."""
@@ -54,3 +55,49 @@ def _is_computed(world: bpy.types.World) -> bool:
     tree = compat.node_tree(world)
     pictures = any(node.bl_idname == "ShaderNodeTexEnvironment" for node in tree.nodes) if tree else True
     return world.is_editable and not pictures and world.cycles.sampling_method == "AUTOMATIC"
+
+
+T = TypeVar("T")
+
+_SMALL = 32  # pixels; Blender refuses fewer than 16
+
+
+def evaluate_render(scene: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], T]) -> T:
+    """Calls `read` with the dependency graph of a final render of the current frame.
+
+    Nothing is rendered, nothing in the file changes.
+
+    Returns:
+        What `read` returned.
+
+    Raises:
+        Exception: Whatever `read` raised.
+    """
+    results: list[T] = []
+    errors: list[Exception] = []
+
+    class Viewer(bpy.types.RenderEngine):
+        bl_idname = "VIBE_VIEWER"
+        bl_label = "Vibe Render (export)"
+
+        def render(self, depsgraph: bpy.types.Depsgraph) -> None:
+            try:
+                results.append(read(depsgraph))
+            except Exception as error:
+                errors.append(error)
+
+    bpy.utils.register_class(Viewer)
+    try:
+        with copied_scene(
+            scene,
+            engine=Viewer.bl_idname,
+            resolution_percentage=100,
+            resolution_x=_SMALL,
+            resolution_y=_SMALL,
+        ) as twin:
+            bpy.ops.render.render(scene=twin.name, layer=scene_context.layer(twin).name)
+    finally:
+        bpy.utils.unregister_class(Viewer)
+    if errors:
+        raise errors[0]
+    return results[0]
