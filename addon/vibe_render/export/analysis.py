@@ -141,7 +141,7 @@ def analyze(
         raise _no_mesh(scene)
     if (visible.object < 0).all():
         raise schema.VibeError("The camera sees no mesh.", "Point the scene's camera at the subject.")
-    is_subject = subject.choose(scene, geometry, visible, choice)
+    is_subject = subject.choose_subject(scene, geometry, visible, choice)
     boxes = geometry.boxes[is_subject].astype(float)
     low, high = boxes[:, 0].min(0), boxes[:, 1].max(0)
     names = {n for keep, pair in zip(is_subject, geometry.objects, strict=True) if keep for n in pair if n}

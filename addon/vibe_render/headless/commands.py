@@ -42,7 +42,7 @@ def apply(args: argparse.Namespace, reporter: Reporter) -> None:
         final_render.render(scene, out.path("before.png"), args.size, args.samples, args.seed)
         skipped = bindings.write(scene, fitted.values, analysis.objects, analysis.pivot)
         if choice.explicit:
-            stored_subject.remember(scene, analysis.objects)
+            stored_subject.remember_subject(scene, analysis.objects)
         reporter.stage("rendering after")
         final_render.render(scene, out.path("after.png"), args.size, args.samples, args.seed)
         save_blend(out.path("vibed.blend"))

@@ -166,7 +166,7 @@ class _Run:
         values = _values(self.shot_list, result, number, self.args.grade_each)
         skipped = bindings.write(analysis.scene, values, analysis.objects, analysis.pivot)
         if self.shot_list.choice.explicit:
-            stored_subject.remember(analysis.scene, analysis.objects)
+            stored_subject.remember_subject(analysis.scene, analysis.objects)
         return skipped
 
     def _render_after(self, number: int) -> None:

@@ -43,7 +43,7 @@ def apply(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectChoice) ->
         raise
     settings.vibed_preset = look.name
     if choice.explicit:
-        stored_subject.remember(scene, scene_reading.analysis.objects)
+        stored_subject.remember_subject(scene, scene_reading.analysis.objects)
     return rest
 
 

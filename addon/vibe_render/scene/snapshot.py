@@ -47,7 +47,7 @@ def revert(scene: Scene) -> list[str]:
     """
     journal = _load(scene)
     forget(scene)  # first: it counts as a user of what is to be removed
-    stored_subject.forget(scene)
+    stored_subject.forget_subject(scene)
     lost = journal.undo()
     scene_context.layer(scene).update()
     return lost

@@ -11,25 +11,25 @@ from collections.abc import Iterable
 
 from bpy.types import Object, Scene
 
-KEY = "vibe_subject"
+SUBJECT_KEY = "vibe_subject"
 
 
-def remember(scene: Scene, subject: Iterable[Object]) -> None:
+def remember_subject(scene: Scene, subject: Iterable[Object]) -> None:
     """Stores a subject that the artist has chosen."""
-    scene[KEY] = json.dumps([thing.name_full for thing in subject])
+    scene[SUBJECT_KEY] = json.dumps([thing.name_full for thing in subject])
 
 
-def recall(scene: Scene) -> list[Object]:
+def recall_subject(scene: Scene) -> list[Object]:
     """The stored subject's objects that still exist; empty without a stored subject."""
     try:
-        names = json.loads(scene.get(KEY, "[]"))
+        names = json.loads(scene.get(SUBJECT_KEY, "[]"))
     except (TypeError, ValueError):  # somebody else's file
         return []
     wanted = {name for name in names if isinstance(name, str)} if isinstance(names, list) else set()
     return [thing for thing in scene.objects if thing.name_full in wanted]
 
 
-def forget(scene: Scene) -> None:
+def forget_subject(scene: Scene) -> None:
     """Forgets the stored subject: the next one is found automatically."""
-    if KEY in scene:
-        del scene[KEY]
+    if SUBJECT_KEY in scene:
+        del scene[SUBJECT_KEY]

@@ -11,7 +11,7 @@ import numpy as np
 from ..core.schema_import import schema
 from .geometry.triangles import SceneGeometry
 from .geometry.visibility import RAYS, VisibleSurfaces
-from .stored_subject import recall
+from .stored_subject import recall_subject
 
 _PROMINENT = 0.1  # of the most prominent object's weight: what is less is decoration
 _FLAT = 0.35  # height over width of things that others stand on
@@ -36,7 +36,7 @@ class SubjectChoice:
         return self.selected or bool(self.objects)
 
 
-def choose(
+def choose_subject(
     scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces, choice: SubjectChoice
 ) -> np.ndarray:
     """Which objects of the geometry are the subject: (number of objects,) bool, at least one True.
@@ -44,20 +44,20 @@ def choose(
     Raises:
         VibeError: A name is unknown, or nothing of what was chosen shows in the render.
     """
-    names = {o.name_full for o in named(scene, choice)}
+    names = {o.name_full for o in named_objects(scene, choice)}
     if not names:
-        return automatic(scene, geometry, surfaces)
+        return automatic_subject(scene, geometry, surfaces)
     chosen = np.array([name in names or parent in names for name, parent in geometry.objects])
     if not chosen.any():
         if not choice.explicit:  # what was chosen once is not in the picture now
-            return automatic(scene, geometry, surfaces)
+            return automatic_subject(scene, geometry, surfaces)
         raise schema.VibeError(
             "The chosen subject has no mesh that a render shows.", "Choose another object."
         )
     return chosen
 
 
-def named(scene: bpy.types.Scene, choice: SubjectChoice) -> list[bpy.types.Object]:
+def named_objects(scene: bpy.types.Scene, choice: SubjectChoice) -> list[bpy.types.Object]:
     """The chosen or stored objects with their children; empty if the subject is to be found automatically.
 
     Raises:
@@ -71,15 +71,17 @@ def named(scene: bpy.types.Scene, choice: SubjectChoice) -> list[bpy.types.Objec
             raise schema.VibeError(f"There is no object or collection {name!r}.", f"There are: {near}.")
         chosen += collection.all_objects if collection else [scene.objects[name]]
     if choice.selected:
-        chosen += [o for o in scene.objects if o.select_get()] or recall(scene)
+        chosen += [o for o in scene.objects if o.select_get()] or recall_subject(scene)
         if not chosen:
             raise schema.VibeError("Nothing is selected.", "Select the subject, or leave the choice to us.")
     if not choice.explicit:
-        chosen = recall(scene)
+        chosen = recall_subject(scene)
     return list(dict.fromkeys(o for thing in chosen for o in (thing, *thing.children_recursive)))
 
 
-def automatic(scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces) -> np.ndarray:
+def automatic_subject(
+    scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces
+) -> np.ndarray:
     """Finds the prominent things in view, without their grounds and backdrops: (number of objects,) bool.
 
     Surroundings are things that reach three sides of the picture, that enclose the camera, or that

@@ -110,7 +110,7 @@ class Session(SceneSession):
             result.apply(scene, self.prompt, engine_result, self.subject(scene), self._pivot)
             scene.vibe.vibed_like = self.like
             if self._choice.explicit:
-                stored_subject.remember(scene, self.subject(scene))
+                stored_subject.remember_subject(scene, self.subject(scene))
         except BaseException:  # Esc closes this generator, which raises here
             self._take_look_away()
             self._restore(start, self._vibed)

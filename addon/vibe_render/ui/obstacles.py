@@ -29,7 +29,9 @@ def obstacle(context: bpy.types.Context) -> str:
         return "Nothing may change: open a lock"
     if scene.vibe.subject == "COLLECTION" and not scene.vibe.collection:
         return "Choose the subject's collection"
-    if scene.vibe.subject == "SELECTED" and not (context.selected_objects or stored_subject.recall(scene)):
+    if scene.vibe.subject == "SELECTED" and not (
+        context.selected_objects or stored_subject.recall_subject(scene)
+    ):
         return "Select the subject"
     if engine_state.problem:
         return "Set up the engine first"

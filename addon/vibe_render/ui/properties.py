@@ -82,7 +82,7 @@ def _dim(settings: "VibeSettings", context: bpy.types.Context) -> None:
 
 
 def _choose_anew(settings: "VibeSettings", context: bpy.types.Context) -> None:
-    stored_subject.forget(settings.id_data)
+    stored_subject.forget_subject(settings.id_data)
 
 
 _Options = option_properties.declare("VibeOptions", preferences=False, updates={"prompt": live.typed})
