@@ -7,8 +7,8 @@ import vibe_render
 from dump import contents, difference
 from vibe_render.export import reading
 from vibe_render.looks import use
-from vibe_render.scene import stored_subject
 from vibe_render.scene.stage import demo
+from vibe_render.scene.stored_subject import SUBJECT_KEY, recall_subject, remember_subject
 from vibe_render.scene.subject import SubjectChoice
 from vibe_render.session.session import result
 
@@ -38,35 +38,35 @@ def test_it_is_meant_by_the_next_preset_and_revert_forgets_it(still_life):
     assert painted(still_life) == {"Clay"}
     assert result.revert(still_life) == []
     assert difference(before, contents()) == {}
-    assert stored_subject.recall_subject(still_life) == []
+    assert recall_subject(still_life) == []
 
 
 def test_it_stands_in_for_a_selection(still_life):
     bpy.ops.object.select_all(action="DESELECT")
     with pytest.raises(VibeError, match="Nothing is selected"):
         reading.read_scene(still_life, SubjectChoice(selected=True))
-    stored_subject.remember_subject(still_life, [bpy.data.objects["Ring"]])
+    remember_subject(still_life, [bpy.data.objects["Ring"]])
     assert [
         o.name for o in reading.read_scene(still_life, SubjectChoice(selected=True)).analysis.objects
     ] == ["Ring"]
 
 
 def test_the_menu_makes_it_ours_again(still_life):
-    stored_subject.remember_subject(still_life, [bpy.data.objects["Ring"]])
+    remember_subject(still_life, [bpy.data.objects["Ring"]])
     still_life.vibe.subject = "SELECTED"
     still_life.vibe.subject = "AUTO"
-    assert stored_subject.recall_subject(still_life) == []
+    assert recall_subject(still_life) == []
 
 
 @pytest.mark.parametrize("stored", ["", "{", "3", '["Ring"', '[{"a": 1}]', 7, [1.0, 2.0]])
 def test_nonsense_in_a_file_is_no_choice(still_life, stored):
-    still_life[stored_subject.SUBJECT_KEY] = stored
-    assert stored_subject.recall_subject(still_life) == []
+    still_life[SUBJECT_KEY] = stored
+    assert recall_subject(still_life) == []
 
 
 def test_what_is_out_of_the_picture_is_not_asked_for(still_life):
     ring = bpy.data.objects["Ring"]
-    stored_subject.remember_subject(still_life, [ring])
+    remember_subject(still_life, [ring])
     ring.hide_render = True
     assert demo.SUBJECT in [o.name for o in reading.read_scene(still_life, SubjectChoice()).analysis.objects]
 

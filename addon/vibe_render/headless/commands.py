@@ -14,7 +14,8 @@ from ..core.schema_import import labels, schema
 from ..export import reading
 from ..looks import fit, library
 from ..render import final_render
-from ..scene import bindings, snapshot, stored_subject
+from ..scene import bindings, snapshot
+from ..scene.stored_subject import remember_subject
 from . import summary, vibe
 from .reporter import Reporter
 from .scenes import check_writable, open_blend, open_scene, save_blend
@@ -42,7 +43,7 @@ def apply(args: argparse.Namespace, reporter: Reporter) -> None:
         final_render.render(scene, out.path("before.png"), args.size, args.samples, args.seed)
         skipped = bindings.write(scene, fitted.values, analysis.objects, analysis.pivot)
         if choice.explicit:
-            stored_subject.remember_subject(scene, analysis.objects)
+            remember_subject(scene, analysis.objects)
         reporter.stage("rendering after")
         final_render.render(scene, out.path("after.png"), args.size, args.samples, args.seed)
         save_blend(out.path("vibed.blend"))

@@ -19,7 +19,8 @@ from ..engine.process import Engine
 from ..export.analysis import SceneAnalysis
 from ..looks import take
 from ..render import anchors, black, final_render
-from ..scene import bindings, stored_subject
+from ..scene import bindings
+from ..scene.stored_subject import remember_subject
 from ..session import preferences
 from ..session.notes.claims import words_shown
 from . import summary
@@ -166,7 +167,7 @@ class _Run:
         values = _values(self.shot_list, result, number, self.args.grade_each)
         skipped = bindings.write(analysis.scene, values, analysis.objects, analysis.pivot)
         if self.shot_list.choice.explicit:
-            stored_subject.remember_subject(analysis.scene, analysis.objects)
+            remember_subject(analysis.scene, analysis.objects)
         return skipped
 
     def _render_after(self, number: int) -> None:

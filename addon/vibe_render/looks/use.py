@@ -9,8 +9,9 @@ from ..core import compat
 from ..core.schema_import import messages, preset, schema
 from ..core.value_slots import socket_slot
 from ..export import reading
-from ..scene import bindings, stored_subject
+from ..scene import bindings
 from ..scene.nodes import grade, owned
+from ..scene.stored_subject import remember_subject
 from ..scene.subject import SubjectChoice
 from ..session import result
 from . import fit, lut, take
@@ -43,7 +44,7 @@ def apply(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectChoice) ->
         raise
     settings.vibed_preset = look.name
     if choice.explicit:
-        stored_subject.remember_subject(scene, scene_reading.analysis.objects)
+        remember_subject(scene, scene_reading.analysis.objects)
     return rest
 
 

@@ -14,7 +14,8 @@ from bpy.types import Scene
 from ..core import stored_journal
 from ..core.journal import Journal
 from ..core.schema_import import schema
-from . import scene_context, stored_subject
+from . import scene_context
+from .stored_subject import forget_subject
 
 KEY = "vibe_snapshot"
 
@@ -47,7 +48,7 @@ def revert(scene: Scene) -> list[str]:
     """
     journal = _load(scene)
     forget(scene)  # first: it counts as a user of what is to be removed
-    stored_subject.forget_subject(scene)
+    forget_subject(scene)
     lost = journal.undo()
     scene_context.layer(scene).update()
     return lost

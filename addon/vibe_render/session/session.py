@@ -13,7 +13,8 @@ import bpy
 from ..core.schema_import import atomic, messages, schema
 from ..engine.process import Engine
 from ..render import anchors, black, reference
-from ..scene import shared_materials, snapshot, stored_subject
+from ..scene import shared_materials, snapshot
+from ..scene.stored_subject import remember_subject
 from . import before_image, preferences, result
 from .scene_session import READING, SceneSession
 from .status import LOOKING
@@ -110,7 +111,7 @@ class Session(SceneSession):
             result.apply(scene, self.prompt, engine_result, self.subject(scene), self._pivot)
             scene.vibe.vibed_like = self.like
             if self._choice.explicit:
-                stored_subject.remember_subject(scene, self.subject(scene))
+                remember_subject(scene, self.subject(scene))
         except BaseException:  # Esc closes this generator, which raises here
             self._take_look_away()
             self._restore(start, self._vibed)

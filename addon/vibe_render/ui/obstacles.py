@@ -6,8 +6,9 @@ from __future__ import annotations
 import bpy
 
 from ..render import reference
-from ..scene import snapshot, stored_subject
+from ..scene import snapshot
 from ..scene.scene_context import GEOMETRY
+from ..scene.stored_subject import recall_subject
 from ..session.engine_state import engine_state
 from ..session.state import addon_state
 
@@ -29,9 +30,7 @@ def obstacle(context: bpy.types.Context) -> str:
         return "Nothing may change: open a lock"
     if scene.vibe.subject == "COLLECTION" and not scene.vibe.collection:
         return "Choose the subject's collection"
-    if scene.vibe.subject == "SELECTED" and not (
-        context.selected_objects or stored_subject.recall_subject(scene)
-    ):
+    if scene.vibe.subject == "SELECTED" and not (context.selected_objects or recall_subject(scene)):
         return "Select the subject"
     if engine_state.problem:
         return "Set up the engine first"

@@ -18,7 +18,7 @@ from bpy.props import (
 
 from ..core.schema_import import labels, messages, options, schema, targets
 from ..render import reference
-from ..scene import stored_subject
+from ..scene.stored_subject import forget_subject
 from ..scene.subject import SubjectChoice
 from ..session import preferences, result
 from . import live, option_properties
@@ -82,7 +82,7 @@ def _dim(settings: "VibeSettings", context: bpy.types.Context) -> None:
 
 
 def _choose_anew(settings: "VibeSettings", context: bpy.types.Context) -> None:
-    stored_subject.forget_subject(settings.id_data)
+    forget_subject(settings.id_data)
 
 
 _Options = option_properties.declare("VibeOptions", preferences=False, updates={"prompt": live.typed})
