@@ -8,8 +8,7 @@ from dump import contents, difference
 from vibe_render.export import reading
 from vibe_render.looks import use
 from vibe_render.scene.stage import demo
-from vibe_render.scene.stored_subject import SUBJECT_KEY, recall_subject, remember_subject
-from vibe_render.scene.subject import SubjectChoice
+from vibe_render.scene.subject import SUBJECT_KEY, SubjectChoice, recall_subject, remember_subject
 from vibe_render.session.session import result
 
 from proxy_renderer.schema import VibeError, preset

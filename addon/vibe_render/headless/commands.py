@@ -15,7 +15,7 @@ from ..export import reading
 from ..looks import fit, library
 from ..render import final_render
 from ..scene import bindings, snapshot
-from ..scene.stored_subject import remember_subject
+from ..scene.subject import remember_subject
 from . import summary, vibe
 from .reporter import Reporter
 from .scenes import check_writable, open_blend, open_scene, save_blend

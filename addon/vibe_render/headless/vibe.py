@@ -20,7 +20,7 @@ from ..export.analysis import SceneAnalysis
 from ..looks import take
 from ..render import anchors, black, final_render
 from ..scene import bindings
-from ..scene.stored_subject import remember_subject
+from ..scene.subject import remember_subject
 from ..session import preferences
 from ..session.notes.claims import words_shown
 from . import summary

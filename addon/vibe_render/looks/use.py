@@ -11,8 +11,7 @@ from ..core.value_slots import socket_slot
 from ..export import reading
 from ..scene import bindings
 from ..scene.nodes import grade, owned
-from ..scene.stored_subject import remember_subject
-from ..scene.subject import SubjectChoice
+from ..scene.subject import SubjectChoice, remember_subject
 from ..session import result
 from . import fit, lut, take
 

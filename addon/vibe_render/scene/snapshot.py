@@ -15,7 +15,7 @@ from ..core import stored_journal
 from ..core.journal import Journal
 from ..core.schema_import import schema
 from . import scene_context
-from .stored_subject import forget_subject
+from .subject import forget_subject
 
 KEY = "vibe_snapshot"
 

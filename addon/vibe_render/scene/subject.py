@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Subject of a picture: named objects, a collection, the selection, or the most prominent things in view."""
+"""Subject of a picture: named objects, a collection, the selection, the last one, or the most prominent objects in view."""
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from bpy.types import Object, Scene
 
 from ..core.schema_import import schema
 from .geometry.triangles import SceneGeometry
 from .geometry.visibility import RAYS, VisibleSurfaces
-from .stored_subject import recall_subject
 
 _PROMINENT = 0.1  # of the most prominent object's weight: what is less is decoration
 _FLAT = 0.35  # height over width of things that others stand on
@@ -149,3 +151,27 @@ def _within(boxes: np.ndarray, chosen: np.ndarray) -> np.ndarray:
     low, high = boxes[chosen, 0].min(0), boxes[chosen, 1].max(0)
     slack = _SLACK * (high - low).max()
     return ((boxes[:, 0] >= low - slack) & (boxes[:, 1] <= high + slack)).all(1)
+
+
+SUBJECT_KEY = "vibe_subject"
+
+
+def remember_subject(scene: Scene, subject: Iterable[Object]) -> None:
+    """Stores a subject that the artist has chosen."""
+    scene[SUBJECT_KEY] = json.dumps([thing.name_full for thing in subject])
+
+
+def recall_subject(scene: Scene) -> list[Object]:
+    """The stored subject's objects that still exist; empty without a stored subject."""
+    try:
+        names = json.loads(scene.get(SUBJECT_KEY, "[]"))
+    except (TypeError, ValueError):  # somebody else's file
+        return []
+    wanted = {name for name in names if isinstance(name, str)} if isinstance(names, list) else set()
+    return [thing for thing in scene.objects if thing.name_full in wanted]
+
+
+def forget_subject(scene: Scene) -> None:
+    """Forgets the stored subject: the next one is found automatically."""
+    if SUBJECT_KEY in scene:
+        del scene[SUBJECT_KEY]

@@ -14,7 +14,7 @@ from ..core.schema_import import atomic, messages, schema
 from ..engine.process import Engine
 from ..render import anchors, black, reference
 from ..scene import shared_materials, snapshot
-from ..scene.stored_subject import remember_subject
+from ..scene.subject import remember_subject
 from . import before_image, preferences, result
 from .scene_session import READING, SceneSession
 from .status import LOOKING

@@ -8,7 +8,7 @@ import bpy
 from ..render import reference
 from ..scene import snapshot
 from ..scene.scene_context import GEOMETRY
-from ..scene.stored_subject import recall_subject
+from ..scene.subject import recall_subject
 from ..session.engine_state import engine_state
 from ..session.state import addon_state
 

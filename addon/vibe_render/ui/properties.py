@@ -18,8 +18,7 @@ from bpy.props import (
 
 from ..core.schema_import import labels, messages, options, schema, targets
 from ..render import reference
-from ..scene.stored_subject import forget_subject
-from ..scene.subject import SubjectChoice
+from ..scene.subject import SubjectChoice, forget_subject
 from ..session import preferences, result
 from . import live, option_properties
 from .picture_properties import PictureSettings
