@@ -66,7 +66,7 @@ def test_a_look_that_was_there_is_kept_by_the_next_snapshot(scene):
 
 def test_a_failure_in_the_middle_leaves_the_scene_as_it_was(scene, kind, monkeypatch):
     subject = kind(scene)
-    prepare.prepare(scene, subject)
+    prepare.prepare_scene(scene, subject)
     before = dump()
     wanted = {k: i.upper for k, i in bindings.instances(scene, subject, PIVOT).items() if not i.locked}
 
@@ -93,7 +93,7 @@ def test_rollback_to_a_mark(scene):
     subject = scenes.bare(scene)
     before = dump()
     first = snapshot.mark(scene)
-    prepare.prepare(scene, subject)
+    prepare.prepare_scene(scene, subject)
     snapshot.rollback(scene, first)
     assert changes(before) == {}
     assert not snapshot.exists(scene)

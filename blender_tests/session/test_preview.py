@@ -23,7 +23,7 @@ def some_values(scene, subject, level):
 @pytest.mark.parametrize("kind", scenes.ALL)
 def test_it_goes_without_a_trace(scene, kind):
     subject = scenes.ALL[kind](scene)
-    prepare.prepare(scene, subject)
+    prepare.prepare_scene(scene, subject)
     values = some_values(scene, subject, 0.6)
     before = dump()
     preview.show(scene, values, subject, PIVOT)

@@ -14,7 +14,7 @@ from mathutils import Vector
 
 from ..core.schema_import import schema
 from ..scene import fog, scene_context, snapshot
-from ..scene.prepare import prepare
+from ..scene.prepare import prepare_scene
 from ..scene.subject import SubjectChoice, named_objects
 from .analysis import (
     SceneAnalysis,
@@ -98,7 +98,7 @@ def export_captured(
 
 def prepare_and_snapshot(scene: bpy.types.Scene, choice: SubjectChoice) -> None:
     """Adds what the scene lacks and starts its snapshot, by which later changes are undone."""
-    prepare(scene, named_objects(scene, choice))
+    prepare_scene(scene, named_objects(scene, choice))
     snapshot.take(scene)
 
 

@@ -89,7 +89,7 @@ def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entr
     if schema.radiometry.radiance(prepare.LIGHT_TYPE, entry["power"][0]) < _DIM:
         return
     corners = scene_context.bounds(target.analysis.scene, target.analysis.objects)
-    distance = prepare.light_distance(*corners)
+    distance = prepare.added_light_distance(*corners)
     lengths = {"light_distance": distance, "light_distance_squared": distance * distance}
     for name, value in entry.items():
         parameter = schema.FAMILIES[f"light/{name}"]

@@ -41,7 +41,7 @@ LIGHT_TYPE = AreaLightType.name
 """The type of a light that is added for a role."""
 
 
-def prepare(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
+def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
     """Adds what is missing, marked as ours and recorded in the scene's snapshot.
 
     Args:
@@ -54,16 +54,16 @@ def prepare(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
     low, high = scene_context.bounds(scene, about)
     with snapshot.transaction(scene) as journal:
         added = [
-            _world(journal, scene),
-            _camera(journal, scene, low, high),
-            _key(journal, scene, low, high),
-            *(_material(journal, obj) for obj in about),
+            _add_world(journal, scene),
+            _add_camera(journal, scene, low, high),
+            _add_key(journal, scene, low, high),
+            *(_add_material(journal, obj) for obj in about),
         ]
     scene_context.layer(scene).update()
     return [words for words in added if words]
 
 
-def _world(journal: Journal, scene: Scene) -> str:
+def _add_world(journal: Journal, scene: Scene) -> str:
     if scene.world is None:
         world = journal.new("worlds", "Vibe World")
         compat.enable_nodes(world)
@@ -76,7 +76,7 @@ def _world(journal: Journal, scene: Scene) -> str:
     return ""
 
 
-def _camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
+def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
     if scene.camera is not None:
         return ""
     data = journal.new("cameras", "Vibe Camera")
@@ -98,7 +98,7 @@ def _portrait(scene: Scene) -> float:
     return max(sides) / min(sides)
 
 
-def _key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
+def _add_key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
     graph = scene_context.depsgraph(scene)
     if (
         scene_context.lights(scene)
@@ -129,7 +129,9 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     pivot = (low + high) / 2.0
     front = schema.orbit.angles(scene.camera.matrix_world.translation - pivot)[0] if scene.camera else 0.0
     toward = Vector(schema.orbit.direction(front + azimuth, elevation))
-    distance = _inside(scene, pivot, toward, (high - low).length / 2.0, light_distance(low, high))
+    distance = _distance_inside(
+        scene, pivot, toward, (high - low).length / 2.0, added_light_distance(low, high)
+    )
     kind = light_type(what.type)
     setattr(data, kind.extent_property, size * distance if kind.has_position else radians(_SUN))
     data.energy = brightness * schema.radiometry.unit_energy(
@@ -138,10 +140,10 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     light.visible_camera = False
     # a sun may stand anywhere: in the middle its card turns with it around what it lights
     _stand(light, pivot, front + azimuth, elevation, 0.0 if what.pattern else distance)
-    collection = _collection(journal, scene)
+    collection = _light_collection(journal, scene)
     collection.objects.link(light)
     if what.pattern:
-        collection.objects.link(_card(journal, light, what.pattern, card_size(low, high)))
+        collection.objects.link(_add_card(journal, light, what.pattern, card_size(low, high)))
     return light
 
 
@@ -150,7 +152,7 @@ def card_size(low: Vector, high: Vector) -> float:
     return (high - low).length / 2.0
 
 
-def _card(journal: Journal, light: Object, pattern: str, size: float) -> Object:
+def _add_card(journal: Journal, light: Object, pattern: str, size: float) -> Object:
     """A card that only shadow rays see, before a light and turned with it."""
     lights = schema.added_lights
     quads = lights.card(pattern, size)
@@ -168,7 +170,7 @@ def _card(journal: Journal, light: Object, pattern: str, size: float) -> Object:
     return card
 
 
-def _collection(journal: Journal, scene: Scene) -> bpy.types.Collection:
+def _light_collection(journal: Journal, scene: Scene) -> bpy.types.Collection:
     """The collection of our lights in a scene."""
     name = schema.added_lights.COLLECTION
     found = owned.find(scene.collection.children, name)
@@ -179,7 +181,7 @@ def _collection(journal: Journal, scene: Scene) -> bpy.types.Collection:
     return found
 
 
-def _inside(scene: Scene, pivot: Vector, toward: Vector, radius: float, distance: float) -> float:
+def _distance_inside(scene: Scene, pivot: Vector, toward: Vector, radius: float, distance: float) -> float:
     """The distance of a light that no wall around the subject stands in the way of, meters."""
     start = pivot + 1.01 * radius * toward
     graph = scene_context.depsgraph(scene)
@@ -187,7 +189,7 @@ def _inside(scene: Scene, pivot: Vector, toward: Vector, radius: float, distance
     return (place - pivot).length - _CLEAR * (place - start).length if hit else distance
 
 
-def light_distance(low: Vector, high: Vector) -> float:
+def added_light_distance(low: Vector, high: Vector) -> float:
     """How far from the middle of what they light our lights stand, meters."""
     return 1.5 * max((high - low).length, 1e-3)
 
@@ -213,7 +215,7 @@ def _stand(obj: Object, pivot: Vector, azimuth: float, elevation: float, distanc
     obj.matrix_world = Matrix.Translation(place) @ rotation.to_4x4()
 
 
-def _material(journal: Journal, obj: Object) -> str:
+def _add_material(journal: Journal, obj: Object) -> str:
     data = obj.data
     filled = [slot for slot in obj.material_slots if slot.material]
     if filled or data.library or data.override_library or not hasattr(data, "materials"):

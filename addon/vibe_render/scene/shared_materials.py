@@ -13,37 +13,39 @@ from . import snapshot
 from .nodes import owned
 
 
-def shared(subject: Sequence[Object]) -> dict[Material, list[Object]]:
+def shared_materials(subject: Sequence[Object]) -> dict[Material, list[Object]]:
     """The subject's materials that things outside of it use too, and those things, in this or other scenes.
 
     Those from a library are left out: nobody may change them.
     """
-    inside, theirs = set(subject), {m for obj in subject for m in _materials(obj) if m.is_editable}
+    inside, theirs = set(subject), {m for obj in subject for m in _materials_of(obj) if m.is_editable}
     users: dict[Material, list[Object]] = {}
     for obj in bpy.data.objects:
         if obj in inside or not obj.users_scene or owned.is_unseen(obj):
             continue
-        for material in theirs.intersection(_materials(obj)):
+        for material in theirs.intersection(_materials_of(obj)):
             users.setdefault(material, []).append(obj)
     return users
 
 
-def separate(scene: Scene, subject: Sequence[Object]) -> None:
+def separate_materials(scene: Scene, subject: Sequence[Object]) -> None:
     """Gives the subject copies of its own, recorded in the scene's snapshot."""
     inside = set(subject)
     with snapshot.transaction(scene) as journal:
-        for material in shared(subject):
+        for material in shared_materials(subject):
             twin = journal.copy("materials", material)
             for obj in subject:
                 if obj.is_editable:
-                    _replace(journal, obj, inside, material, twin)
+                    _replace_material(journal, obj, inside, material, twin)
 
 
-def _materials(obj: Object) -> set[Material]:
+def _materials_of(obj: Object) -> set[Material]:
     return {slot.material for slot in obj.material_slots if slot.material}
 
 
-def _replace(journal: Journal, obj: Object, inside: set[Object], old: Material, new: Material) -> None:
+def _replace_material(
+    journal: Journal, obj: Object, inside: set[Object], old: Material, new: Material
+) -> None:
     """Puts a material into an object's slots; a mesh that others use keeps its own."""
     for slot in obj.material_slots:
         if slot.material != old:

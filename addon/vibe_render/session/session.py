@@ -120,7 +120,7 @@ class Session(SceneSession):
     def _ask_about_shared(self) -> Generator[str]:
         """Asks about materials that other things use too, unless that is settled; may export anew."""
         scene = self._find_scene()
-        shared = shared_materials.shared(self.subject(scene))
+        shared = shared_materials.shared_materials(self.subject(scene))
         if not shared:
             return
         if self.shared == "ASK":
@@ -133,7 +133,7 @@ class Session(SceneSession):
             scene = self._find_scene()
         if self.shared == "SINGLE":
             with self._without_look(scene):
-                shared_materials.separate(scene, self.subject(scene))
+                shared_materials.separate_materials(scene, self.subject(scene))
             yield from self._export()
 
     def answer(self, choice: str) -> None:
