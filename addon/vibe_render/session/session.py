@@ -13,7 +13,8 @@ import bpy
 from ..core.schema_import import atomic, messages, schema
 from ..engine.process import Engine
 from ..render import anchors, black, reference
-from ..scene import shared_materials, snapshot
+from ..scene import snapshot
+from ..scene.shared_materials import separate_materials, shared_materials
 from ..scene.subject import remember_subject
 from . import before_image, preferences, result
 from .scene_session import READING, SceneSession
@@ -120,7 +121,7 @@ class Session(SceneSession):
     def _ask_about_shared(self) -> Generator[str]:
         """Asks about materials that other things use too, unless that is settled; may export anew."""
         scene = self._find_scene()
-        shared = shared_materials.shared_materials(self.subject(scene))
+        shared = shared_materials(self.subject(scene))
         if not shared:
             return
         if self.shared == "ASK":
@@ -133,7 +134,7 @@ class Session(SceneSession):
             scene = self._find_scene()
         if self.shared == "SINGLE":
             with self._without_look(scene):
-                shared_materials.separate_materials(scene, self.subject(scene))
+                separate_materials(scene, self.subject(scene))
             yield from self._export()
 
     def answer(self, choice: str) -> None:
