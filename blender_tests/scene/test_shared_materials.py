@@ -5,7 +5,7 @@ import bpy
 import small_scenes as scenes
 from dump import difference, dump
 from vibe_render.scene import bindings, snapshot
-from vibe_render.scene.shared_materials import separate_materials, shared_materials
+from vibe_render.scene.prepare import separate_materials, shared_materials
 
 PIVOT = (0.0, 0.0, 0.5)
 

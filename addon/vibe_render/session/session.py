@@ -14,7 +14,7 @@ from ..core.schema_import import atomic, messages, schema
 from ..engine.process import Engine
 from ..render import anchors, black, reference
 from ..scene import snapshot
-from ..scene.shared_materials import separate_materials, shared_materials
+from ..scene.prepare import separate_materials, shared_materials
 from ..scene.subject import remember_subject
 from . import before_image, preferences, result
 from .scene_session import READING, SceneSession
