@@ -25,17 +25,17 @@ class Studio:
         self.folder, self.scene = folder, bpy.context.scene
         self.scene.render.resolution_x = self.scene.render.resolution_y = SIZE
         ball = making.ball("Ball", 0.9, (0.0, 0.0, 0.9))
-        ball.data.materials.append(parts.material("Ball", (0.35, 0.12, 0.1), roughness=0.4))
-        stone = parts.material("Stone", (0.3, 0.3, 0.3), roughness=0.9)
+        ball.data.materials.append(parts.plain_material("Ball", (0.35, 0.12, 0.1), roughness=0.4))
+        stone = parts.plain_material("Stone", (0.3, 0.3, 0.3), roughness=0.9)
         parts.floor(self.scene, 40.0, stone)
         for i in range(6):
             post = making.ball(f"Post {i}", 0.5, (-6.0 + 2.4 * i, 7.0, 0.8), 12)
             post.data.materials.append(stone)
         corners = np.array([(-1.1, 0, 0), (1.1, 0, 2.0)])
         pivot = np.array([0.0, 0.0, 0.9])
-        parts.camera(self.scene, corners, (0.0, 12.0), fov=38.0, fill=0.6, pivot=pivot)
+        parts.framing_camera(self.scene, corners, (0.0, 12.0), fov=38.0, fill=0.6, pivot=pivot)
         parts.area_light(self.scene, "Key", (-50.0, 40.0), 5.0, 0.6, 0.7, pivot)
-        parts.world(self.scene, (0.4, 0.4, 0.4), strength=0.4)
+        parts.plain_world(self.scene, (0.4, 0.4, 0.4), strength=0.4)
         self.job = reading.export_scene(self.scene, folder / "job", SubjectChoice(("Ball",)))
         self.start = {key: tuple(i.value) for key, i in self.job.instances.items()}
 

@@ -64,7 +64,7 @@ def build(recipe: SceneRecipe, seed: int) -> tuple[Scene, list[Object]]:
 
 def _camera(scene: Scene, view: CameraRecipe, points: np.ndarray, luck: random.Random) -> None:
     angles = (view.azimuth + luck.uniform(-12, 12), view.elevation + luck.uniform(-3, 3))
-    camera = parts.camera(scene, points, angles, view.fov, view.fill)
+    camera = parts.framing_camera(scene, points, angles, view.fov, view.fill)
     if view.orthographic:
         away = (camera.location - Vector((points.min(0) + points.max(0)) / 2)).length
         camera.data.type, camera.data.ortho_scale = "ORTHO", 2 * away * math.tan(math.radians(view.fov) / 2)
@@ -96,7 +96,7 @@ def _stage(scene: Scene, recipe: SceneRecipe, luck: random.Random) -> None:
 def _room(scene: Scene, recipe: SceneRecipe, ground: bpy.types.Material, luck: random.Random) -> None:
     """Floor, ceiling and back wall, and walls of other colors on the left and on the right."""
     colors = dict(zip(("Left", "Right"), recipe.walls, strict=True))
-    walls = {name: parts.material(name, shifted(color, luck), 0.9) for name, color in colors.items()}
+    walls = {name: parts.plain_material(name, shifted(color, luck), 0.9) for name, color in colors.items()}
     w, d, h = 2.6, 2.4, 3.6
     corners = np.array([[x, y, z] for x in (-w, w) for y in (-4.5, d) for z in (0, h)], float)
     sides = {
@@ -121,12 +121,12 @@ def _lamp(scene: Scene, name: str, lamp: LightRecipe, pivot: Vector, luck: rando
     for key, value in lamp.settings.items():
         setattr(data, key, value)
     thing = bpy.data.objects.new(name, data)
-    thing.matrix_world = parts.pose(pivot, *angles, lamp.distance)
+    thing.matrix_world = parts.orbit_matrix(pivot, *angles, lamp.distance)
     scene.collection.objects.link(thing)
 
 
 def _world(scene: Scene, world: WorldRecipe, seed: int, luck: random.Random) -> None:
-    parts.world(scene, shifted(world.color, luck), world.strength)
+    parts.plain_world(scene, shifted(world.color, luck), world.strength)
     tree = compat.enable_nodes(scene.world)
     background = next(n for n in tree.nodes if n.bl_idname == "ShaderNodeBackground")
     if world.picture:

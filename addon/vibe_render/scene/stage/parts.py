@@ -17,7 +17,9 @@ from ...core.schema_import import schema
 Point = Sequence[float] | np.ndarray
 
 
-def material(name: str, color: Color, roughness: float = 0.5, metallic: float = 0.0) -> bpy.types.Material:
+def plain_material(
+    name: str, color: Color, roughness: float = 0.5, metallic: float = 0.0
+) -> bpy.types.Material:
     """A Principled material with constant inputs.
 
     Args:
@@ -34,7 +36,7 @@ def material(name: str, color: Color, roughness: float = 0.5, metallic: float = 
     return new_material
 
 
-def world(scene: bpy.types.Scene, color: Color, strength: float = 1.0) -> None:
+def plain_world(scene: bpy.types.Scene, color: Color, strength: float = 1.0) -> None:
     """Gives the scene a world of one color."""
     scene.world = bpy.data.worlds.new("World")
     background = next(n for n in enable_nodes(scene.world).nodes if n.bl_idname == "ShaderNodeBackground")
@@ -42,7 +44,7 @@ def world(scene: bpy.types.Scene, color: Color, strength: float = 1.0) -> None:
     background.inputs["Strength"].default_value = strength
 
 
-def pose(pivot: Point, azimuth: float, elevation: float, distance: float) -> Matrix:
+def orbit_matrix(pivot: Point, azimuth: float, elevation: float, distance: float) -> Matrix:
     """World matrix of a camera or light on an orbit, looking at the pivot.
 
     Args:
@@ -78,12 +80,12 @@ def area_light(
     lamp.shape, lamp.size, lamp.color = "SQUARE", size, color
     lamp.energy = radiance * schema.radiometry.unit_energy(lamp.type, distance)
     light = bpy.data.objects.new(name, lamp)
-    light.matrix_world = pose(pivot, *angles, distance)
+    light.matrix_world = orbit_matrix(pivot, *angles, distance)
     scene.collection.objects.link(light)
     return light
 
 
-def camera(
+def framing_camera(
     scene: bpy.types.Scene,
     points: np.ndarray,
     angles: tuple[float, float],
@@ -110,7 +112,7 @@ def camera(
     data.angle = math.radians(fov)
     data.clip_start, data.clip_end = distance * 0.01, distance * 100
     obj = bpy.data.objects.new("Camera", data)
-    obj.matrix_world = pose(middle, *angles, distance)
+    obj.matrix_world = orbit_matrix(middle, *angles, distance)
     scene.collection.objects.link(obj)
     scene.camera = obj
     return obj

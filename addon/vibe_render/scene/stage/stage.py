@@ -41,7 +41,7 @@ def build_stage(path: str | Path, kind: str = "cyclorama", subject_name: str = "
     points = _normalize(meshes, path)
     _dress(meshes, subject_name)
     pivot = (points.min(0) + points.max(0)) / 2
-    parts.camera(scene, points, _CAMERA, fov=30.0, fill=0.78)
+    parts.framing_camera(scene, points, _CAMERA, fov=30.0, fill=0.78)
     _light(scene, pivot)
     _backdrop(scene, kind)
     bpy.ops.object.select_all(action="DESELECT")
@@ -114,7 +114,7 @@ def _dress(meshes: list[bpy.types.Object], name: str) -> None:
     plain = None
     for thing in meshes:
         if not any(slot.material for slot in thing.material_slots):
-            plain = plain or parts.material(name, (0.5, 0.5, 0.5), roughness=0.35)
+            plain = plain or parts.plain_material(name, (0.5, 0.5, 0.5), roughness=0.35)
             thing.data.materials.clear()
             thing.data.materials.append(plain)
         if not thing.data.has_custom_normals:
@@ -128,13 +128,13 @@ def _light(scene: bpy.types.Scene, pivot: np.ndarray) -> None:
     parts.area_light(scene, "Key", (around - 52, 40), 5.0, 1.5, 1.1, pivot)
     parts.area_light(scene, "Fill", (around + 60, 18), 5.0, 3.5, 0.13, pivot)
     parts.area_light(scene, "Rim", (around + 150, 45), 5.0, 1.5, 0.9, pivot)
-    parts.world(scene, (0.5, 0.5, 0.5), strength=0.2)
+    parts.plain_world(scene, (0.5, 0.5, 0.5), strength=0.2)
 
 
 def _backdrop(scene: bpy.types.Scene, kind: str) -> None:
     if kind == "none":
         return
-    stuff = parts.material("Stage", (0.4, 0.4, 0.4), roughness=0.7)
+    stuff = parts.plain_material("Stage", (0.4, 0.4, 0.4), roughness=0.7)
     if kind == "floor":
         parts.floor(scene, 40.0, stuff)
     else:
