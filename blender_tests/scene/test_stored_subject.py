@@ -7,7 +7,7 @@ import vibe_render
 from dump import contents, difference
 from vibe_render.export import reading
 from vibe_render.looks import use
-from vibe_render.scene.stage import demo
+from vibe_render.scene.stage.demo import DEMO_SUBJECT, build_demo
 from vibe_render.scene.subject import SUBJECT_KEY, SubjectChoice, recall_subject, remember_subject
 from vibe_render.session.session import result
 
@@ -20,7 +20,7 @@ TEAL = preset.Preset("Teal", {"subject": [{"base_color": [0.0, 0.4, 0.4]}]}, {},
 def still_life():
     """The demo's monkey among other things, with the add-on."""
     vibe_render.register()
-    yield demo.build_demo()
+    yield build_demo()
     vibe_render.unregister()
 
 
@@ -31,7 +31,7 @@ def painted(scene):
 
 def test_it_is_meant_by_the_next_preset_and_revert_forgets_it(still_life):
     before = contents()
-    use.apply(still_life, TEAL, SubjectChoice((demo.SUBJECT,)))
+    use.apply(still_life, TEAL, SubjectChoice((DEMO_SUBJECT,)))
     assert painted(still_life) == {"Clay"}
     use.apply(still_life, TEAL, SubjectChoice())
     assert painted(still_life) == {"Clay"}
@@ -67,7 +67,7 @@ def test_what_is_out_of_the_picture_is_not_asked_for(still_life):
     ring = bpy.data.objects["Ring"]
     remember_subject(still_life, [ring])
     ring.hide_render = True
-    assert demo.SUBJECT in [o.name for o in reading.read_scene(still_life, SubjectChoice()).analysis.objects]
+    assert DEMO_SUBJECT in [o.name for o in reading.read_scene(still_life, SubjectChoice()).analysis.objects]
 
 
 def test_small_parts_of_a_subject_keep_their_looks(still_life):

@@ -23,7 +23,8 @@ from vibe_render.engine.process import Engine
 from vibe_render.headless import arguments, scenes, vibe
 from vibe_render.headless.reporter import Reporter
 from vibe_render.looks import library, take, thumbnail
-from vibe_render.scene.stage import demo, parts
+from vibe_render.scene.stage import parts
+from vibe_render.scene.stage.demo import DEMO_SUBJECT, build_demo
 
 GROUPS = "light,world,volume,film"
 PROMPTS = Path(__file__).with_name("looks.toml")
@@ -80,7 +81,7 @@ def make(
     stage = folder / "stage.blend"
     if not stage.exists():
         build_stage(stage)
-    words = ["run", str(stage), f"--prompt={prompt}", f"--groups={GROUPS}", f"--subject={demo.SUBJECT}"]
+    words = ["run", str(stage), f"--prompt={prompt}", f"--groups={GROUPS}", f"--subject={DEMO_SUBJECT}"]
     vibe.run_with_engine(arguments.parse([*words, f"--out={folder}", *options]), reporter, talk)
     look_preset = take.load(folder / "preset.json")
     path = library.path_for(out, name)
@@ -95,9 +96,9 @@ def build_stage(path: Path) -> None:
 
     Its subject is painted: what a look does to colors shows on a color.
     """
-    scene = demo.build_demo()
+    scene = build_demo()
     scene.camera.data.angle *= 0.82
-    paint = bpy.data.objects[demo.SUBJECT].active_material.node_tree.nodes["Principled BSDF"]
+    paint = bpy.data.objects[DEMO_SUBJECT].active_material.node_tree.nodes["Principled BSDF"]
     paint.inputs["Base Color"].default_value = (0.62, 0.16, 0.07, 1.0)
     pivot = np.array([0.0, 0.0, 0.86])
     parts.area_light(scene, "Fill", (80.0, 18.0), 4.5, 3.0, 0.2, pivot)

@@ -11,7 +11,8 @@ import bpy
 
 from ..core import files
 from ..core.schema_import import limits, schema
-from ..scene.stage import demo, stage
+from ..scene.stage.demo import DEMO_SUBJECT, build_demo
+from ..scene.stage.stage import build_stage
 from ..scene.subject import SubjectChoice
 from . import fluids
 from .reporter import Reporter
@@ -30,10 +31,10 @@ def open_scene(args: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.
     chosen = tuple(args.subject)
     if args.command == "demo" or args.demo:
         reporter.stage("building the demo scene")
-        return demo.build_demo(), SubjectChoice(chosen or (demo.SUBJECT,)), False
+        return build_demo(), SubjectChoice(chosen or (DEMO_SUBJECT,)), False
     if path and path.suffix.lower() in limits.MESH_FORMATS:
         reporter.stage(f"staging {path.name}")
-        scene = stage.build_stage(path, args.stage)
+        scene = build_stage(path, args.stage)
         return scene, SubjectChoice(chosen, selected=not chosen), True
     if path:
         reporter.stage(f"opening {path.name}")

@@ -10,10 +10,10 @@ import numpy as np
 
 from . import parts
 
-SUBJECT = "Suzanne"
+DEMO_SUBJECT = "Suzanne"
 """The object that the demo's prompts are about."""
 
-_VIEW = (24.0, 9.0)
+_DEMO_VIEW = (24.0, 9.0)
 
 
 def build_demo() -> bpy.types.Scene:
@@ -32,10 +32,10 @@ def build_demo() -> bpy.types.Scene:
     _ball("Large Ball", (-1.05, 0.15, 0.36), 0.36, enamel)
     _ball("Small Ball", (-0.62, -0.72, 0.17), 0.17, brass)
     _blocks(stone)
-    parts.cyclorama(scene, 8.0, 7.0, _VIEW[0], wall).name = "Backdrop"
+    parts.cyclorama(scene, 8.0, 7.0, _DEMO_VIEW[0], wall).name = "Backdrop"
     pivot = np.array([0.0, 0.0, 0.86])
     framed = pivot + np.array([(-1.3, 0, 0), (1.3, 0, 0), (0, 0, 0.95)])
-    parts.framing_camera(scene, framed, _VIEW, fov=28.0, fill=0.9, pivot=pivot)
+    parts.framing_camera(scene, framed, _DEMO_VIEW, fov=28.0, fill=0.9, pivot=pivot)
     parts.area_light(scene, "Key", (-35.0, 38.0), 4.5, 1.4, 1.45, pivot, (1.0, 0.95, 0.88))
     parts.area_light(scene, "Rim", (150.0, 32.0), 4.5, 1.2, 1.0, pivot, (0.86, 0.93, 1.0))
     parts.plain_world(scene, (0.5, 0.53, 0.57), strength=0.22)
@@ -46,18 +46,18 @@ def build_demo() -> bpy.types.Scene:
 def _suzanne(stuff: bpy.types.Material) -> bpy.types.Object:
     bpy.ops.mesh.primitive_monkey_add(size=1.15, location=(0.0, 0.0, 1.19))
     thing = bpy.context.object
-    thing.name = SUBJECT
+    thing.name = DEMO_SUBJECT
     # she looks to the front; turned a little, she meets the key light
     thing.rotation_euler = (math.radians(-14), 0.0, math.radians(4))
     smooth = thing.modifiers.new("Smooth", "SUBSURF")
     smooth.levels = smooth.render_levels = 3
-    return _finish(thing, stuff)
+    return _finish_solid(thing, stuff)
 
 
 def _plinth(stuff: bpy.types.Material) -> None:
     bpy.ops.mesh.primitive_cylinder_add(vertices=96, radius=0.5, depth=0.72, location=(0.0, 0.0, 0.36))
     _round(bpy.context.object, 0.03)
-    _finish(bpy.context.object, stuff).name = "Plinth"
+    _finish_solid(bpy.context.object, stuff).name = "Plinth"
 
 
 def _ring(stuff: bpy.types.Material) -> None:
@@ -69,12 +69,12 @@ def _ring(stuff: bpy.types.Material) -> None:
         location=(0.78, -0.5, 0.385),
         rotation=(math.radians(82), 0.0, math.radians(-28)),
     )
-    _finish(bpy.context.object, stuff).name = "Ring"
+    _finish_solid(bpy.context.object, stuff).name = "Ring"
 
 
 def _ball(name: str, place: tuple[float, float, float], radius: float, stuff: bpy.types.Material) -> None:
     bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=radius, location=place)
-    _finish(bpy.context.object, stuff).name = name
+    _finish_solid(bpy.context.object, stuff).name = name
 
 
 def _blocks(stuff: bpy.types.Material) -> None:
@@ -86,7 +86,7 @@ def _blocks(stuff: bpy.types.Material) -> None:
     row.count = 3
     row.relative_offset_displace = (1.25, 0.0, 0.0)
     _round(thing, 0.02)
-    _finish(thing, stuff).name = "Blocks"
+    _finish_solid(thing, stuff).name = "Blocks"
 
 
 def _round(thing: bpy.types.Object, width: float) -> None:
@@ -94,7 +94,7 @@ def _round(thing: bpy.types.Object, width: float) -> None:
     bevel.width, bevel.segments, bevel.limit_method = width, 4, "ANGLE"
 
 
-def _finish(thing: bpy.types.Object, stuff: bpy.types.Material) -> bpy.types.Object:
+def _finish_solid(thing: bpy.types.Object, stuff: bpy.types.Material) -> bpy.types.Object:
     thing.data.shade_smooth()
     thing.data.set_sharp_from_angle(angle=math.radians(40))
     thing.data.materials.append(stuff)

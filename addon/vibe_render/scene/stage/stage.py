@@ -37,7 +37,7 @@ def build_stage(path: str | Path, kind: str = "cyclorama", subject_name: str = "
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True, load_ui=False)
     scene = bpy.context.scene
     scene.render.resolution_x = scene.render.resolution_y = 1024
-    meshes = _import(path)
+    meshes = _import_meshes(path)
     points = _normalize(meshes, path)
     _dress(meshes, subject_name)
     pivot = (points.min(0) + points.max(0)) / 2
@@ -61,7 +61,7 @@ def _checked(path: str | Path) -> Path:
     return path
 
 
-def _import(path: Path) -> list[bpy.types.Object]:
+def _import_meshes(path: Path) -> list[bpy.types.Object]:
     """Imports the file; returns its mesh objects. Lights and cameras that it brings are dropped."""
     importers = {
         ".obj": bpy.ops.wm.obj_import,
