@@ -23,8 +23,8 @@ from vibe_render.engine.process import Engine
 from vibe_render.headless import arguments, scenes, vibe
 from vibe_render.headless.reporter import Reporter
 from vibe_render.looks import library, take, thumbnail
-from vibe_render.scene.stage import parts
 from vibe_render.scene.stage.demo import DEMO_SUBJECT, build_demo
+from vibe_render.scene.stage.parts import area_light
 
 GROUPS = "light,world,volume,film"
 PROMPTS = Path(__file__).with_name("looks.toml")
@@ -101,7 +101,7 @@ def build_stage(path: Path) -> None:
     paint = bpy.data.objects[DEMO_SUBJECT].active_material.node_tree.nodes["Principled BSDF"]
     paint.inputs["Base Color"].default_value = (0.62, 0.16, 0.07, 1.0)
     pivot = np.array([0.0, 0.0, 0.86])
-    parts.area_light(scene, "Fill", (80.0, 18.0), 4.5, 3.0, 0.2, pivot)
+    area_light(scene, "Fill", (80.0, 18.0), 4.5, 3.0, 0.2, pivot)
     scenes.save_blend(path)
 
 

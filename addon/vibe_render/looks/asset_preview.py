@@ -13,7 +13,7 @@ import numpy as np
 from bpy.types import ID, Material, Scene
 
 from ..render import final_render
-from ..scene.stage import parts
+from ..scene.stage.parts import area_light, framing_camera, plain_world
 from . import thumbnail
 
 _SAMPLES = 48
@@ -75,11 +75,11 @@ def _stage() -> tuple[Scene, bpy.types.Object]:
     ball = bpy.data.objects.new("Vibe Preview", mesh)
     scene.collection.objects.link(ball)
     middle = np.zeros(3)
-    parts.framing_camera(scene, np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * 0.62,
+    framing_camera(scene, np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * 0.62,
                        (0.0, 12.0), fov=30.0, fill=0.92)  # fmt: skip
-    parts.area_light(scene, "Vibe Preview", (-45.0, 40.0), 4.0, 2.0, 0.9, middle)
-    parts.area_light(scene, "Vibe Preview", (140.0, 30.0), 4.0, 1.5, 0.8, middle)
-    parts.plain_world(scene, (0.5, 0.5, 0.5), strength=0.35)
+    area_light(scene, "Vibe Preview", (-45.0, 40.0), 4.0, 2.0, 0.9, middle)
+    area_light(scene, "Vibe Preview", (140.0, 30.0), 4.0, 1.5, 0.8, middle)
+    plain_world(scene, (0.5, 0.5, 0.5), strength=0.35)
     return scene, ball
 
 

@@ -8,7 +8,7 @@ import math
 import bpy
 import numpy as np
 
-from . import parts
+from .parts import area_light, cyclorama, framing_camera, plain_material, plain_world
 
 DEMO_SUBJECT = "Suzanne"
 """The object that the demo's prompts are about."""
@@ -21,24 +21,24 @@ def build_demo() -> bpy.types.Scene:
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True, load_ui=False)
     scene = bpy.context.scene
     scene.render.resolution_x = scene.render.resolution_y = 1024
-    clay = parts.plain_material("Clay", (0.46, 0.40, 0.34), roughness=0.45)
-    stone = parts.plain_material("Stone", (0.55, 0.53, 0.50), roughness=0.6)
-    brass = parts.plain_material("Brass", (0.72, 0.48, 0.19), roughness=0.22, metallic=1.0)
-    enamel = parts.plain_material("Enamel", (0.09, 0.16, 0.22), roughness=0.18)
-    wall = parts.plain_material("Wall", (0.36, 0.35, 0.34), roughness=0.8)
+    clay = plain_material("Clay", (0.46, 0.40, 0.34), roughness=0.45)
+    stone = plain_material("Stone", (0.55, 0.53, 0.50), roughness=0.6)
+    brass = plain_material("Brass", (0.72, 0.48, 0.19), roughness=0.22, metallic=1.0)
+    enamel = plain_material("Enamel", (0.09, 0.16, 0.22), roughness=0.18)
+    wall = plain_material("Wall", (0.36, 0.35, 0.34), roughness=0.8)
     suzanne = _suzanne(clay)
     _plinth(stone)
     _ring(brass)
     _ball("Large Ball", (-1.05, 0.15, 0.36), 0.36, enamel)
     _ball("Small Ball", (-0.62, -0.72, 0.17), 0.17, brass)
     _blocks(stone)
-    parts.cyclorama(scene, 8.0, 7.0, _DEMO_VIEW[0], wall).name = "Backdrop"
+    cyclorama(scene, 8.0, 7.0, _DEMO_VIEW[0], wall).name = "Backdrop"
     pivot = np.array([0.0, 0.0, 0.86])
     framed = pivot + np.array([(-1.3, 0, 0), (1.3, 0, 0), (0, 0, 0.95)])
-    parts.framing_camera(scene, framed, _DEMO_VIEW, fov=28.0, fill=0.9, pivot=pivot)
-    parts.area_light(scene, "Key", (-35.0, 38.0), 4.5, 1.4, 1.45, pivot, (1.0, 0.95, 0.88))
-    parts.area_light(scene, "Rim", (150.0, 32.0), 4.5, 1.2, 1.0, pivot, (0.86, 0.93, 1.0))
-    parts.plain_world(scene, (0.5, 0.53, 0.57), strength=0.22)
+    framing_camera(scene, framed, _DEMO_VIEW, fov=28.0, fill=0.9, pivot=pivot)
+    area_light(scene, "Key", (-35.0, 38.0), 4.5, 1.4, 1.45, pivot, (1.0, 0.95, 0.88))
+    area_light(scene, "Rim", (150.0, 32.0), 4.5, 1.2, 1.0, pivot, (0.86, 0.93, 1.0))
+    plain_world(scene, (0.5, 0.53, 0.57), strength=0.22)
     suzanne.select_set(True)
     return scene
 

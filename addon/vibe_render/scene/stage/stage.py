@@ -12,7 +12,7 @@ from mathutils import Matrix, Vector
 
 from ...core.schema_import import limits, options, schema
 from .. import scene_context
-from . import parts
+from .parts import area_light, cyclorama, floor, framing_camera, plain_material, plain_world
 
 _CAMERA = (32.0, 12.0)  # azimuth, elevation
 _WALL = 8.0  # distance of the backdrop, in radii of the subject
@@ -41,7 +41,7 @@ def build_stage(path: str | Path, kind: str = "cyclorama", subject_name: str = "
     points = _normalize(meshes, path)
     _dress(meshes, subject_name)
     pivot = (points.min(0) + points.max(0)) / 2
-    parts.framing_camera(scene, points, _CAMERA, fov=30.0, fill=0.78)
+    framing_camera(scene, points, _CAMERA, fov=30.0, fill=0.78)
     _light(scene, pivot)
     _backdrop(scene, kind)
     bpy.ops.object.select_all(action="DESELECT")
@@ -114,7 +114,7 @@ def _dress(meshes: list[bpy.types.Object], name: str) -> None:
     plain = None
     for thing in meshes:
         if not any(slot.material for slot in thing.material_slots):
-            plain = plain or parts.plain_material(name, (0.5, 0.5, 0.5), roughness=0.35)
+            plain = plain or plain_material(name, (0.5, 0.5, 0.5), roughness=0.35)
             thing.data.materials.clear()
             thing.data.materials.append(plain)
         if not thing.data.has_custom_normals:
@@ -125,17 +125,17 @@ def _dress(meshes: list[bpy.types.Object], name: str) -> None:
 def _light(scene: bpy.types.Scene, pivot: np.ndarray) -> None:
     """Key from the left, softer fill from the right, rim from behind, a dim neutral world."""
     around = _CAMERA[0]
-    parts.area_light(scene, "Key", (around - 52, 40), 5.0, 1.5, 1.1, pivot)
-    parts.area_light(scene, "Fill", (around + 60, 18), 5.0, 3.5, 0.13, pivot)
-    parts.area_light(scene, "Rim", (around + 150, 45), 5.0, 1.5, 0.9, pivot)
-    parts.plain_world(scene, (0.5, 0.5, 0.5), strength=0.2)
+    area_light(scene, "Key", (around - 52, 40), 5.0, 1.5, 1.1, pivot)
+    area_light(scene, "Fill", (around + 60, 18), 5.0, 3.5, 0.13, pivot)
+    area_light(scene, "Rim", (around + 150, 45), 5.0, 1.5, 0.9, pivot)
+    plain_world(scene, (0.5, 0.5, 0.5), strength=0.2)
 
 
 def _backdrop(scene: bpy.types.Scene, kind: str) -> None:
     if kind == "none":
         return
-    stuff = parts.plain_material("Stage", (0.4, 0.4, 0.4), roughness=0.7)
+    stuff = plain_material("Stage", (0.4, 0.4, 0.4), roughness=0.7)
     if kind == "floor":
-        parts.floor(scene, 40.0, stuff)
+        floor(scene, 40.0, stuff)
     else:
-        parts.cyclorama(scene, _WALL, 0.9 * _WALL, _CAMERA[0], stuff)
+        cyclorama(scene, _WALL, 0.9 * _WALL, _CAMERA[0], stuff)
