@@ -6,7 +6,7 @@ import numpy as np
 from vibe_render.export import reading
 from vibe_render.render import final_render
 from vibe_render.scene import bindings
-from vibe_render.scene.stage.parts import area_light, floor, framing_camera, plain_material, plain_world
+from vibe_render.scene.stage import area_light, floor, framing_camera, plain_material, plain_world
 from vibe_render.scene.subject import SubjectChoice
 
 from lab.bench.paper import finished

@@ -27,7 +27,7 @@ LAYERS = {
         cli=cli.commands
     """,
     "vibe_render": """
-        core engine scene.geometry scene.nodes scene scene.stage render export session.notes session looks
+        core engine scene.geometry scene.nodes scene render export session.notes session looks
         headless ui ui.operators ui.panels
         .
     """,

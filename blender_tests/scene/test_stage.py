@@ -7,8 +7,7 @@ import pytest
 from vibe_render.core.schema_import import options
 from vibe_render.export import analysis
 from vibe_render.render import final_render
-from vibe_render.scene.stage.demo import DEMO_SUBJECT, build_demo
-from vibe_render.scene.stage.stage import build_stage
+from vibe_render.scene.stage import DEMO_SUBJECT, build_demo, build_stage
 from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.schema import VibeError

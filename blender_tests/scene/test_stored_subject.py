@@ -7,7 +7,7 @@ import vibe_render
 from dump import contents, difference
 from vibe_render.export import reading
 from vibe_render.looks import use
-from vibe_render.scene.stage.demo import DEMO_SUBJECT, build_demo
+from vibe_render.scene.stage import DEMO_SUBJECT, build_demo
 from vibe_render.scene.subject import SUBJECT_KEY, SubjectChoice, recall_subject, remember_subject
 from vibe_render.session.session import result
 

@@ -7,7 +7,7 @@ import pytest
 from mathutils import Vector
 from vibe_render.export import analysis
 from vibe_render.scene.geometry import visibility
-from vibe_render.scene.stage.demo import build_demo
+from vibe_render.scene.stage import build_demo
 
 
 def blenders(scene):

@@ -23,8 +23,7 @@ from vibe_render.engine.process import Engine
 from vibe_render.headless import arguments, scenes, vibe
 from vibe_render.headless.reporter import Reporter
 from vibe_render.looks import library, take, thumbnail
-from vibe_render.scene.stage.demo import DEMO_SUBJECT, build_demo
-from vibe_render.scene.stage.parts import area_light
+from vibe_render.scene.stage import DEMO_SUBJECT, area_light, build_demo
 
 GROUPS = "light,world,volume,film"
 PROMPTS = Path(__file__).with_name("looks.toml")

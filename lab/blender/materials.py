@@ -22,7 +22,7 @@ from vibe_render.core import compat
 from vibe_render.export.analysis import analyze
 from vibe_render.headless.scenes import open_blend, save_blend
 from vibe_render.render import final_render
-from vibe_render.scene.stage.parts import area_light, cyclorama, framing_camera, plain_material, plain_world
+from vibe_render.scene.stage import area_light, cyclorama, framing_camera, plain_material, plain_world
 from vibe_render.scene.subject import SubjectChoice
 
 from lab.blender import side

@@ -19,7 +19,7 @@ import bpy
 import numpy as np
 from vibe_render.render import final_render
 from vibe_render.scene import bindings
-from vibe_render.scene.stage.parts import (
+from vibe_render.scene.stage import (
     area_light,
     cyclorama,
     floor,

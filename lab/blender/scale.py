@@ -21,7 +21,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 from vibe_render.export import reading
-from vibe_render.scene.stage.parts import plain_material, plain_world
+from vibe_render.scene.stage import plain_material, plain_world
 from vibe_render.scene.subject import SubjectChoice
 
 from lab.blender import side

@@ -15,7 +15,7 @@ from typing import Any
 import bpy
 from vibe_render.core import ADDON
 from vibe_render.render import final_render
-from vibe_render.scene.stage.demo import build_demo
+from vibe_render.scene.stage import build_demo
 from vibe_render.session import result, session
 from vibe_render.session.live import Live
 from vibe_render.session.session import Session

@@ -11,8 +11,7 @@ import bpy
 
 from ..core import files
 from ..core.schema_import import limits, schema
-from ..scene.stage.demo import DEMO_SUBJECT, build_demo
-from ..scene.stage.stage import build_stage
+from ..scene.stage import DEMO_SUBJECT, build_demo, build_stage
 from ..scene.subject import SubjectChoice
 from . import fluids
 from .reporter import Reporter

@@ -13,7 +13,7 @@ import numpy as np
 from bpy.types import ID, Material, Scene
 
 from ..render import final_render
-from ..scene.stage.parts import area_light, framing_camera, plain_world
+from ..scene.stage import area_light, framing_camera, plain_world
 from . import thumbnail
 
 _SAMPLES = 48

@@ -16,7 +16,7 @@ from vibe_render.core.color import Color
 from vibe_render.core.schema_import import schema
 from vibe_render.scene import bindings, scene_context, snapshot
 from vibe_render.scene.light_types import SIZE, light_type
-from vibe_render.scene.stage.parts import (
+from vibe_render.scene.stage import (
     cyclorama,
     floor,
     framing_camera,
