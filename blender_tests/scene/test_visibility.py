@@ -12,7 +12,7 @@ from vibe_render.scene.stage import build_demo
 
 def blenders(scene):
     """The object that each ray meets, by Blender's own casting; "" for none."""
-    starts, directions = visibility.rays(visibility.ray_camera(scene), 48)
+    starts, directions = visibility.camera_rays(visibility.ray_camera(scene), 48)
     graph = bpy.context.evaluated_depsgraph_get()
     lens, ahead = scene.camera.data, -np.array(scene.camera.matrix_world.normalized())[:3, 2]
     names = np.full(starts.shape[:2], "", object)

@@ -11,7 +11,7 @@ import numpy as np
 from ..core.schema_import import schema
 from ..scene import copies, subject
 from ..scene.geometry import visibility
-from ..scene.geometry.meshes import collect
+from ..scene.geometry.meshes import collect_meshes
 from ..scene.geometry.triangles import PlacedMesh, SceneGeometry, assembled
 from ..scene.scene_context import GEOMETRY
 from .materials import uv_of
@@ -114,7 +114,7 @@ def capture(scene: bpy.types.Scene) -> SceneCapture:
     if scene.camera is None:
         raise schema.VibeError("The scene has no camera.", "Add one, and aim it at the subject.")
     check_camera(scene)
-    meshes, warnings = copies.evaluate_render(scene, lambda depsgraph: collect(depsgraph, uv_of))
+    meshes, warnings = copies.evaluate_render(scene, lambda depsgraph: collect_meshes(depsgraph, uv_of))
     return SceneCapture(meshes, warnings, visibility.ray_camera(scene), data_blocks())
 
 

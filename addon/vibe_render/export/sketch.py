@@ -9,7 +9,7 @@ import bpy
 
 from ..scene import scene_context
 from ..scene.geometry import visibility
-from ..scene.geometry.boxes import boxes
+from ..scene.geometry.boxes import box_geometry
 from ..scene.nodes import owned
 from ..scene.subject import SubjectChoice
 from .analysis import VisibleScene, analyze, check_camera
@@ -31,6 +31,6 @@ def sketch_scene(scene: bpy.types.Scene, folder: Path, choice: SubjectChoice) ->
     depsgraph = scene_context.depsgraph(scene)
     camera = visibility.ray_camera(scene)
     shown = {obj for obj in scene_context.shown(scene) if not owned.is_unseen(obj)}
-    geometry = boxes(depsgraph, shown, camera)
+    geometry = box_geometry(depsgraph, shown, camera)
     visible = VisibleScene(geometry, visibility.visible_surfaces(camera, geometry), frozenset())
     write_sketch(analyze(scene, choice, visible), folder)

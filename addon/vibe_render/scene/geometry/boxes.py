@@ -11,15 +11,13 @@ import numpy as np
 from mathutils import Matrix
 
 from .meshes import DEFAULT_MATERIAL, array, has_surface, hidden_from, slots_of
-from .triangles import SceneGeometry
+from .triangles import FARTHEST, SceneGeometry
 from .visibility import RayCamera
 
 _SIDES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (3, 2, 6, 7), (0, 3, 7, 4), (1, 5, 6, 2))
 """Corners of the sides of a box as Blender numbers them, counter-clockwise seen from outside."""
 _CORNERS = np.array([(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1, 1, 1), (1, 1, 0)])
 """Of a unit box."""
-_FARTHEST = 1e9
-"""Meters from the origin beyond which squares of areas leave the range of 32-bit floats."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +33,7 @@ class _Box:
     material: str
 
 
-def boxes(
+def box_geometry(
     depsgraph: bpy.types.Depsgraph, shown: Collection[bpy.types.Object], camera: RayCamera
 ) -> SceneGeometry:
     """The sides of bounding boxes that face away from a camera: these never hide what is inside or before a box.
@@ -49,10 +47,10 @@ def boxes(
     objects: dict[tuple[str, str], int] = {}
     materials: dict[str, int] = {}
     extents, matrices, owners, worn = [], [], [], []
-    for thing, instancer, matrix in _placed(depsgraph, shown):
+    for thing, instancer, matrix in _shown_objects(depsgraph, shown):
         key = thing.as_pointer()
         if key not in known:
-            known[key] = list(_parts(thing))
+            known[key] = list(_material_boxes(thing))
         name = thing.original.name_full, instancer.name_full if instancer else ""
         number = objects.setdefault(name, len(objects))
         if number == len(hidden):
@@ -64,10 +62,10 @@ def boxes(
             worn.append(materials.setdefault(box.material, len(materials)))
     low, high = np.moveaxis(np.array(extents).reshape(-1, 2, 1, 3), 1, 0)
     names = objects, materials, hidden
-    return _geometry(low + _CORNERS * (high - low), matrices, (owners, worn), names, camera)
+    return _assembled_boxes(low + _CORNERS * (high - low), matrices, (owners, worn), names, camera)
 
 
-def _placed(
+def _shown_objects(
     depsgraph: bpy.types.Depsgraph, shown: Collection[bpy.types.Object]
 ) -> Iterator[tuple[bpy.types.Object, bpy.types.Object | None, Matrix]]:
     """Meshes that a render shows, each with its instancer and its place; as they are stored where the viewport hides them."""
@@ -84,7 +82,7 @@ def _placed(
             yield obj, None, obj.matrix_world.copy()
 
 
-def _parts(thing: bpy.types.Object) -> Iterator[_Box]:
+def _material_boxes(thing: bpy.types.Object) -> Iterator[_Box]:
     """The box of an object, cut along its longest side into a part for each material that its faces wear."""
     box, slots = thing.bound_box, slots_of(thing)
     low, high = box[0][:], box[6][:]
@@ -116,7 +114,7 @@ def _shares(
     return shares
 
 
-def _geometry(
+def _assembled_boxes(
     corners: np.ndarray,
     matrices: list,
     numbers: tuple[list[int], list[int]],
@@ -132,7 +130,7 @@ def _geometry(
     objects, materials, hidden = names
     placed = np.array(matrices).reshape(-1, 4, 4)
     world = (corners @ placed[:, :3, :3].transpose(0, 2, 1) + placed[:, None, :3, 3]).astype(np.float32)
-    usable = (np.abs(world) < _FARTHEST).all((1, 2))
+    usable = (np.abs(world) < FARTHEST).all((1, 2))
     mirrored = np.linalg.det(placed[:, :3, :3]) < 0
     sides = world[:, _SIDES]  # (B, 6, 4, 3)
     normals = np.cross(sides[:, :, 1] - sides[:, :, 0], sides[:, :, 2] - sides[:, :, 0])

@@ -23,7 +23,7 @@ _RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
 _SKIPPED = {"CURVES": "hair", "VOLUME": "a volume object", "POINTCLOUD": "a point cloud"}
 
 
-def collect(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[list[PlacedMesh], list[str]]:
+def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[list[PlacedMesh], list[str]]:
     """Reads the evaluated meshes and instances of a final render's dependency graph.
 
     Returns:
@@ -70,7 +70,7 @@ def _shown(thing: bpy.types.Object, meshes: dict[tuple, SourceMesh], uv_of: UvLo
     slots = slots_of(thing)
     names = tuple(m.name_full if m else DEFAULT_MATERIAL for m in slots)
     key = (thing.data.as_pointer(), *names)
-    mesh = meshes.get(key) or meshes.setdefault(key, _read(thing.data, slots, uv_of))
+    mesh = meshes.get(key) or meshes.setdefault(key, _read_mesh(thing.data, slots, uv_of))
     return _Shown(mesh, names, thing.original.name_full, hidden_from(thing))
 
 
@@ -100,7 +100,7 @@ def has_surface(material: bpy.types.Material | None) -> bool:
     return output is None or output.inputs["Surface"].is_linked or not output.inputs["Volume"].is_linked
 
 
-def _read(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: UvLookup) -> SourceMesh:
+def _read_mesh(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: UvLookup) -> SourceMesh:
     """Copies a mesh. It reads attributes as blocks of memory, a hundred times faster than loops and triangles."""
     mesh.calc_loop_triangles()
     count, corners = len(mesh.loop_triangles), len(mesh.loops)

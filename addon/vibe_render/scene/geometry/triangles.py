@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-_FARTHEST = 1e9
+FARTHEST = 1e9
 """Meters from the origin beyond which squares of areas leave the range of 32-bit floats."""
 _BATCH = 1_000_000
 """Vertices of copies of a mesh that are placed at once: bounds the memory for it."""
@@ -210,7 +210,7 @@ def _pieces(copies: list[PlacedMesh]) -> Iterator[_Piece]:
         matrices = np.stack([copy.matrix for copy in copies[first : first + step]])
         mirrored = np.linalg.det(matrices[:, :3, :3]) < 0
         vertices, normals = _place(part, matrices, np.where(mirrored, -1.0, 1.0))
-        x, y, z = np.moveaxis(np.abs(vertices) < _FARTHEST, -1, 0)  # also false for what is not a number
+        x, y, z = np.moveaxis(np.abs(vertices) < FARTHEST, -1, 0)  # also false for what is not a number
         usable = x & y & z
         vertices[~usable] = 0.0
         corners = vertices[:, part.faces]

@@ -61,7 +61,7 @@ def visible_surfaces(camera: RayCamera, geometry: SceneGeometry) -> VisibleSurfa
         corners = geometry.vertices[geometry.faces[near]].reshape(-1, 3)
         faces = np.arange(len(corners)).reshape(-1, 3)
         tree = BVHTree.FromPolygons(corners.tolist(), faces.tolist(), all_triangles=True)
-        starts, directions = rays(camera, RAYS)
+        starts, directions = camera_rays(camera, RAYS)
         slants = 1.0 / np.maximum(directions @ -camera.pose[:3, 2], 1e-6)
         first, last = camera.clip
         for index in np.ndindex(hits.shape):
@@ -88,7 +88,7 @@ def _may_meet(camera: RayCamera, geometry: SceneGeometry) -> np.ndarray:
     return (first <= last).all(1) | behind
 
 
-def rays(camera: RayCamera, count: int) -> tuple[np.ndarray, np.ndarray]:
+def camera_rays(camera: RayCamera, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Origins and directions, (count, count, 3) each, of rays through the picture; row 0 is the bottom."""
     low, high = camera.frame.min(0), camera.frame.max(0)
     u = (np.arange(count) + 0.5) / count
