@@ -9,7 +9,7 @@ import bpy
 
 from ..scene import scene_context
 from ..scene.geometry import visibility
-from ..scene.geometry.boxes import box_geometry
+from ..scene.geometry.meshes import box_geometry
 from ..scene.nodes import owned
 from ..scene.subject import SubjectChoice
 from .analysis import VisibleScene, analyze, check_camera

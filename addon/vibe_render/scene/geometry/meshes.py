@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads the meshes that a final render shows; `triangles` assembles them without Blender."""
+"""Reads the meshes that a final render shows, or their bounding boxes; 'triangles' assembles meshes without Blender."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ...core.compat import node_tree
-from .triangles import PlacedMesh, SourceMesh
+from .triangles import FARTHEST, PlacedMesh, SceneGeometry, SourceMesh
+from .visibility import RayCamera
 
 DEFAULT_MATERIAL = ""
 """Name that stands for faces without a material."""
@@ -144,3 +146,155 @@ def array(collection, attribute: str, shape: tuple[int, ...], kind: type) -> np.
     if len(collection):  # some files name a layer, and have lost what was in it
         collection.foreach_get(attribute, flat)
     return flat.reshape(shape)
+
+
+_SIDES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (3, 2, 6, 7), (0, 3, 7, 4), (1, 5, 6, 2))
+"""Corners of the sides of a box as Blender numbers them, counter-clockwise seen from outside."""
+_CORNERS = np.array([(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1, 1, 1), (1, 1, 0)])
+"""Of a unit box."""
+
+
+@dataclass(frozen=True)
+class _Box:
+    """The part of an object that wears one material.
+
+    Attributes:
+        extent: Its least and its greatest corner, in the object's own space.
+        material: Its name.
+    """
+
+    extent: tuple[tuple[float, ...], ...]
+    material: str
+
+
+def box_geometry(
+    depsgraph: bpy.types.Depsgraph, shown: Collection[bpy.types.Object], camera: RayCamera
+) -> SceneGeometry:
+    """The sides of bounding boxes that face away from a camera: these never hide what is inside or before a box.
+
+    Args:
+        depsgraph: The evaluated scene, of the viewport.
+        shown: The objects that a render shows.
+    """
+    known: dict[int, list[_Box]] = {}
+    hidden: list[frozenset[str]] = []
+    objects: dict[tuple[str, str], int] = {}
+    materials: dict[str, int] = {}
+    extents, matrices, owners, worn = [], [], [], []
+    for thing, instancer, matrix in _shown_objects(depsgraph, shown):
+        key = thing.as_pointer()
+        if key not in known:
+            known[key] = list(_material_boxes(thing))
+        name = thing.original.name_full, instancer.name_full if instancer else ""
+        number = objects.setdefault(name, len(objects))
+        if number == len(hidden):
+            hidden.append(hidden_from(thing))
+        for box in known[key]:
+            extents.append(box.extent)
+            matrices.append(matrix)
+            owners.append(number)
+            worn.append(materials.setdefault(box.material, len(materials)))
+    low, high = np.moveaxis(np.array(extents).reshape(-1, 2, 1, 3), 1, 0)
+    names = objects, materials, hidden
+    return _assembled_boxes(low + _CORNERS * (high - low), matrices, (owners, worn), names, camera)
+
+
+def _shown_objects(
+    depsgraph: bpy.types.Depsgraph, shown: Collection[bpy.types.Object]
+) -> Iterator[tuple[bpy.types.Object, bpy.types.Object | None, Matrix]]:
+    """Meshes that a render shows, each with its instancer and its place; as they are stored where the viewport hides them."""
+    seen = set()
+    for item in depsgraph.object_instances:
+        thing, original = item.object, item.object.original
+        instancer = item.parent.original if item.parent else None
+        seen.add(original)
+        is_shown = (instancer or original) in shown and not original.hide_render
+        if thing.type == "MESH" and item.show_self and is_shown:
+            yield thing, instancer, item.matrix_world.copy()
+    for obj in sorted(shown, key=lambda each: each.name_full):
+        if obj.type == "MESH" and obj not in seen:
+            yield obj, None, obj.matrix_world.copy()
+
+
+def _material_boxes(thing: bpy.types.Object) -> Iterator[_Box]:
+    """The box of an object, cut along its longest side into a part for each material that its faces wear."""
+    box, slots = thing.bound_box, slots_of(thing)
+    low, high = box[0][:], box[6][:]
+    shares = {slots[0]: 1.0} if len(slots) == 1 else _shares(thing.data, slots)
+    worn = {material: share for material, share in shares.items() if has_surface(material)}
+    if len(worn) == 1:
+        (material,) = worn
+        yield _Box((low, high), material.name_full if material else DEFAULT_MATERIAL)
+        return
+    axis = max(range(3), key=lambda n: high[n] - low[n])
+    start = end = low[axis]
+    for material, share in worn.items():
+        start, end = end, end + share / sum(worn.values()) * (high[axis] - low[axis])
+        part = tuple((*each[:axis], cut, *each[axis + 1 :]) for each, cut in ((low, start), (high, end)))
+        yield _Box(part, material.name_full if material else DEFAULT_MATERIAL)
+
+
+def _shares(
+    mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None]
+) -> dict[bpy.types.Material | None, float]:
+    """The share of a mesh's faces that wear each material."""
+    index = mesh.attributes.get("material_index")
+    faces = array(index.data, "value", (len(index.data),), np.int32) if index else np.zeros(1, np.int32)
+    counts = np.bincount(np.clip(faces, 0, len(slots) - 1), minlength=len(slots))
+    shares: dict[bpy.types.Material | None, float] = {}
+    for material, count in zip(slots, counts / max(len(faces), 1), strict=True):
+        if count:
+            shares[material] = shares.get(material, 0.0) + float(count)
+    return shares
+
+
+def _assembled_boxes(
+    corners: np.ndarray,
+    matrices: list,
+    numbers: tuple[list[int], list[int]],
+    names: tuple[dict[tuple[str, str], int], dict[str, int], list[frozenset[str]]],
+    camera: RayCamera,
+) -> SceneGeometry:
+    """Triangles of boxes (B, 8, 3) at their matrices.
+
+    Args:
+        numbers: Of each box: its object and its material.
+        names: Numbers of objects and materials, and the kinds of rays that pass each object.
+    """
+    objects, materials, hidden = names
+    placed = np.array(matrices).reshape(-1, 4, 4)
+    world = (corners @ placed[:, :3, :3].transpose(0, 2, 1) + placed[:, None, :3, 3]).astype(np.float32)
+    usable = (np.abs(world) < FARTHEST).all((1, 2))
+    mirrored = np.linalg.det(placed[:, :3, :3]) < 0
+    sides = world[:, _SIDES]  # (B, 6, 4, 3)
+    normals = np.cross(sides[:, :, 1] - sides[:, :, 0], sides[:, :, 2] - sides[:, :, 0])
+    normals *= np.where(mirrored, -1.0, 1.0)[:, None, None]
+    area = np.linalg.norm(normals, axis=2)
+    ahead = -camera.pose[:3, 2] if camera.flat else sides.mean(2) - camera.pose[:3, 3]
+    away = ((normals * ahead).sum(2) > 0) & (area > 0) & usable[:, None]
+    box, side = np.nonzero(away)
+    quads = np.array(_SIDES)[side] + 8 * box[:, None]
+    faces = np.concatenate([quads[:, (0, 1, 2)], quads[:, (0, 2, 3)]]).astype(np.int32)
+    both = np.concatenate([box, box])
+    facing = np.repeat((normals / np.maximum(area, 1e-12)[..., None])[box, side][:, None], 3, axis=1)
+    owner, worn = (np.array(each, np.int32)[both] for each in numbers)
+    extents = np.zeros((len(objects), 2, 3), np.float32)
+    low, high = np.full((len(objects), 3), np.inf), np.full((len(objects), 3), -np.inf)
+    owners = np.array(numbers[0], np.int32)[usable]
+    np.minimum.at(low, owners, world[usable].min(1))
+    np.maximum.at(high, owners, world[usable].max(1))
+    seen = np.isfinite(low).all(1)
+    extents[seen] = np.stack([low, high], 1)[seen]
+    return SceneGeometry(
+        world.reshape(-1, 3),
+        faces,
+        np.concatenate([facing, facing]).astype(np.float32),
+        np.zeros((len(faces), 3, 2), np.float32),
+        worn,
+        owner,
+        [*materials],
+        [*objects],
+        extents,
+        hidden,
+        [],
+    )
