@@ -34,11 +34,11 @@ def contents():
 
 
 def load(scene, path, groups):
-    from vibe_render.export.view import film
+    from vibe_render.export.view import film_row
 
     from proxy_renderer.scene import FilmSettings
 
-    return CyclesPicture.load(path, groups, FilmSettings(**film(scene)))
+    return CyclesPicture.load(path, groups, FilmSettings(**film_row(scene)))
 
 
 @pytest.fixture

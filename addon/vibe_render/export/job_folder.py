@@ -18,8 +18,7 @@ from ..scene import bindings, fog, scene_context
 from ..scene.nodes import trails
 from . import measured, notes, sanitize, standby, view, view_faults, world_light
 from .analysis import SceneAnalysis
-from .materials import NO_MATERIAL, ExportedMaterial
-from .materials import export as export_material
+from .materials import NO_MATERIAL, ExportedMaterial, export_material
 
 FORMAT = 1
 _OF_WORDS = ("camera", "light", "material")
@@ -68,14 +67,14 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
     """
     folder.mkdir(parents=True, exist_ok=True)
     scene, geometry = analysis.scene, analysis.geometry
-    spoiling = view_faults.notes(analysis)
+    spoiling = view_faults.view_notes(analysis)
     bound = bindings.instances(scene, analysis.objects, analysis.pivot)
     materials = measured.materials(analysis)
-    instances, mended = sanitize.instances(_with_materials(bound, analysis, materials))
-    spare, spare_instances = standby.lights(analysis)
-    spare_instances |= standby.backdrop(analysis, instances)
-    warnings = [*spoiling, *notes.by_reason(_material_notes(analysis, materials)), *geometry.warnings]
-    warnings += [*view.ignored(scene), *mended]
+    instances, mended = sanitize.finite_instances(_with_materials(bound, analysis, materials))
+    spare, spare_instances = standby.standby_lights(analysis)
+    spare_instances |= standby.standby_backdrop(analysis, instances)
+    warnings = [*spoiling, *notes.notes_by_reason(_material_notes(analysis, materials)), *geometry.warnings]
+    warnings += [*view.ignored_settings(scene), *mended]
     world, note = _write_world(scene.world, folder)
     content = _content(analysis, materials, instances, folder) | {
         "standby": {
@@ -103,7 +102,7 @@ def write_sketch(analysis: SceneAnalysis, folder: Path) -> None:
     named = {m.name_full: m for m in bpy.data.materials}
     exported = [export_material(named.get(name), {}) for name in analysis.geometry.materials]
     materials = {each.row["name"]: each for each in exported}
-    instances = sanitize.instances(_with_materials(bound, analysis, materials))[0]
+    instances = sanitize.finite_instances(_with_materials(bound, analysis, materials))[0]
     content = _content(analysis, materials, instances, folder) | {
         "world": {"kind": "color"},
         "volume": {"kind": "none", "center": analysis.pivot, "half_size": (1.0, 1.0, 1.0), "base": 0.0},
@@ -129,14 +128,14 @@ def _content(
         "pixel_aspect": scene.render.pixel_aspect_x / scene.render.pixel_aspect_y,
         "pivot": analysis.pivot,
         "references": bindings.references(scene, analysis.objects, analysis.pivot),
-        "camera": view.camera(analysis),
-        "lights": view.lights(analysis),
+        "camera": view.camera_row(analysis),
+        "lights": view.light_rows(analysis),
         "materials": _write_textures(analysis, materials, folder),
         "objects": [
             {"name": name, "subject": bool(chosen), "hidden": sorted(hidden)}
             for (name, _), chosen, hidden in flags
         ],
-        "film": view.film(scene),
+        "film": view.film_row(scene),
         "parameters": {key: _parameter(instance) for key, instance in instances.items()},
     }
 
@@ -144,7 +143,7 @@ def _content(
 def _write(content: dict[str, Any], analysis: SceneAnalysis, folder: Path, warnings: list[str]) -> None:
     """Writes meshes and, last and atomically, scene.json without numbers that are none."""
     _write_meshes(analysis, folder)
-    sound = sanitize.content(content, "", warnings)
+    sound = sanitize.finite_content(content, "", warnings)
     atomic.write_text(folder / "scene.json", json.dumps(sound, indent=1, allow_nan=False))
 
 
@@ -173,8 +172,8 @@ def _material_notes(
 def parameters(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
     """The scene's parameters by key, those of a backdrop that it may get included; unlike `write_job`, renders and writes nothing."""
     bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot)
-    mended = sanitize.instances(_with_materials(bound, analysis, {}))[0]
-    return {**mended, **standby.backdrop(analysis, mended)}
+    mended = sanitize.finite_instances(_with_materials(bound, analysis, {}))[0]
+    return {**mended, **standby.standby_backdrop(analysis, mended)}
 
 
 def _scaled(scene: bpy.types.Scene, pixels: int) -> int:
@@ -217,7 +216,7 @@ def _unseen(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
     shot = analysis.scene, analysis.objects, analysis.pivot
     every = bindings.instances(*shot, groups=("material",), everything=True)
     shown = set(analysis.geometry.materials)
-    return sanitize.instances({key: i for key, i in every.items() if i.owner in shown})[0]
+    return sanitize.finite_instances({key: i for key, i in every.items() if i.owner in shown})[0]
 
 
 def _parameter(instance: schema.Instance) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from ..scene import scene_context
 from ..scene.nodes import layers
 
 
-def unlit(light: Object, objects: Sequence[tuple[str, str]]) -> list[int]:
+def unlit_objects(light: Object, objects: Sequence[tuple[str, str]]) -> list[int]:
     """The numbers of the objects that a light does not light.
 
     Args:
@@ -20,14 +20,14 @@ def unlit(light: Object, objects: Sequence[tuple[str, str]]) -> list[int]:
     collection = light.light_linking.receiver_collection
     if collection is None:
         return []
-    included, excluded = _linked(collection, "INCLUDE"), _linked(collection, "EXCLUDE")
+    included, excluded = _linked_names(collection, "INCLUDE"), _linked_names(collection, "EXCLUDE")
     rows = [{name for name in names if name} for names in objects]
     return [
         number for number, names in enumerate(rows) if names & excluded or (included and not names & included)
     ]
 
 
-def _linked(collection: Collection, state: str) -> set[str]:
+def _linked_names(collection: Collection, state: str) -> set[str]:
     """Names of the objects that a collection of receivers has in a state."""
     pairs = zip(collection.objects, collection.collection_objects, strict=True)
     names = {o.name_full for o, row in pairs if row.light_linking.link_state == state}
@@ -38,7 +38,7 @@ def _linked(collection: Collection, state: str) -> set[str]:
     return names
 
 
-def ignored(scene: Scene) -> list[str]:
+def ignored_links(scene: Scene) -> list[str]:
     """What of the light linking in a scene the prediction leaves out, in words for the artist."""
     notes = []
     for obj in (o for o in scene.objects if scene_context.visible(scene, o)):

@@ -59,12 +59,12 @@ class ExportedMaterial:
 
 def uv_of(material: bpy.types.Material) -> tuple[str, np.ndarray]:
     """The UV map that a material's textures are laid over, and the 3x3 matrix of its mapping."""
-    origins = computed(material)
+    origins = computed_inputs(material)
     origin = origins.get("base_color") or origins.get("alpha")
     return uv_mapping(origin.source if origin else None)
 
 
-def computed(material: bpy.types.Material | None) -> dict[str, ValueOrigin | None]:
+def computed_inputs(material: bpy.types.Material | None) -> dict[str, ValueOrigin | None]:
     """Where a material's inputs are computed, before our tint; None for the normal that Displacement makes.
 
     Besides inputs of the Principled BSDF: the channels of `Mixture`.
@@ -86,7 +86,9 @@ def computed(material: bpy.types.Material | None) -> dict[str, ValueOrigin | Non
     return {**outputs, "normal": None} if bumps and "normal" not in outputs else outputs
 
 
-def export(material: bpy.types.Material | None, measured: Mapping[str, MeasuredChannel]) -> ExportedMaterial:
+def export_material(
+    material: bpy.types.Material | None, measured: Mapping[str, MeasuredChannel]
+) -> ExportedMaterial:
     """Describes a material; None stands for faces without one.
 
     Args:

@@ -10,7 +10,7 @@ from ..render import baked_passes, planar_captures
 from ..scene.nodes.trails import ValueOrigin
 from . import textures
 from .analysis import SceneAnalysis
-from .materials import ExportedMaterial, MeasuredChannel, computed, export, uv_of
+from .materials import ExportedMaterial, MeasuredChannel, computed_inputs, export_material, uv_of
 
 _SEEN_ELSEWHERE = ("base_color", "emission_color", "emission", "alpha")
 """What counts of materials that the camera does not see: the light that they send to others."""
@@ -27,7 +27,7 @@ def materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
         if material is None:
             continue
         uvs = geometry.uvs[geometry.material == geometry.materials.index(name)]
-        for channel, origin in computed(material).items():
+        for channel, origin in computed_inputs(material).items():
             picture = _over_uvs(material, channel, origin, uvs)
             if picture:
                 channels[name][channel] = MeasuredChannel(picture.image.mean((0, 1)), picture)
@@ -45,7 +45,7 @@ def materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
                 channels[name]["far"] = MeasuredChannel(view.mean, far)
         elif w.origin is not None and w.channel != "normal":
             channels[name][w.channel] = MeasuredChannel(_mean(analysis, w, w.origin))
-    return {name: export(material, channels[name]) for name, material in chosen.items()}
+    return {name: export_material(material, channels[name]) for name, material in chosen.items()}
 
 
 def _over_uvs(

@@ -9,7 +9,7 @@ _NAMED = 3
 _MOST = 5
 
 
-def by_reason(notes: Mapping[str, Sequence[str]]) -> list[str]:
+def notes_by_reason(notes: Mapping[str, Sequence[str]]) -> list[str]:
     """One line for each reason, with the things that it is true of.
 
     As in "Glossy BSDF is approximated in A, B and 7 more."
@@ -31,7 +31,7 @@ def _listed(names: Sequence[str]) -> str:
     return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
-def shortened(lines: Sequence[str]) -> list[str]:
+def shortened_notes(lines: Sequence[str]) -> list[str]:
     """At most five lines, each once, and how many more there are."""
     lines = list(dict.fromkeys(lines))
     rest = len(lines) - _MOST

@@ -13,7 +13,7 @@ from ..core.schema_import import labels, schema
 _REASON = "it is not a number in Blender"
 
 
-def instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, schema.Instance], list[str]]:
+def finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, schema.Instance], list[str]]:
     """The parameters, with default values (locked) for those that are not finite, and warnings that name them."""
     mended, warnings = {}, []
     for key, instance in read.items():
@@ -28,7 +28,7 @@ def instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, schema.Ins
     return mended, warnings
 
 
-def content(value: Any, path: str, warnings: list[str]) -> Any:
+def finite_content(value: Any, path: str, warnings: list[str]) -> Any:
     """A copy of nested dicts and lists in which numbers that are not finite are 0.
 
     Args:
@@ -37,9 +37,12 @@ def content(value: Any, path: str, warnings: list[str]) -> Any:
         warnings: Gets a sentence for each number that was replaced.
     """
     if isinstance(value, Mapping):
-        return {key: content(item, f"{path}/{key}" if path else key, warnings) for key, item in value.items()}
+        return {
+            key: finite_content(item, f"{path}/{key}" if path else key, warnings)
+            for key, item in value.items()
+        }
     if isinstance(value, list | tuple):
-        return [content(item, path, warnings) for item in value]
+        return [finite_content(item, path, warnings) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
         warnings.append(
             f"{path.replace('/', ' › ').replace('_', ' ')} is not a number in Blender; the prediction takes 0."

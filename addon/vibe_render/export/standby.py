@@ -18,10 +18,10 @@ from ..scene.nodes import backgrounds
 from . import view
 from .analysis import SceneAnalysis
 
-_SEEN = 0.05  # of what is around the subject: less world than this is out of sight
+_SEEN_WORLD = 0.05  # of what is around the subject: less world than this is out of sight
 
 
-def lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[str, schema.Instance]]:
+def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[str, schema.Instance]]:
     """Their entries in scene.json and their parameters; they are in the scene only while this reads them."""
     scene, pivot = analysis.scene, Vector(analysis.pivot)
     known = schema.added_lights.ADDED_LIGHTS
@@ -33,7 +33,8 @@ def lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[str, sch
         corners = scene_context.bounds(scene, analysis.objects or scene_context.meshes(scene))
         size = prepare.card_size(*corners)
         rows = [
-            view.light(obj, known[obj.name].role, pivot) | ({"card": size} if known[obj.name].pattern else {})
+            view.light_row(obj, known[obj.name].role, pivot)
+            | ({"card": size} if known[obj.name].pattern else {})
             for obj in added
         ]
         bound = bindings.instances(scene, analysis.objects, analysis.pivot, ("light",))
@@ -44,7 +45,9 @@ def lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[str, sch
     return rows, ours
 
 
-def backdrop(analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]) -> dict[str, schema.Instance]:
+def standby_backdrop(
+    analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]
+) -> dict[str, schema.Instance]:
     """The parameters of a backdrop that the world may get; none where the picture does not show the world.
 
     Args:
@@ -52,7 +55,7 @@ def backdrop(analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]) 
     """
     scene, shown = analysis.scene, analysis.visible.object
     mine = np.append(analysis.is_subject, False)[shown]
-    world_is_seen = (shown < 0).sum() >= _SEEN * max((~mine).sum(), 1)
+    world_is_seen = (shown < 0).sum() >= _SEEN_WORLD * max((~mine).sum(), 1)
     if scene.render.film_transparent or not world_is_seen:
         return {}
     return backgrounds.offered_backdrop(scene.world, instances)

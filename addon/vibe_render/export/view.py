@@ -21,14 +21,14 @@ MOST_INSTANCES = 24
 """So many instances of lights are predicted at most."""
 
 
-def camera(analysis: SceneAnalysis) -> dict[str, Any]:
+def camera_row(analysis: SceneAnalysis) -> dict[str, Any]:
     """The camera's entry in scene.json."""
     thing = analysis.scene.camera
     data = thing.data
     return {
         "name": thing.name_full,
         "type": data.type,
-        "residual": _rows(orbits.Pose.of(thing, Vector(analysis.pivot)).residual),
+        "residual": _matrix_rows(orbits.Pose.of(thing, Vector(analysis.pivot)).residual),
         "ortho_scale": data.ortho_scale,
         "shift": [data.shift_x, data.shift_y],
         "sensor_fit": data.sensor_fit,
@@ -39,7 +39,7 @@ def camera(analysis: SceneAnalysis) -> dict[str, Any]:
 
 def _focus(camera: bpy.types.Object) -> dict[str, Any]:
     """Aperture and focus of a camera, in meters, as Cycles takes them; nothing without depth of field."""
-    data, dof = camera.data, camera.data.dof
+    data, dof = camera_row.data, camera_row.data.dof
     if not dof.use_dof:
         return {}
     length = 1.0 if data.type == "ORTHO" else data.lens * 1e-3
@@ -56,7 +56,7 @@ def _focused(dof: bpy.types.CameraDOFSettings) -> Any:
     return thing.matrix_world @ bone.matrix if bone else thing.matrix_world
 
 
-def lights(analysis: SceneAnalysis) -> list[dict[str, Any]]:
+def light_rows(analysis: SceneAnalysis) -> list[dict[str, Any]]:
     """The lights' entries in scene.json.
 
     Raises:
@@ -65,16 +65,16 @@ def lights(analysis: SceneAnalysis) -> list[dict[str, Any]]:
     pivot = Vector(analysis.pivot)
     context = scene_context.SceneContext(analysis.scene, analysis.objects, pivot)
     roles = scene_context.light_roles(context)
-    here = [light(o, role, pivot) for o, role in roles.items() if analysis.scene in o.users_scene]
-    rows = here + _instanced(context, roles)
+    here = [light_row(o, role, pivot) for o, role in roles.items() if analysis.scene in o.users_scene]
+    rows = here + _instanced_light_rows(context, roles)
     for row in rows:
         lamp = bpy.data.objects.get(row["name"])
-        if lamp and (unlit := light_linking.unlit(lamp, analysis.geometry.objects)):
+        if lamp and (unlit := light_linking.unlit_objects(lamp, analysis.geometry.objects)):
             row["unlit"] = unlit
     return rows
 
 
-def _instanced(
+def _instanced_light_rows(
     context: scene_context.SceneContext, roles: Mapping[bpy.types.Object, str]
 ) -> list[dict[str, Any]]:
     """The entries of lights that instances show, the nearest ones, each with the values of its data-block's owner."""
@@ -85,21 +85,21 @@ def _instanced(
         place = {
             "name": owner.name_full,
             "fixed": True,
-            "residual": _rows(matrix.to_3x3().normalized()),
+            "residual": _matrix_rows(matrix.to_3x3().normalized()),
             "position": list(matrix.translation),
         }
-        rows.append(light(obj, roles[owner], context.pivot) | place)
+        rows.append(light_row(obj, roles[owner], context.pivot) | place)
     rows.sort(key=lambda row: (Vector(row["position"]) - context.pivot).length)
     return rows[:MOST_INSTANCES]
 
 
-def light(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
+def light_row(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
     """One light's entry in scene.json."""
     data = thing.data
     row: dict[str, Any] = {
         "name": thing.name_full,
         "type": type_of(thing).name,
-        "residual": _rows(orbits.Pose.of(thing, pivot).residual),
+        "residual": _matrix_rows(orbits.Pose.of(thing, pivot).residual),
         "position": list(thing.matrix_world.translation),
         "shadow": data.use_shadow,
         "normalize": getattr(data, "normalize", True),
@@ -112,11 +112,11 @@ def light(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
     return row | type_of(thing).exported(thing)
 
 
-def _rows(matrix: Any) -> list[list[float]]:
+def _matrix_rows(matrix: Any) -> list[list[float]]:
     return [list(row) for row in matrix]
 
 
-def film(scene: bpy.types.Scene) -> dict[str, Any]:
+def film_row(scene: bpy.types.Scene) -> dict[str, Any]:
     """The view transform's entry in scene.json."""
     view = scene.view_settings
     space = getattr(getattr(bpy.data, "colorspace", None), "working_space", "Linear Rec.709")
@@ -142,7 +142,7 @@ def ocio_config() -> str:
     return next((path for path in candidates if path and os.path.isfile(path)), "")
 
 
-def ignored(scene: bpy.types.Scene) -> list[str]:
+def ignored_settings(scene: bpy.types.Scene) -> list[str]:
     """Settings of the picture that the prediction leaves out."""
     notes = []
     if scene.view_settings.use_curve_mapping:
@@ -155,7 +155,7 @@ def ignored(scene: bpy.types.Scene) -> list[str]:
         notes.append("Freestyle lines are in the pictures, not in the prediction.")
     if scene.render.use_border:
         notes.append("The render border is left out: the whole picture is predicted and rendered.")
-    notes += light_linking.ignored(scene)
+    notes += light_linking.ignored_links(scene)
     lamps = [o for o in scene.objects if o.type == "LIGHT" and scene_context.visible(scene, o)]
     instances = scene_context.instanced_lights(scene)
     lamps += dict.fromkeys(o for o, _ in instances if o not in lamps)

@@ -10,10 +10,10 @@ from ..core.schema_import import schema
 from ..scene import scene_context
 from .analysis import SceneAnalysis
 
-_ALL = 0.98  # of the picture: what fills this much leaves nothing else to see
+_WHOLE_PICTURE = 0.98  # of the picture: what fills this much leaves nothing else to see
 
 
-def notes(analysis: SceneAnalysis) -> list[str]:
+def view_notes(analysis: SceneAnalysis) -> list[str]:
     """What an artist would want to know of the camera's view; empty if nothing is odd.
 
     Raises:
@@ -21,7 +21,11 @@ def notes(analysis: SceneAnalysis) -> list[str]:
     """
     objects, shown = analysis.geometry.objects, analysis.visible.object
     number = int(np.bincount(shown[shown >= 0]).argmax())
-    if len(objects) < 2 or (shown == number).mean() < _ALL or analysis.is_subject.sum() == len(objects):
+    if (
+        len(objects) < 2
+        or (shown == number).mean() < _WHOLE_PICTURE
+        or analysis.is_subject.sum() == len(objects)
+    ):
         return []
     name, parent = objects[number]
     thing = next((o for o in analysis.scene.objects if o.name_full == (parent or name)), None)

@@ -13,7 +13,7 @@ from typing import Any
 import bpy
 
 from ..core.schema_import import labels, messages, schema
-from ..export.notes import shortened
+from ..export.notes import shortened_notes
 from ..session.notes.claims import claim_lines
 from ..session.notes.model import model_lines
 from ..session.notes.words import word_notes
@@ -108,7 +108,7 @@ def _mean(rows: Sequence[dict[str, float]]) -> dict[str, float]:
 def _warnings(shot_list: ShotList, result: messages.Result) -> list[str]:
     """What the prediction leaves out, in words for the artist."""
     ours = [warning for job in shot_list.jobs for warning in job.warnings]
-    return shortened([*ours, *result.report.get("anchored", {}).get("notes", [])])
+    return shortened_notes([*ours, *result.report.get("anchored", {}).get("notes", [])])
 
 
 def closing_lines(

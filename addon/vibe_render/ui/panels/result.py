@@ -12,7 +12,7 @@ import bpy
 
 from ...core.drawing import GROUP_ICONS, columns, paragraph, see_rendered
 from ...core.schema_import import labels, schema
-from ...export.notes import shortened
+from ...export.notes import shortened_notes
 from ...render import reference
 from ...scene import snapshot
 from ...session import changes
@@ -60,7 +60,7 @@ class ResultPanel:
             paragraph(layout, context, reason, "INFO", faint=True)
         if addon_state.session and addon_state.session.scene == context.scene.name:
             session = addon_state.session
-            notes = [*session.prompt_notes[:4], *shortened([*session.anchor_notes, *session.warnings])]
+            notes = [*session.prompt_notes[:4], *shortened_notes([*session.anchor_notes, *session.warnings])]
             for note in notes:  # below what is always there
                 paragraph(layout, context, note, "INFO", faint=True)
 
