@@ -16,7 +16,7 @@ from mathutils import Vector
 from ..core.schema_import import atomic, schema
 from ..scene import bindings, fog, scene_context
 from ..scene.nodes import trails
-from . import measured, notes, sanitize, standby, view, view_faults, world_light
+from . import measured, notes, sanitize, view, view_faults, world_light
 from .analysis import SceneAnalysis
 from .materials import NO_MATERIAL, ExportedMaterial, export_material
 
@@ -41,7 +41,7 @@ class SceneJob:
     folder: Path
     analysis: SceneAnalysis
     instances: dict[str, schema.Instance]
-    standby: dict[str, schema.Instance] = field(default_factory=dict)
+    view: dict[str, schema.Instance] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
     view_notes: list[str] = field(default_factory=list)
 
@@ -71,8 +71,8 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
     bound = bindings.instances(scene, analysis.objects, analysis.pivot)
     materials = measured.materials(analysis)
     instances, mended = sanitize.finite_instances(_with_materials(bound, analysis, materials))
-    spare, spare_instances = standby.standby_lights(analysis)
-    spare_instances |= standby.standby_backdrop(analysis, instances)
+    spare, spare_instances = view.standby_lights(analysis)
+    spare_instances |= view.standby_backdrop(analysis, instances)
     warnings = [*spoiling, *notes.notes_by_reason(_material_notes(analysis, materials)), *geometry.warnings]
     warnings += [*view.ignored_settings(scene), *mended]
     world, note = _write_world(scene.world, folder)
@@ -173,7 +173,7 @@ def parameters(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
     """The scene's parameters by key, those of a backdrop that it may get included; unlike `write_job`, renders and writes nothing."""
     bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot)
     mended = sanitize.finite_instances(_with_materials(bound, analysis, {}))[0]
-    return {**mended, **standby.standby_backdrop(analysis, mended)}
+    return {**mended, **view.standby_backdrop(analysis, mended)}
 
 
 def _scaled(scene: bpy.types.Scene, pixels: int) -> int:

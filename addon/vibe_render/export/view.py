@@ -1,20 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Camera, lights and film for the engine: the properties that no vibe changes."""
+"""Camera, lights and film for the engine: the properties that no vibe changes; and what words may add to them."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import bpy
+import numpy as np
+from bpy.types import Collection, Object, Scene
 from mathutils import Vector
 
+from ..core.journal import Journal
+from ..core.schema_import import schema
 from ..render import light_factors
-from ..scene import orbits, scene_context
+from ..scene import bindings, orbits, prepare, scene_context
 from ..scene.light_types import type_of
-from ..scene.nodes import light_nodes
-from . import light_linking
+from ..scene.nodes import backgrounds, layers, light_nodes
 from .analysis import SceneAnalysis
 
 MOST_INSTANCES = 24
@@ -69,7 +73,7 @@ def light_rows(analysis: SceneAnalysis) -> list[dict[str, Any]]:
     rows = here + _instanced_light_rows(context, roles)
     for row in rows:
         lamp = bpy.data.objects.get(row["name"])
-        if lamp and (unlit := light_linking.unlit_objects(lamp, analysis.geometry.objects)):
+        if lamp and (unlit := unlit_objects(lamp, analysis.geometry.objects)):
             row["unlit"] = unlit
     return rows
 
@@ -155,7 +159,7 @@ def ignored_settings(scene: bpy.types.Scene) -> list[str]:
         notes.append("Freestyle lines are in the pictures, not in the prediction.")
     if scene.render.use_border:
         notes.append("The render border is left out: the whole picture is predicted and rendered.")
-    notes += light_linking.ignored_links(scene)
+    notes += ignored_links(scene)
     lamps = [o for o in scene.objects if o.type == "LIGHT" and scene_context.visible(scene, o)]
     instances = scene_context.instanced_lights(scene)
     lamps += dict.fromkeys(o for o, _ in instances if o not in lamps)
@@ -171,3 +175,90 @@ def ignored_settings(scene: bpy.types.Scene) -> list[str]:
     if scene.render.use_multiview:
         notes.append("Stereo is left out: the picture is what the camera itself sees.")
     return notes
+
+
+def unlit_objects(light: Object, objects: Sequence[tuple[str, str]]) -> list[int]:
+    """The numbers of the objects that a light does not light.
+
+    Args:
+        objects: Names as in `SceneGeometry.objects`: an instance's instancer, and what it is an instance of.
+    """
+    collection = light.light_linking.receiver_collection
+    if collection is None:
+        return []
+    included, excluded = _linked_names(collection, "INCLUDE"), _linked_names(collection, "EXCLUDE")
+    rows = [{name for name in names if name} for names in objects]
+    return [
+        number for number, names in enumerate(rows) if names & excluded or (included and not names & included)
+    ]
+
+
+def _linked_names(collection: Collection, state: str) -> set[str]:
+    """Names of the objects that a collection of receivers has in a state."""
+    pairs = zip(collection.objects, collection.collection_objects, strict=True)
+    names = {o.name_full for o, row in pairs if row.light_linking.link_state == state}
+    children = zip(collection.children, collection.collection_children, strict=True)
+    for child, row in children:
+        if row.light_linking.link_state == state:
+            names |= {o.name_full for o in child.all_objects}
+    return names
+
+
+def ignored_links(scene: Scene) -> list[str]:
+    """What of the light linking in a scene the prediction leaves out, in words for the artist."""
+    notes = []
+    for obj in (o for o in scene.objects if scene_context.visible(scene, o)):
+        linking = obj.light_linking
+        if linking.blocker_collection:
+            notes.append(
+                f"Shadow linking of {obj.name} is left out: in the prediction all objects cast its shadows."
+            )
+        if linking.receiver_collection and obj.type in scene_context.GEOMETRY and _glows(obj):
+            notes.append(f"{obj.name} is linked to some objects; in the prediction its glow lights all.")
+    return notes
+
+
+def _glows(obj: Object) -> bool:
+    return any(slot.material and layers.radiance(slot.material) > 0.0 for slot in obj.material_slots)
+
+
+_SEEN_WORLD = 0.05  # of what is around the subject: less world than this is out of sight
+
+
+def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[str, schema.Instance]]:
+    """Their entries in scene.json and their parameters; they are in the scene only while this reads them."""
+    scene, pivot = analysis.scene, Vector(analysis.pivot)
+    known = schema.added_lights.ADDED_LIGHTS
+    names = [name for name in known if name not in bpy.data.objects]
+    journal = Journal()
+    try:
+        added = bindings.add_lights(journal, scene, names, analysis.objects)
+        scene_context.layer(scene).update()
+        corners = scene_context.bounds(scene, analysis.objects or scene_context.meshes(scene))
+        size = prepare.card_size(*corners)
+        rows = [
+            light_row(obj, known[obj.name].role, pivot) | ({"card": size} if known[obj.name].pattern else {})
+            for obj in added
+        ]
+        bound = bindings.instances(scene, analysis.objects, analysis.pivot, ("light",))
+        ours = {k: replace(i, role=known[i.owner].role) for k, i in bound.items() if i.owner in names}
+    finally:
+        journal.undo()
+        scene_context.layer(scene).update()
+    return rows, ours
+
+
+def standby_backdrop(
+    analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]
+) -> dict[str, schema.Instance]:
+    """The parameters of a backdrop that the world may get; none where the picture does not show the world.
+
+    Args:
+        instances: Its parameters by key.
+    """
+    scene, shown = analysis.scene, analysis.visible.object
+    mine = np.append(analysis.is_subject, False)[shown]
+    world_is_seen = (shown < 0).sum() >= _SEEN_WORLD * max((~mine).sum(), 1)
+    if scene.render.film_transparent or not world_is_seen:
+        return {}
+    return backgrounds.offered_backdrop(scene.world, instances)
