@@ -16,7 +16,7 @@ from mathutils import Vector
 from ..core.schema_import import atomic, schema
 from ..scene import bindings, fog, scene_context
 from ..scene.nodes import trails
-from . import measured, notes, sanitize, view, view_faults, world_light
+from . import measured, notes, sanitize, view, world_light
 from .analysis import SceneAnalysis
 from .materials import NO_MATERIAL, ExportedMaterial, export_material
 
@@ -67,7 +67,7 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
     """
     folder.mkdir(parents=True, exist_ok=True)
     scene, geometry = analysis.scene, analysis.geometry
-    spoiling = view_faults.view_notes(analysis)
+    spoiling = notes.view_notes(analysis)
     bound = bindings.instances(scene, analysis.objects, analysis.pivot)
     materials = measured.materials(analysis)
     instances, mended = sanitize.finite_instances(_with_materials(bound, analysis, materials))

@@ -1,9 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a prediction leaves out or approximates, in few lines for the artist."""
+"""Notes for the artist: what spoils a picture whatever its look, and what a prediction approximates."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+
+import bpy
+import numpy as np
+
+from ..core.schema_import import schema
+from ..scene import scene_context
+from .analysis import SceneAnalysis
 
 _NAMED = 3
 _MOST = 5
@@ -36,3 +43,40 @@ def shortened_notes(lines: Sequence[str]) -> list[str]:
     lines = list(dict.fromkeys(lines))
     rest = len(lines) - _MOST
     return lines if rest <= 0 else [*lines[:_MOST], f"And {rest} more."]
+
+
+_WHOLE_PICTURE = 0.98  # of the picture: what fills this much leaves nothing else to see
+
+
+def view_notes(analysis: SceneAnalysis) -> list[str]:
+    """What an artist would want to know of the camera's view; empty if nothing is odd.
+
+    Raises:
+        VibeError: The picture shows nothing but an object that the artist has hidden in the viewport.
+    """
+    objects, shown = analysis.geometry.objects, analysis.visible.object
+    number = int(np.bincount(shown[shown >= 0]).argmax())
+    if (
+        len(objects) < 2
+        or (shown == number).mean() < _WHOLE_PICTURE
+        or analysis.is_subject.sum() == len(objects)
+    ):
+        return []
+    name, parent = objects[number]
+    thing = next((o for o in analysis.scene.objects if o.name_full == (parent or name)), None)
+    if thing is not None and _hidden_in_viewport(analysis.scene, thing):
+        raise schema.VibeError(
+            f'"{thing.name}" fills the picture: it is hidden in the viewport, but not in renders.',
+            "Hide it in renders too (the camera icon in the Outliner), or show it in the viewport.",
+        )
+    low, high = analysis.geometry.boxes[number]
+    eye = np.array(analysis.scene.camera.matrix_world.translation)
+    if ((low < eye) & (eye < high)).all():
+        return [
+            f'The camera is inside "{name}" and sees nothing else: move it out, or hide "{name}" in renders.'
+        ]
+    return []
+
+
+def _hidden_in_viewport(scene: bpy.types.Scene, thing: bpy.types.Object) -> bool:
+    return not thing.visible_get(view_layer=scene_context.layer(scene))
