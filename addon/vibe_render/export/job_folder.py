@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes a scene to a job folder for the engine: `scene.json`, `meshes.npz` and its textures as `.npy`."""
+"""Writes a scene to a job folder for the engine: 'scene.json', 'meshes.npz' and its textures as '.npy'."""
 
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -13,12 +14,53 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from ..core.schema_import import atomic, schema
+from ..core.schema_import import atomic, labels, schema
 from ..scene import bindings, fog, scene_context
 from ..scene.nodes import trails
-from . import measured, notes, sanitize, view, world_light
+from . import measured, notes, view, world_light
 from .analysis import SceneAnalysis
 from .materials import NO_MATERIAL, ExportedMaterial, export_material
+
+_REASON = "it is not a number in Blender"
+
+
+def finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, schema.Instance], list[str]]:
+    """The parameters, with default values (locked) for those that are not finite, and warnings that name them."""
+    mended, warnings = {}, []
+    for key, instance in read.items():
+        if not all(map(math.isfinite, instance.value)):
+            parameter = instance.parameter
+            default = (parameter.default * instance.reference,) * parameter.components
+            instance = replace(instance, value=default, locked=instance.locked or _REASON)
+            warnings.append(
+                f"{labels.title(key)} is not a number in Blender; the prediction takes {default[0]:g}."
+            )
+        mended[key] = instance
+    return mended, warnings
+
+
+def finite_content(value: Any, path: str, warnings: list[str]) -> Any:
+    """A copy of nested dicts and lists in which numbers that are not finite are 0.
+
+    Args:
+        value: Dicts, lists, tuples (which become lists), numbers and texts.
+        path: Where the value is in the job, its keys joined by "/"; "" for all of it.
+        warnings: Gets a sentence for each number that was replaced.
+    """
+    if isinstance(value, Mapping):
+        return {
+            key: finite_content(item, f"{path}/{key}" if path else key, warnings)
+            for key, item in value.items()
+        }
+    if isinstance(value, list | tuple):
+        return [finite_content(item, path, warnings) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        warnings.append(
+            f"{path.replace('/', ' › ').replace('_', ' ')} is not a number in Blender; the prediction takes 0."
+        )
+        return 0.0
+    return value
+
 
 FORMAT = 1
 _OF_WORDS = ("camera", "light", "material")
@@ -70,7 +112,7 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
     spoiling = notes.view_notes(analysis)
     bound = bindings.instances(scene, analysis.objects, analysis.pivot)
     materials = measured.materials(analysis)
-    instances, mended = sanitize.finite_instances(_with_materials(bound, analysis, materials))
+    instances, mended = finite_instances(_with_materials(bound, analysis, materials))
     spare, spare_instances = view.standby_lights(analysis)
     spare_instances |= view.standby_backdrop(analysis, instances)
     warnings = [*spoiling, *notes.notes_by_reason(_material_notes(analysis, materials)), *geometry.warnings]
@@ -102,7 +144,7 @@ def write_sketch(analysis: SceneAnalysis, folder: Path) -> None:
     named = {m.name_full: m for m in bpy.data.materials}
     exported = [export_material(named.get(name), {}) for name in analysis.geometry.materials]
     materials = {each.row["name"]: each for each in exported}
-    instances = sanitize.finite_instances(_with_materials(bound, analysis, materials))[0]
+    instances = finite_instances(_with_materials(bound, analysis, materials))[0]
     content = _content(analysis, materials, instances, folder) | {
         "world": {"kind": "color"},
         "volume": {"kind": "none", "center": analysis.pivot, "half_size": (1.0, 1.0, 1.0), "base": 0.0},
@@ -143,7 +185,7 @@ def _content(
 def _write(content: dict[str, Any], analysis: SceneAnalysis, folder: Path, warnings: list[str]) -> None:
     """Writes meshes and, last and atomically, scene.json without numbers that are none."""
     _write_meshes(analysis, folder)
-    sound = sanitize.finite_content(content, "", warnings)
+    sound = finite_content(content, "", warnings)
     atomic.write_text(folder / "scene.json", json.dumps(sound, indent=1, allow_nan=False))
 
 
@@ -172,7 +214,7 @@ def _material_notes(
 def parameters(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
     """The scene's parameters by key, those of a backdrop that it may get included; unlike `write_job`, renders and writes nothing."""
     bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot)
-    mended = sanitize.finite_instances(_with_materials(bound, analysis, {}))[0]
+    mended = finite_instances(_with_materials(bound, analysis, {}))[0]
     return {**mended, **view.standby_backdrop(analysis, mended)}
 
 
@@ -216,7 +258,7 @@ def _unseen(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
     shot = analysis.scene, analysis.objects, analysis.pivot
     every = bindings.instances(*shot, groups=("material",), everything=True)
     shown = set(analysis.geometry.materials)
-    return sanitize.finite_instances({key: i for key, i in every.items() if i.owner in shown})[0]
+    return finite_instances({key: i for key, i in every.items() if i.owner in shown})[0]
 
 
 def _parameter(instance: schema.Instance) -> dict[str, Any]:
