@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads a scene for the engine (a job folder) or for presets (its parameters); the panel and the command line share it."""
+"""Reads a scene for the engine (a job folder, or a sketch of it) or for presets (its parameters)."""
 
 from __future__ import annotations
 
@@ -14,6 +14,9 @@ from mathutils import Vector
 
 from ..core.schema_import import schema
 from ..scene import fog, scene_context, snapshot
+from ..scene.geometry import visibility
+from ..scene.geometry.meshes import box_geometry
+from ..scene.nodes import owned
 from ..scene.prepare import prepare_scene
 from ..scene.subject import SubjectChoice, named_objects
 from .analysis import (
@@ -26,7 +29,7 @@ from .analysis import (
     data_blocks,
     with_subject_of,
 )
-from .job_folder import SceneJob, parameters, write_job
+from .job_folder import SceneJob, parameters, write_job, write_sketch
 
 T = TypeVar("T")
 
@@ -160,3 +163,23 @@ def _prepared(scene: bpy.types.Scene, choice: SubjectChoice, read: Callable[[Sce
     with rollback_on_failure(scene):
         prepare_and_snapshot(scene, choice)
         return read(analyze(scene, choice))
+
+
+def sketch_scene(scene: bpy.types.Scene, folder: Path, choice: SubjectChoice) -> None:
+    """Writes a sketch, which the engine reads like any exported scene.
+
+    Nothing is rendered, and nothing in the scene changes. Subject, roles and places are found as for a vibe.
+
+    Args:
+        folder: Made if it does not exist.
+
+    Raises:
+        VibeError: The scene cannot be worked with; see `analysis.analyze`.
+    """
+    check_camera(scene)
+    depsgraph = scene_context.depsgraph(scene)
+    camera = visibility.ray_camera(scene)
+    shown = {obj for obj in scene_context.shown(scene) if not owned.is_unseen(obj)}
+    geometry = box_geometry(depsgraph, shown, camera)
+    visible = VisibleScene(geometry, visibility.visible_surfaces(camera, geometry), frozenset())
+    write_sketch(analyze(scene, choice, visible), folder)

@@ -13,7 +13,7 @@ import bpy
 
 from ..core.schema_import import messages, schema
 from ..engine.process import Engine
-from ..export.sketch import sketch_scene
+from ..export.reading import sketch_scene
 from ..scene import scene_context
 from .scene_session import scene_settings
 
