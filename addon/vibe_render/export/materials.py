@@ -14,9 +14,72 @@ from ..core import compat
 from ..core.schema_import import schema
 from ..scene.nodes import inputs, layers, trails
 from ..scene.nodes.trails import FOREIGN, ValueOrigin
-from . import principled
 from .mixture import Mixture
 from .textures import ExportedTexture, uv_mapping
+
+APPROXIMATE: dict[str, dict[str, tuple[float, ...]]] = {
+    "ShaderNodeBsdfDiffuse": {"roughness": (1.0,), "specular": (0.0,)},
+    "ShaderNodeBsdfTranslucent": {"roughness": (1.0,), "specular": (0.0,)},
+    "ShaderNodeSubsurfaceScattering": {"roughness": (1.0,), "specular": (0.0,)},
+    "ShaderNodeBsdfToon": {"roughness": (1.0,), "specular": (0.0,)},
+    "ShaderNodeBsdfSheen": {"base_color": (0.0, 0.0, 0.0), "specular": (0.0,), "sheen": (1.0,)},
+    "ShaderNodeBsdfHair": {"roughness": (0.6,)},
+    "ShaderNodeBsdfHairPrincipled": {"roughness": (0.6,)},
+    "ShaderNodeBsdfRefraction": {"transmission": (1.0,)},
+    "ShaderNodeBsdfGlossy": {"metallic": (1.0,), "specular_tint": (1.0, 1.0, 1.0)},
+    "ShaderNodeBsdfAnisotropic": {"metallic": (1.0,), "specular_tint": (1.0, 1.0, 1.0)},
+    "ShaderNodeBsdfMetallic": {"metallic": (1.0,)},
+    "ShaderNodeBsdfGlass": {"transmission": (1.0,)},
+    "ShaderNodeEmission": {"base_color": (0.0, 0.0, 0.0), "specular": (0.0,)},
+}
+"""What the other shaders are in its words."""
+BLACK: dict[str, tuple[float, ...]] = {
+    "base_color": (0.0, 0.0, 0.0),
+    "specular": (0.0,),
+    "roughness": (1.0,),
+}
+DEFAULTS = {
+    "base_color": (0.8, 0.8, 0.8),
+    "emission": (0.0,),
+    "emission_color": (1.0, 1.0, 1.0),
+    "roughness": (0.5,),
+}
+
+CONSTANTS = {
+    "coat_ior": "Coat IOR",
+    "coat_tint": "Coat Tint",
+    "sheen_roughness": "Sheen Roughness",
+    "sheen_tint": "Sheen Tint",
+    "diffuse_roughness": "Diffuse Roughness",
+    "anisotropic": "Anisotropic",
+    "subsurface": "Subsurface Weight",
+    "thin_film": "Thin Film Thickness",
+}
+COMPUTED = {
+    "base_color": "Base Color",
+    "alpha": "Alpha",
+    "normal": "Normal",
+    "metallic": "Metallic",
+    "roughness": "Roughness",
+    "specular": "Specular IOR Level",
+    "specular_tint": "Specular Tint",
+    "coat": "Coat Weight",
+    "coat_roughness": "Coat Roughness",
+    "sheen": "Sheen Weight",
+    "transmission": "Transmission Weight",
+    "emission_color": "Emission Color",
+    "emission": "Emission Strength",
+}
+"""Inputs that nodes may compute, and what the Principled BSDF calls them."""
+UNIFORM = {"specular", "specular_tint", "coat_roughness", "sheen"}
+"""Those of them that the engine takes for the same everywhere."""
+
+PRINCIPLED = "ShaderNodeBsdfPrincipled"
+EXACT = {PRINCIPLED, "ShaderNodeBsdfDiffuse", "ShaderNodeEmission"}
+"""Shaders that the engine has as they are."""
+
+COLORS = ("base_color", "emission_color", "specular_tint")
+
 
 _TINTED = ("base_color", "emission_color", "emission")
 """Computed inputs that a parameter multiplies."""
@@ -72,7 +135,7 @@ def computed_inputs(material: bpy.types.Material | None) -> dict[str, ValueOrigi
     if material is None or layers.surface(material) is None:
         return {}
     mixture = Mixture.of(material)
-    entries = {name: layers.entry(material, socket) for name, socket in principled.COMPUTED.items()}
+    entries = {name: layers.entry(material, socket) for name, socket in COMPUTED.items()}
     outputs: dict[str, ValueOrigin | None] = dict(mixture.channels())
     outputs |= {
         name: o for name, each in entries.items() if each and (o := inputs.artists_origin(each)).source
@@ -96,7 +159,7 @@ def export_material(
         measured: What `computed` inputs give; those that could not be measured are missing.
     """
     if material is None:
-        values = {**principled.DEFAULTS, **principled.APPROXIMATE["ShaderNodeBsdfDiffuse"]}
+        values = {**DEFAULTS, **APPROXIMATE["ShaderNodeBsdfDiffuse"]}
         return ExportedMaterial(_row(NO_MATERIAL, "approximate"), {}, values, "it has no material")
     if compat.node_tree(material) is None:
         values = {"metallic": (material.metallic,), "roughness": (material.roughness,)}
@@ -104,22 +167,20 @@ def export_material(
     mixture, shown = Mixture.of(material), layers.by_prominence(material)
     notes = _foreign(material)
     if not shown and mixture.layers:
-        clear = ExportedMaterial(
-            _row(material.name_full, "principled"), {}, {**principled.DEFAULTS, **principled.BLACK}
-        )
+        clear = ExportedMaterial(_row(material.name_full, "principled"), {}, {**DEFAULTS, **BLACK})
         clear.row["alpha"], clear.reason = float(mixture.opacity(measured).mean()), "it is transparent"
         return clear
     if not shown:
         black = not layers.is_linked(material)  # as Cycles shows what it has no shader for
         notes.append(f"A shader that is not known is shown {'black' if black else 'gray'}")
-        values = {**principled.DEFAULTS, **(principled.BLACK if black else {})}
+        values = {**DEFAULTS, **(BLACK if black else {})}
         row = _row(material.name_full, "approximate")
         return ExportedMaterial(row, {}, values, "its shader is not known", notes)
     base = next((layer for layer in shown if layer.shader.input("Base Color")), shown[0])
     result = ExportedMaterial(_row(material.name_full, "principled"), notes=notes)
-    if base.kind != principled.PRINCIPLED:
+    if base.kind != PRINCIPLED:
         result.row["model"], result.reason = "approximate", f"its shader is a {base.shader.node.bl_label}"
-        result.values.update(principled.APPROXIMATE[base.kind])
+        result.values.update(APPROXIMATE[base.kind])
         result.values.update(mixture.values(base, measured))
     notes += _approximations(base, shown)
     _constants(base, mixture, result.row)
@@ -134,7 +195,7 @@ def _approximations(base: layers.Layer, shown: list[layers.Layer]) -> list[str]:
     rest = [layer for layer in shown if layer is not base and layer.matter != "light"]
     if rest:
         return ["The mix of shaders is approximated"]
-    return [] if base.kind in principled.EXACT else [f"{base.shader.node.bl_label} is approximated"]
+    return [] if base.kind in EXACT else [f"{base.shader.node.bl_label} is approximated"]
 
 
 def _foreign(material: bpy.types.Material) -> list[str]:
@@ -161,7 +222,7 @@ def _row(name: str, model: str) -> dict[str, Any]:
 
 def _constants(base: layers.Layer, mixture: Mixture, row: dict[str, Any]) -> None:
     """Inputs that no vibe changes."""
-    for name, socket in principled.CONSTANTS.items():
+    for name, socket in CONSTANTS.items():
         entry = base.shader.input(socket)
         if entry is not None:
             value = entry.default_value
@@ -203,22 +264,22 @@ def _varying(result: ExportedMaterial, measured: Mapping[str, MeasuredChannel], 
     """Takes over what nodes compute: pictures where the engine takes them, means of the others."""
     cut = mixture.cutout()
     for name, channel in measured.items():
-        if name not in principled.COMPUTED and name != "far":
+        if name not in COMPUTED and name != "far":
             continue  # a part of a mix
         picture, mean = channel.picture, channel.mean
         if name == "alpha" and cut and cut[1]:
             mean = 1 - mean
             picture = replace(picture, image=1 - picture.image) if picture else None
-        if picture and name not in principled.UNIFORM:
+        if picture and name not in UNIFORM:
             result.pictures.setdefault(name, picture)
             result.notes += [picture.warning] if picture.warning else []
         elif name != "normal":
-            result.notes.append(f"{principled.COMPUTED[name]} is shown as its average")
+            result.notes.append(f"{COMPUTED[name]} is shown as its average")
         if name == "alpha":
             result.row["alpha"] = float(np.clip(mean.mean(), 0.0, 1.0))
-        elif name in principled.COMPUTED and name not in ("normal", *_TINTED):
+        elif name in COMPUTED and name not in ("normal", *_TINTED):
             color = tuple(float(v) for v in mean)
-            result.values[name] = color if name in principled.COLORS else (sum(color) / len(color),)
+            result.values[name] = color if name in COLORS else (sum(color) / len(color),)
         if name in _TINTED and name not in result.pictures:
             result.pictures[name] = ExportedTexture(mean[None, None].astype(np.float32))
     result.reason = result.reason or "it is computed by nodes"
