@@ -43,7 +43,7 @@ def camera_row(analysis: SceneAnalysis) -> dict[str, Any]:
 
 def _focus(camera: bpy.types.Object) -> dict[str, Any]:
     """Aperture and focus of a camera, in meters, as Cycles takes them; nothing without depth of field."""
-    data, dof = camera_row.data, camera_row.data.dof
+    data, dof = camera.data, camera.data.dof
     if not dof.use_dof:
         return {}
     length = 1.0 if data.type == "ORTHO" else data.lens * 1e-3
