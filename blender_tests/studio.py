@@ -48,7 +48,7 @@ class Studio:
         assert not [key for key in left if key in wanted], left
         for old in self.folder.glob("*.png"):
             old.unlink()
-        final_render.render(self.scene, self.folder / "after.png", SIZE, SAMPLES)
+        final_render.render_picture(self.scene, self.folder / "after.png", SIZE, SAMPLES)
         if clear:
             render_clear(self.scene, self.folder / "clear.png", SIZE, SAMPLES)
         final_render.render_mask(self.scene, self.folder / "mask.png", SIZE, self.job.analysis.objects)

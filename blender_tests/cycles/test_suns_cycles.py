@@ -24,7 +24,7 @@ def test_the_sun_of_a_city_throws_a_shadow(tmp_path):
     )
     scene, subject = build(recipe, 0)
     reading.export_scene(scene, tmp_path, SubjectChoice(tuple(o.name for o in subject)))
-    final_render.render(scene, tmp_path / "cycles.png", 64, 64)
+    final_render.render_picture(scene, tmp_path / "cycles.png", 64, 64)
     cycles = torch.from_numpy(load_picture(tmp_path / "cycles.png").copy())
     proxy = Proxy(load_scene(tmp_path), (64, 64))
     assert proxy.environment.suns

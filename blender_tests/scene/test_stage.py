@@ -92,7 +92,7 @@ def test_the_stage_is_not_the_subject_and_fills_the_frame(tmp_path, kind):
 
 def test_the_picture_is_well_exposed(tmp_path):
     scene = build_stage(write_mesh(tmp_path / "thing.obj"))
-    final_render.render(scene, tmp_path / "before.png", 48, 4)
+    final_render.render_picture(scene, tmp_path / "before.png", 48, 4)
     image = bpy.data.images.load(str(tmp_path / "before.png"))
     assert tuple(image.size) == (48, 48)
     values = np.empty(48 * 48 * 4, np.float32)

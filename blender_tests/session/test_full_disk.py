@@ -56,10 +56,10 @@ def test_pictures_of_blender(scene, disk):
     studio(scene)
     disk.fill()
     with pytest.raises(VibeError, match=NO_ROOM):
-        final_render.render(scene, disk.folder / "after.png", 32, 1)
+        final_render.render_picture(scene, disk.folder / "after.png", 32, 1)
     assert disk.files() == set()
     disk.make_room()
-    final_render.render(scene, disk.folder / "after.png", 32, 1)
+    final_render.render_picture(scene, disk.folder / "after.png", 32, 1)
     assert disk.files() == {"after.png"}
 
 

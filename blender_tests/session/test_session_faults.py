@@ -61,7 +61,7 @@ def test_fault(scene, tmp_path, name):
     )  # what a prompt may name can be looked up
     picture = render(read, size)
     if fault.near is not None:
-        final_render.render(scene, tmp_path / "cycles.png", longest, SAMPLES)
+        final_render.render_picture(scene, tmp_path / "cycles.png", longest, SAMPLES)
         with Image.open(tmp_path / "cycles.png") as image:
             cycles = torch.from_numpy(np.array(image.convert("RGB"), dtype=np.float32) / 255)
         assert cycles.shape == picture.shape

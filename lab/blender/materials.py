@@ -71,7 +71,7 @@ def render_measured(scene: Path, rows: Path, folder: Path, size: int, samples: i
     missing = [row for row in json.loads(rows.read_text("utf-8")) if not (folder / row["file"]).is_file()]
     for row in missing:
         give(bpy.data.materials[BALL], row)
-        final_render.render(bpy.context.scene, folder / row["file"], size, samples)
+        final_render.render_picture(bpy.context.scene, folder / row["file"], size, samples)
     return {"rendered": len(missing)}
 
 

@@ -37,7 +37,7 @@ def main(folder: Path) -> None:
     for row in json.loads((folder / "looks.json").read_text(encoding="utf-8")):
         try:
             scene, subject = _build(row, folder)
-            final_render.render(scene, folder / f"{row['name']}.png", row["size"], row["samples"])
+            final_render.render_picture(scene, folder / f"{row['name']}.png", row["size"], row["samples"])
             final_render.render_mask(scene, folder / f"{row['name']}.mask.png", row["size"], [subject])
             say("scene", name=row["name"])
         except Exception as error:

@@ -125,7 +125,7 @@ def measure(timed: _Timed, options: argparse.Namespace) -> dict[str, Any]:
         time.sleep(0.005)
     addon_state.end()
     phases.lap("write the values")
-    final_render.render(scene, options.work / "final.png", options.size, options.samples, 0)
+    final_render.render_picture(scene, options.work / "final.png", options.size, options.samples, 0)
     phases.lap("finished picture")
     report = vibe.report
     result.revert(scene)

@@ -72,7 +72,7 @@ def _straight_on(
     chosen = geometry.material == geometry.materials.index(wanted.material.name_full)
     pivot = np.array(analysis.pivot)
     corners = geometry.vertices[geometry.faces[chosen]].astype(float)
-    plane = planar_captures.plane_of(corners, pivot, float(np.linalg.norm(pivot - np.array(eye))))
+    plane = planar_captures.capture_plane(corners, pivot, float(np.linalg.norm(pivot - np.array(eye))))
     if plane is None:
         return None
     view = baked_passes.measure(analysis.scene, [wanted], plane).get(

@@ -72,7 +72,7 @@ def over_uvs(material: bpy.types.Material, channel: str, origin: ValueOrigin) ->
         if not _reads_uv_only(source):
             return None
         with bake.emitting(material, origin) as glowing:
-            return ExportedTexture(bake.plane_of(glowing, _BAKED))
+            return ExportedTexture(bake.bake_uvs(glowing, _BAKED))
     alpha = channel == "alpha" and source.name == "Alpha"
     image = image_alpha(node.image) if alpha else image_colors(node.image)
     if image is None:
@@ -111,8 +111,8 @@ def measured(
         return image.reshape(-1, 3).mean(0)
     with bake.emitting(material, origin) as glowing:
         if not mask.any():
-            return bake.plane_of(glowing, _VIEW).mean((0, 1))
-        view = bake.view_of(scene, glowing, _VIEW)
+            return bake.bake_uvs(glowing, _VIEW).mean((0, 1))
+        view = bake.bake_view(scene, glowing, _VIEW)
     rows, columns = ((np.arange(len(mask)) + 0.5) / len(mask) * side for side in view.shape[:2])
     return view[rows.astype(int)][:, columns.astype(int)][mask].mean(0)
 
@@ -121,7 +121,7 @@ def image_colors(image: bpy.types.Image | None) -> np.ndarray | None:
     """A linear copy of an image with at most 1024 pixels a side; None if its file is missing."""
     if image is None or not image.size[0] or not image.size[1]:
         return None
-    colors = shrink(bake.pixels(image), _LONGEST)
+    colors = shrink(bake.image_pixels(image), _LONGEST)
     if image.is_float or image.colorspace_settings.is_data:
         return colors
     return to_linear(colors).astype(np.float32)

@@ -111,7 +111,7 @@ def light_row(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, An
         "soft_falloff": getattr(data, "use_soft_falloff", True),
         "use_temperature": getattr(data, "use_temperature", False),
         "role": role,
-        "tint": light_nodes.factor(data) or light_factors.mean(thing, pivot),
+        "tint": light_nodes.factor(data) or light_factors.mean_light_factor(thing, pivot),
     }
     return row | type_of(thing).exported(thing)
 

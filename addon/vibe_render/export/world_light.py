@@ -66,7 +66,7 @@ def _environment(
     if source.id_data != world.node_tree:
         return None, "the world's color is computed inside a node group and is shown as one color"
     with _plain(world, source) as twin:
-        return bake.panorama_of(twin, _HEIGHT, _SAMPLES), ""
+        return bake.bake_world(twin, _HEIGHT, _SAMPLES), ""
 
 
 def _backdrop(world: bpy.types.World) -> np.ndarray | None:
@@ -99,7 +99,7 @@ def _mix(world: bpy.types.World) -> tuple[np.ndarray, np.ndarray | None]:
 
 def _panorama(world: bpy.types.World) -> np.ndarray:
     """A world's picture; one texel where it is the same all around."""
-    picture = bake.panorama_of(world, _MIX_HEIGHT, _MIX_SAMPLES)
+    picture = bake.bake_world(world, _MIX_HEIGHT, _MIX_SAMPLES)
     even = float(np.ptp(picture, axis=(0, 1)).max()) < 1e-5 * float(picture.max())
     return picture[:1, :1] if even else picture
 

@@ -40,12 +40,12 @@ def apply(args: argparse.Namespace, reporter: Reporter) -> None:
         if not fitted.values:
             raise schema.VibeError("Nothing in this scene takes what the preset holds.", "Use another scene.")
         reporter.stage("rendering before")
-        final_render.render(scene, out.path("before.png"), args.size, args.samples, args.seed)
+        final_render.render_picture(scene, out.path("before.png"), args.size, args.samples, args.seed)
         skipped = bindings.write(scene, fitted.values, analysis.objects, analysis.pivot)
         if choice.explicit:
             remember_subject(scene, analysis.objects)
         reporter.stage("rendering after")
-        final_render.render(scene, out.path("after.png"), args.size, args.samples, args.seed)
+        final_render.render_picture(scene, out.path("after.png"), args.size, args.samples, args.seed)
         save_blend(out.path("vibed.blend"))
     lines = [f"Did not fit: {line}" for line in fitted.rest]
     lines += [f"Did not fit: {labels.title(key)}: {reason}" for key, reason in skipped.items()]

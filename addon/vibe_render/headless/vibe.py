@@ -94,7 +94,7 @@ class _Run:
         self.conversation.ask(self._request())
         for number in reversed(range(len(self.shot_list))):  # the last one is still open
             scene = self._render(number, "before.png", min(self.args.samples, _SAMPLES_BEFORE))
-            if note := black.note(scene, self.out.path(numbered("before.png", number))):
+            if note := black.black_note(scene, self.out.path(numbered("before.png", number))):
                 self.shot_list.jobs[number].warnings.insert(0, note)
                 self.reporter.note(note)
         self.stopwatch.lap("render before")
@@ -156,7 +156,9 @@ class _Run:
 
     def _render(self, number: int, name: str, samples: int) -> bpy.types.Scene:
         scene, args = self.shot_list.show(number).analysis.scene, self.args
-        final_render.render(scene, self.out.path(numbered(name, number)), args.size, samples, args.seed)
+        final_render.render_picture(
+            scene, self.out.path(numbered(name, number)), args.size, samples, args.seed
+        )
         return scene
 
     def _write(self, number: int, result: messages.Result) -> dict[str, str]:

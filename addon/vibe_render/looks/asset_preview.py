@@ -85,5 +85,5 @@ def _stage() -> tuple[Scene, bpy.types.Object]:
 
 def _shoot(scene: Scene, ball: bpy.types.Object, material: Material, path: Path) -> np.ndarray:
     ball.data.materials[0] = material
-    final_render.render(scene, path, thumbnail.SIZE, _SAMPLES)
+    final_render.render_picture(scene, path, thumbnail.SIZE, _SAMPLES)
     return thumbnail.pixels(path)

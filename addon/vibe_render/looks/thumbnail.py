@@ -29,7 +29,7 @@ def render(scene: bpy.types.Scene, out: Path) -> None:
     longer = round(SIZE * max(width, height) / min(width, height))
     with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
         picture = Path(folder) / "whole.png"
-        final_render.render(scene, picture, longer, _SAMPLES)
+        final_render.render_picture(scene, picture, longer, _SAMPLES)
         shrink(picture, out)
 
 

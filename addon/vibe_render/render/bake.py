@@ -47,12 +47,12 @@ def render_linear(scene: bpy.types.Scene, samples: int, bounces: int = 0) -> np.
             bpy.ops.render.render(scene=scene.name, layer=scene.view_layers[0].name, write_still=True)
         image = bpy.data.images.load(str(path))
         try:
-            return pixels(image)
+            return image_pixels(image)
         finally:
             bpy.data.images.remove(image)
 
 
-def pixels(image: bpy.types.Image) -> np.ndarray:
+def image_pixels(image: bpy.types.Image) -> np.ndarray:
     """The stored pixels of an image: (H, W, 3) float32, row 0 at the bottom, in its own color space.
 
     What is not finite counts as 0, as it does in Cycles.
@@ -75,7 +75,7 @@ def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.
     """
     twin = material.copy()
     tree = twin.node_tree
-    exit_, groups = _led_out(tree, origin)
+    exit_, groups = _exposed_output(tree, origin)
     glow = tree.nodes.new("ShaderNodeEmission")
     tree.links.new(exit_, glow.inputs["Color"])
     for output in [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial"]:
@@ -91,7 +91,7 @@ def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.
             bpy.data.node_groups.remove(group)
 
 
-def _led_out(
+def _exposed_output(
     tree: bpy.types.NodeTree, origin: ValueOrigin
 ) -> tuple[bpy.types.NodeSocket, list[bpy.types.NodeTree]]:
     """An output in a tree that gives the value of one inside its node groups, and the copies of groups made for it."""
@@ -111,7 +111,7 @@ def _led_out(
     return socket, groups
 
 
-def view_of(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -> np.ndarray:
+def bake_view(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -> np.ndarray:
     """The camera's view of the scene when everything has this (glowing) material: (H, W, 3) linear."""
     sides = scene.render.resolution_x, scene.render.resolution_y
     width, height = (max(16, round(size * side / max(sides))) for side in sides)  # Blender refuses fewer
@@ -123,7 +123,7 @@ def view_of(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -> 
         return render_linear(twin, samples=4)
 
 
-def plane_of(material: bpy.types.Material, size: int) -> np.ndarray:
+def bake_uvs(material: bpy.types.Material, size: int) -> np.ndarray:
     """A (glowing) material over the unit square of its UVs: (size, size, 3) linear, row 0 at v = 0."""
     with empty_scene(size, size) as scene:
         mesh = bpy.data.meshes.new("Vibe Bake")
@@ -141,14 +141,14 @@ def plane_of(material: bpy.types.Material, size: int) -> np.ndarray:
             bpy.data.meshes.remove(mesh)
 
 
-def panorama_of(world: bpy.types.World, height: int, samples: int) -> np.ndarray:
+def bake_world(world: bpy.types.World, height: int, samples: int) -> np.ndarray:
     """A world as an environment texture: (height, 2 * height, 3) linear, row 0 straight down."""
     with empty_scene(2 * height, height) as scene:
         scene.world = world
-        return panorama(scene, samples)
+        return bake_panorama(scene, samples)
 
 
-def panorama(scene: bpy.types.Scene, samples: int) -> np.ndarray:
+def bake_panorama(scene: bpy.types.Scene, samples: int) -> np.ndarray:
     """What is around the camera of a scene of ours, likewise."""
     camera = scene.camera
     camera.data.type = "PANO"

@@ -156,7 +156,7 @@ def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dic
         ),
         changed(layer, pass_alpha_threshold=0.0, material_override=None),
     ):
-        return exr.passes_of(twin)
+        return exr.render_passes(twin)
 
 
 @contextmanager

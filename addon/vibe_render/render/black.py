@@ -11,15 +11,15 @@ from ..core import compat
 from ..scene.nodes import grade
 from . import bake
 
-_LEAST = 0.02  # of white, as the picture is stored: what is darker everywhere shows nothing
+_BLACKEST = 0.02  # of white, as the picture is stored: what is darker everywhere shows nothing
 
 
-def note(scene: bpy.types.Scene, picture: Path) -> str:
+def black_note(scene: bpy.types.Scene, picture: Path) -> str:
     """What to say of a black picture of a scene; "" for any other."""
     image = bpy.data.images.load(str(picture))
     try:
         image.colorspace_settings.name = "Non-Color"
-        shows = bool(bake.pixels(image).max() >= _LEAST)
+        shows = bool(bake.image_pixels(image).max() >= _BLACKEST)
     finally:
         bpy.data.images.remove(image)
     if shows:

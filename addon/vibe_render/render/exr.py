@@ -18,7 +18,7 @@ from ..scene import scene_context
 from . import final_render
 
 
-def passes_of(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
+def render_passes(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
     """Renders a scene as it is set up; its first view layer's passes by name.
 
     Returns:
@@ -28,7 +28,7 @@ def passes_of(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "passes.exr"
         final_render.write_layers(scene, layer, path, exr_codec="NONE", use_exr_interleave=True)
-        channels = read(path)
+        channels = read_exr(path)
     passes: dict[str, dict[str, np.ndarray]] = {}
     for name, values in channels.items():
         owner, _, letter = name.rpartition(".")
@@ -41,7 +41,7 @@ def passes_of(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
     }
 
 
-def read(path: Path) -> dict[str, np.ndarray]:
+def read_exr(path: Path) -> dict[str, np.ndarray]:
     """Channels (H, W) float32 by their full names, row 0 at the bottom.
 
     Raises:

@@ -26,7 +26,7 @@ _NOISE = 0.05
 _MASK_SAMPLES = 16
 
 
-def render(
+def render_picture(
     scene: bpy.types.Scene, path: Path, size: int, samples: int, seed: int = 0, exact: bool = False
 ) -> None:
     """Renders the current frame with Cycles on the CPU, compositor and view transform included, to a PNG.
@@ -101,11 +101,11 @@ def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable
 
 def _set_up(twin: bpy.types.Scene, size: int, samples: int, seed: int) -> None:
     """Sets a scene of ours up for one picture of this size."""
-    render = twin.render
-    width, height = render.resolution_x, render.resolution_y
+    render_picture = twin.render
+    width, height = render_picture.resolution_x, render_picture.resolution_y
     factor = size / max(width, height)
     assign(
-        render,
+        render_picture,
         engine="CYCLES",
         resolution_x=max(1, round(width * factor)),
         resolution_y=max(1, round(height * factor)),

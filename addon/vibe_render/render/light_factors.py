@@ -16,11 +16,11 @@ from ..scene.light_types import type_of
 from ..scene.nodes import light_nodes
 from . import bake
 
-_HEIGHT, _SAMPLES = 32, 64
+_FACTOR_HEIGHT, _FACTOR_SAMPLES = 32, 64
 _WATTS = 1000.0
 
 
-def mean(light: Object, pivot: Vector) -> tuple[float, float, float]:
+def mean_light_factor(light: Object, pivot: Vector) -> tuple[float, float, float]:
     """The mean factor of a light's nodes on what it sheds to the subject's side, a Blackbody's temperature aside.
 
     The light shines on a ball around it that is as wide as the subject is far: with its nodes, and without.
@@ -34,9 +34,9 @@ def mean(light: Object, pivot: Vector) -> tuple[float, float, float]:
     toward = -light.matrix_world.col[2].xyz if endless else way
     with _lit_ball(light, 1.0 if endless else max(way.length, 1e-3)) as (scene, data):
         light_nodes.whiten(data)
-        lit = bake.panorama(scene, _SAMPLES)
+        lit = bake.bake_panorama(scene, _FACTOR_SAMPLES)
         light_nodes.flatten(data)
-        plain = bake.panorama(scene, _SAMPLES)
+        plain = bake.bake_panorama(scene, _FACTOR_SAMPLES)
     weight = _weights(toward.normalized())
     total = (plain * weight).sum((0, 1))
     if total.max() <= 0.0:  # it looks away from the subject
@@ -48,8 +48,8 @@ def mean(light: Object, pivot: Vector) -> tuple[float, float, float]:
 
 def _weights(toward: Vector) -> np.ndarray:
     """(H, 2H, 1): solid angle of each texel of a panorama, times the cosine to a direction."""
-    elevation = ((np.arange(_HEIGHT) + 0.5) / _HEIGHT - 0.5) * math.pi
-    azimuth = (0.5 - (np.arange(2 * _HEIGHT) + 0.5) / (2 * _HEIGHT)) * 2 * math.pi
+    elevation = ((np.arange(_FACTOR_HEIGHT) + 0.5) / _FACTOR_HEIGHT - 0.5) * math.pi
+    azimuth = (0.5 - (np.arange(2 * _FACTOR_HEIGHT) + 0.5) / (2 * _FACTOR_HEIGHT)) * 2 * math.pi
     across = np.cos(elevation)[:, None]
     x, y, z = across * np.cos(azimuth), across * np.sin(azimuth), np.sin(elevation)[:, None]
     return (across * np.maximum(x * toward.x + y * toward.y + z * toward.z, 0.0))[..., None]
@@ -69,7 +69,7 @@ def _lit_ball(light: Object, radius: float) -> Iterator[tuple[Scene, Light]]:
     matrix.translation = (0.0, 0.0, 0.0)
     lamp.matrix_world = matrix
     try:
-        with bake.empty_scene(2 * _HEIGHT, _HEIGHT) as scene:
+        with bake.empty_scene(2 * _FACTOR_HEIGHT, _FACTOR_HEIGHT) as scene:
             for obj in (lamp, ball):
                 scene.collection.objects.link(obj)
             yield scene, data

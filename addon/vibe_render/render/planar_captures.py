@@ -30,7 +30,7 @@ class CapturePlane:
         return np.column_stack((rows, 0.5 - rows @ self.center)).tolist()
 
 
-def plane_of(corners: np.ndarray, pivot: np.ndarray, distance: float) -> CapturePlane | None:
+def capture_plane(corners: np.ndarray, pivot: np.ndarray, distance: float) -> CapturePlane | None:
     """The square that triangles of one plane fill.
 
     Args:

@@ -156,7 +156,7 @@ class Session(SceneSession):
                 self.receive(message)
                 if isinstance(message, messages.Stage) and message.picture:
                     picture = self._job / message.picture
-                    if (note := black.note(scene, picture)) and note not in self.view_notes:
+                    if (note := black.black_note(scene, picture)) and note not in self.view_notes:
                         self.view_notes = [*self.view_notes, note]
                         self.warnings = [note, *self.warnings]
                     self.before = before_image.store(self._before_path, picture, not self._vibed)
