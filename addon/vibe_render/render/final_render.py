@@ -101,11 +101,11 @@ def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable
 
 def _set_up(twin: bpy.types.Scene, size: int, samples: int, seed: int) -> None:
     """Sets a scene of ours up for one picture of this size."""
-    render_picture = twin.render
-    width, height = render_picture.resolution_x, render_picture.resolution_y
+    render = twin.render
+    width, height = render.resolution_x, render_picture.resolution_y
     factor = size / max(width, height)
     assign(
-        render_picture,
+        render,
         engine="CYCLES",
         resolution_x=max(1, round(width * factor)),
         resolution_y=max(1, round(height * factor)),
