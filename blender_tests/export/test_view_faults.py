@@ -8,7 +8,8 @@ from small_scenes import cube
 from vibe_render.core.compat import start_compositor
 from vibe_render.core.journal import Journal
 from vibe_render.export import reading
-from vibe_render.render import black, final_render
+from vibe_render.render import final_render
+from vibe_render.render.black import black_note
 from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.schema import VibeError
@@ -51,8 +52,8 @@ def test_a_black_picture(scene, tmp_path):
     final_render.render_picture(scene, tmp_path / "lit.png", 32, 1)
     darkness(scene, subject)
     final_render.render_picture(scene, tmp_path / "dark.png", 32, 1)
-    assert black.black_note(scene, tmp_path / "lit.png") == ""
-    assert "no light" in black.black_note(scene, tmp_path / "dark.png")
+    assert black_note(scene, tmp_path / "lit.png") == ""
+    assert "no light" in black_note(scene, tmp_path / "dark.png")
 
 
 def test_a_compositor_that_gives_nothing(scene, tmp_path):
@@ -61,7 +62,7 @@ def test_a_compositor_that_gives_nothing(scene, tmp_path):
     for link in list(tree.links):
         tree.links.remove(link)
     final_render.render_picture(scene, tmp_path / "cut.png", 32, 1)
-    assert "output of its compositor" in black.black_note(scene, tmp_path / "cut.png")
+    assert "output of its compositor" in black_note(scene, tmp_path / "cut.png")
 
 
 def test_the_picture_is_in_another_scene(scene, tmp_path):

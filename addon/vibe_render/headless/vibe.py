@@ -18,7 +18,8 @@ from ..engine.conversation import Conversation, on_interrupt
 from ..engine.process import Engine
 from ..export.analysis import SceneAnalysis
 from ..looks import take
-from ..render import anchors, black, final_render
+from ..render import anchors, final_render
+from ..render.black import black_note
 from ..scene import bindings
 from ..scene.subject import remember_subject
 from ..session import preferences
@@ -94,7 +95,7 @@ class _Run:
         self.conversation.ask(self._request())
         for number in reversed(range(len(self.shot_list))):  # the last one is still open
             scene = self._render(number, "before.png", min(self.args.samples, _SAMPLES_BEFORE))
-            if note := black.black_note(scene, self.out.path(numbered("before.png", number))):
+            if note := black_note(scene, self.out.path(numbered("before.png", number))):
                 self.shot_list.jobs[number].warnings.insert(0, note)
                 self.reporter.note(note)
         self.stopwatch.lap("render before")

@@ -12,7 +12,8 @@ import bpy
 
 from ..core.schema_import import atomic, messages, schema
 from ..engine.process import Engine
-from ..render import anchors, black, reference
+from ..render import anchors, reference
+from ..render.black import black_note
 from ..scene import snapshot
 from ..scene.prepare import separate_materials, shared_materials
 from ..scene.subject import remember_subject
@@ -156,7 +157,7 @@ class Session(SceneSession):
                 self.receive(message)
                 if isinstance(message, messages.Stage) and message.picture:
                     picture = self._job / message.picture
-                    if (note := black.black_note(scene, picture)) and note not in self.view_notes:
+                    if (note := black_note(scene, picture)) and note not in self.view_notes:
                         self.view_notes = [*self.view_notes, note]
                         self.warnings = [note, *self.warnings]
                     self.before = before_image.store(self._before_path, picture, not self._vibed)
