@@ -9,7 +9,7 @@ from vibe_render.core.compat import start_compositor
 from vibe_render.core.journal import Journal
 from vibe_render.export import reading
 from vibe_render.render import final_render
-from vibe_render.render.black import black_note
+from vibe_render.render.final_render import black_note
 from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.schema import VibeError

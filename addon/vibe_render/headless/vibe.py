@@ -19,7 +19,7 @@ from ..engine.process import Engine
 from ..export.analysis import SceneAnalysis
 from ..looks import take
 from ..render import anchors, final_render
-from ..render.black import black_note
+from ..render.final_render import black_note
 from ..scene import bindings
 from ..scene.subject import remember_subject
 from ..session import preferences

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Final pictures: the scene's own render with Cycles, and a mask of where the subject is in it.
-
-A copy of the scene is rendered: the artist's own settings of the render and its file are not touched.
-"""
+"""Final pictures: the scene's own render with Cycles, a mask of the subject in it, and a note on a black one."""
 
 from __future__ import annotations
 
@@ -15,10 +12,13 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ..core import compat
 from ..core.files import whole
 from ..core.overrides import assign, changed
 from ..scene.copies import copied_scene
 from ..scene.geometry.meshes import has_surface
+from ..scene.nodes import grade
+from . import bake
 
 _NOISE = 0.05
 """Where a pixel's noise is below this, sampling it stops: the denoiser does the rest."""
@@ -172,3 +172,26 @@ def _keep_alpha(rendered: Path, path: Path) -> None:
             mask.save()
     finally:
         bpy.data.images.remove(mask)
+
+
+_BLACKEST = 0.02  # of white, as the picture is stored: what is darker everywhere shows nothing
+
+
+def black_note(scene: bpy.types.Scene, picture: Path) -> str:
+    """What to say of a black picture of a scene; "" for any other."""
+    image = bpy.data.images.load(str(picture))
+    try:
+        image.colorspace_settings.name = "Non-Color"
+        shows = bool(bake.image_pixels(image).max() >= _BLACKEST)
+    finally:
+        bpy.data.images.remove(image)
+    if shows:
+        return ""
+    if grade.cut_off(compat.compositor(scene)):
+        return (
+            "The scene renders black: no picture reaches the output of its compositor. Connect one, or take the "
+            "compositor out."
+        )
+    return (
+        "The scene renders black: no light reaches what the camera sees. Switch a light on, or ask for one."
+    )

@@ -13,7 +13,7 @@ import bpy
 from ..core.schema_import import atomic, messages, schema
 from ..engine.process import Engine
 from ..render import anchors, reference
-from ..render.black import black_note
+from ..render.final_render import black_note
 from ..scene import snapshot
 from ..scene.prepare import separate_materials, shared_materials
 from ..scene.subject import remember_subject
