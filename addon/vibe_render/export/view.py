@@ -15,7 +15,7 @@ from mathutils import Vector
 
 from ..core.journal import Journal
 from ..core.schema_import import schema
-from ..render import light_factors
+from ..render import bake
 from ..scene import bindings, orbits, prepare, scene_context
 from ..scene.light_types import type_of
 from ..scene.nodes import backgrounds, layers, light_nodes
@@ -111,7 +111,7 @@ def light_row(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, An
         "soft_falloff": getattr(data, "use_soft_falloff", True),
         "use_temperature": getattr(data, "use_temperature", False),
         "role": role,
-        "tint": light_nodes.factor(data) or light_factors.mean_light_factor(thing, pivot),
+        "tint": light_nodes.factor(data) or bake.mean_light_factor(thing, pivot),
     }
     return row | type_of(thing).exported(thing)
 
