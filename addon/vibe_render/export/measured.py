@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ..render import baked_passes, planar_captures
+from ..render import baked_passes
 from ..scene.nodes.trails import ValueOrigin
 from . import textures
 from .analysis import SceneAnalysis
@@ -72,7 +72,7 @@ def _straight_on(
     chosen = geometry.material == geometry.materials.index(wanted.material.name_full)
     pivot = np.array(analysis.pivot)
     corners = geometry.vertices[geometry.faces[chosen]].astype(float)
-    plane = planar_captures.capture_plane(corners, pivot, float(np.linalg.norm(pivot - np.array(eye))))
+    plane = baked_passes.capture_plane(corners, pivot, float(np.linalg.norm(pivot - np.array(eye))))
     if plane is None:
         return None
     view = baked_passes.measure(analysis.scene, [wanted], plane).get(
