@@ -102,7 +102,7 @@ def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable
 def _set_up(twin: bpy.types.Scene, size: int, samples: int, seed: int) -> None:
     """Sets a scene of ours up for one picture of this size."""
     render = twin.render
-    width, height = render.resolution_x, render_picture.resolution_y
+    width, height = render.resolution_x, render.resolution_y
     factor = size / max(width, height)
     assign(
         render,
