@@ -93,21 +93,21 @@ def test_a_folder_that_cannot_be_written(own, monkeypatch):
 
 
 def test_thumbnails_show_the_middle(wide, tmp_path, scene):
-    thumbnail.shrink(wide, tmp_path / "small.jpg")
-    small = thumbnail.pixels(tmp_path / "small.jpg")
+    thumbnail.save_thumbnail(wide, tmp_path / "small.jpg")
+    small = thumbnail.read_picture(tmp_path / "small.jpg")
     assert small.shape == (thumbnail.SIZE, thumbnail.SIZE, 4)
     assert np.abs(small[5:-5, 5:-5, :3] - (0, 1, 0)).max() < 0.05
     with pytest.raises(VibeError, match="No thumbnail"):
-        thumbnail.shrink(tmp_path / "none.jpg", tmp_path / "small.jpg")
+        thumbnail.save_thumbnail(tmp_path / "none.jpg", tmp_path / "small.jpg")
 
 
 def test_looks_are_tried_one_after_the_other_and_reverted(addon):
     before = contents()
-    use.apply(addon, NOIR, SubjectChoice())
+    use.apply_preset(addon, NOIR, SubjectChoice())
     assert addon.vibe.vibed_preset == "Noir"
     noir = bindings.read(addon, (), PIVOT)
     assert noir["film/saturation"] == (0.0,)
-    assert use.apply(addon, DAY, SubjectChoice()) == []
+    assert use.apply_preset(addon, DAY, SubjectChoice()) == []
     day = bindings.read(addon, (), PIVOT)
     assert day["film/saturation"] == (1.0,)
     assert day["film/exposure"] == (1.0,)
@@ -118,9 +118,9 @@ def test_looks_are_tried_one_after_the_other_and_reverted(addon):
 def test_a_look_on_top_of_a_vibe_leads_back_to_it(addon):
     result.apply(addon, PROMPT, messages.Result(FOUND, {}, ""), [bpy.data.objects["Subject"]], PIVOT)
     vibed = read(addon)
-    use.apply(addon, NOIR, SubjectChoice())
+    use.apply_preset(addon, NOIR, SubjectChoice())
     assert read(addon)["film/contrast"] == [pytest.approx(1.4)]
-    use.apply(addon, DAY, SubjectChoice())
+    use.apply_preset(addon, DAY, SubjectChoice())
     assert read(addon) == {key: pytest.approx(value, abs=1e-4) for key, value in vibed.items()}
 
 
@@ -128,7 +128,7 @@ def test_strength_dims_a_light_that_the_look_brought(addon):
     bpy.data.objects.remove(bpy.data.objects["Sun"])  # the only light behind the subject, if any is
     for light in [o for o in addon.objects if o.type == "LIGHT" and o.location.y > 0]:
         bpy.data.objects.remove(light)
-    use.apply(addon, NOIR, SubjectChoice())
+    use.apply_preset(addon, NOIR, SubjectChoice())
     rim = bpy.data.objects["Vibe Rim"].data
     full = rim.energy
     assert full > 0.0
@@ -139,23 +139,23 @@ def test_strength_dims_a_light_that_the_look_brought(addon):
 
 
 def test_what_fails_leaves_the_scene_with_the_look_before(addon):
-    use.apply(addon, NOIR, SubjectChoice())
+    use.apply_preset(addon, NOIR, SubjectChoice())
     before = contents()
     nothing = preset.Preset("Nothing", {"fill": [{"power": [0.06]}]}, {"fill": ["AREA"]})
     for light in [o for o in addon.objects if o.type == "LIGHT"]:
         light.hide_render = light.name != "Area"
     before = contents()
     with pytest.raises(VibeError, match="Nothing in this scene"):
-        use.apply(addon, nothing, SubjectChoice())
+        use.apply_preset(addon, nothing, SubjectChoice())
     assert difference(before, contents()) == {}
     assert addon.vibe.vibed_preset == "Noir"
 
 
 def test_a_look_is_captured_as_it_is_now(addon, tmp_path):
     with pytest.raises(VibeError, match="no look to save"):
-        use.capture(addon, SubjectChoice(), "None")
-    use.apply(addon, NOIR, SubjectChoice())
-    taken = use.capture(addon, SubjectChoice(), "Mine")
+        use.capture_preset(addon, SubjectChoice(), "None")
+    use.apply_preset(addon, NOIR, SubjectChoice())
+    taken = use.capture_preset(addon, SubjectChoice(), "Mine")
     assert taken.prompt == NOIR.prompt
     assert take.preset.loads(taken.dumps()) == taken
     assert taken.roles["film"] == [{n: [pytest.approx(v)] for n, (v,) in NOIR.roles["film"][0].items()}]
@@ -163,8 +163,8 @@ def test_a_look_is_captured_as_it_is_now(addon, tmp_path):
     assert taken.kinds["key"] == ["SUN"]  # as bright as the lamp of the preset
     assert taken.roles["key"][0]["strength"] == [pytest.approx(60.0 / np.pi, rel=0.02)]
     addon.vibe.strength = 0.0
-    flat = use.capture(addon, SubjectChoice(), "Flat")
+    flat = use.capture_preset(addon, SubjectChoice(), "Flat")
     assert flat.roles["film"][0]["saturation"] == [pytest.approx(1.0)]
     assert snapshot.exists(addon)
-    thumbnail.render(addon, tmp_path / "small.jpg")
-    assert thumbnail.pixels(tmp_path / "small.jpg").shape == (thumbnail.SIZE, thumbnail.SIZE, 4)
+    thumbnail.render_thumbnail(addon, tmp_path / "small.jpg")
+    assert thumbnail.read_picture(tmp_path / "small.jpg").shape == (thumbnail.SIZE, thumbnail.SIZE, 4)

@@ -45,7 +45,7 @@ def test_it_is_whole_and_small(row):
     assert look.shipped
     assert look.prompt == row["prompt"]
     assert look.picture.stat().st_size < 15_000
-    assert thumbnail.pixels(look.picture).shape == (thumbnail.SIZE, thumbnail.SIZE, 4)
+    assert thumbnail.read_picture(look.picture).shape == (thumbnail.SIZE, thumbnail.SIZE, 4)
     assert not {"subject", "surroundings"} & set(look.preset.roles)  # materials are the artist's
 
 
@@ -53,7 +53,7 @@ def test_each_goes_onto_another_scene_and_off_again(addon):
     before = contents()
     for row in ROWS:
         look = library.find(row["name"])
-        assert use.apply(addon, look.preset, SubjectChoice()) == []
+        assert use.apply_preset(addon, look.preset, SubjectChoice()) == []
         assert addon.vibe.changes
     assert result.revert(addon) == []
     assert difference(before, contents()) == {}

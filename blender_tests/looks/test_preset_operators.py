@@ -48,7 +48,7 @@ def test_what_did_not_fit_is_kept_for_the_panel(held):
 def test_renamed_exported_imported_and_deleted(held, tmp_path):
     assert bpy.ops.vibe.preset_rename(name="Black and White") == {"FINISHED"}
     assert bpy.ops.vibe.preset_export(filepath=str(tmp_path / "bw.json")) == {"FINISHED"}
-    assert take.load(tmp_path / "bw.json").name == "Black and White"
+    assert take.load_preset(tmp_path / "bw.json").name == "Black and White"
     assert bpy.ops.vibe.preset_delete() == {"FINISHED"}
     assert names() == ["Cosy"]
     assert held.chosen == ""
@@ -107,7 +107,9 @@ def test_assets_and_lut_of_the_look(held, tmp_path):
     assert not bpy.ops.vibe.export_lut.poll()
     assert not bpy.ops.vibe.export_assets.poll()
     bpy.ops.vibe.preset_apply()
-    thumbnail.render(bpy.context.scene, tmp_path / "first.jpg")  # Blender 4.5 orders passes anew at a render
+    thumbnail.render_thumbnail(
+        bpy.context.scene, tmp_path / "first.jpg"
+    )  # Blender 4.5 orders passes anew at a render
     before = contents()
     assert bpy.ops.vibe.export_lut(filepath=str(tmp_path / "noir.cube")) == {"FINISHED"}
     assert bpy.ops.vibe.export_assets(filepath=str(tmp_path / "noir.blend")) == {"FINISHED"}

@@ -31,9 +31,9 @@ def painted(scene):
 
 def test_it_is_meant_by_the_next_preset_and_revert_forgets_it(still_life):
     before = contents()
-    use.apply(still_life, TEAL, SubjectChoice((DEMO_SUBJECT,)))
+    use.apply_preset(still_life, TEAL, SubjectChoice((DEMO_SUBJECT,)))
     assert painted(still_life) == {"Clay"}
-    use.apply(still_life, TEAL, SubjectChoice())
+    use.apply_preset(still_life, TEAL, SubjectChoice())
     assert painted(still_life) == {"Clay"}
     assert result.revert(still_life) == []
     assert difference(before, contents()) == {}
@@ -72,6 +72,6 @@ def test_what_is_out_of_the_picture_is_not_asked_for(still_life):
 
 def test_small_parts_of_a_subject_keep_their_looks(still_life):
     """A look for one thing goes onto what is as prominent, and what stays is listed."""
-    rest = use.apply(still_life, TEAL, SubjectChoice())
+    rest = use.apply_preset(still_life, TEAL, SubjectChoice())
     assert "Brass" not in painted(still_life)
     assert any(line.startswith("Brass: shows too little") for line in rest)

@@ -40,8 +40,8 @@ def test_presets(disk, monkeypatch, tmp_path, left):
     for act in (
         lambda: library.save(mine, wide),
         lambda: library.export(library.find("Mine"), disk.folder / "other.json"),
-        lambda: asset_catalog.add(disk.folder, ["Vibe Render/Materials"]),
-        lambda: lut.write(disk.folder / "noir.cube", "Noir", {}),
+        lambda: asset_catalog.add_catalogs(disk.folder, ["Vibe Render/Materials"]),
+        lambda: lut.write_cube(disk.folder / "noir.cube", "Noir", {}),
     ):
         with pytest.raises(VibeError, match=f"{re.escape(NO_ROOM)}{disk.folder}. Make room"):
             act()

@@ -82,9 +82,9 @@ def make(
         build_stage(stage)
     words = ["run", str(stage), f"--prompt={prompt}", f"--groups={GROUPS}", f"--subject={DEMO_SUBJECT}"]
     vibe.run_with_engine(arguments.parse([*words, f"--out={folder}", *options]), reporter, talk)
-    look_preset = take.load(folder / "preset.json")
+    look_preset = take.load_preset(folder / "preset.json")
     path = library.path_for(out, name)
-    thumbnail.shrink(folder / "after.png", path.with_suffix(thumbnail.SUFFIX))
+    thumbnail.save_thumbnail(folder / "after.png", path.with_suffix(thumbnail.SUFFIX))
     path.write_text(
         preset.Preset(name, look_preset.roles, look_preset.kinds, prompt).dumps() + "\n", encoding="utf-8"
     )

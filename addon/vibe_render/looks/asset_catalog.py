@@ -10,7 +10,7 @@ from pathlib import Path
 from ..core.files import whole
 from ..core.schema_import import schema
 
-FILE = "blender_assets.cats.txt"
+CATALOG_FILE = "blender_assets.cats.txt"
 _SPACE = uuid.UUID("5b1f2a86-6f0c-4f6e-9a43-2f5d8b0c7e11")
 """Our namespace: a catalog of ours has the same id in every library."""
 _HEAD = """# This is an Asset Catalog Definition file for Blender.
@@ -24,12 +24,12 @@ VERSION 1
 """
 
 
-def identifier(path: str) -> str:
+def catalog_identifier(path: str) -> str:
     """The id of a catalog of ours, such as "Vibe Render/Materials"."""
     return str(uuid.uuid5(_SPACE, path))
 
 
-def root(folder: Path, libraries: Iterable[str]) -> Path:
+def catalog_root(folder: Path, libraries: Iterable[str]) -> Path:
     """The folder whose catalog file counts for the assets of a .blend.
 
     Args:
@@ -40,10 +40,10 @@ def root(folder: Path, libraries: Iterable[str]) -> Path:
         place = Path(library).resolve()
         if place == folder or place in folder.parents:
             return place
-    return next((place for place in (folder, *folder.parents) if (place / FILE).is_file()), folder)
+    return next((place for place in (folder, *folder.parents) if (place / CATALOG_FILE).is_file()), folder)
 
 
-def add(place: Path, paths: Iterable[str]) -> None:
+def add_catalogs(place: Path, paths: Iterable[str]) -> None:
     """Adds catalogs to those of a library, which stay as they are.
 
     Args:
@@ -53,14 +53,14 @@ def add(place: Path, paths: Iterable[str]) -> None:
     Raises:
         VibeError: The file cannot be read or written, or is of a newer version.
     """
-    file = place / FILE
+    file = place / CATALOG_FILE
     try:
         text = file.read_text(encoding="utf-8") if file.exists() else _HEAD
         lines = [line.strip() for line in text.splitlines()]
         if "VERSION 1" not in lines:
             raise schema.VibeError(f"{file} is of another version.", "Choose another folder.")
         present = {line.partition(":")[0] for line in lines}
-        rows = [f"{identifier(path)}:{path}:{path.replace('/', '-')}" for path in paths]
+        rows = [f"{catalog_identifier(path)}:{path}:{path.replace('/', '-')}" for path in paths]
         missing = [row for row in rows if row.partition(":")[0] not in present]
         if not missing:
             return

@@ -16,10 +16,10 @@ from ..render import final_render
 from ..scene.stage import area_light, framing_camera, plain_world
 from . import thumbnail
 
-_SAMPLES = 48
+_BALL_SAMPLES = 48
 
 
-def put(block: ID, pixels: np.ndarray) -> None:
+def set_preview(block: ID, pixels: np.ndarray) -> None:
     """Gives a data-block a preview.
 
     Args:
@@ -30,7 +30,7 @@ def put(block: ID, pixels: np.ndarray) -> None:
     preview.image_pixels_float.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
 
 
-def balls(materials: Sequence[Material]) -> list[np.ndarray]:
+def material_balls(materials: Sequence[Material]) -> list[np.ndarray]:
     """Small Cycles renders of a ball of each material. Nothing of them stays in the file.
 
     Returns:
@@ -38,7 +38,7 @@ def balls(materials: Sequence[Material]) -> list[np.ndarray]:
     """
     before = {block for kind in _KINDS for block in getattr(bpy.data, kind)}
     try:
-        scene, ball = _stage()
+        scene, ball = _ball_stage()
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             return [_shoot(scene, ball, material, Path(folder) / "ball.png") for material in materials]
     finally:
@@ -58,7 +58,7 @@ _KINDS = (
 )  # in this order of removal
 
 
-def _stage() -> tuple[Scene, bpy.types.Object]:
+def _ball_stage() -> tuple[Scene, bpy.types.Object]:
     """A scene of a ball under two area lights and a gray world, on a transparent background."""
     scene = bpy.data.scenes.new("Vibe Preview")
     scene.render.resolution_x = scene.render.resolution_y = thumbnail.SIZE
@@ -85,5 +85,5 @@ def _stage() -> tuple[Scene, bpy.types.Object]:
 
 def _shoot(scene: Scene, ball: bpy.types.Object, material: Material, path: Path) -> np.ndarray:
     ball.data.materials[0] = material
-    final_render.render_picture(scene, path, thumbnail.SIZE, _SAMPLES)
-    return thumbnail.pixels(path)
+    final_render.render_picture(scene, path, thumbnail.SIZE, _BALL_SAMPLES)
+    return thumbnail.read_picture(path)

@@ -45,7 +45,7 @@ class _Crate:
     def mark(self, block: ID, catalog: str, words: str) -> None:
         """Makes a copy an asset."""
         block.asset_mark()
-        block.asset_data.catalog_id = asset_catalog.identifier(f"{_TOP}/{catalog}")
+        block.asset_data.catalog_id = asset_catalog.catalog_identifier(f"{_TOP}/{catalog}")
         block.asset_data.description = words
         block.asset_data.author = _TOP
         self.assets.append((block, catalog))
@@ -56,7 +56,7 @@ class _Crate:
             getattr(bpy.data, collection).remove(block)
 
 
-def export(
+def export_assets(
     analysis: SceneAnalysis, name: str, words: str, materials: Iterable[Material], path: Path, picture: Path
 ) -> list[str]:
     """Writes the look that a scene has now.
@@ -83,7 +83,7 @@ def export(
         _write(path, {block for block, _ in crate.assets})
         libraries = [library.path for library in bpy.context.preferences.filepaths.asset_libraries]
         catalogs = dict.fromkeys(f"{_TOP}/{catalog}" for _, catalog in crate.assets)
-        asset_catalog.add(asset_catalog.root(path.parent, libraries), catalogs)
+        asset_catalog.add_catalogs(asset_catalog.catalog_root(path.parent, libraries), catalogs)
         return [block.name for block, _ in crate.assets]
     finally:
         crate.empty()
@@ -135,10 +135,10 @@ def _fog(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
 
 
 def _show(crate: _Crate, surfaces: list[Material], picture: Path) -> None:
-    look = thumbnail.pixels(picture)
-    pictures = dict(zip(surfaces, asset_preview.balls(surfaces), strict=True))
+    look = thumbnail.read_picture(picture)
+    pictures = dict(zip(surfaces, asset_preview.material_balls(surfaces), strict=True))
     for block, _ in crate.assets:
-        asset_preview.put(block, pictures.get(block, look))
+        asset_preview.set_preview(block, pictures.get(block, look))
 
 
 def _write(path: Path, blocks: set[ID]) -> None:

@@ -11,7 +11,7 @@ from ..core.schema_import import labels, preset, schema
 from ..scene import prepare, scene_context
 from ..scene.light_types import EXTENTS, light_type, type_of
 from . import take
-from .take import SceneParameters, camera_azimuth, owners
+from .take import SceneParameters, camera_azimuth, role_owners
 
 _TEXTURE_LUMA = 0.5  # of a typical texture: what a color is divided by to become a tint
 _DIM = 0.01  # radiance of white below which a light is too dark to be added
@@ -34,7 +34,7 @@ class Fit:
     rest: list[str] = field(default_factory=list)
 
 
-def fit(look: preset.Preset, target: SceneParameters) -> Fit:
+def fit_look(look: preset.Preset, target: SceneParameters) -> Fit:
     """A look's values for a scene, and what has no place in it.
 
     Where the scene has more materials or lights of a role than the preset, the rest get the last entry.
@@ -45,12 +45,12 @@ def fit(look: preset.Preset, target: SceneParameters) -> Fit:
     """
     result = Fit()
     for role, entries in look.roles.items():
-        group, theirs = preset.ROLES[role], owners(target, role)
+        group, theirs = preset.ROLES[role], role_owners(target, role)
         kinds = look.kinds.get(role) or [prepare.LIGHT_TYPE] * len(entries)
         if not theirs and entries:
             _missing(result, target, role, entries[0], kinds)
         if role == "subject":
-            theirs, less = _prominent(theirs, len(entries), take.shares(target.analysis))
+            theirs, less = _prominent(theirs, len(entries), take.visible_areas(target.analysis))
             result.rest += [f"{owner}: shows too little to be what the look is about" for owner in less]
         for place, owner in enumerate(theirs if entries else ()):
             index = min(place, len(entries) - 1)
@@ -67,9 +67,9 @@ def fit(look: preset.Preset, target: SceneParameters) -> Fit:
 
 def _prominent(owners: list[str], count: int, shares: dict[str, float]) -> tuple[list[str], list[str]]:
     """The subject's materials that get an entry, and those too small for one: tires do not get the car's paint."""
-    least = _PROMINENT * shares.get(owners[0], 0.0) if owners else 0.0
-    rest = [owner for owner in owners[count:] if shares.get(owner, 0.0) < least]
-    return [owner for owner in owners if owner not in rest], rest
+    least = _PROMINENT * shares.get(role_owners[0], 0.0) if role_owners else 0.0
+    rest = [owner for owner in role_owners[count:] if shares.get(owner, 0.0) < least]
+    return [owner for owner in role_owners if owner not in rest], rest
 
 
 def _words(role: str) -> str:

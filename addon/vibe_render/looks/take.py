@@ -28,7 +28,7 @@ class SceneParameters(Protocol):
         """Its parameters, by key."""
 
 
-def load(path: Path) -> preset.Preset:
+def load_preset(path: Path) -> preset.Preset:
     """Reads a preset file.
 
     Raises:
@@ -47,7 +47,7 @@ def load(path: Path) -> preset.Preset:
     return look
 
 
-def extract(
+def extract_look(
     prompt: str,
     scene: SceneParameters,
     values: Mapping[str, Sequence[float]],
@@ -64,7 +64,7 @@ def extract(
     roles: dict[str, list[preset.Entry]] = {}
     kinds: dict[str, list[str]] = {}
     for role, group in preset.ROLES.items():
-        entries = {owner: _entry(scene, group, owner, values) for owner in owners(scene, role)}
+        entries = {owner: _entry(scene, group, owner, values) for owner in role_owners(scene, role)}
         if any(entries.values()):
             roles[role] = list(entries.values())
             if group == "light":
@@ -72,7 +72,7 @@ def extract(
     return preset.Preset(preset.title(name or prompt), roles, kinds, prompt, json.loads(goals or "{}"))
 
 
-def owners(scene: SceneParameters, role: str) -> list[str]:
+def role_owners(scene: SceneParameters, role: str) -> list[str]:
     """The owners (names in keys) of a role: materials by visible area, lights by brightness, the largest first.
 
     Args:
@@ -82,7 +82,9 @@ def owners(scene: SceneParameters, role: str) -> list[str]:
     if group not in ("material", "light"):
         return [""]
     theirs = {i.owner for i in scene.instances.values() if i.parameter.group == group and i.role == role}
-    order = shares(scene.analysis) if group == "material" else {o: _brightness(scene, o) for o in theirs}
+    order = (
+        visible_areas(scene.analysis) if group == "material" else {o: _brightness(scene, o) for o in theirs}
+    )
     return sorted(theirs, key=lambda owner: (-order.get(owner, 0), owner))
 
 
@@ -92,7 +94,7 @@ def camera_azimuth(scene: SceneParameters) -> float:
     return instance.value[0] if instance else 0.0
 
 
-def shares(analysis: SceneAnalysis) -> dict[str, float]:
+def visible_areas(analysis: SceneAnalysis) -> dict[str, float]:
     """The number of camera rays that hit each material, by name."""
     numbers, counts = np.unique(analysis.visible.material, return_counts=True)
     return {analysis.geometry.materials[n]: float(c) for n, c in zip(numbers, counts, strict=True) if n >= 0}

@@ -19,7 +19,7 @@ _QUALITY = 92
 _SAMPLES = 48
 
 
-def render(scene: bpy.types.Scene, out: Path) -> None:
+def render_thumbnail(scene: bpy.types.Scene, out: Path) -> None:
     """Renders the scene small with Cycles, and writes the square in the middle as a JPEG.
 
     Raises:
@@ -30,10 +30,10 @@ def render(scene: bpy.types.Scene, out: Path) -> None:
     with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
         picture = Path(folder) / "whole.png"
         final_render.render_picture(scene, picture, longer, _SAMPLES)
-        shrink(picture, out)
+        save_thumbnail(picture, out)
 
 
-def shrink(picture: Path, out: Path) -> None:
+def save_thumbnail(picture: Path, out: Path) -> None:
     """Writes the square in the middle of a picture, `SIZE` pixels wide, as a JPEG; whole or not at all.
 
     Raises:
@@ -55,7 +55,7 @@ def shrink(picture: Path, out: Path) -> None:
             bpy.data.images.remove(small)
 
 
-def pixels(picture: Path) -> np.ndarray:
+def read_picture(picture: Path) -> np.ndarray:
     """(H, W, 4) as stored, 0 to 1, row 0 at the bottom."""
     image = bpy.data.images.load(str(picture))
     try:
@@ -69,7 +69,7 @@ def pixels(picture: Path) -> np.ndarray:
 
 def _middle(picture: Path) -> np.ndarray:
     """The largest square in the middle, opaque."""
-    whole = pixels(picture)
+    whole = read_picture(picture)
     side = min(whole.shape[:2])
     top, left = ((n - side) // 2 for n in whole.shape[:2])
     square = np.ascontiguousarray(whole[top : top + side, left : left + side])

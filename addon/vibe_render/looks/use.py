@@ -18,7 +18,7 @@ from . import fit, lut, take
 _POWER = "/power"
 
 
-def apply(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectChoice) -> list[str]:
+def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectChoice) -> list[str]:
     """Puts a look on the scene; Strength, Before, Keep and Revert work as after a vibe.
 
     A look from another preset that has not been kept is taken out first, so that presets can be tried one after the
@@ -48,7 +48,7 @@ def apply(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectChoice) ->
 
 
 def _apply(scene: bpy.types.Scene, look: preset.Preset, scene_reading: reading.SceneReading) -> list[str]:
-    fitted, analysis = fit.fit(look, scene_reading), scene_reading.analysis
+    fitted, analysis = fit.fit_look(look, scene_reading), scene_reading.analysis
     if not fitted.values:
         raise schema.VibeError(
             "Nothing in this scene takes what the preset holds.", "See what it is for in its description."
@@ -64,7 +64,7 @@ def _apply(scene: bpy.types.Scene, look: preset.Preset, scene_reading: reading.S
     return fitted.rest
 
 
-def capture(scene: bpy.types.Scene, choice: SubjectChoice, name: str) -> preset.Preset:
+def capture_preset(scene: bpy.types.Scene, choice: SubjectChoice, name: str) -> preset.Preset:
     """The scene's present look: the values now of all that the last vibe or preset changed.
 
     Args:
@@ -78,7 +78,7 @@ def capture(scene: bpy.types.Scene, choice: SubjectChoice, name: str) -> preset.
     scene_reading = reading.read_scene(scene, choice)
     changed = (change.name for change in settings.changes)
     values = {key: scene_reading.instances[key].value for key in changed if key in scene_reading.instances}
-    look = take.extract(settings.vibed_prompt, scene_reading, values, name, settings.vibed_goals)
+    look = take.extract_look(settings.vibed_prompt, scene_reading, values, name, settings.vibed_goals)
     if not look.roles:
         raise schema.VibeError("There is no look to save.", "Vibe the scene first, or apply a preset.")
     return look
@@ -89,7 +89,7 @@ def grade_values(scene: bpy.types.Scene) -> dict[str, tuple[float, ...]]:
     nodes = owned.group_nodes(compat.compositor(scene), grade.NAME)
     if not nodes:
         return {}
-    rows = [row for row in bindings.BINDINGS if row.parameter.name in lut.identity()]
+    rows = [row for row in bindings.BINDINGS if row.parameter.name in lut.neutral_grade()]
     sockets = {row: nodes[0].inputs[row.parameter.blender.rpartition(" > ")[2]] for row in rows}
     return {
         row.parameter.name: row.codec.decode(socket_slot(socket).get()) for row, socket in sockets.items()

@@ -44,8 +44,8 @@ class VIBE_OT_export_assets(LookOperator, ExportDialog):
         analysis = reading.read_scene(scene, settings.choice()).analysis
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             picture = Path(folder) / f"picture{thumbnail.SUFFIX}"
-            thumbnail.render(scene, picture)
-            written = assets.export(
+            thumbnail.render_thumbnail(scene, picture)
+            written = assets.export_assets(
                 analysis,
                 _name(context),
                 settings.vibed_prompt,
@@ -70,7 +70,7 @@ class VIBE_OT_export_lut(IdleOperator, ExportDialog):
         """Says that nothing is graded."""
         graded = use.grade_values(context.scene)
         colors = {name: value for name, value in graded.items() if name not in lut.LEFT_OUT}
-        neutral = lut.identity()
+        neutral = lut.neutral_grade()
         same = all(value == neutral[name] for name, value in colors.items())
         return "The scene's colors are not graded" if same else ""
 
@@ -82,8 +82,8 @@ class VIBE_OT_export_lut(IdleOperator, ExportDialog):
     def act(self, context: bpy.types.Context) -> str:
         """Writes it; the message names what a LUT cannot hold."""
         values = use.grade_values(context.scene)
-        lut.write(Path(self.filepath), _name(context), values)
-        neutral = lut.identity()
+        lut.write_cube(Path(self.filepath), _name(context), values)
+        neutral = lut.neutral_grade()
         rest = [name for name in lut.LEFT_OUT if values.get(name, neutral[name]) != neutral[name]]
         return f"Written: {self.filepath}" + (f", without {' and '.join(rest)}" if rest else "")
 

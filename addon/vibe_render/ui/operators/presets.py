@@ -75,7 +75,7 @@ class VIBE_OT_preset_apply(PresetOperator):
         look = self.look(context)
         if look.preset is None:
             raise schema.VibeError(look.problem, "Delete it, or correct the file.")
-        rest = use.apply(context.scene, look.preset, context.scene.vibe.choice())
+        rest = use.apply_preset(context.scene, look.preset, context.scene.vibe.choice())
         addon_state.forget()  # its pictures and variants are not of this look
         window_state = context.window_manager.vibe_presets
         window_state.chosen, window_state.rest = str(look.path), "\n".join(rest)
@@ -105,10 +105,10 @@ class VIBE_OT_preset_save(NameDialog, LookOperator):
     def act(self, context: bpy.types.Context) -> str:
         """Saves it; the picture is a small render."""
         scene = context.scene
-        look = use.capture(scene, scene.vibe.choice(), self.name)
+        look = use.capture_preset(scene, scene.vibe.choice(), self.name)
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             picture = Path(folder) / f"picture{thumbnail.SUFFIX}"
-            thumbnail.render(scene, picture)
+            thumbnail.render_thumbnail(scene, picture)
             saved = library.save(look, picture)
         context.window_manager.vibe_presets.chosen = str(saved.path)
         return f"Saved as {saved.name}"
