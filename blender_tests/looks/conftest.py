@@ -5,7 +5,7 @@ import pytest
 import vibe_render
 from sample_presets import DAY
 from small_scenes import studio, wide_picture
-from vibe_render.looks import asset_preview, library, thumbnail
+from vibe_render.looks import assets, library, thumbnail
 
 from proxy_renderer.schema import preset
 
@@ -25,7 +25,7 @@ def own(tmp_path, monkeypatch):
 @pytest.fixture
 def addon(scene, monkeypatch):
     """The add-on, registered with a studio in the file; pictures are quick."""
-    for module in (thumbnail, asset_preview):
+    for module in (thumbnail, assets):
         monkeypatch.setattr(module, "_SAMPLES", 2)
     vibe_render.register()
     studio(scene)

@@ -12,7 +12,7 @@ from model_server import sensible, serving
 from sample_presets import NOIR
 from small_disk import small_disk
 from small_scenes import studio, wide_picture
-from vibe_render.looks import asset_catalog, library, lut
+from vibe_render.looks import assets, library, lut
 from vibe_render.render import final_render
 from vibe_render.session import before_image, prompt_history, session
 from vibe_render.session.state import addon_state
@@ -40,7 +40,7 @@ def test_presets(disk, monkeypatch, tmp_path, left):
     for act in (
         lambda: library.save(mine, wide),
         lambda: library.export(library.find("Mine"), disk.folder / "other.json"),
-        lambda: asset_catalog.add_catalogs(disk.folder, ["Vibe Render/Materials"]),
+        lambda: assets.add_catalogs(disk.folder, ["Vibe Render/Materials"]),
         lambda: lut.write_cube(disk.folder / "noir.cube", "Noir", {}),
     ):
         with pytest.raises(VibeError, match=f"{re.escape(NO_ROOM)}{disk.folder}. Make room"):
