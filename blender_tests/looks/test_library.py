@@ -10,7 +10,7 @@ import pytest
 from dump import contents, difference
 from results import FOUND, PIVOT, PROMPT, read
 from sample_presets import DAY, NOIR
-from vibe_render.looks import library, take, thumbnail, use
+from vibe_render.looks import library, thumbnail, transfer, use
 from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.subject import SubjectChoice
 from vibe_render.session.session import result
@@ -157,7 +157,7 @@ def test_a_look_is_captured_as_it_is_now(addon, tmp_path):
     use.apply_preset(addon, NOIR, SubjectChoice())
     taken = use.capture_preset(addon, SubjectChoice(), "Mine")
     assert taken.prompt == NOIR.prompt
-    assert take.preset.loads(taken.dumps()) == taken
+    assert transfer.preset.loads(taken.dumps()) == taken
     assert taken.roles["film"] == [{n: [pytest.approx(v)] for n, (v,) in NOIR.roles["film"][0].items()}]
     assert taken.roles["subject"][0]["roughness"] == [pytest.approx(0.15)]
     assert taken.kinds["key"] == ["SUN"]  # as bright as the lamp of the preset

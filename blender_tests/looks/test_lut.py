@@ -6,7 +6,7 @@ import PyOpenColorIO
 import pytest
 from grade_formula import IDENTITY, reference
 from vibe_render.core.color import to_linear, to_srgb
-from vibe_render.looks import library, lut, take
+from vibe_render.looks import library, lut, transfer
 
 from proxy_renderer.schema import VibeError
 
@@ -62,7 +62,7 @@ def test_opencolorio_reads_it_back(tmp_path, values):
 @pytest.mark.parametrize("path", sorted(library.SHIPPED.glob("*.json")), ids=lambda path: path.stem)
 def test_the_looks_that_come_along_are_close_everywhere(tmp_path, path):
     """Also in the dark, where saturation takes colors below black, and the display's curve is steep."""
-    film = take.load_preset(path).roles.get("film", [{}])[0]
+    film = transfer.load_preset(path).roles.get("film", [{}])[0]
     values = {name: value for name, value in film.items() if name in lut.neutral_grade()}
     random = np.random.default_rng(5)
     difference = off(

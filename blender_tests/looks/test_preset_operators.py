@@ -5,7 +5,7 @@ import bpy
 import pytest
 from dump import contents, difference
 from sample_presets import DAY, NOIR
-from vibe_render.looks import library, take, thumbnail
+from vibe_render.looks import library, thumbnail, transfer
 from vibe_render.ui import look_icons
 from vibe_render.ui.panels import presets
 
@@ -48,7 +48,7 @@ def test_what_did_not_fit_is_kept_for_the_panel(held):
 def test_renamed_exported_imported_and_deleted(held, tmp_path):
     assert bpy.ops.vibe.preset_rename(name="Black and White") == {"FINISHED"}
     assert bpy.ops.vibe.preset_export(filepath=str(tmp_path / "bw.json")) == {"FINISHED"}
-    assert take.load_preset(tmp_path / "bw.json").name == "Black and White"
+    assert transfer.load_preset(tmp_path / "bw.json").name == "Black and White"
     assert bpy.ops.vibe.preset_delete() == {"FINISHED"}
     assert names() == ["Cosy"]
     assert held.chosen == ""

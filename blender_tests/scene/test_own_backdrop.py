@@ -8,7 +8,7 @@ import small_scenes as scenes
 import torch
 from dump import contents, difference
 from vibe_render.export import reading
-from vibe_render.looks import fit, take
+from vibe_render.looks import transfer
 from vibe_render.render import anchors
 from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.nodes import backgrounds, inputs
@@ -212,13 +212,13 @@ def test_a_preset_brings_it_to_another_scene(scene, tmp_path):
     fill(scene, plain)
     job, backdrop, _ = exported(scene, tmp_path)
     values = moved(backdrop)
-    look = take.extract_look("green background", job.with_additions_of(values), values)
+    look = transfer.extract_look("green background", job.with_additions_of(values), values)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     for world, color in ((plain, "color"), (pictured, "tint")):
         bpy.ops.wm.read_factory_settings(use_empty=True)
         fill(bpy.context.scene, world)
         read = reading.prepare_and_read(bpy.context.scene, CHOICE)
-        fitted = fit.fit_look(look, read)
+        fitted = transfer.fit_look(look, read)
         assert fitted.rest == []
         assert set(fitted.values) == {f"world/backdrop_{color}", "world/backdrop_strength"}
         assert (

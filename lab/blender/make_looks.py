@@ -22,7 +22,7 @@ from vibe_render.engine.conversation import Conversation
 from vibe_render.engine.process import Engine
 from vibe_render.headless import arguments, scenes, vibe
 from vibe_render.headless.reporter import Reporter
-from vibe_render.looks import library, take, thumbnail
+from vibe_render.looks import library, thumbnail, transfer
 from vibe_render.scene.stage import DEMO_SUBJECT, area_light, build_demo
 
 GROUPS = "light,world,volume,film"
@@ -82,7 +82,7 @@ def make(
         build_stage(stage)
     words = ["run", str(stage), f"--prompt={prompt}", f"--groups={GROUPS}", f"--subject={DEMO_SUBJECT}"]
     vibe.run_with_engine(arguments.parse([*words, f"--out={folder}", *options]), reporter, talk)
-    look_preset = take.load_preset(folder / "preset.json")
+    look_preset = transfer.load_preset(folder / "preset.json")
     path = library.path_for(out, name)
     thumbnail.save_thumbnail(folder / "after.png", path.with_suffix(thumbnail.SUFFIX))
     path.write_text(

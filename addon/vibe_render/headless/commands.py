@@ -12,7 +12,7 @@ import bpy
 from ..core.outputs import Outputs
 from ..core.schema_import import labels, schema
 from ..export import reading
-from ..looks import fit, library
+from ..looks import library, transfer
 from ..render import final_render
 from ..scene import bindings, snapshot
 from ..scene.subject import remember_subject
@@ -36,7 +36,7 @@ def apply(args: argparse.Namespace, reporter: Reporter) -> None:
     with Outputs(args.out) as out:
         scene, choice, _ = open_scene(args, reporter)
         scene_reading = reading.prepare_and_read(scene, choice)
-        analysis, fitted = scene_reading.analysis, fit.fit_look(look, scene_reading)
+        analysis, fitted = scene_reading.analysis, transfer.fit_look(look, scene_reading)
         if not fitted.values:
             raise schema.VibeError("Nothing in this scene takes what the preset holds.", "Use another scene.")
         reporter.stage("rendering before")

@@ -17,7 +17,7 @@ from ..core.schema_import import command_line, messages, schema
 from ..engine.conversation import Conversation, on_interrupt
 from ..engine.process import Engine
 from ..export.analysis import SceneAnalysis
-from ..looks import take
+from ..looks import transfer
 from ..render import anchors, final_render
 from ..render.final_render import black_note
 from ..scene import bindings
@@ -116,7 +116,7 @@ class _Run:
             self._render_after(number)
             compared = self._ask_to_measure(number)
             if number == 0:
-                look = take.extract_look(
+                look = transfer.extract_look(
                     result.report["prompt"],
                     self.shot_list.jobs[0].with_additions_of(result.values),
                     result.values,
@@ -230,7 +230,7 @@ def _write_variants(out: Outputs, shot_list: ShotList, result: messages.Result) 
     job, prompt = shot_list.jobs[0], result.report["prompt"]
     for number, variant in enumerate(result.variants, start=1):
         scene, name = job.with_additions_of(variant.values), f"{number}: {prompt}"
-        look = take.extract_look(prompt, scene, variant.values, name, _goals(result))
+        look = transfer.extract_look(prompt, scene, variant.values, name, _goals(result))
         out.write_text(f"preset-{number}.json", look.dumps())
     if result.variants:
         out.copy(messages.VARIANTS, Path(job.folder) / messages.VARIANTS)

@@ -17,7 +17,7 @@ from pathlib import Path
 from ..core.files import whole
 from ..core.schema_import import preset, schema
 from ..core.user_folder import own_folder
-from . import take, thumbnail
+from . import thumbnail, transfer
 
 SHIPPED = Path(__file__).parent / "shipped"
 """The folder of the looks that come with Vibe Render."""
@@ -105,8 +105,8 @@ def named(preset_: str) -> preset.Preset:
     """
     path = Path(preset_).expanduser()
     if path.suffix == ".json" or path.is_file():
-        return take.load_preset(path)
-    return take.load_preset(find(preset_).path)
+        return transfer.load_preset(path)
+    return transfer.load_preset(find(preset_).path)
 
 
 def find(name: str) -> Look:
@@ -215,7 +215,7 @@ def bring(path: Path) -> Look:
     Raises:
         VibeError: The file is no preset, or the folder cannot be written.
     """
-    look = take.load_preset(path)
+    look = transfer.load_preset(path)
     return save(replace(look, name=look.name or preset.title(path.stem)), path.with_suffix(PICTURE))
 
 
@@ -251,7 +251,7 @@ def _stamp(path: Path) -> tuple[int, int]:
 @lru_cache(maxsize=1000)  # panels ask many times a second
 def _read(path: Path, _time: int, _size: int) -> Look:
     try:
-        return Look(path, take.load_preset(path))
+        return Look(path, transfer.load_preset(path))
     except schema.VibeError as error:
         return Look(path, None, str(error))
 

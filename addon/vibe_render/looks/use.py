@@ -13,7 +13,7 @@ from ..scene import bindings
 from ..scene.nodes import grade, owned
 from ..scene.subject import SubjectChoice, remember_subject
 from ..session import result
-from . import fit, lut, take
+from . import lut, transfer
 
 _POWER = "/power"
 
@@ -48,7 +48,7 @@ def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectCho
 
 
 def _apply(scene: bpy.types.Scene, look: preset.Preset, scene_reading: reading.SceneReading) -> list[str]:
-    fitted, analysis = fit.fit_look(look, scene_reading), scene_reading.analysis
+    fitted, analysis = transfer.fit_look(look, scene_reading), scene_reading.analysis
     if not fitted.values:
         raise schema.VibeError(
             "Nothing in this scene takes what the preset holds.", "See what it is for in its description."
@@ -78,7 +78,7 @@ def capture_preset(scene: bpy.types.Scene, choice: SubjectChoice, name: str) -> 
     scene_reading = reading.read_scene(scene, choice)
     changed = (change.name for change in settings.changes)
     values = {key: scene_reading.instances[key].value for key in changed if key in scene_reading.instances}
-    look = take.extract_look(settings.vibed_prompt, scene_reading, values, name, settings.vibed_goals)
+    look = transfer.extract_look(settings.vibed_prompt, scene_reading, values, name, settings.vibed_goals)
     if not look.roles:
         raise schema.VibeError("There is no look to save.", "Vibe the scene first, or apply a preset.")
     return look
