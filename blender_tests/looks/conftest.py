@@ -25,8 +25,8 @@ def own(tmp_path, monkeypatch):
 @pytest.fixture
 def addon(scene, monkeypatch):
     """The add-on, registered with a studio in the file; pictures are quick."""
-    for module in (thumbnail, assets):
-        monkeypatch.setattr(module, "_SAMPLES", 2)
+    monkeypatch.setattr(thumbnail, "_SAMPLES", 2)
+    monkeypatch.setattr(assets, "_BALL_SAMPLES", 2)
     vibe_render.register()
     studio(scene)
     yield scene

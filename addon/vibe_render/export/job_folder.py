@@ -83,7 +83,7 @@ class SceneJob:
     folder: Path
     analysis: SceneAnalysis
     instances: dict[str, schema.Instance]
-    view: dict[str, schema.Instance] = field(default_factory=dict)
+    standby: dict[str, schema.Instance] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
     view_notes: list[str] = field(default_factory=list)
 

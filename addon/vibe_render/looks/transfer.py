@@ -188,11 +188,11 @@ def fit_look(look: preset.Preset, target: SceneParameters) -> Fit:
     return result
 
 
-def _prominent(owners: list[str], count: int, shares: dict[str, float]) -> tuple[list[str], list[str]]:
+def _prominent(owners: list[str], count: int, areas: dict[str, float]) -> tuple[list[str], list[str]]:
     """The subject's materials that get an entry, and those too small for one: tires do not get the car's paint."""
-    least = _PROMINENT * shares.get(role_owners[0], 0.0) if role_owners else 0.0
-    rest = [owner for owner in role_owners[count:] if shares.get(owner, 0.0) < least]
-    return [owner for owner in role_owners if owner not in rest], rest
+    least = _PROMINENT * areas.get(owners[0], 0.0) if owners else 0.0
+    rest = [owner for owner in owners[count:] if areas.get(owner, 0.0) < least]
+    return [owner for owner in owners if owner not in rest], rest
 
 
 def _words(role: str) -> str:
