@@ -45,12 +45,12 @@ def still(screen):
     yield 1.5
     yield from screen.away()
     screen.shoot("image")
-    screen.observed["like_image"] = reference.name(settings)
+    screen.observed["like_image"] = reference.picture_name(settings)
     yield from choose(screen, "SLOT")
     yield 0.5
     yield from screen.away()
     screen.shoot("slot")
-    screen.observed["like_slot"] = reference.name(settings)
+    screen.observed["like_slot"] = reference.picture_name(settings)
 
 
 def dusk(path):

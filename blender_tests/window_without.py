@@ -71,7 +71,9 @@ def a_preset(screen):
     from bl_ext.user_default.vibe_render.looks import library
     from bl_ext.user_default.vibe_render.scene import snapshot
 
-    shutil.rmtree(library.folder(), ignore_errors=True)  # so that ours are at the same places every time
+    shutil.rmtree(
+        library.preset_folder(), ignore_errors=True
+    )  # so that ours are at the same places every time
     yield from screen.find("vibe.look_for_engine", 430)
     row = screen.observed["found"]["vibe.look_for_engine"][1]
     yield from screen.click_at(

@@ -19,43 +19,43 @@ from proxy_renderer.schema import VibeError, messages, preset
 
 
 def names(words=""):
-    return [look.name for look in library.looks(words)]
+    return [look.name for look in library.all_looks(words)]
 
 
 def test_saved_found_renamed_and_deleted(own, wide):
-    saved = library.save(NOIR, wide)
+    saved = library.save_preset(NOIR, wide)
     assert saved.preset == NOIR
     assert saved.picture.is_file()
-    assert library.save(NOIR).name == "Noir 2"
+    assert library.save_preset(NOIR).name == "Noir 2"
     assert names() == ["Noir", "Noir 2", "Cosy"]
     assert names("hard LIGHT") == ["Noir", "Noir 2"]
-    assert library.find("cosy").shipped
-    assert library.find("co").name == "Cosy"
-    renamed = library.rename(saved, "Night / ../../ Ünder")
+    assert library.find_preset("cosy").shipped
+    assert library.find_preset("co").name == "Cosy"
+    renamed = library.rename_preset(saved, "Night / ../../ Ünder")
     assert renamed.path.parent == own
     assert renamed.picture.is_file()
     assert not saved.path.exists()
     assert not saved.picture.exists()
     assert renamed.name == "Night / ../../ Ünder"
-    assert library.rename(renamed, "night / ../../ ünder").picture.is_file()
-    library.delete(library.find("Noir 2"))
-    library.delete(library.find("night"))
+    assert library.rename_preset(renamed, "night / ../../ ünder").picture.is_file()
+    library.delete_preset(library.find_preset("Noir 2"))
+    library.delete_preset(library.find_preset("night"))
     assert list(own.iterdir()) == []
 
 
 def test_shipped_looks_stay(own):
-    cosy = library.find("Cosy")
-    for act in (library.delete, lambda look: library.rename(look, "Mine")):
+    cosy = library.find_preset("Cosy")
+    for act in (library.delete_preset, lambda look: library.rename_preset(look, "Mine")):
         with pytest.raises(VibeError, match="comes with Vibe Render"):
             act(cosy)
     assert names() == ["Cosy"]
 
 
 def test_export_and_import(own, wide, tmp_path):
-    library.export(library.save(NOIR, wide), tmp_path / "shared.json")
+    library.export_preset(library.save_preset(NOIR, wide), tmp_path / "shared.json")
     shutil.rmtree(own)
     own.mkdir()
-    brought = library.bring(tmp_path / "shared.json")
+    brought = library.import_preset(tmp_path / "shared.json")
     assert brought.preset == NOIR
     assert brought.picture.is_file()
 
@@ -63,33 +63,33 @@ def test_export_and_import(own, wide, tmp_path):
 def test_a_picture_that_is_none_is_not_imported(own, tmp_path):
     (tmp_path / "odd.json").write_text(NOIR.dumps())
     (tmp_path / "odd.jpg").write_text("import os")
-    assert not library.bring(tmp_path / "odd.json").picture.exists()
+    assert not library.import_preset(tmp_path / "odd.json").picture.exists()
 
 
 def test_a_broken_preset_is_listed_with_its_problem(own):
     (own / "bad.json").write_text(json.dumps({"format": "vibe-preset", "version": 1, "roles": {"moon": []}}))
-    (bad,) = [look for look in library.looks() if look.problem]
+    (bad,) = [look for look in library.all_looks() if look.problem]
     assert bad.name == "bad"
     assert "unknown role 'moon'" in bad.problem
     with pytest.raises(VibeError, match="unknown role"):
-        library.named("bad")
-    library.delete(bad)
+        library.preset_named("bad")
+    library.delete_preset(bad)
     assert names() == ["Cosy"]
 
 
 def test_names_that_are_not_there(own):
     with pytest.raises(VibeError, match="no preset 'sunny'") as refused:
-        library.named("sunny")
+        library.preset_named("sunny")
     assert "Cosy" in refused.value.remedy
     with pytest.raises(VibeError, match="cannot be read"):
-        library.named("sunny.json")
+        library.preset_named("sunny.json")
 
 
 def test_a_folder_that_cannot_be_written(own, monkeypatch):
     (own / "file").write_text("")
-    monkeypatch.setattr(library, "folder", lambda create=False: own / "file")
+    monkeypatch.setattr(library, "preset_folder", lambda create=False: own / "file")
     with pytest.raises(VibeError, match="cannot be written"):
-        library.save(NOIR)
+        library.save_preset(NOIR)
 
 
 def test_thumbnails_show_the_middle(wide, tmp_path, scene):

@@ -112,7 +112,7 @@ def test_a_render_that_fails_leaves_the_scene_alone(studio, monkeypatch):
     monkeypatch.setattr(final_render, "render_layers", broken)
     with pytest.raises(MemoryError):
         anchors.render_anchor(scene, path, TRIED, subject, PIVOT)
-    answer = anchors.answer(scene, path.parent, messages.Anchor(3, TRIED, 48, 4), subject, PIVOT)
+    answer = anchors.answer_anchor(scene, path.parent, messages.Anchor(3, TRIED, 48, 4), subject, PIVOT)
     assert answer.number == 3
     assert "no room" in answer.error
     assert difference(before, contents()) == {}
@@ -122,7 +122,7 @@ def test_what_cannot_be_is_said(studio):
     scene, subject, path = studio
     before = contents()
     wrong = messages.Anchor(1, {"world/color": [float("nan")] * 3}, 48, 4)
-    assert "finite" in anchors.answer(scene, path.parent, wrong, subject, PIVOT).error
+    assert "finite" in anchors.answer_anchor(scene, path.parent, wrong, subject, PIVOT).error
     path.write_bytes(b"")
     with pytest.raises(VibeError, match="cannot be written"):
         anchors.render_anchor(scene, path / "a.exr", {}, subject, PIVOT, 16, 1)

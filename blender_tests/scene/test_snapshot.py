@@ -41,7 +41,7 @@ def test_revert_after_two_vibes_with_saving_and_reopening_between(scene, kind, t
     names = [o.name for o in scene_context.meshes(scene)[:1]]
     vibe(scene, [bpy.data.objects[n] for n in names], 0.6)
     scene = reopen(tmp_path)
-    assert fog.find(scene) or scene.world.node_tree.nodes.get("Principled Volume")
+    assert fog.find_fog(scene) or scene.world.node_tree.nodes.get("Principled Volume")
     vibe(scene, [bpy.data.objects[n] for n in names], 0.3)
     scene = reopen(tmp_path)
     assert len(changes(before)) > 50

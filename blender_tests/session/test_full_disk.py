@@ -33,22 +33,22 @@ def disk(tmp_path):
 def test_presets(disk, monkeypatch, tmp_path, left):
     """With one page left, the preset has room, and its picture does not."""
     mine, wide = replace(NOIR, name="Mine"), wide_picture(tmp_path)
-    monkeypatch.setattr(library, "folder", lambda create=False: disk.folder)
-    library.save(mine, wide)
+    monkeypatch.setattr(library, "preset_folder", lambda create=False: disk.folder)
+    library.save_preset(mine, wide)
     there = disk.files()
     disk.fill(left)
     for act in (
-        lambda: library.save(mine, wide),
-        lambda: library.export(library.find("Mine"), disk.folder / "other.json"),
+        lambda: library.save_preset(mine, wide),
+        lambda: library.export_preset(library.find_preset("Mine"), disk.folder / "other.json"),
         lambda: assets.add_catalogs(disk.folder, ["Vibe Render/Materials"]),
         lambda: lut.write_cube(disk.folder / "noir.cube", "Noir", {}),
     ):
         with pytest.raises(VibeError, match=f"{re.escape(NO_ROOM)}{disk.folder}. Make room"):
             act()
         assert disk.files() == there
-    assert library.find("Mine").preset == mine
+    assert library.find_preset("Mine").preset == mine
     disk.make_room()
-    assert library.save(mine, wide).picture.is_file()
+    assert library.save_preset(mine, wide).picture.is_file()
 
 
 def test_pictures_of_blender(scene, disk):

@@ -111,7 +111,7 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
     scene, geometry = analysis.scene, analysis.geometry
     spoiling = notes.view_notes(analysis)
     bound = bindings.instances(scene, analysis.objects, analysis.pivot)
-    materials = measured.materials(analysis)
+    materials = measured.measured_materials(analysis)
     instances, mended = finite_instances(_with_materials(bound, analysis, materials))
     spare, spare_instances = view.standby_lights(analysis)
     spare_instances |= view.standby_backdrop(analysis, instances)
@@ -211,7 +211,7 @@ def _material_notes(
     return {materials[name].row["name"]: materials[name].notes for name in names}
 
 
-def parameters(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
+def read_parameters(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
     """The scene's parameters by key, those of a backdrop that it may get included; unlike `write_job`, renders and writes nothing."""
     bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot)
     mended = finite_instances(_with_materials(bound, analysis, {}))[0]
@@ -304,7 +304,7 @@ def _write_meshes(analysis: SceneAnalysis, folder: Path) -> None:
 
 def _volume(analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]) -> dict[str, Any]:
     scene = analysis.scene
-    domain = fog.domain(scene_context.SceneContext(scene, analysis.objects, Vector(analysis.pivot)))
+    domain = fog.fog_domain(scene_context.SceneContext(scene, analysis.objects, Vector(analysis.pivot)))
     density = instances.get("volume/density")
     if scene.world and trails.world_volume(scene.world):
         kind = "world"

@@ -16,7 +16,7 @@ _SEEN_ELSEWHERE = ("base_color", "emission_color", "emission", "alpha")
 """What counts of materials that the camera does not see: the light that they send to others."""
 
 
-def materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
+def measured_materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
     """All materials of a scene by name, with what their nodes compute."""
     geometry = analysis.geometry
     by_name = {m.name_full: m for m in bpy.data.materials}
@@ -33,7 +33,7 @@ def materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
                 channels[name][channel] = MeasuredChannel(picture.image.mean((0, 1)), picture)
             else:
                 wanted.append(baked_passes.PassRequest(material, channel, origin))
-    baked = baked_passes.measure(analysis.scene, wanted)
+    baked = baked_passes.bake_passes(analysis.scene, wanted)
     for w in wanted:
         name = w.material.name_full
         view = baked.get((name, w.channel))
@@ -61,7 +61,7 @@ def _over_uvs(
     outputs = ("Color", "Alpha") if channel == "alpha" else ("Color",)
     tiles = textures.plain_image(origin.source, outputs) is not None
     inside = uvs.size and -1e-3 <= uvs.min() <= uvs.max() <= 1 + 1e-3
-    return textures.over_uvs(material, channel, origin) if tiles or inside else None
+    return textures.uv_texture(material, channel, origin) if tiles or inside else None
 
 
 def _straight_on(
@@ -75,7 +75,7 @@ def _straight_on(
     plane = baked_passes.capture_plane(corners, pivot, float(np.linalg.norm(pivot - np.array(eye))))
     if plane is None:
         return None
-    view = baked_passes.measure(analysis.scene, [wanted], plane).get(
+    view = baked_passes.bake_passes(analysis.scene, [wanted], plane).get(
         (wanted.material.name_full, wanted.channel)
     )
     if view is None:
@@ -92,4 +92,4 @@ def _mean(analysis: SceneAnalysis, wanted: baked_passes.PassRequest, origin: Val
     mask = analysis.visible.material == number
     if not mask.any() and wanted.channel not in _SEEN_ELSEWHERE:
         return np.full(3, 0.5, np.float32)
-    return textures.measured(analysis.scene, wanted.material, origin, mask)
+    return textures.mean_color(analysis.scene, wanted.material, origin, mask)

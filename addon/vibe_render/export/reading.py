@@ -29,7 +29,7 @@ from .analysis import (
     data_blocks,
     with_subject_of,
 )
-from .job_folder import SceneJob, parameters, write_job, write_sketch
+from .job_folder import SceneJob, read_parameters, write_job, write_sketch
 
 T = TypeVar("T")
 
@@ -54,7 +54,7 @@ def export_scene(
 
     def write(analysis: SceneAnalysis) -> SceneJob:
         if eyes:
-            fog.plan(scene, fog.domain(_context(analysis), eyes))
+            fog.plan_fog_box(scene, fog.fog_domain(_context(analysis), eyes))
         return write_job(with_subject_of(analysis, first_shot) if first_shot else analysis, folder)
 
     return _prepared(scene, choice, write)
@@ -141,7 +141,7 @@ def prepare_and_read(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneRead
 
 
 def _reading(analysis: SceneAnalysis) -> SceneReading:
-    return SceneReading(analysis, parameters(analysis))
+    return SceneReading(analysis, read_parameters(analysis))
 
 
 @contextmanager

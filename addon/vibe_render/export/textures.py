@@ -59,7 +59,7 @@ def uv_mapping(source: bpy.types.NodeSocket | None) -> tuple[str, np.ndarray]:
     return (maps[0] if maps else ""), np.eye(3)
 
 
-def over_uvs(material: bpy.types.Material, channel: str, origin: ValueOrigin) -> ExportedTexture | None:
+def uv_texture(material: bpy.types.Material, channel: str, origin: ValueOrigin) -> ExportedTexture | None:
     """The picture of an input that depends on nothing but UVs in the unit square; otherwise None.
 
     Args:
@@ -87,7 +87,7 @@ Mask = np.ndarray
 """(R, R) bool, row 0 at the bottom: where the camera sees something, on a coarse grid over the picture."""
 
 
-def measured(
+def mean_color(
     scene: bpy.types.Scene, material: bpy.types.Material, origin: ValueOrigin, mask: Mask
 ) -> np.ndarray:
     """The mean color that an output gives over the visible part of a material.

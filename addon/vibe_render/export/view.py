@@ -164,7 +164,7 @@ def ignored_settings(scene: bpy.types.Scene) -> list[str]:
     instances = scene_context.instanced_lights(scene)
     lamps += dict.fromkeys(o for o, _ in instances if o not in lamps)
     for lamp in lamps:
-        if not scene_context.placed(lamp):
+        if not scene_context.has_finite_place(lamp):
             notes.append(f"{lamp.name} has no usable place: it is left out.")
         elif light_nodes.factor(lamp.data) is None:
             notes.append(f"The nodes of {lamp.name} are shown as their average: without a pattern.")
@@ -219,7 +219,7 @@ def ignored_links(scene: Scene) -> list[str]:
 
 
 def _glows(obj: Object) -> bool:
-    return any(slot.material and layers.radiance(slot.material) > 0.0 for slot in obj.material_slots)
+    return any(slot.material and layers.emitted_radiance(slot.material) > 0.0 for slot in obj.material_slots)
 
 
 _SEEN_WORLD = 0.05  # of what is around the subject: less world than this is out of sight

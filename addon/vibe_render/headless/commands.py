@@ -32,7 +32,7 @@ def export(args: argparse.Namespace, reporter: Reporter) -> None:
 
 def apply(args: argparse.Namespace, reporter: Reporter) -> None:
     """Puts a preset on a scene, renders it before and after, and saves it."""
-    look = library.named(args.preset)
+    look = library.preset_named(args.preset)
     with Outputs(args.out) as out:
         scene, choice, _ = open_scene(args, reporter)
         scene_reading = reading.prepare_and_read(scene, choice)

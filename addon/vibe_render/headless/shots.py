@@ -140,7 +140,7 @@ class ShotList:
             for note in [*self.jobs[-1].view_notes, *notes]:
                 self._reporter.note(note)
             self.subjects.append({o.name_full for o in self.jobs[-1].analysis.objects})
-            if planned := fog.planned(scene):
+            if planned := fog.planned_fog_box(scene):
                 self._fog[shot.scene] = planned
 
     def show(self, number: int) -> SceneJob:
@@ -154,7 +154,7 @@ class ShotList:
         scene, choice = self._shown(number)
         if not is_open:
             if shot.scene in self._fog:
-                fog.plan(scene, self._fog[shot.scene])
+                fog.plan_fog_box(scene, self._fog[shot.scene])
             reading.prepare_and_snapshot(scene, choice)
             for each in self.siblings(number):
                 objects = tuple(o for o in scene.objects if o.name_full in self.subjects[each])

@@ -153,7 +153,7 @@ class _Run:
         self.reporter.stage(f"rendering anchor {request.number}{f', {name}' if name else ''}")
         job = self.shot_list.show(request.shot)
         analysis = job.analysis
-        return anchors.answer(analysis.scene, job.folder, request, analysis.objects, analysis.pivot)
+        return anchors.answer_anchor(analysis.scene, job.folder, request, analysis.objects, analysis.pivot)
 
     def _render(self, number: int, name: str, samples: int) -> bpy.types.Scene:
         scene, args = self.shot_list.show(number).analysis.scene, self.args

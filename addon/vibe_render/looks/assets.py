@@ -268,7 +268,7 @@ def _grade(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
 
 def _fog(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
     """The material of the fog box, for any box."""
-    box = owned.find(analysis.scene.objects, owned.FOG)
+    box = owned.find_owned(analysis.scene.objects, owned.FOG)
     if box is not None and not box.hide_render:
         crate.mark(crate.keep("materials", box.data.materials[0].copy(), "Fog"), "Fogs", words)
 

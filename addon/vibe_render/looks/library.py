@@ -72,7 +72,7 @@ class Look:
         return all(word in text for word in words.casefold().split())
 
 
-def folder(create: bool = False) -> Path:
+def preset_folder(create: bool = False) -> Path:
     """The folder of the artist's own presets.
 
     Args:
@@ -81,20 +81,20 @@ def folder(create: bool = False) -> Path:
     return own_folder("presets", create)
 
 
-def looks(words: str = "") -> list[Look]:
+def all_looks(words: str = "") -> list[Look]:
     """The artist's own presets by name, then the shipped ones.
 
     Args:
         words: Only those that match; see `Look.matches`.
     """
     all_looks: list[Look] = []
-    for place in (folder(), SHIPPED):
+    for place in (preset_folder(), SHIPPED):
         theirs = [_read(path, *_stamp(path)) for path in place.glob("[!.]*.json")]
         all_looks += sorted(theirs, key=lambda look: (look.name.casefold(), look.path.name))
     return [look for look in all_looks if look.matches(words)]
 
 
-def named(preset_: str) -> preset.Preset:
+def preset_named(preset_: str) -> preset.Preset:
     """The preset that the command line names.
 
     Args:
@@ -106,10 +106,10 @@ def named(preset_: str) -> preset.Preset:
     path = Path(preset_).expanduser()
     if path.suffix == ".json" or path.is_file():
         return transfer.load_preset(path)
-    return transfer.load_preset(find(preset_).path)
+    return transfer.load_preset(find_preset(preset_).path)
 
 
-def find(name: str) -> Look:
+def find_preset(name: str) -> Look:
     """The preset of a name.
 
     Args:
@@ -118,7 +118,7 @@ def find(name: str) -> Look:
     Raises:
         VibeError: There is none, or more than one.
     """
-    library, wanted = looks(), name.casefold().strip()
+    library, wanted = all_looks(), name.casefold().strip()
     for same in (
         lambda look: look.name.casefold() == wanted,
         lambda look: look.name.casefold().startswith(wanted),
@@ -130,13 +130,13 @@ def find(name: str) -> Look:
     raise schema.VibeError(f"There is no preset {name!r}.", f"Name a file, or one of: {listed}.")
 
 
-def at(path: str) -> Look:
+def preset_at(path: str) -> Look:
     """The preset at a path of the library.
 
     Raises:
         VibeError: It is gone.
     """
-    for look in looks():
+    for look in all_looks():
         if str(look.path) == path:
             return look
     raise schema.VibeError("That preset is gone.", "Choose another.")
@@ -153,7 +153,7 @@ def path_for(place: Path, name: str) -> Path:
     return place / f"{words or 'look'}.json"
 
 
-def save(look: preset.Preset, picture: Path | None = None) -> Look:
+def save_preset(look: preset.Preset, picture: Path | None = None) -> Look:
     """Adds a preset to the artist's own.
 
     Args:
@@ -166,10 +166,10 @@ def save(look: preset.Preset, picture: Path | None = None) -> Look:
     Raises:
         VibeError: The folder cannot be written.
     """
-    return _write(folder(create=True), look, picture)
+    return _write(preset_folder(create=True), look, picture)
 
 
-def rename(look: Look, name: str) -> Look:
+def rename_preset(look: Look, name: str) -> Look:
     """Gives one of the artist's presets another name.
 
     Args:
@@ -189,11 +189,11 @@ def rename(look: Look, name: str) -> Look:
         raise schema.VibeError(look.problem, "Delete it, or correct the file.")
     renamed = _write(look.path.parent, replace(look.preset, name=name), look.picture, look.path)
     if renamed.path != look.path:
-        delete(look)
+        delete_preset(look)
     return renamed
 
 
-def delete(look: Look) -> None:
+def delete_preset(look: Look) -> None:
     """Deletes one of the artist's presets and its picture.
 
     Raises:
@@ -209,17 +209,17 @@ def delete(look: Look) -> None:
         ) from error
 
 
-def bring(path: Path) -> Look:
+def import_preset(path: Path) -> Look:
     """Copies a preset file into the artist's own presets.
 
     Raises:
         VibeError: The file is no preset, or the folder cannot be written.
     """
     look = transfer.load_preset(path)
-    return save(replace(look, name=look.name or preset.title(path.stem)), path.with_suffix(PICTURE))
+    return save_preset(replace(look, name=look.name or preset.title(path.stem)), path.with_suffix(PICTURE))
 
 
-def export(look: Look, path: Path) -> None:
+def export_preset(look: Look, path: Path) -> None:
     """Writes a preset, and its picture beside it.
 
     Args:

@@ -22,7 +22,7 @@ from ..scene.copies import copied_scene
 from . import final_render
 
 
-def answer(
+def answer_anchor(
     scene: Scene, folder: Path, request: messages.Anchor, subject: Sequence[Object], pivot: Sequence[float]
 ) -> messages.Anchored:
     """Renders the anchor that the engine requests; a failure becomes its answer and does not end the vibe."""

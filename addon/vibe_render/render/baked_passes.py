@@ -65,7 +65,7 @@ class BakedPicture:
     mean: np.ndarray
 
 
-def measure(
+def bake_passes(
     scene: bpy.types.Scene, wanted: Sequence[PassRequest], plane: CapturePlane | None = None
 ) -> dict[tuple[str, str], BakedPicture]:
     """Bakes computed inputs with one render.

@@ -16,7 +16,7 @@ from ..core.schema_import import schema
 _NAME = "reference"
 
 
-def name(settings: Any) -> str:
+def picture_name(settings: Any) -> str:
     """What the picture is called; "" if none is given."""
     if settings.like_from == "FILE":
         return Path(settings.like.replace("\\", "/")).name
@@ -25,22 +25,22 @@ def name(settings: Any) -> str:
     return f"render slot {settings.like_slot}" if settings.like_from == "SLOT" else ""
 
 
-def wanted(prompt: str, like: str) -> str:
+def request_title(prompt: str, like: str) -> str:
     """What was asked for, as panels show it: the words in quotation marks, and the picture's name."""
     parts = [f"“{prompt}”" if prompt else "", f"like {like}" if like else ""]
     return " ".join(filter(None, parts))
 
 
-def obstacle(settings: Any) -> str:
+def picture_obstacle(settings: Any) -> str:
     """Why the picture that is chosen cannot be used; "" if it can, or there is none."""
     if settings.like_from == "FILE" and settings.like and not Path(_absolute(settings.like)).is_file():
-        return f"There is no picture {name(settings)}"
+        return f"There is no picture {picture_name(settings)}"
     if settings.like_from == "SLOT" and _render_result() is None:
         return "Nothing has been rendered yet"
     return ""
 
 
-def file(scene: bpy.types.Scene, folder: Path) -> str:
+def picture_path(scene: bpy.types.Scene, folder: Path) -> str:
     """The path of the picture; what is not a file of its own is saved into the folder first.
 
     Returns:
@@ -50,9 +50,9 @@ def file(scene: bpy.types.Scene, folder: Path) -> str:
         VibeError: It is missing, or has no pixels.
     """
     settings = scene.vibe
-    if not name(settings):
+    if not picture_name(settings):
         return ""
-    if reason := obstacle(settings):
+    if reason := picture_obstacle(settings):
         raise schema.VibeError(f"{reason}.", "Choose another one, or give words only.")
     if settings.like_from == "FILE":
         return _absolute(settings.like)

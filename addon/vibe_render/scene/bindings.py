@@ -102,7 +102,7 @@ BINDINGS: tuple[ParameterBinding, ...] = (
     _row("material/ior",            at.shader("IOR")),
     _row("material/specular",       at.shader("Specular IOR Level")),
     _row("material/specular_tint",  at.shader("Specular Tint"),         COLOR),
-    _row("material/coat",           at.coat),
+    _row("material/coat",           at.coat_weight),
     _row("material/coat_roughness", at.coat_roughness),
     _row("material/sheen",          at.shader("Sheen Weight")),
     _row("material/transmission",   at.shader("Transmission Weight")),
@@ -163,10 +163,10 @@ def instances(
         everything: Whether materials that the camera does not see count too.
     """
     context = scene_context.SceneContext(scene, tuple(subject), Vector(pivot), everything)
-    lengths = scene_context.references(context)
+    lengths = scene_context.scene_lengths(context)
     by_key = {}
     for row, owner, slot in _slots(context, groups):
-        reference = {"": 1.0, **lengths, **owner.references}[row.parameter.reference]
+        reference = {"": 1.0, **lengths, **owner.lengths}[row.parameter.reference]
         value = row.codec.decode(slot.get())
         instance = schema.Instance(row.parameter, owner.name, value, reference, owner.role, slot.locked)
         by_key[instance.key] = instance
@@ -175,7 +175,7 @@ def instances(
 
 def references(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, float]:
     """The scene-wide lengths that bounds are multiples of (names in schema.REFERENCES), meters."""
-    return scene_context.references(scene_context.SceneContext(scene, tuple(subject), Vector(pivot)))
+    return scene_context.scene_lengths(scene_context.SceneContext(scene, tuple(subject), Vector(pivot)))
 
 
 def read(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, schema.Values]:

@@ -127,7 +127,7 @@ def shader(name: str) -> Locator:
     return locate
 
 
-def coat(context: SceneContext, material: Material) -> ValueSlot | None:
+def coat_weight(context: SceneContext, material: Material) -> ValueSlot | None:
     """How strong a coat is: the input of the shader, or the color of a glossy one that lies over a metal."""
     return shader("Coat Weight")(context, material) or layers.lacquer_weight(material)
 
@@ -231,7 +231,7 @@ def volume(name: str) -> Locator:
     def locate(context: SceneContext, scene: Scene) -> ValueSlot | None:
         node = trails.world_volume(scene.world) if scene.world else None
         if node is None:
-            return fog.slot(context, name)
+            return fog.fog_slot(context, name)
         if name not in node.node.inputs:
             return None
         return inputs.input_slot(lambda: _world_volume(scene, name))
@@ -258,6 +258,6 @@ def graded(name: str) -> Locator:
     """An input of the owned compositor group."""
 
     def locate(context: SceneContext, scene: Scene) -> LazySlot | None:
-        return grade.slot(scene, name)
+        return grade.grade_slot(scene, name)
 
     return locate

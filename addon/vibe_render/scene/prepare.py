@@ -67,7 +67,7 @@ def _add_world(journal: Journal, scene: Scene) -> str:
     if scene.world is None:
         world = journal.new("worlds", "Vibe World")
         compat.enable_nodes(world)
-        owned.mark(world, "Vibe World")
+        owned.mark_owned(world, "Vibe World")
         journal.set(scene, "world", world)
         return "a world"
     if sum(other.world == scene.world for other in bpy.data.scenes) > 1:
@@ -82,7 +82,7 @@ def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> st
     data = journal.new("cameras", "Vibe Camera")
     camera = journal.new("objects", "Vibe Camera", data)
     for block in (data, camera):
-        owned.mark(block, "Vibe Camera")
+        owned.mark_owned(block, "Vibe Camera")
     distance = 1.2 * (high - low).length / 2.0 / tan(data.angle / 2.0) * _portrait(scene)
     data.clip_end = max(data.clip_end, 10.0 * distance)
     data.clip_start = min(data.clip_start, 0.01 * distance)
@@ -125,7 +125,7 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     data = journal.new("lights", name, what.type)
     light = journal.new("objects", name, data)
     for block in (data, light):
-        owned.mark(block, name)
+        owned.mark_owned(block, name)
     pivot = (low + high) / 2.0
     front = schema.orbit.angles(scene.camera.matrix_world.translation - pivot)[0] if scene.camera else 0.0
     toward = Vector(schema.orbit.direction(front + azimuth, elevation))
@@ -162,7 +162,7 @@ def _add_card(journal: Journal, light: Object, pattern: str, size: float) -> Obj
     )
     card = journal.new("objects", lights.CARD, mesh)
     for block in (mesh, card):
-        owned.mark(block, lights.CARD)
+        owned.mark_owned(block, lights.CARD)
     card.parent = light
     card.location = (0.0, 0.0, lights.CARD_AWAY * size)
     for ray in ("camera", "diffuse", "glossy", "transmission", "volume_scatter"):
@@ -173,10 +173,10 @@ def _add_card(journal: Journal, light: Object, pattern: str, size: float) -> Obj
 def _light_collection(journal: Journal, scene: Scene) -> bpy.types.Collection:
     """The collection of our lights in a scene."""
     name = schema.added_lights.COLLECTION
-    found = owned.find(scene.collection.children, name)
+    found = owned.find_owned(scene.collection.children, name)
     if found is None:
         found = journal.new("collections", name)
-        owned.mark(found, name)
+        owned.mark_owned(found, name)
         scene.collection.children.link(found)
     return found
 
@@ -222,7 +222,7 @@ def _add_material(journal: Journal, obj: Object) -> str:
         return ""
     material = journal.new("materials", f"Vibe {obj.name}")
     compat.enable_nodes(material)
-    owned.mark(material, "material")
+    owned.mark_owned(material, "material")
     if obj.material_slots:
         journal.set(obj.material_slots[0], "material", material)
     else:
@@ -234,7 +234,9 @@ def _light_of_surfaces(depsgraph: bpy.types.Depsgraph, objects: Iterable[Object]
     """Radiance of a white surface at a place that faces all that glows, as if nothing stood in the way."""
     total = 0.0
     for obj in objects:
-        strengths = [layers.radiance(slot.material) if slot.material else 0.0 for slot in obj.material_slots]
+        strengths = [
+            layers.emitted_radiance(slot.material) if slot.material else 0.0 for slot in obj.material_slots
+        ]
         if any(strengths):
             evaluated = obj.evaluated_get(depsgraph)
             if mesh := evaluated.to_mesh():

@@ -28,13 +28,13 @@ class Owner:
         name: Its name in keys; "" for what a scene has one of.
         thing: Its data-block.
         role: "subject" or "surroundings" for materials; "key", "fill" or "rim" for lights.
-        references: Its own lengths, by the names of the schema's REFERENCES.
+        lengths: Its own lengths, by the names of the schema's REFERENCES.
     """
 
     name: str
     thing: Any
     role: str = ""
-    references: dict[str, float] = field(default_factory=dict)
+    lengths: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ def depsgraph(scene: Scene) -> bpy.types.Depsgraph:
 
 def lights(scene: Scene) -> list[Object]:
     """The lights that a render sees, by name; those whose place is not a number light nothing."""
-    objects = [o for o in scene.objects if o.type == "LIGHT" and visible(scene, o) and placed(o)]
+    objects = [o for o in scene.objects if o.type == "LIGHT" and visible(scene, o) and has_finite_place(o)]
     return sorted(objects, key=lambda o: o.name_full)
 
 
@@ -118,7 +118,7 @@ def instanced_lights(scene: Scene) -> list[tuple[Object, Matrix]]:
     return found
 
 
-def placed(obj: Object) -> bool:
+def has_finite_place(obj: Object) -> bool:
     """Whether an object's place is finite; broken drivers and constraints leave it otherwise."""
     return all(math.isfinite(v) for row in obj.matrix_world for v in row)
 
@@ -139,7 +139,7 @@ def materials(scene: Scene, subject: Sequence[Object], everything: bool = False)
     chosen, to_clip = set(subject), None if everything else frustum(scene)
     roles: dict[Material, str] = {}
     used: dict[tuple[int, int], list[Material]] = {}
-    glow = functools.cache(layers.radiance)
+    glow = functools.cache(layers.emitted_radiance)
     for item in graph.object_instances:
         if item.object.type not in GEOMETRY or not item.show_self:
             continue
@@ -199,7 +199,7 @@ def bounds(scene: Scene, objects: Iterable[Object]) -> tuple[Vector, Vector]:
     return Vector(map(min, zip(*corners, strict=True))), Vector(map(max, zip(*corners, strict=True)))
 
 
-def references(context: SceneContext) -> dict[str, float]:
+def scene_lengths(context: SceneContext) -> dict[str, float]:
     """The scene-wide lengths that the schema's bounds are multiples of (see schema.REFERENCES)."""
     low, high = bounds(context.scene, context.subject or meshes(context.scene))
     height = max(high.z - low.z, 1e-3)
@@ -221,7 +221,7 @@ def owners(context: SceneContext, group: str) -> list[Owner]:
         return [Owner("", scene.camera)] if scene.camera and scene.camera.type == "CAMERA" else []
     if group == "light":
         roles, far = light_roles(context), _only_instanced(context)
-        lengths = {o: far.get(o) or light_distance(o, context.pivot) for o in roles}
+        lengths = {o: far.get(o) or distance_to_light(o, context.pivot) for o in roles}
         return [Owner(o.name_full, o, roles[o], _light_lengths(lengths[o])) for o in roles]
     if group == "material":
         return [
@@ -233,7 +233,7 @@ def owners(context: SceneContext, group: str) -> list[Owner]:
     return [Owner("", scene)]
 
 
-def light_distance(obj: Object, pivot: Vector) -> float:
+def distance_to_light(obj: Object, pivot: Vector) -> float:
     """From a light to the pivot, meters; never 0."""
     return max((obj.matrix_world.translation - pivot).length, 1e-3)
 
@@ -268,7 +268,7 @@ def light_roles(context: SceneContext) -> dict[Object, str]:
     objects += far
     front = [o for o in objects if o not in rims] or objects
     key = max(
-        front, key=lambda o: _brightness(o, far.get(o) or light_distance(o, context.pivot)), default=None
+        front, key=lambda o: _brightness(o, far.get(o) or distance_to_light(o, context.pivot)), default=None
     )
     return {o: "key" if o is key else "rim" if o in rims else "fill" for o in objects}
 

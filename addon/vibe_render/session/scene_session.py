@@ -145,7 +145,7 @@ class SceneSession(SessionStatus):
             scene = self._find_scene()
             with self._without_look(scene):
                 job = reading.export_captured(scene, self._job, self._choice, visible_scene)
-        self._options = replace(self._options, like=reference.file(self._find_scene(), self._job))
+        self._options = replace(self._options, like=reference.picture_path(self._find_scene(), self._job))
         self._subject = [obj.name_full for obj in job.analysis.objects]
         self._pivot = job.analysis.pivot
         self.warnings, self.view_notes = job.warnings, job.view_notes

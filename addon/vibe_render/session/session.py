@@ -46,7 +46,7 @@ class Session(SceneSession):
     def __init__(self, context: bpy.types.Context, engine: Engine, ask: bool = False) -> None:
         super().__init__(context, engine)
         settings = context.scene.vibe
-        self.prompt, self.like = settings.prompt.strip(), reference.name(settings)
+        self.prompt, self.like = settings.prompt.strip(), reference.picture_name(settings)
         self.shared = settings.shared if ask or settings.shared != "ASK" else "ALL"
         self.question: dict[str, list[str]] = {}
         self._vibed = False  # whether an earlier vibe is in the scene
@@ -57,7 +57,7 @@ class Session(SceneSession):
     @property
     def wanted(self) -> str:
         """What was asked for, as panels show it."""
-        return reference.wanted(self.prompt, self.like)
+        return reference.request_title(self.prompt, self.like)
 
     def advance(self) -> bool:
         """Does the next step.
@@ -174,7 +174,7 @@ class Session(SceneSession):
         yield self.stage
         scene = self._find_scene()
         with self._without_look(scene):
-            answer = anchors.answer(scene, self._job, request, self.subject(scene), self._pivot)
+            answer = anchors.answer_anchor(scene, self._job, request, self.subject(scene), self._pivot)
         self._engine.send(answer)
         self._last_word_at = time.monotonic()
         if not self._stopping:

@@ -20,9 +20,9 @@ def obstacle(context: bpy.types.Context) -> str:
         return "A vibe is on its way"
     if reason := untouchable(context):
         return reason
-    if reason := reference.obstacle(scene.vibe):
+    if reason := reference.picture_obstacle(scene.vibe):
         return reason
-    if not scene.vibe.prompt.strip() and not reference.name(scene.vibe):
+    if not scene.vibe.prompt.strip() and not reference.picture_name(scene.vibe):
         return "Describe a mood first"
     if not any(obj.type in GEOMETRY for obj in scene.objects):
         return "The scene has no mesh"

@@ -203,7 +203,7 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         chosen |= {"groups": self.groups(), "lock": [*patterns, *self.locks.keys()]}
         chosen |= {"target": self.told()}
         chosen |= {"like": "", "like_only": ()}  # whoever reads the scene saves the picture, and knows where
-        if picture := reference.name(self):
+        if picture := reference.picture_name(self):
             chosen |= {"like": picture, "like_only": self.traits()}
         return messages.Options.from_dict(chosen | {"online": preferences.online()})
 

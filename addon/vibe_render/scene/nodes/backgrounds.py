@@ -15,7 +15,14 @@ from ...core.value_slots import LazySlot, PropertySlot, ValueSlot
 from . import owned, trails
 from .inputs import artists_origin
 from .layers import Layer, MixSide, behind
-from .trails import NodeEntry, NodeInGroups, active_links, asks_for_rays, first_background, resolve
+from .trails import (
+    NodeEntry,
+    NodeInGroups,
+    active_links,
+    depends_on_rays,
+    first_background,
+    resolve,
+)
 
 LIGHT, BACKDROP = "light", "backdrop"
 
@@ -75,7 +82,7 @@ def _is_mix(layer: Layer) -> bool:
     """Whether a Background is more than a color and a strength."""
     color, strength = layer.shader.entry("Color"), layer.shader.entry("Strength")
     computed = strength is not None and artists_origin(strength).source is not None
-    return computed or (color is not None and asks_for_rays(color)) or any(map(_weighs, layer.sides))
+    return computed or (color is not None and depends_on_rays(color)) or any(map(_weighs, layer.sides))
 
 
 def _world_layers(world: World) -> list[Layer]:
@@ -136,7 +143,7 @@ class EnvironmentTurnSlot:
 
 def rotation_slot(background: trails.NodeInGroups) -> ValueSlot | None:
     """The turn of the environment texture that a background comes from; None without one."""
-    texture = trails.environment(background.node.inputs["Color"])
+    texture = trails.environment_texture(background.node.inputs["Color"])
     if not texture:
         return None
     vector = texture.node.inputs["Vector"]

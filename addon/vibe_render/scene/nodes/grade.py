@@ -37,7 +37,7 @@ BLOOM = {"Highlights Threshold": 1.0, "Highlights Smoothness": 0.1, "Saturation"
 """The Glare node's settings, by socket identifier."""
 
 
-def slot(scene: Scene, name: str) -> LazySlot | None:
+def grade_slot(scene: Scene, name: str) -> LazySlot | None:
     """An input of the scene's grade; None on a Blender that cannot have one (before 4.5)."""
     if not compat.HAS_IMAGE_COORDINATES:
         return None
@@ -48,7 +48,7 @@ def slot(scene: Scene, name: str) -> LazySlot | None:
         return socket_slot(nodes[0].inputs[name]) if nodes else None
 
     def make(journal: Journal) -> ValueSlot:
-        chain(journal, scene)
+        insert_grade(journal, scene)
         node_slot = find()
         assert node_slot
         return node_slot
@@ -72,7 +72,7 @@ def _lock(tree: NodeTree | None) -> str:
     return "no picture reaches the output of the compositor" if cut_off(tree) else ""
 
 
-def chain(journal: Journal, scene: Scene) -> Node:
+def insert_grade(journal: Journal, scene: Scene) -> Node:
     """Puts the grade before the output; makes the compositing of a scene that has none."""
     tree = compat.compositor(scene)
     if tree is None:
@@ -86,14 +86,14 @@ def chain(journal: Journal, scene: Scene) -> Node:
 
 
 def _group(journal: Journal) -> NodeTree:
-    tree, new = owned.group(journal, NAME, "CompositorNodeTree")
+    tree, new = owned.owned_group(journal, NAME, "CompositorNodeTree")
     if new:
-        owned.socket(tree, "Image", "NodeSocketColor", (0.0, 0.0, 0.0, 1.0))
+        owned.group_input(tree, "Image", "NodeSocketColor", (0.0, 0.0, 0.0, 1.0))
         for name, (identity, *ends) in _INPUTS.items():
             if ends:
-                owned.socket(tree, name, "NodeSocketFloat", identity, *ends)
+                owned.group_input(tree, name, "NodeSocketFloat", identity, *ends)
             else:
-                owned.socket(tree, name, "NodeSocketColor", (*identity, 1.0))
+                owned.group_input(tree, name, "NodeSocketColor", (*identity, 1.0))
         tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
         _fill(tree)
     return tree

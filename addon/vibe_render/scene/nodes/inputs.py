@@ -156,7 +156,7 @@ class Inset:
         """Puts it before all inputs that mean the same; what else gets the value keeps it as it is."""
         socket = origin.socket
         targets = origin.targets or (socket,)
-        tree, new = owned.group(journal, self.name, "ShaderNodeTree")
+        tree, new = owned.owned_group(journal, self.name, "ShaderNodeTree")
         if new:
             self.fill(tree)
         node = owned.group_node(journal, socket.id_data, tree, targets[0].node)
@@ -194,9 +194,9 @@ def artists_origin(entry: NodeEntry) -> ValueOrigin:
 
 
 def _fill_tint(tree: NodeTree) -> None:
-    owned.socket(tree, "Color", "NodeSocketColor", (0.8, 0.8, 0.8, 1.0))
-    owned.socket(tree, "Tint", "NodeSocketColor", (1.0, 1.0, 1.0, 1.0))
-    owned.socket(tree, "Recolor", "NodeSocketFloat", 0.0, 0.0, 1.0)
+    owned.group_input(tree, "Color", "NodeSocketColor", (0.8, 0.8, 0.8, 1.0))
+    owned.group_input(tree, "Tint", "NodeSocketColor", (1.0, 1.0, 1.0, 1.0))
+    owned.group_input(tree, "Recolor", "NodeSocketFloat", 0.0, 0.0, 1.0)
     tree.interface.new_socket("Color", in_out="OUTPUT", socket_type="NodeSocketColor")
     build = owned.Builder(tree)
     color, tint, recolor = build.inputs("Color", "Tint", "Recolor")
@@ -209,8 +209,8 @@ TINT = Inset("Vibe Tint", {"Tint": (1.0, 1.0, 1.0), "Recolor": 0.0}, _fill_tint)
 
 
 def _fill_factor(tree: NodeTree) -> None:
-    owned.socket(tree, "Strength", "NodeSocketFloat", 1.0)
-    owned.socket(tree, "Factor", "NodeSocketFloat", 1.0, 0.0, 1000.0)
+    owned.group_input(tree, "Strength", "NodeSocketFloat", 1.0)
+    owned.group_input(tree, "Factor", "NodeSocketFloat", 1.0, 0.0, 1000.0)
     tree.interface.new_socket("Strength", in_out="OUTPUT", socket_type="NodeSocketFloat")
     build = owned.Builder(tree)
     build.output(build.math("MULTIPLY", *build.inputs("Strength", "Factor")))

@@ -14,7 +14,7 @@ from ...core import compat
 from ...core.journal import Journal
 from ...core.value_slots import ValueSlot, same
 from . import inputs
-from .trails import ALIASES, NodeEntry, NodeInGroups, active_links, giver, resolve
+from .trails import ALIASES, NodeEntry, NodeInGroups, active_links, resolve, source_output
 
 TRANSPARENT = "ShaderNodeBsdfTransparent"
 _BACKGROUND = "ShaderNodeBackground"
@@ -124,7 +124,7 @@ def behind(
         inside: The group nodes that lead to it.
         sides: The sides of the Mix Shaders that lead to it.
     """
-    given = giver(socket, inside)
+    given = source_output(socket, inside)
     if given is None:
         return
     node, inside = given[0].node, given[1]
@@ -266,7 +266,7 @@ def _lacquer_entry(material: Material, name: str) -> NodeEntry | None:
     return coat.shader.entry(name) if coat else None
 
 
-def radiance(material: Material) -> float:
+def emitted_radiance(material: Material) -> float:
     """About the radiance that a material's surface emits, its strongest component; 0 if it does not."""
     return sum(layer.share * _emitted(layer.shader) for layer in layers(material))
 

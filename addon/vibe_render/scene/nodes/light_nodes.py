@@ -6,7 +6,7 @@ from __future__ import annotations
 from bpy.types import Light, Node, NodeSocket
 
 from ...core import compat
-from .trails import NodeEntry, ValueOrigin, giver, resolve
+from .trails import NodeEntry, ValueOrigin, resolve, source_output
 
 
 def kelvin(light: Light) -> NodeEntry | None:
@@ -78,5 +78,5 @@ def _emission(light: Light) -> tuple[NodeSocket, tuple[Node, ...]] | None:
     """The output of the Emission node of a light, and the groups around it."""
     tree = compat.node_tree(light)
     output: Node | None = tree.get_output_node("CYCLES") if tree else None
-    given = giver(output.inputs["Surface"], ()) if output else None
+    given = source_output(output.inputs["Surface"], ()) if output else None
     return given if given and given[0].node.bl_idname == "ShaderNodeEmission" else None

@@ -28,27 +28,27 @@ def is_unseen(obj: Object) -> bool:
     return obj.get(MARK) in (FOG, CARD)
 
 
-def mark(block: Any, role: str) -> None:
+def mark_owned(block: Any, role: str) -> None:
     """Marks a data-block as ours."""
     block[MARK] = role
 
 
-def find(blocks: Iterable[ID], role: str) -> Any:
+def find_owned(blocks: Iterable[ID], role: str) -> Any:
     """The data-block that we have made for a role; None if there is none."""
     return next((b for b in blocks if b.get(MARK) == role and b.library is None), None)
 
 
-def group(journal: Journal, name: str, kind: str) -> tuple[NodeTree, bool]:
+def owned_group(journal: Journal, name: str, kind: str) -> tuple[NodeTree, bool]:
     """Our node group of a name, and whether it is new and to be filled."""
-    tree = find(bpy.data.node_groups, name)
+    tree = find_owned(bpy.data.node_groups, name)
     if tree is not None:
         return tree, False
     tree = journal.new("node_groups", name, kind)
-    mark(tree, name)
+    mark_owned(tree, name)
     return tree, True
 
 
-def socket(
+def group_input(
     tree: NodeTree, name: str, kind: str, default: Any, low: float | None = None, high: float | None = None
 ) -> None:
     """Declares a group's input, with the bounds that its slider has."""

@@ -110,22 +110,22 @@ def _ends(socket: NodeSocket, inside: tuple[Node, ...]) -> Iterator[NodeSocket]:
             yield from _ends(link.to_socket, where)
 
 
-def giver(socket: NodeSocket, inside: tuple[Node, ...]) -> tuple[NodeSocket, tuple[Node, ...]] | None:
+def source_output(socket: NodeSocket, inside: tuple[Node, ...]) -> tuple[NodeSocket, tuple[Node, ...]] | None:
     """The output that an input gets its value from, and the groups around it; reroutes and groups are seen through."""
     for link in active_links(socket)[:1]:
         source = link.from_socket
         node = source.node
         if node.type == "REROUTE":
-            return giver(node.inputs[0], inside)
+            return source_output(node.inputs[0], inside)
         if node.mute:
             through = [each.from_socket for each in node.internal_links if each.to_socket == source]
-            return giver(through[0], inside) if through else None
+            return source_output(through[0], inside) if through else None
         if node.type == "GROUP" and node.node_tree:
             entry = same_socket(group_output(node), source)
-            return giver(entry, (*inside, node)) if entry else None
+            return source_output(entry, (*inside, node)) if entry else None
         if node.type == "GROUP_INPUT":
             outer = same_socket(inside[-1].inputs, source) if inside else None
-            return giver(outer, inside[:-1]) if outer else None
+            return source_output(outer, inside[:-1]) if outer else None
         return source, inside
     return None
 
@@ -206,12 +206,12 @@ def world_volume(world: World) -> NodeInGroups | None:
     return _from_output(compat.node_tree(world), "Volume", kinds)
 
 
-def environment(color: NodeSocket) -> NodeInGroups | None:
+def environment_texture(color: NodeSocket) -> NodeInGroups | None:
     """The environment texture that a background's color comes from."""
     return _search(color, (), ("ShaderNodeTexEnvironment",))
 
 
-def asks_for_rays(color: NodeEntry) -> bool:
+def depends_on_rays(color: NodeEntry) -> bool:
     """Whether a color is another for the camera than for other rays."""
     return _search(color.socket, color.inside, ("ShaderNodeLightPath",)) is not None
 

@@ -98,7 +98,7 @@ class PresetOperator(IdleOperator):
 
     def look(self, context: bpy.types.Context) -> library.Look:
         """The preset; raises a VibeError if it is gone."""
-        return library.at(self.path or context.window_manager.vibe_presets.chosen)
+        return library.preset_at(self.path or context.window_manager.vibe_presets.chosen)
 
 
 class OwnPresetOperator(PresetOperator):

@@ -42,7 +42,7 @@ class VIBE_OT_preset_choose(bpy.types.Operator):
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         """What was typed for it, as a tool tip."""
         try:
-            look = library.at(properties.path)
+            look = library.preset_at(properties.path)
         except schema.VibeError as error:
             return str(error)
         return look.problem or (f"“{look.prompt}”" if look.prompt else look.name)
@@ -109,7 +109,7 @@ class VIBE_OT_preset_save(NameDialog, LookOperator):
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             picture = Path(folder) / f"picture{thumbnail.SUFFIX}"
             thumbnail.render_thumbnail(scene, picture)
-            saved = library.save(look, picture)
+            saved = library.save_preset(look, picture)
         context.window_manager.vibe_presets.chosen = str(saved.path)
         return f"Saved as {saved.name}"
 
@@ -131,7 +131,7 @@ class VIBE_OT_preset_rename(NameDialog, OwnPresetOperator):
 
     def act(self, context: bpy.types.Context) -> str:
         """Renames it."""
-        renamed = library.rename(self.look(context), self.name)
+        renamed = library.rename_preset(self.look(context), self.name)
         context.window_manager.vibe_presets.chosen = str(renamed.path)
         return f"Renamed to {renamed.name}"
 
@@ -157,7 +157,7 @@ class VIBE_OT_preset_delete(OwnPresetOperator):
     def act(self, context: bpy.types.Context) -> str:
         """Deletes it."""
         look = self.look(context)
-        library.delete(look)
+        library.delete_preset(look)
         context.window_manager.vibe_presets.chosen = ""
         return f"{look.name} is deleted"
 
@@ -187,7 +187,7 @@ class VIBE_OT_preset_import(IdleOperator, FileDialog, ImportHelper):
         brought, wrong = [], []
         for path in paths:
             try:
-                brought.append(library.bring(path))
+                brought.append(library.import_preset(path))
             except schema.VibeError as error:
                 wrong.append((path.name, error))
         bad = "Left out: " + "; ".join(f"{name} ({error.message.rstrip('.')})" for name, error in wrong)
@@ -221,7 +221,7 @@ class VIBE_OT_preset_export(PresetOperator, ExportDialog):
 
     def act(self, context: bpy.types.Context) -> str:
         """Writes it."""
-        library.export(self.look(context), Path(self.filepath))
+        library.export_preset(self.look(context), Path(self.filepath))
         return f"Written: {self.filepath}"
 
 

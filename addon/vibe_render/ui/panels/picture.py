@@ -32,7 +32,7 @@ class PicturePanel:
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         """What is given."""
-        if given := reference.name(context.scene.vibe):
+        if given := reference.picture_name(context.scene.vibe):
             self.layout.label(text=f"{given} " if len(given) < 24 else f"{given[:22]}… ")  # type: ignore[attr-defined]
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -52,9 +52,9 @@ class PicturePanel:
             column.prop(settings, "like_slot")
         if settings.like_from == "IMAGE" and compat.HAS_CLIPBOARD_PICTURES:
             column.operator("vibe.paste_picture", icon="PASTEDOWN")
-        if not reference.name(settings):
+        if not reference.picture_name(settings):
             return
-        if reason := reference.obstacle(settings):
+        if reason := reference.picture_obstacle(settings):
             paragraph(layout, context, reason, "ERROR", faint=True)
             return
         if shown := _icon(settings, layout):

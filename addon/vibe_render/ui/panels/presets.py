@@ -42,7 +42,7 @@ class VIBE_MT_presets(bpy.types.Menu):
         layout = self.layout
         layout.operator_context = "INVOKE_DEFAULT"
         layout.operator("vibe.preset_import", text="Import…", icon="IMPORT")
-        if (folder := library.folder()).is_dir():
+        if (folder := library.preset_folder()).is_dir():
             layout.operator("wm.path_open", text="Open Folder", icon="FILE_FOLDER").filepath = str(folder)
         layout.separator()
         layout.operator("vibe.export_assets", text="Export Look as Assets…", icon="ASSET_MANAGER")
@@ -85,7 +85,7 @@ class VIBE_PT_preset_grid(bpy.types.Panel):
         """Draws the panel."""
         layout, window_state = self.layout, context.window_manager.vibe_presets
         layout.prop(window_state, "search", text="", icon="VIEWZOOM", placeholder="Search names and prompts")
-        shown = library.looks(window_state.search)
+        shown = library.all_looks(window_state.search)
         grid = layout.grid_flow(row_major=True, columns=_COLUMNS, even_columns=True, even_rows=True)
         for look in shown:
             cell = grid.column(align=True)
@@ -112,7 +112,7 @@ def _draw_faint(layout: bpy.types.UILayout, text: str) -> None:
 
 def _chosen(context: bpy.types.Context) -> library.Look | None:
     path = context.window_manager.vibe_presets.chosen
-    return next((look for look in library.looks() if str(look.path) == path), None) if path else None
+    return next((look for look in library.all_looks() if str(look.path) == path), None) if path else None
 
 
 def _draw_chosen(

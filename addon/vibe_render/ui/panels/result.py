@@ -40,7 +40,7 @@ class ResultPanel:
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the panel."""
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
-        if not (wanted := reference.wanted(settings.vibed_prompt, settings.vibed_like)):
+        if not (wanted := reference.request_title(settings.vibed_prompt, settings.vibed_like)):
             paragraph(layout, context, "A vibe has been in this scene; Revert takes away what is left of it.")
         else:  # a label shows all of it, a field cuts
             paragraph(layout, context, wanted, faint=True)
