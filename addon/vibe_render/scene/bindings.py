@@ -24,12 +24,7 @@ from .nodes.backgrounds import BACKDROP
 
 @dataclass(frozen=True)
 class Codec:
-    """A pair of inverse functions.
-
-    Attributes:
-        decode: Blender's stored value to the schema's components.
-        encode: The schema's components to Blender's stored value.
-    """
+    """A pair of inverse functions between the value that Blender stores and the schema's components."""
 
     decode: Callable[[Any], schema.Values]
     encode: Callable[[schema.Values], Any]
@@ -51,13 +46,7 @@ LENS = Codec(
 
 @dataclass(frozen=True)
 class ParameterBinding:
-    """One row.
-
-    Attributes:
-        parameter: The schema's row.
-        locator: Finds the slot of the value for one owner.
-        codec: Between what is stored there and what the schema means.
-    """
+    """A row: the schema's parameter, the locator of its value slot, the codec of its value."""
 
     parameter: schema.Parameter
     locator: at.Locator
@@ -153,14 +142,13 @@ def instances(
     groups: Sequence[str] = schema.GROUPS,
     everything: bool = False,
 ) -> dict[str, schema.Instance]:
-    """Every parameter that the scene has, with its value, its role, and why it is locked if it is.
+    """Every parameter that the scene has, with its value, its role, and the reason if it is locked.
 
     Args:
-        scene: The scene; nothing in it is changed.
         subject: The objects that the picture is about.
         pivot: Center of their bounding box, world space: what cameras and lights orbit.
         groups: Of the schema: only parameters of these.
-        everything: Whether materials that the camera does not see count too.
+        everything: Include materials that the camera does not see.
     """
     context = scene_context.SceneContext(scene, tuple(subject), Vector(pivot), everything)
     lengths = scene_context.scene_lengths(context)
@@ -188,13 +176,11 @@ def write(
 ) -> dict[str, str]:
     """Writes values into the scene, recorded in its snapshot; a failure leaves the scene as it was.
 
+    Keys of one of our own lights (see `schema.added_lights`) that the scene lacks add it. Keys of a backdrop that is to
+    differ from the world give the world one.
+
     Args:
         values: Parameter key to components, in the schema's units.
-        subject: As for `instances`.
-        pivot: As for `instances`.
-
-    Keys of one of our own lights (see `schema.added_lights`) that is not there add it, and those of a backdrop that is to
-    differ from the world part the two.
 
     Returns:
         The keys that have been left alone, and why: locked, or nothing of that name in the scene.
@@ -233,15 +219,7 @@ def put(
     subject: Sequence[Object],
     pivot: Sequence[float],
 ) -> dict[str, str]:
-    """Writes values and leaves it to the caller to take them back or to keep the journal.
-
-    Args:
-        journal: Records them, also those before a failure.
-        scene: As for `write`.
-        values: As for `write`.
-        subject: As for `write`.
-        pivot: As for `write`.
-    """
+    """Writes values as `write` does, and leaves it to the caller to keep the journal or to undo it."""
     for key, value in values.items():
         _check(key, value)
     if any(key in backgrounds.WORLD_OF_BACKDROP for key in values):
@@ -264,15 +242,7 @@ def put(
 def add_lights(
     journal: Journal, scene: Scene, names: Collection[str], subject: Sequence[Object]
 ) -> list[Object]:
-    """Adds those of our lights that are named and missing from the scene.
-
-    Args:
-        names: Of `schema.added_lights.ADDED_LIGHTS`; others are passed over.
-        subject: What they are to light; without it, everything that a render sees.
-
-    Returns:
-        The lights that have been added.
-    """
+    """Adds those of `schema.added_lights.ADDED_LIGHTS` that are named and missing, to light the subject (or all there is)."""
     known = schema.added_lights.ADDED_LIGHTS
     missing = [name for name in known if name in names and name not in scene.objects]
     if not missing:

@@ -21,12 +21,10 @@ _COARSE_LIGHT = {"sampling_method": "MANUAL", "sample_map_resolution": 512}
 def copied_scene(scene: bpy.types.Scene, graded: bool = False, **render: Any) -> Iterator[bpy.types.Scene]:
     """A copy of the scene that shares its objects; removed after the block.
 
-    Output, passes and the picture of a render belong to a scene: those of the artist are left alone this way. The
-    sequencer, borders and stereo are off.
+    Its output, passes and render result are its own. Sequencer, borders and stereo are off.
 
     Args:
-        scene: The artist's; left as it is.
-        graded: Keep the compositor; its File Output nodes write nothing. Otherwise it is left out.
+        graded: Keep the compositor; its File Output nodes write nothing.
         **render: Settings of the copy's `render`.
     """
     with ExitStack() as stack:
@@ -51,7 +49,7 @@ def copied_scene(scene: bpy.types.Scene, graded: bool = False, **render: Any) ->
 
 
 def _is_computed(world: bpy.types.World) -> bool:
-    """Whether nodes without a picture give a world's light, and Cycles decides how finely it is sampled."""
+    """Whether nodes without a texture give a world's light, and Cycles decides how finely it is sampled."""
     tree = compat.node_tree(world)
     pictures = any(node.bl_idname == "ShaderNodeTexEnvironment" for node in tree.nodes) if tree else True
     return world.is_editable and not pictures and world.cycles.sampling_method == "AUTOMATIC"
@@ -63,15 +61,10 @@ _SMALL = 32  # pixels; Blender refuses fewer than 16
 
 
 def evaluate_render(scene: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], T]) -> T:
-    """Calls `read` with the dependency graph of a final render of the current frame.
+    """Calls `read` with the dependency graph of a final render of the current frame, and returns its result.
 
-    Nothing is rendered, nothing in the file changes.
-
-    Returns:
-        What `read` returned.
-
-    Raises:
-        Exception: Whatever `read` raised.
+    Render-level modifiers and render visibility count. Python can only ask for the viewport's version of a scene; a render
+    engine is handed the other one, so this registers one for a moment. Nothing is rendered, nothing in the file changes.
     """
     results: list[T] = []
     errors: list[Exception] = []

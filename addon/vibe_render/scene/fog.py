@@ -33,13 +33,7 @@ _IDENTITY = {
 
 @dataclass(frozen=True)
 class FogDomain:
-    """Where the fog is.
-
-    Attributes:
-        center: Of the box, world space.
-        half_size: Half the box's sides, meters.
-        base: Height of the subject's base, from which height fog is measured.
-    """
+    """The fog's box: its center (world space), half its sides in meters, and the height of the subject's base, where z is 0."""
 
     center: Vector
     half_size: Vector
@@ -61,18 +55,15 @@ def plan_fog_box(scene: Scene, shape: FogDomain) -> None:
 
 
 def planned_fog_box(scene: Scene) -> FogDomain | None:
-    """The box that `plan` has set; None without one."""
+    """The box that `plan_fog_box` has set; None without one."""
     return _PLANNED.get(scene.session_uid)
 
 
 def fog_domain(context: scene_context.SceneContext, eyes: Sequence[Vector] = ()) -> FogDomain:
     """The scene's box of fog, or the one that would be made.
 
-    It holds the camera, and as much of the visible scene as lies within four camera distances:
+    It holds the camera and other eyes, and as much of the visible scene as lies within four camera distances:
     beyond, fog would hide it, but a longer way through fog would put out the world's light.
-
-    Args:
-        eyes: Where other cameras stand that it is to hold.
     """
     box = find_fog(context.scene)
     if box is not None:

@@ -25,8 +25,7 @@ class LightExtent:
 
     Attributes:
         parameter: The schema's name of it.
-        to_angle: From a value per distance to the angle that the light fills, degrees.
-        from_angle: The inverse.
+        to_angle: From a value per distance to the angle that the light fills, degrees; `from_angle` is the inverse.
     """
 
     parameter: str
@@ -67,11 +66,7 @@ class LightType:
     has_position = True
 
     def offset(self, obj: Object, pivot: Vector, rotation: Matrix) -> Vector:
-        """A world-space vector from the pivot toward the origin of the light; it gives the orbit's angles.
-
-        Args:
-            rotation: The light's, 3x3.
-        """
+        """A world-space vector from the pivot toward the origin of the light; `rotation` is the light's, 3x3."""
         return obj.matrix_world.translation - pivot
 
     def extent_slot(self, light: Light, locked: str) -> ValueSlot:
@@ -160,11 +155,7 @@ LIGHT_TYPES: dict[str, LightType] = {each.name: each for each in _TYPES}
 
 
 def light_type(name: str) -> LightType:
-    """The type of that name.
-
-    Raises:
-        VibeError: There is none.
-    """
+    """The type of that name; a VibeError without one."""
     if name not in LIGHT_TYPES:
         raise schema.VibeError(
             f'Lights of type "{name}" are unknown to Vibe Render.', f"Use one of {', '.join(LIGHT_TYPES)}."

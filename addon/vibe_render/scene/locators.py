@@ -82,7 +82,7 @@ def _lamp_lock(context: SceneContext, obj: Object, name: str) -> str:
 
 
 def lamp_extent(context: SceneContext, obj: Object) -> ValueSlot:
-    """How large a light is, as its type says it: a radius, a size or an angle."""
+    """The slot of a light's radius, size or angle."""
     light_type = type_of(obj)
     return light_type.extent_slot(obj.data, _lamp_lock(context, obj, light_type.extent_property))
 
@@ -128,12 +128,12 @@ def shader(name: str) -> Locator:
 
 
 def coat_weight(context: SceneContext, material: Material) -> ValueSlot | None:
-    """How strong a coat is: the input of the shader, or the color of a glossy one that lies over a metal."""
+    """The weight of a coat: the input of the shader, or the color of a glossy one that lies over a metal."""
     return shader("Coat Weight")(context, material) or layers.lacquer_weight(material)
 
 
 def coat_roughness(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The roughness of the same."""
+    """The roughness of a coat: likewise."""
     return shader("Coat Roughness")(context, material) or layers.lacquer_roughness(material)
 
 
@@ -169,7 +169,7 @@ def material_tint(name: str) -> Locator:
 
 
 def recolor(context: SceneContext, material: Material) -> ValueSlot | None:
-    """How much the owned tint grays a computed base color; where there is none, a computed glow."""
+    """The part of a computed base color, or else of a computed glow, that the owned tint makes gray."""
     glow = partial(layers.entry, material, "Emission Color")
     return material_tint("Recolor")(context, material) or TINT.slot(glow, "Recolor")
 
@@ -220,7 +220,7 @@ def _mixed(world: World, part: str, entry: str, number: int) -> NodeEntry | None
 
 
 def world_rotation(context: SceneContext, world: World) -> ValueSlot | None:
-    """The turn of an environment texture around the vertical axis; none where it is one of several Backgrounds."""
+    """The rotation of an environment texture around the vertical axis; None if it is one of several Backgrounds."""
     background = backgrounds.single_background(world)
     return backgrounds.rotation_slot(background) if background else None
 

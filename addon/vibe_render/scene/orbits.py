@@ -17,15 +17,12 @@ from .light_types import type_of
 
 @dataclass
 class Pose:
-    """Where an object stands and how it is turned relative to the pivot.
+    """The place and rotation of a camera or light relative to the pivot (world space).
 
     Attributes:
-        obj: A camera or light.
-        pivot: What it orbits, world space.
-        azimuth: Degrees.
-        elevation: Degrees.
+        azimuth, elevation: Degrees.
         distance: Meters.
-        residual: Its rotation relative to looking straight at the pivot; kept on its way.
+        residual: Its rotation relative to looking straight at the pivot; stays when it moves.
     """
 
     obj: Object
@@ -37,7 +34,7 @@ class Pose:
 
     @classmethod
     def of(cls, obj: Object, pivot: Vector) -> Pose:
-        """The present pose; of a sun, where its light comes from."""
+        """The present pose; of a sun, in the direction that its light comes from."""
         rotation = _rotation(obj)
         offset = obj.matrix_world.translation - pivot
         toward = type_of(obj).offset(obj, pivot, rotation) if obj.type == "LIGHT" else offset

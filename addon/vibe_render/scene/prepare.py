@@ -45,10 +45,10 @@ def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
     """Adds what is missing, marked as ours and recorded in the scene's snapshot.
 
     Args:
-        subject: What the picture is about; without it, everything that a render sees.
+        subject: The objects that the picture is about; without any, everything that a render sees.
 
     Returns:
-        What has been added, in words for the artist.
+        The additions, in words for the artist.
     """
     about = list(subject) or scene_context.meshes(scene)
     low, high = scene_context.bounds(scene, about)
@@ -93,7 +93,7 @@ def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> st
 
 
 def _portrait(scene: Scene) -> float:
-    """By how much the shorter side of the picture sees less than the longer one, on which the lens is fitted."""
+    """The ratio of the picture's longer side, on which the lens is fitted, to its shorter one."""
     sides = (scene.render.resolution_x, scene.render.resolution_y)
     return max(sides) / min(sides)
 
@@ -114,11 +114,9 @@ def _add_key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
 
 
 def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vector) -> Object:
-    """Adds one of our lights to a scene, in a collection of its own; the camera does not see its shape.
+    """Adds one of `schema.added_lights.ADDED_LIGHTS` to a scene, in a collection of its own.
 
-    Args:
-        name: Of `schema.added_lights.ADDED_LIGHTS`.
-        low: Least corner of what it is to light, world space.
+    The camera does not see its shape. `low` and `high` are the world-space corners of what it is to light.
     """
     what = schema.added_lights.ADDED_LIGHTS[name]
     azimuth, elevation, size, brightness = _PLACES[what.part]
@@ -148,7 +146,7 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
 
 
 def card_size(low: Vector, high: Vector) -> float:
-    """Size of the card before a light that casts a pattern on what has these corners, meters."""
+    """Size of the card before a light that casts a pattern, meters, for the corners of what it lights."""
     return (high - low).length / 2.0
 
 
@@ -171,7 +169,6 @@ def _add_card(journal: Journal, light: Object, pattern: str, size: float) -> Obj
 
 
 def _light_collection(journal: Journal, scene: Scene) -> bpy.types.Collection:
-    """The collection of our lights in a scene."""
     name = schema.added_lights.COLLECTION
     found = owned.find_owned(scene.collection.children, name)
     if found is None:
@@ -182,7 +179,7 @@ def _light_collection(journal: Journal, scene: Scene) -> bpy.types.Collection:
 
 
 def _distance_inside(scene: Scene, pivot: Vector, toward: Vector, radius: float, distance: float) -> float:
-    """The distance of a light that no wall around the subject stands in the way of, meters."""
+    """The distance from the pivot at which no wall around the subject hides a light, meters."""
     start = pivot + 1.01 * radius * toward
     graph = scene_context.depsgraph(scene)
     hit, place, *_ = scene.ray_cast(graph, start, toward, distance=max(distance - 1.01 * radius, 1e-3))
@@ -190,7 +187,7 @@ def _distance_inside(scene: Scene, pivot: Vector, toward: Vector, radius: float,
 
 
 def added_light_distance(low: Vector, high: Vector) -> float:
-    """How far from the middle of what they light our lights stand, meters."""
+    """The distance of our lights from the middle of what they light, meters."""
     return 1.5 * max((high - low).length, 1e-3)
 
 
@@ -260,7 +257,7 @@ def _light_of_mesh(mesh: bpy.types.Mesh, matrix: np.ndarray, strengths: list[flo
 
 
 def shared_materials(subject: Sequence[Object]) -> dict[Material, list[Object]]:
-    """The subject's materials that things outside of it use too, and those things, in this or other scenes.
+    """The subject's materials that objects outside of it use too, with those objects, in this or other scenes.
 
     Those from a library are left out: nobody may change them.
     """

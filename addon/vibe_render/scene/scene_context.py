@@ -22,7 +22,7 @@ GEOMETRY = {"MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES", "POINTCLOUD"}
 
 @dataclass(frozen=True)
 class Owner:
-    """Something that has parameters.
+    """An owner of parameters.
 
     Attributes:
         name: Its name in keys; "" for what a scene has one of.
@@ -42,7 +42,6 @@ class SceneContext:
     """A scene, its subject, and the pivot of its orbits.
 
     Attributes:
-        scene: The scene.
         subject: The objects that the picture is about.
         pivot: The center of their bounding box, world space, which cameras and lights orbit.
         everything: Whether materials that the camera does not see count too.
@@ -70,7 +69,7 @@ class SceneContext:
 
 
 def layer(scene: Scene) -> bpy.types.ViewLayer:
-    """The view layer that we see the scene through: the first that is rendered."""
+    """The first view layer that is rendered."""
     return next((each for each in scene.view_layers if each.use), scene.view_layers[0])
 
 
@@ -106,7 +105,7 @@ def lights(scene: Scene) -> list[Object]:
 
 
 def instanced_lights(scene: Scene) -> list[tuple[Object, Matrix]]:
-    """The lights that instances of collections and of geometry nodes show: each with its place, world space, as often as shown."""
+    """The lights that instances of collections and geometry nodes show, with their matrices, as often as shown."""
     found = []
     for item in depsgraph(scene).object_instances:
         if item.is_instance and item.object.type == "LIGHT":
@@ -130,10 +129,9 @@ def meshes(scene: Scene) -> list[Object]:
 
 
 def materials(scene: Scene, subject: Sequence[Object], everything: bool = False) -> dict[Material, str]:
-    """The materials that the camera sees, and whether they are the subject's or the surroundings'.
+    """The materials that the camera sees, those of instances too, with their role: subject or surroundings.
 
-    Instances of collections and geometry nodes are looked into. What the frame leaves out is left
-    out, unless it glows, or `everything` is asked for.
+    Those outside the frame are left out, unless they glow, or `everything` is set.
     """
     graph = depsgraph(scene)
     chosen, to_clip = set(subject), None if everything else frustum(scene)
@@ -239,7 +237,7 @@ def distance_to_light(obj: Object, pivot: Vector) -> float:
 
 
 def _only_instanced(context: SceneContext) -> dict[Object, float]:
-    """The lights that stand in the scene only as instances, one for each data-block, and the distance of the nearest, meters."""
+    """The lights that stand in the scene only as instances, one for each data-block, and the distance of the nearest."""
     shown = {o.data for o in lights(context.scene)}
     first: dict[Light, Object] = {}
     found: dict[Object, float] = {}
@@ -259,9 +257,6 @@ def light_roles(context: SceneContext) -> dict[Object, str]:
     """Assigns roles to the lights: "rim" from behind the subject, the brightest other one "key", the rest "fill".
 
     Lights that only instances show follow those of the scene, one for each data-block.
-
-    Raises:
-        VibeError: A light's type is unknown.
     """
     far, objects = _only_instanced(context), lights(context.scene)
     rims = {o for o in objects if _from_behind(o, context)}

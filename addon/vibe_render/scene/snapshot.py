@@ -41,7 +41,7 @@ def revert(scene: Scene) -> list[str]:
     """Restores every value, link and data-block that has been touched since `take`, and forgets it.
 
     Returns:
-        What could not be restored because the artist has removed it meanwhile.
+        What could not be restored because the artist has removed it, in words.
 
     Raises:
         VibeError: There is no snapshot, or one of a newer version, or a damaged one.

@@ -22,13 +22,7 @@ Point = Sequence[float] | np.ndarray
 def plain_material(
     name: str, color: Color, roughness: float = 0.5, metallic: float = 0.0
 ) -> bpy.types.Material:
-    """A Principled material with constant inputs.
-
-    Args:
-        color: Base color, linear Rec.709.
-        roughness: In [0, 1].
-        metallic: In [0, 1].
-    """
+    """A Principled material with constant inputs; its base color is linear Rec.709."""
     new_material = bpy.data.materials.new(name)
     shader = next(n for n in enable_nodes(new_material).nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
     shader.inputs["Base Color"].default_value = (*color, 1.0)
@@ -47,13 +41,7 @@ def plain_world(scene: bpy.types.Scene, color: Color, strength: float = 1.0) -> 
 
 
 def orbit_matrix(pivot: Point, azimuth: float, elevation: float, distance: float) -> Matrix:
-    """World matrix of a camera or light on an orbit, looking at the pivot.
-
-    Args:
-        pivot: World space, meters.
-        azimuth: Degrees, as in `schema.orbit`.
-        distance: From the pivot, meters.
-    """
+    """World matrix of a camera or light on an orbit (angles in degrees, see `schema.orbit`), looking at the pivot."""
     rotation = Matrix(schema.orbit.frame(azimuth, elevation)).to_4x4()
     place = Vector(pivot) + distance * Vector(schema.orbit.direction(azimuth, elevation))
     return Matrix.Translation(place) @ rotation
@@ -75,8 +63,7 @@ def area_light(
         angles: Azimuth and elevation, degrees.
         distance: From the pivot, meters.
         size: Edge length, meters.
-        radiance: What a white diffuse surface at the pivot that faces the light sends back.
-        pivot: World space, meters.
+        radiance: Of a white diffuse surface at the pivot that faces the light.
     """
     lamp = bpy.data.lights.new(name, "AREA")
     lamp.shape, lamp.size, lamp.color = "SQUARE", size, color
@@ -101,8 +88,8 @@ def framing_camera(
         points: (N, 3), world space.
         angles: Azimuth and elevation, degrees.
         fov: Along the longer side of the picture, degrees.
-        fill: The share of the picture's half width or height that the points may reach.
-        pivot: What it looks at; None for the middle of the points' bounding box.
+        fill: The part of the picture's half width or height that the points may reach.
+        pivot: The point it looks at; None for the middle of the points' bounding box.
     """
     middle = np.asarray(pivot if pivot is not None else (points.min(0) + points.max(0)) / 2)
     x, y, z = ((points - middle) @ np.array(schema.orbit.frame(*angles))).T
@@ -144,13 +131,7 @@ def cyclorama(
 ) -> bpy.types.Object:
     """A round floor that sweeps up into a wall behind the subject, without an edge.
 
-    The wall goes two thirds of the way around, so that the camera may move; towards the camera the
-    floor stays flat.
-
-    Args:
-        radius: From the middle to the wall, meters.
-        height: Of the wall, meters.
-        azimuth: Of the camera, degrees.
+    The wall goes two thirds of the way around, so that the camera (at an azimuth in degrees) may move.
     """
     turn = np.linspace(0, math.pi / 2, 17)
     bend = 0.5 * radius
@@ -284,8 +265,8 @@ def build_stage(path: str | Path, kind: str = "cyclorama", subject_name: str = "
     The mesh is moved to stand on height 0 and scaled until its bounding box has a radius of 1 m.
 
     Args:
-        path: A mesh file of one of `limits.MESH_FORMATS`; axes are read as each format has them by default.
-        kind: What the mesh stands on, one of `options.STAGES`.
+        path: A mesh file of one of `limits.MESH_FORMATS`.
+        kind: One of `options.STAGES`.
         subject_name: Name of the material of parts that have none.
 
     Raises:
@@ -322,7 +303,7 @@ def _checked(path: str | Path) -> Path:
 
 
 def _import_meshes(path: Path) -> list[bpy.types.Object]:
-    """Imports the file; returns its mesh objects. Lights and cameras that it brings are dropped."""
+    """The mesh objects of the file. Lights and cameras that it brings are dropped."""
     importers = {
         ".obj": bpy.ops.wm.obj_import,
         ".ply": bpy.ops.wm.ply_import,
@@ -370,7 +351,6 @@ def _vertices(thing: bpy.types.Object) -> np.ndarray:
 
 
 def _dress(meshes: list[bpy.types.Object], name: str) -> None:
-    """Gives parts without a material a plain one, and parts without normals smooth ones."""
     plain = None
     for thing in meshes:
         if not any(slot.material for slot in thing.material_slots):

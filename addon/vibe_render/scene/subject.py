@@ -22,12 +22,7 @@ _SLACK = 0.02  # of a box's widest side: so far a part may stick out of the thin
 
 @dataclass(frozen=True)
 class SubjectChoice:
-    """How the subject is chosen; with no field set, by what the picture shows.
-
-    Attributes:
-        objects: Names of objects or collections.
-        selected: Take the selected objects.
-    """
+    """The artist's choice of a subject: names of objects or collections, or the selection; without either, automatic."""
 
     objects: tuple[str, ...] = ()
     selected: bool = False
@@ -41,7 +36,7 @@ class SubjectChoice:
 def choose_subject(
     scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces, choice: SubjectChoice
 ) -> np.ndarray:
-    """Which objects of the geometry are the subject: (number of objects,) bool, at least one True.
+    """The objects of the geometry that are the subject: (number of objects,) bool, at least one True.
 
     Raises:
         VibeError: A name is unknown, or nothing of what was chosen shows in the render.
@@ -84,10 +79,10 @@ def named_objects(scene: bpy.types.Scene, choice: SubjectChoice) -> list[bpy.typ
 def automatic_subject(
     scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces
 ) -> np.ndarray:
-    """Finds the prominent things in view, without their grounds and backdrops: (number of objects,) bool.
+    """The prominent objects in view, without their grounds and backdrops: (number of objects,) bool.
 
-    Surroundings are things that reach three sides of the picture, that enclose the camera, or that
-    are flat and leave the picture or carry another thing; but what lies among the parts of the subject is another part.
+    Surroundings are objects that reach three sides of the picture, that enclose the camera, or that are flat and leave
+    the picture or carry another object; but objects among the parts of the subject are parts of it.
 
     Raises:
         VibeError: The camera sees nothing.
@@ -120,14 +115,14 @@ def _enclosing(scene: bpy.types.Scene, boxes: np.ndarray) -> np.ndarray:
 
 
 def _borders(owner: np.ndarray, count: int) -> np.ndarray:
-    """(N,): on how many of the picture's four sides an object shows."""
+    """(N,): the number of the picture's four sides at which an object is visible."""
     sides = (owner[0], owner[-1], owner[:, 0], owner[:, -1])
     shown = np.concatenate([np.unique(side) for side in sides])
     return np.bincount(shown[shown >= 0], minlength=count)
 
 
 def _grounds(boxes: np.ndarray, borders: np.ndarray) -> np.ndarray:
-    """(N,): of visible things, flat ones that leave the picture or that another stands on or in front of."""
+    """(N,): of visible objects, flat ones that leave the picture or that another stands on or in front of."""
     size = boxes[:, 1] - boxes[:, 0]
     widest = np.maximum(size.max(1), 1e-9)
     low = size[:, 2] < _FLAT * widest
@@ -147,7 +142,7 @@ def _thin(boxes: np.ndarray) -> np.ndarray:
 
 
 def _within(boxes: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-    """(N,): things that lie in the box around all that is chosen."""
+    """(N,): objects inside the box around all chosen ones."""
     low, high = boxes[chosen, 0].min(0), boxes[chosen, 1].max(0)
     slack = _SLACK * (high - low).max()
     return ((boxes[:, 0] >= low - slack) & (boxes[:, 1] <= high + slack)).all(1)

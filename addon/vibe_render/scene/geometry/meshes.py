@@ -26,11 +26,7 @@ _SKIPPED = {"CURVES": "hair", "VOLUME": "a volume object", "POINTCLOUD": "a poin
 
 
 def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[list[PlacedMesh], list[str]]:
-    """Reads the evaluated meshes and instances of a final render's dependency graph.
-
-    Returns:
-        The meshes that the render shows, and notes about what could not be read.
-    """
+    """The evaluated meshes that a final render's dependency graph shows, and notes about what could not be read."""
     meshes: dict[tuple, SourceMesh] = {}
     # Thousands of instances share an object and its mesh: what these say is asked for once.
     known: dict[tuple[int, int], _Shown] = {}
@@ -59,7 +55,7 @@ def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[lis
 
 @dataclass(frozen=True)
 class _Shown:
-    """What an evaluated object shows of itself: its mesh, and the kinds of rays that pass it."""
+    """The mesh that an evaluated object shows, and the kinds of rays that pass it."""
 
     mesh: SourceMesh
     materials: tuple[str, ...]
@@ -82,7 +78,6 @@ def hidden_from(thing: bpy.types.Object) -> frozenset[str]:
 
 
 def _special(thing: bpy.types.Object) -> list[str]:
-    """Notes about holdouts, which the prediction leaves out."""
     if not (thing.is_holdout or thing.is_shadow_catcher):
         return []
     kind = "a holdout" if thing.is_holdout else "a shadow catcher"
@@ -90,7 +85,7 @@ def _special(thing: bpy.types.Object) -> list[str]:
 
 
 def slots_of(thing: bpy.types.Object) -> list[bpy.types.Material | None]:
-    """What the slots hold; at least one slot, which may hold nothing."""
+    """The materials in the slots; at least one slot, which may hold nothing."""
     slots = [slot.material for slot in thing.material_slots] or list(thing.data.materials)
     return [m.original if m else None for m in slots] or [None]
 
@@ -135,7 +130,7 @@ def _uvs(
 
 
 def attribute(mesh: bpy.types.Mesh, name: str, items: Any, same: str) -> np.ndarray:
-    """Whole numbers of an attribute, one for each item; by the items' own property where the mesh lists none of that name."""
+    """An integer attribute of each item; the items' own property where the mesh has no attribute of that name."""
     layer = mesh.attributes.get(name)
     return array(layer.data if layer else items, "value" if layer else same, (len(items),), np.int32)
 
@@ -156,12 +151,7 @@ _CORNERS = np.array([(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 
 
 @dataclass(frozen=True)
 class _Box:
-    """The part of an object that wears one material.
-
-    Attributes:
-        extent: Its least and its greatest corner, in the object's own space.
-        material: Its name.
-    """
+    """The part of an object that has one material: its extent (2, 3) in the object's own space, and the material's name."""
 
     extent: tuple[tuple[float, ...], ...]
     material: str
@@ -202,7 +192,7 @@ def box_geometry(
 def _shown_objects(
     depsgraph: bpy.types.Depsgraph, shown: Collection[bpy.types.Object]
 ) -> Iterator[tuple[bpy.types.Object, bpy.types.Object | None, Matrix]]:
-    """Meshes that a render shows, each with its instancer and its place; as they are stored where the viewport hides them."""
+    """Mesh objects that a render shows, with instancer and matrix; unevaluated where the viewport hides them."""
     seen = set()
     for item in depsgraph.object_instances:
         thing, original = item.object, item.object.original
@@ -217,7 +207,7 @@ def _shown_objects(
 
 
 def _material_boxes(thing: bpy.types.Object) -> Iterator[_Box]:
-    """The box of an object, cut along its longest side into a part for each material that its faces wear."""
+    """The box of an object, cut along its longest side into a part for each material that its faces have."""
     box, slots = thing.bound_box, slots_of(thing)
     low, high = box[0][:], box[6][:]
     shares = {slots[0]: 1.0} if len(slots) == 1 else _shares(thing.data, slots)

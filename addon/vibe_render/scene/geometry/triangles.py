@@ -43,7 +43,7 @@ class PlacedMesh:
     """A mesh at its place in the world.
 
     Attributes:
-        mesh: The mesh, which instances share.
+        mesh: Shared by instances.
         materials: A name for each slot.
         matrix: (4, 4), to world space.
         owner: Name, and name of the object that it is an instance of or for, otherwise "".
@@ -94,11 +94,7 @@ class SceneGeometry:
 
 
 def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
-    """Puts all triangles in world space; those of slots without a surface are left out.
-
-    Args:
-        warnings: Notes about what could not be read.
-    """
+    """Puts all triangles in world space, without those of slots that show no surface; passes the warnings on."""
     copies: dict[int, list[int]] = {}
     for number, thing in enumerate(things):
         copies.setdefault(id(thing.mesh), []).append(number)
@@ -235,7 +231,6 @@ def _pieces(copies: list[PlacedMesh]) -> Iterator[_Piece]:
 
 
 def _box(points: np.ndarray) -> np.ndarray:
-    """(2, 3), the least and the greatest of points (P, 3); zeros without points."""
     return np.stack([points.min(0), points.max(0)]) if len(points) else np.zeros((2, 3), np.float32)
 
 

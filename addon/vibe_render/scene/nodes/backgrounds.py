@@ -28,7 +28,7 @@ LIGHT, BACKDROP = "light", "backdrop"
 
 
 def has_backdrop(world: World) -> bool:
-    """Whether what the camera sees and what lights are Backgrounds of their own: Mix Shaders by Is Camera Ray part them."""
+    """Whether Mix Shaders by Is Camera Ray show the camera other Backgrounds than those that light the scene."""
     ways = {_seen_by_camera(layer) for layer in _world_layers(world)}
     return ways == {True, False}
 
@@ -71,7 +71,7 @@ def mixed_entries(world: World, part: str, name: str) -> list[NodeEntry]:
 
 
 def shares_picture(world: World) -> bool:
-    """Whether what the camera sees and what lights have their colors from the same output: one texture."""
+    """Whether backdrop and light have their colors from the same output: one texture."""
     parts = [single_background(world, part) for part in (LIGHT, BACKDROP)]
     colors = [background.entry("Color") for background in parts if background]
     sources = [artists_origin(color).source for color in colors if color]
@@ -142,7 +142,7 @@ class EnvironmentTurnSlot:
 
 
 def rotation_slot(background: trails.NodeInGroups) -> ValueSlot | None:
-    """The turn of the environment texture that a background comes from; None without one."""
+    """The rotation of the environment texture that a background comes from; None without one."""
     texture = trails.environment_texture(background.node.inputs["Color"])
     if not texture:
         return None
@@ -190,11 +190,7 @@ def can_have_backdrop(world: World) -> bool:
 
 
 def add_backdrop(journal: Journal, world: World) -> None:
-    """Lets the camera see a Background of its own, which starts as the one that lights, without what we do to its color.
-
-    Args:
-        world: One that this is possible with.
-    """
+    """Gives a world that allows it a Background for the camera alone, equal to the one that lights but without our insets."""
     single = single_background(world)
     tree = compat.node_tree(world)
     assert single
@@ -230,11 +226,7 @@ WORLD_OF_BACKDROP = {f"world/backdrop_{name}": f"world/{name}" for name in ("col
 def offered_backdrop(
     world: World | None, instances: Mapping[str, schema.Instance]
 ) -> dict[str, schema.Instance]:
-    """The parameters that a backdrop would have; none where the world cannot be parted, or is partly locked.
-
-    Args:
-        instances: The scene's parameters by key.
-    """
+    """The parameters that a backdrop would have; none where the world cannot have one, or is partly locked."""
     if world is None or not can_have_backdrop(world):
         return {}
     own = {key: instances[its] for key, its in WORLD_OF_BACKDROP.items() if its in instances}
@@ -249,14 +241,10 @@ def with_backdrop(
     instances: Mapping[str, schema.Instance],
     values: Mapping[str, Sequence[float]],
 ) -> dict[str, Sequence[float]]:
-    """Parts a world if values move its backdrop away from it.
-
-    Args:
-        instances: The scene's parameters of the world, by key.
-        values: What is going to be written, by key; of anything.
+    """Adds a backdrop if values (by key, of anything) make it differ from the world.
 
     Returns:
-        The values to write: without those of a backdrop that is to look as the world; of a new one, all.
+        The values to write: without those of a backdrop that equals the world; with all of a new one.
     """
     offer = offered_backdrop(world, instances)
     named = [key for key in values if key in offer]

@@ -74,11 +74,7 @@ def _is_shared(group: Node) -> bool:
 
 
 def own_groups(journal: Journal, inside: tuple[Node, ...]) -> None:
-    """Gives a material copies of the node groups on the way to a value that it shares with others.
-
-    Args:
-        inside: The group nodes from the material's tree inwards.
-    """
+    """Gives a material copies of node groups that it shares; `inside` are the group nodes from its tree inwards."""
     tree: NodeTree | None = None
     for group in inside:
         # In the copy, if the group around it has just been copied.
@@ -117,7 +113,7 @@ class Inset:
     fill: Callable[[NodeTree], None]
 
     def slot(self, find: FindEntry, name: str, plain: bool = False) -> ValueSlot | None:
-        """An input of the inset of an input; None where there is no such input, or its value is not computed.
+        """An input of the inset on an input; None without such an input, or if its value is not computed.
 
         Args:
             plain: Whether a value that is not computed gets an inset too: one of several that are mixed.
@@ -184,7 +180,7 @@ def neutralize(tree: NodeTree, kinds: Sequence[Inset]) -> None:
 
 
 def artists_origin(entry: NodeEntry) -> ValueOrigin:
-    """Where an input has its value from as the artist built it, before any inset of ours."""
+    """The origin of an input's value as the artist built it, before any inset of ours."""
     origin = resolve(entry)
     if origin.source is None or not _inset_name(origin.source.node):
         return origin

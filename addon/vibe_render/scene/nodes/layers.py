@@ -41,12 +41,7 @@ _COMPUTED_COLOR, _COMPUTED_STRENGTH = 0.5, 1.0  # assumed for emission that node
 
 @dataclass(frozen=True)
 class MixSide:
-    """A side of a Mix Shader that a shader is on.
-
-    Attributes:
-        factor: The Mix Shader's factor.
-        second: Whether it is the side that the factor is the share of.
-    """
+    """A side of a Mix Shader: its factor, and whether it is the side that the factor is the weight of."""
 
     factor: NodeEntry
     second: bool
@@ -60,7 +55,7 @@ class MixSide:
 
     @property
     def share(self) -> float:
-        """The side's share: exact where it is one number, otherwise what is usual."""
+        """The side's weight: exact where it is one number, otherwise a usual one."""
         origin = resolve(self.factor)
         if origin.source is None:
             factor = min(max(float(origin.socket.default_value), 0.0), 1.0)
@@ -75,12 +70,7 @@ class MixSide:
 
 @dataclass(frozen=True)
 class Layer:
-    """One of the shaders that a surface is made of.
-
-    Attributes:
-        shader: The shader.
-        sides: The sides of the Mix Shaders that it comes through, from the output inwards.
-    """
+    """A shader of a surface, and the sides of the Mix Shaders that it comes through, from the output inwards."""
 
     shader: NodeInGroups
     sides: tuple[MixSide, ...] = ()
@@ -92,17 +82,17 @@ class Layer:
 
     @property
     def share(self) -> float:
-        """How much of the surface it makes, about, in [0, 1]."""
+        """About the part of the surface that it makes, in [0, 1]."""
         return prod(side.share for side in self.sides)
 
     @property
     def prominence(self) -> float:
-        """How much of what the eye sees is its color. Of nothing that a vibe changes: the choice has to stay."""
+        """About the part of the visible color that is its own. Nothing that a vibe changes counts: the choice has to stay."""
         return self.share * _SHOWS.get(self.kind, 1.0)
 
     @property
     def matter(self) -> str:
-        """What the layer is of: layers of the same can share the color of a body."""
+        """The kind of matter: layers of the same kind can share the color of a body."""
         if self.kind in _REFLECTIVE:
             return "metal"
         return "glass" if self.kind in _CLEAR else "light" if self.kind == EMISSION else "matte"
@@ -118,12 +108,7 @@ def layers(material: Material) -> list[Layer]:
 def behind(
     socket: NodeSocket, inside: tuple[Node, ...] = (), sides: tuple[MixSide, ...] = ()
 ) -> Iterator[Layer]:
-    """The shaders behind an input, those of groups included.
-
-    Args:
-        inside: The group nodes that lead to it.
-        sides: The sides of the Mix Shaders that lead to it.
-    """
+    """The shaders behind an input, in groups too; `inside` and `sides` are the groups and mixes that lead to it."""
     given = source_output(socket, inside)
     if given is None:
         return
@@ -155,8 +140,8 @@ def surface(material: Material) -> NodeInGroups | None:
 def entry(material: Material, name: str) -> NodeEntry | None:
     """The input, named as by the Principled BSDF, where an artist would drag a value of a surface.
 
-    It is the most prominent shader's that has such an input: the roughness of a Diffuse BSDF with a coat is that of the
-    coat. The glow is that of an Emission node, if there is one.
+    It is that of the most prominent shader that has it: the roughness of a Diffuse BSDF with a coat is the coat's. The glow is
+    that of an Emission node, if there is one.
     """
     shown = by_prominence(material)
     if name.startswith("Emission"):
@@ -229,28 +214,18 @@ class StrengthSlot:
 
 
 def glossy_layer(every: list[Layer], base: Layer) -> Layer | None:
-    """The glossy shader that is mixed with another one.
-
-    Args:
-        every: The shaders of a material, in the order of the mixes.
-        base: The one that has the color.
-    """
+    """Of a material's shaders, the glossy one that is mixed with the one that has the color."""
     return next((x for x in every if x.matter == "metal" and x != base and x.sides), None)
 
 
 def lacquer_over(every: list[Layer], base: Layer) -> Layer | None:
-    """The lacquer over a metal; None over anything else.
-
-    Args:
-        every: The shaders of a material, in the order of the mixes.
-        base: The one that has the color.
-    """
+    """Of a material's shaders, the lacquer over a metal that has the color; None over anything else."""
     over = glossy_layer(every, base) if base.matter == "metal" else None
     return over if over and over.sides[-1].grazing else None
 
 
 def lacquer_weight(material: Material) -> ValueSlot | None:
-    """How strong the lacquer over a metal is: its color, which is 1 at full strength; None without one."""
+    """The strength of the lacquer over a metal: its color, which is 1 at full strength; None without one."""
     color = inputs.input_slot(partial(_lacquer_entry, material, "Base Color"))
     return StrengthSlot(color) if color else None
 

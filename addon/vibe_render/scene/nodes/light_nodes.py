@@ -19,7 +19,7 @@ def kelvin(light: Light) -> NodeEntry | None:
 
 
 def factor(light: Light) -> tuple[float, float, float] | None:
-    """What a light's nodes multiply its color by, a Blackbody's temperature aside; None if they do what is no factor."""
+    """The color that a light's nodes multiply its color by, without a Blackbody's temperature; None if they do anything else."""
     if compat.node_tree(light) is None:
         return 1.0, 1.0, 1.0
     color, strength = _origin(light, "Color"), _origin(light, "Strength")

@@ -24,7 +24,6 @@ class NodeEntry:
     """An input of a node.
 
     Attributes:
-        socket: The input.
         inside: The group nodes that lead to its node, from the outermost tree inwards.
         alike: Inputs that mean the same for the picture: the colors of shaders that are mixed.
     """
@@ -36,15 +35,14 @@ class NodeEntry:
 
 @dataclass(frozen=True)
 class ValueOrigin:
-    """Where the value of an input comes from.
+    """The origin of an input's value.
 
     Attributes:
         socket: The socket that holds the value; of a computed one, the input where the trail ends.
         source: The output that computes the value; None where none does.
         inside: The group nodes that lead to `socket` and `source`.
-        targets: Of a value that comes through a link: the inputs of that tree that it may come to another way,
-            for they all mean the same.
-        feeds_others: Whether inputs that mean something else get the value too.
+        targets: Of a linked value: the inputs of that tree with the same meaning that it goes to.
+        feeds_others: Whether inputs of another meaning get the value too.
     """
 
     socket: NodeSocket
@@ -67,7 +65,7 @@ def is_foreign(node: Node) -> bool:
 
 
 def resolve(entry: NodeEntry) -> ValueOrigin:
-    """Follows an input to where its value is set: out of groups to the group node's own input, to a Value or RGB node."""
+    """Follows an input to where its value is set: a group node's own input, a Value node, an RGB node."""
     socket, inside = entry.socket, entry.inside
     alike = entry.alike or (socket,)
     last = socket  # the input whose link we follow; `socket` stays before the reroutes of this tree
