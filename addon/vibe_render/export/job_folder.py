@@ -25,7 +25,7 @@ _REASON = "it is not a number in Blender"
 
 
 def finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, schema.Instance], list[str]]:
-    """The parameters, with default values (locked) for those that are not finite, and warnings that name them."""
+    """The parameters, with locked default values for those that are not finite, and warnings that name these."""
     mended, warnings = {}, []
     for key, instance in read.items():
         if not all(map(math.isfinite, instance.value)):
@@ -43,8 +43,7 @@ def finite_content(value: Any, path: str, warnings: list[str]) -> Any:
     """A copy of nested dicts and lists in which numbers that are not finite are 0.
 
     Args:
-        value: Dicts, lists, tuples (which become lists), numbers and texts.
-        path: Where the value is in the job, its keys joined by "/"; "" for all of it.
+        path: The keys that lead to the value, joined by "/"; "" for all of it.
         warnings: Gets a sentence for each number that was replaced.
     """
     if isinstance(value, Mapping):
@@ -72,8 +71,6 @@ class SceneJob:
     """A job folder and what Blender knows about its scene.
 
     Attributes:
-        folder: Where it is.
-        analysis: The scene's analysis.
         instances: Its parameters, by key.
         standby: Those of the lights, and of the backdrop, that are added if the words ask for them.
         warnings: What the engine sees only approximately, in words for the artist, after `view_notes`.
@@ -89,24 +86,19 @@ class SceneJob:
 
     @property
     def before(self) -> dict[str, schema.Instance]:
-        """What values change from: the scene's parameters, and those of a backdrop, which starts as the world is."""
+        """The values before a vibe: the scene's parameters, and those of a backdrop, which starts as the world is."""
         backdrop = {key: i for key, i in self.standby.items() if i.parameter.group == "world"}
         return {**self.instances, **backdrop}
 
     def with_additions_of(self, values: Mapping[str, Sequence[float]]) -> SceneJob:
-        """The job of the scene with what values (by key) add to it of what is on standby."""
+        """The job of the scene with those additions on standby that values (by key) use."""
         owners = {schema.split_key(key)[1] for key in values if key in self.standby}
         added = {key: i for key, i in self.standby.items() if i.owner in owners}
         return replace(self, instances={**self.instances, **added})
 
 
 def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
-    """Writes the job folder; `scene.json` comes last and atomically.
-
-    Args:
-        analysis: The scene's geometry, subject and visible surfaces.
-        folder: Made if it does not exist.
-    """
+    """Writes the job folder; `scene.json` comes last and atomically."""
     folder.mkdir(parents=True, exist_ok=True)
     scene, geometry = analysis.scene, analysis.geometry
     spoiling = notes.view_notes(analysis)
@@ -133,12 +125,7 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
 
 
 def write_sketch(analysis: SceneAnalysis, folder: Path) -> None:
-    """Writes what words may mean in a scene: a job folder without textures, world and fog, for which nothing is rendered.
-
-    Args:
-        analysis: The scene's, from bounding boxes.
-        folder: Made if it does not exist.
-    """
+    """Writes all that words can refer to: a job folder without textures, world and fog. Nothing is rendered."""
     folder.mkdir(parents=True, exist_ok=True)
     bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot, _OF_WORDS)
     named = {m.name_full: m for m in bpy.data.materials}
@@ -158,7 +145,6 @@ def _content(
     instances: Mapping[str, schema.Instance],
     folder: Path,
 ) -> dict[str, Any]:
-    """The entries of scene.json that every job has; textures are written."""
     scene, geometry = analysis.scene, analysis.geometry
     flags = zip(geometry.objects, analysis.is_subject, geometry.hidden, strict=True)
     return {
@@ -183,14 +169,13 @@ def _content(
 
 
 def _write(content: dict[str, Any], analysis: SceneAnalysis, folder: Path, warnings: list[str]) -> None:
-    """Writes meshes and, last and atomically, scene.json without numbers that are none."""
     _write_meshes(analysis, folder)
     sound = finite_content(content, "", warnings)
     atomic.write_text(folder / "scene.json", json.dumps(sound, indent=1, allow_nan=False))
 
 
 def _write_world(world: bpy.types.World | None, folder: Path) -> tuple[dict[str, Any], str]:
-    """The world's entry in scene.json, and what is approximated of it."""
+    """The world's entry in scene.json, and a note on what is approximated of it."""
     pictures = world_light.pictures(world)
     row: dict[str, Any] = {"kind": "color" if pictures.light is None else "environment"}
     for name, image in (("image", pictures.light), ("backdrop", pictures.backdrop)):
@@ -203,7 +188,7 @@ def _write_world(world: bpy.types.World | None, folder: Path) -> tuple[dict[str,
 def _material_notes(
     analysis: SceneAnalysis, materials: Mapping[str, ExportedMaterial]
 ) -> dict[str, list[str]]:
-    """What is approximated of the materials that the camera sees, those that fill most of the picture first."""
+    """Notes on the materials that the camera sees, those that fill most of the picture first."""
     seen = analysis.visible.material
     counts = np.bincount(seen[seen >= 0].ravel(), minlength=len(analysis.geometry.materials))
     order = np.argsort(-counts, kind="stable")
@@ -212,7 +197,7 @@ def _material_notes(
 
 
 def read_parameters(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
-    """The scene's parameters by key, those of a backdrop that it may get included; unlike `write_job`, renders and writes nothing."""
+    """The scene's parameters by key, with those of a possible backdrop; unlike `write_job`, renders and writes nothing."""
     bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot)
     mended = finite_instances(_with_materials(bound, analysis, {}))[0]
     return {**mended, **view.standby_backdrop(analysis, mended)}
@@ -254,7 +239,7 @@ def _with_materials(
 
 
 def _unseen(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
-    """Of the materials whose light the camera sees, if not themselves."""
+    """Parameters of materials that the camera sees only by their light."""
     shot = analysis.scene, analysis.objects, analysis.pivot
     every = bindings.instances(*shot, groups=("material",), everything=True)
     shown = set(analysis.geometry.materials)

@@ -102,14 +102,14 @@ class MeasuredChannel:
 
 @dataclass
 class ExportedMaterial:
-    """One material.
+    """A material.
 
     Attributes:
         row: Its entry in scene.json, but for the role and the pictures.
         pictures: Inputs that vary, by name: "base_color", "alpha", "normal", or a parameter's; "far" is the
             base color as mirrors may show it.
         values: Values that bindings cannot know: of other shaders, and means of computed inputs.
-        reason: Why those values are locked.
+        reason: The reason why those values are locked.
         notes: What is only approximate about it, each a sentence without its full stop.
     """
 
@@ -128,7 +128,7 @@ def uv_of(material: bpy.types.Material) -> tuple[str, np.ndarray]:
 
 
 def computed_inputs(material: bpy.types.Material | None) -> dict[str, ValueOrigin | None]:
-    """Where a material's inputs are computed, before our tint; None for the normal that Displacement makes.
+    """The origins of a material's computed inputs, before our tint; None for the normal that Displacement makes.
 
     Besides inputs of the Principled BSDF: the channels of `Mixture`.
     """
@@ -155,8 +155,7 @@ def export_material(
     """Describes a material; None stands for faces without one.
 
     Args:
-        material: What a face wears; None for faces without one.
-        measured: What `computed` inputs give; those that could not be measured are missing.
+        measured: The values of its `computed_inputs`; those that could not be measured are missing.
     """
     if material is None:
         values = {**DEFAULTS, **APPROXIMATE["ShaderNodeBsdfDiffuse"]}
@@ -191,7 +190,6 @@ def export_material(
 
 
 def _approximations(base: layers.Layer, shown: list[layers.Layer]) -> list[str]:
-    """Notes about shaders that are not what the engine knows."""
     rest = [layer for layer in shown if layer is not base and layer.matter != "light"]
     if rest:
         return ["The mix of shaders is approximated"]
@@ -199,13 +197,11 @@ def _approximations(base: layers.Layer, shown: list[layers.Layer]) -> list[str]:
 
 
 def _foreign(material: bpy.types.Material) -> list[str]:
-    """Notes about nodes that a render leaves out."""
     labels = {node.bl_idname: node.bl_label for node in trails.foreign_nodes(material)}
     return [f"{label}, which {FOREIGN[kind]}, is left out" for kind, label in labels.items()]
 
 
 def _rare(constants: Mapping[str, Any]) -> list[str]:
-    """Notes about inputs that the engine approximates or ignores."""
     notes = []
     if constants.get("subsurface", 0.0) > 0:
         notes.append("Subsurface is shown as plain diffuse color")
@@ -242,7 +238,7 @@ def _mixed(
     mixture: Mixture,
     measured: Mapping[str, MeasuredChannel],
 ) -> None:
-    """What shaders give together: the color of several, the opacity that transparent ones leave, the glow's share."""
+    """Adds what shaders give together: their color, the opacity that transparent ones leave, the weight of the glow."""
     window = next((c.picture for name, c in measured.items() if name.startswith("mix")), None)
     frame = window or ExportedTexture(np.ones((1, 1, 1), np.float32))
     if len(mixture.colors) > 1:
@@ -261,7 +257,7 @@ def _mixed(
 
 
 def _varying(result: ExportedMaterial, measured: Mapping[str, MeasuredChannel], mixture: Mixture) -> None:
-    """Takes over what nodes compute: pictures where the engine takes them, means of the others."""
+    """Adds what nodes compute: pictures where the engine takes them, means of the others."""
     cut = mixture.cutout()
     for name, channel in measured.items():
         if name not in COMPUTED and name != "far":

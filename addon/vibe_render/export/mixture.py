@@ -54,7 +54,7 @@ class Mixture:
         return mixture
 
     def cutout(self) -> tuple[ValueOrigin, bool] | None:
-        """The factor of a last mix with a Transparent BSDF, if it is computed, and whether it is the latter's share."""
+        """The factor of a last mix with a Transparent BSDF, if it is computed, and whether it is the latter's weight."""
         clear = [layer for layer in self.layers if layer.kind == TRANSPARENT]
         if len(clear) != 1 or len(clear[0].sides) != 1:
             return None
@@ -62,7 +62,7 @@ class Mixture:
         return (origin, clear[0].sides[0].second) if origin.source else None
 
     def channels(self) -> dict[str, ValueOrigin]:
-        """What has to be measured of it."""
+        """The origins of all that has to be measured."""
         wanted = {f"mix{number}": origin for number, origin in enumerate(self.factors)}
         if len(self.colors) > 1:
             computed = ((n, origin) for n, origin in enumerate(self.colors) if origin.source)
@@ -70,11 +70,11 @@ class Mixture:
         return wanted
 
     def share(self, layer: Layer, measured: Mapping[str, Measured], coats: bool = False) -> np.ndarray:
-        """How much of the surface a shader makes: (h, w, 1) or (1, 1, 1).
+        """The part of the surface that a shader makes: (h, w, 1) or (1, 1, 1).
 
         Args:
-            measured: What `channels` give.
-            coats: Whether what shows at grazing angles lies on top of the rest, which is whole then.
+            measured: The values of `channels`.
+            coats: Whether shaders at grazing angles lie on top of the rest, which is whole then.
         """
         total: np.ndarray = np.ones((1, 1, 1), np.float32)
         for side in layer.sides:
@@ -94,7 +94,7 @@ class Mixture:
         return np.clip(channel.values[..., :1], 0.0, 1.0)
 
     def opacity(self, measured: Mapping[str, Measured]) -> np.ndarray:
-        """What transparent shaders leave of the surface: (h, w, 1) or (1, 1, 1)."""
+        """The part of the surface that transparent shaders leave: (h, w, 1) or (1, 1, 1)."""
         total: np.ndarray = np.ones((1, 1, 1), np.float32)
         for layer in self.layers:
             if layer.kind == TRANSPARENT and (layer.sides or len(self.layers) == 1):
@@ -127,7 +127,7 @@ class Mixture:
         return np.array(origin.socket.default_value[:3], np.float32)[None, None]
 
     def glow(self, measured: Mapping[str, Measured]) -> np.ndarray | None:
-        """The share (h, w, 1) that an Emission node makes of what is not transparent; None if it is all or nothing."""
+        """The part (h, w, 1) of what is not transparent that an Emission node makes; None if it is all or nothing."""
         lights = [layer for layer in self.layers if layer.matter == "light"]
         if not lights or not lights[0].sides:
             return None
@@ -181,7 +181,6 @@ def _ior(node: bpy.types.Node) -> float:
 
 
 def _coat(gloss: Layer) -> dict[str, schema.Values]:
-    """A glossy shader that a Fresnel node lays over another one is a lacquer."""
     strongest, _, roughness = _gloss(gloss)
     return {"coat": (min(strongest, 1.0),), "coat_roughness": (roughness,)}
 

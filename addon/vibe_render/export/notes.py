@@ -17,12 +17,10 @@ _MOST = 5
 
 
 def notes_by_reason(notes: Mapping[str, Sequence[str]]) -> list[str]:
-    """One line for each reason, with the things that it is true of.
-
-    As in "Glossy BSDF is approximated in A, B and 7 more."
+    """One line for each reason: "Glossy BSDF is approximated in A, B and 7 more" and a full stop.
 
     Args:
-        notes: Reasons, sentences without their full stops, by the name of a thing; what matters most comes first.
+        notes: Reasons (sentences without full stops) by the name of a thing; the most important thing comes first.
     """
     things: dict[str, list[str]] = {}
     for name, reasons in notes.items():
@@ -49,7 +47,7 @@ _WHOLE_PICTURE = 0.98  # of the picture: what fills this much leaves nothing els
 
 
 def view_notes(analysis: SceneAnalysis) -> list[str]:
-    """What an artist would want to know of the camera's view; empty if nothing is odd.
+    """Faults of the camera's view, in words for the artist.
 
     Raises:
         VibeError: The picture shows nothing but an object that the artist has hidden in the viewport.

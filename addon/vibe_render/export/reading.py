@@ -44,7 +44,6 @@ def export_scene(
     """Adds what the scene lacks and writes its job folder; a failure leaves the scene as it was.
 
     Args:
-        folder: Made if it does not exist.
         first_shot: The analysis of an earlier shot of this scene, whose subject and pivot this shot takes.
         eyes: Positions of the cameras of all its shots: one fog box holds them all.
 
@@ -67,11 +66,8 @@ def _context(analysis: SceneAnalysis) -> scene_context.SceneContext:
 def prepare_and_capture(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneCapture:
     """First step of an export in two steps: adds what the scene lacks and copies what a render shows.
 
-    Between the steps the caller works out `SceneCapture.visible_scene` in the background, and Blender stays
-    usable. Unlike `export_scene`, this leaves it to the caller to roll back after a failure.
-
-    Raises:
-        VibeError: The scene has no usable camera.
+    Between the steps the caller computes `SceneCapture.visible_scene` in the background, and Blender stays usable.
+    The caller has to roll back after a failure.
     """
     check_camera(scene)
     prepare_and_snapshot(scene, choice)
@@ -83,16 +79,8 @@ def export_captured(
 ) -> SceneJob | None:
     """Second step of an export in two steps: analyzes the captured scene and writes its job folder.
 
-    Args:
-        folder: The job's; it is written to.
-        choice: How the subject is chosen, as in the first step.
-        visible: What `SceneCapture.visible_scene` worked out.
-
     Returns:
-        The job; None if something that was captured has been removed meanwhile: capture again.
-
-    Raises:
-        VibeError: As `export_scene`.
+        The job; None if something that was captured has been removed in between: capture again.
     """
     if scene.camera is None or not snapshot.exists(scene) or not visible.blocks <= data_blocks():
         return None
@@ -107,36 +95,20 @@ def prepare_and_snapshot(scene: bpy.types.Scene, choice: SubjectChoice) -> None:
 
 @dataclass(frozen=True)
 class SceneReading:
-    """A scene's parameters for presets: less than a job, and nothing is written to disk.
-
-    Attributes:
-        analysis: The scene's geometry, subject and visible surfaces.
-        instances: Its parameters, by key.
-    """
+    """A scene's parameters for presets, by key, and its analysis: less than a job, and nothing is written to disk."""
 
     analysis: SceneAnalysis
     instances: dict[str, schema.Instance]
 
 
 def read_scene(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneReading:
-    """Reads a scene's parameters without changing it.
-
-    Args:
-        scene: With a camera of its own.
-
-    Raises:
-        VibeError: As `export_scene`.
-    """
+    """Reads the parameters of a scene that has a camera, without changing it; raises as `export_scene`."""
     check_camera(scene)
     return _reading(analyze(scene, choice))
 
 
 def prepare_and_read(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneReading:
-    """Adds what the scene lacks and reads its parameters; a failure leaves the scene as it was.
-
-    Raises:
-        VibeError: As `export_scene`.
-    """
+    """Adds what the scene lacks and reads its parameters; fails as `export_scene`."""
     return _prepared(scene, choice, _reading)
 
 
@@ -146,7 +118,7 @@ def _reading(analysis: SceneAnalysis) -> SceneReading:
 
 @contextmanager
 def rollback_on_failure(scene: bpy.types.Scene) -> Iterator[None]:
-    """Takes back what was recorded inside the block if that ends in an exception."""
+    """Undoes what was recorded inside the block if that ends in an exception."""
     was_vibed, start = snapshot.exists(scene), snapshot.mark(scene)
     try:
         yield
@@ -166,15 +138,9 @@ def _prepared(scene: bpy.types.Scene, choice: SubjectChoice, read: Callable[[Sce
 
 
 def sketch_scene(scene: bpy.types.Scene, folder: Path, choice: SubjectChoice) -> None:
-    """Writes a sketch, which the engine reads like any exported scene.
+    """Writes a sketch: a job folder with bounding boxes in place of meshes, for readers of words.
 
-    Nothing is rendered, and nothing in the scene changes. Subject, roles and places are found as for a vibe.
-
-    Args:
-        folder: Made if it does not exist.
-
-    Raises:
-        VibeError: The scene cannot be worked with; see `analysis.analyze`.
+    Nothing is rendered, and nothing in the scene changes. Raises as `analysis.analyze`.
     """
     check_camera(scene)
     depsgraph = scene_context.depsgraph(scene)

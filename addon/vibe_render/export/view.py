@@ -61,11 +61,7 @@ def _focused(dof: bpy.types.CameraDOFSettings) -> Any:
 
 
 def light_rows(analysis: SceneAnalysis) -> list[dict[str, Any]]:
-    """The lights' entries in scene.json.
-
-    Raises:
-        VibeError: A light's type is unknown.
-    """
+    """The lights' entries in scene.json."""
     pivot = Vector(analysis.pivot)
     context = scene_context.SceneContext(analysis.scene, analysis.objects, pivot)
     roles = scene_context.light_roles(context)
@@ -178,11 +174,7 @@ def ignored_settings(scene: bpy.types.Scene) -> list[str]:
 
 
 def unlit_objects(light: Object, objects: Sequence[tuple[str, str]]) -> list[int]:
-    """The numbers of the objects that a light does not light.
-
-    Args:
-        objects: Names as in `SceneGeometry.objects`: an instance's instancer, and what it is an instance of.
-    """
+    """The numbers of the objects (named as in `SceneGeometry.objects`) that light linking keeps a light from."""
     collection = light.light_linking.receiver_collection
     if collection is None:
         return []
@@ -205,7 +197,7 @@ def _linked_names(collection: Collection, state: str) -> set[str]:
 
 
 def ignored_links(scene: Scene) -> list[str]:
-    """What of the light linking in a scene the prediction leaves out, in words for the artist."""
+    """Notes on light linking that the prediction leaves out."""
     notes = []
     for obj in (o for o in scene.objects if scene_context.visible(scene, o)):
         linking = obj.light_linking
@@ -226,7 +218,7 @@ _SEEN_WORLD = 0.05  # of what is around the subject: less world than this is out
 
 
 def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[str, schema.Instance]]:
-    """Their entries in scene.json and their parameters; they are in the scene only while this reads them."""
+    """Entries and parameters of the lights that words may add; these are in the scene only inside this function."""
     scene, pivot = analysis.scene, Vector(analysis.pivot)
     known = schema.added_lights.ADDED_LIGHTS
     names = [name for name in known if name not in bpy.data.objects]
@@ -251,11 +243,7 @@ def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[
 def standby_backdrop(
     analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]
 ) -> dict[str, schema.Instance]:
-    """The parameters of a backdrop that the world may get; none where the picture does not show the world.
-
-    Args:
-        instances: Its parameters by key.
-    """
+    """The parameters (by key) of a backdrop that the world may get; none where the picture does not show the world."""
     scene, shown = analysis.scene, analysis.visible.object
     mine = np.append(analysis.is_subject, False)[shown]
     world_is_seen = (shown < 0).sum() >= _SEEN_WORLD * max((~mine).sum(), 1)

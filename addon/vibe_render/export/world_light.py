@@ -28,7 +28,6 @@ class WorldPictures:
     Attributes:
         light: (H, 2H, 3) float32 linear; None for a world of one color.
         backdrop: The same as the camera sees it, where that is another picture.
-        note: What is approximated, or "".
     """
 
     light: np.ndarray | None = None
@@ -52,7 +51,7 @@ def pictures(world: bpy.types.World | None) -> WorldPictures:
 def _environment(
     world: bpy.types.World, background: trails.NodeInGroups | None
 ) -> tuple[np.ndarray | None, str]:
-    """The picture of a single Background, unturned; None for one color. And what is approximated."""
+    """The picture of a single Background, not rotated (None for one color), and a note on what is approximated."""
     color = background.entry("Color") if background else None
     source = inputs.artists_origin(color).source if color else None
     if source is None:
@@ -70,7 +69,7 @@ def _environment(
 
 
 def _backdrop(world: bpy.types.World) -> np.ndarray | None:
-    """What the camera alone sees, without what parameters do to it; None for one color, or the same picture."""
+    """The picture for the camera alone, without parameters; None for one color, or the same picture."""
     if backgrounds.shares_picture(world):
         return None
     single = backgrounds.single_background(world, backgrounds.BACKDROP)
@@ -105,7 +104,7 @@ def _panorama(world: bpy.types.World) -> np.ndarray:
 
 
 def _pin(tree: bpy.types.NodeTree, path: bpy.types.Node) -> None:
-    """Puts constants in the place of a Light Path node: what it says of rays that matte surfaces send."""
+    """Replaces a Light Path node by its values for rays from matte surfaces."""
     for output in path.outputs:
         targets = [link.to_socket for link in output.links]
         if targets:
@@ -117,7 +116,7 @@ def _pin(tree: bpy.types.NodeTree, path: bpy.types.Node) -> None:
 
 @contextmanager
 def _untinted(world: bpy.types.World) -> Iterator[tuple[bpy.types.World, list[bpy.types.NodeTree]]]:
-    """A copy of a world, its groups included, without what our insets do, and its trees; removed afterwards."""
+    """A copy of a world, its groups included, with neutral insets, and its trees; removed afterwards."""
     twin = _twin(world)
     _unlink(twin.node_tree, ("Volume",))
     trees = [twin.node_tree]
@@ -149,7 +148,7 @@ def _unlink(tree: bpy.types.NodeTree, names: tuple[str, ...]) -> None:
 
 @contextmanager
 def _plain(world: bpy.types.World, source: bpy.types.NodeSocket) -> Iterator[bpy.types.World]:
-    """A copy of a world that shows what an output gives, unturned, at strength 1; removed afterwards."""
+    """A copy of a world that shows the value of an output, not rotated, at strength 1; removed afterwards."""
     twin = _twin(world)
     tree = twin.node_tree
     exit_ = next(s for s in tree.nodes[source.node.name].outputs if s.identifier == source.identifier)

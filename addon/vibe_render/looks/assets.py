@@ -49,11 +49,7 @@ def catalog_identifier(path: str) -> str:
 
 
 def catalog_root(folder: Path, libraries: Iterable[str]) -> Path:
-    """The folder whose catalog file counts for the assets of a .blend.
-
-    Args:
-        libraries: The folders of the artist's asset libraries.
-    """
+    """The folder whose catalog file counts for the assets of a .blend, among the artist's asset libraries."""
     folder = folder.resolve()
     for library in filter(None, libraries):
         place = Path(library).resolve()
@@ -63,11 +59,7 @@ def catalog_root(folder: Path, libraries: Iterable[str]) -> Path:
 
 
 def add_catalogs(place: Path, paths: Iterable[str]) -> None:
-    """Adds catalogs to those of a library, which stay as they are.
-
-    Args:
-        place: The folder of the catalog file.
-        paths: The new catalogs, such as "Vibe Render/Materials".
+    """Adds catalogs, such as "Vibe Render/Materials", to the catalog file in a folder.
 
     Raises:
         VibeError: The file cannot be read or written, or is of a newer version.
@@ -93,22 +85,14 @@ _BALL_SAMPLES = 48
 
 
 def set_preview(block: ID, pixels: np.ndarray) -> None:
-    """Gives a data-block a preview.
-
-    Args:
-        pixels: (H, W, 4) as displays show them, 0 to 1, row 0 at the bottom.
-    """
+    """Gives a data-block a preview: pixels (H, W, 4) as displays show them, 0 to 1, row 0 at the bottom."""
     preview = block.preview_ensure()
     preview.image_size = (pixels.shape[1], pixels.shape[0])
     preview.image_pixels_float.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
 
 
 def material_balls(materials: Sequence[Material]) -> list[np.ndarray]:
-    """Small Cycles renders of a ball of each material. Nothing of them stays in the file.
-
-    Returns:
-        Pictures as for `put`.
-    """
+    """Small Cycles renders of a ball of each material, as for `set_preview`. Nothing of them stays in the file."""
     before = {block for kind in _KINDS for block in getattr(bpy.data, kind)}
     try:
         scene, ball = _ball_stage()
@@ -198,15 +182,12 @@ class _Crate:
 def export_assets(
     analysis: SceneAnalysis, name: str, words: str, materials: Iterable[Material], path: Path, picture: Path
 ) -> list[str]:
-    """Writes the look that a scene has now.
+    """Writes the look that a scene has now; returns the names of the assets.
 
     Args:
         materials: The materials that belong to the look.
         path: The .blend to write, or to replace.
         picture: A thumbnail of the look: the preview of assets that are no materials.
-
-    Returns:
-        The names of the assets.
 
     Raises:
         VibeError: There is nothing to export, or the files cannot be written.

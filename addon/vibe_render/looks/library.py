@@ -30,13 +30,7 @@ _JPEG = b"\xff\xd8\xff"
 
 @dataclass(frozen=True)
 class Look:
-    """A preset in the library.
-
-    Attributes:
-        path: Its file.
-        preset: Its content; None where the file cannot be read.
-        problem: Why it cannot be read.
-    """
+    """A preset in the library; without content but with a problem where its file cannot be read."""
 
     path: Path
     preset: preset.Preset | None
@@ -63,30 +57,18 @@ class Look:
         return self.path.with_suffix(PICTURE)
 
     def matches(self, words: str) -> bool:
-        """Whether its name and prompt together contain each of these words, or parts of words.
-
-        Args:
-            words: Separated by spaces; upper and lower case are the same.
-        """
+        """Whether its name and prompt together contain each of these words (or parts of words), in any case."""
         text = f"{self.name} {self.prompt}".casefold()
         return all(word in text for word in words.casefold().split())
 
 
 def preset_folder(create: bool = False) -> Path:
-    """The folder of the artist's own presets.
-
-    Args:
-        create: Make it if it is missing.
-    """
+    """The folder of the artist's own presets."""
     return own_folder("presets", create)
 
 
 def all_looks(words: str = "") -> list[Look]:
-    """The artist's own presets by name, then the shipped ones.
-
-    Args:
-        words: Only those that match; see `Look.matches`.
-    """
+    """The artist's own presets by name, then the shipped ones; only those that match words (see `Look.matches`)."""
     all_looks: list[Look] = []
     for place in (preset_folder(), SHIPPED):
         theirs = [_read(path, *_stamp(path)) for path in place.glob("[!.]*.json")]
@@ -95,14 +77,7 @@ def all_looks(words: str = "") -> list[Look]:
 
 
 def preset_named(preset_: str) -> preset.Preset:
-    """The preset that the command line names.
-
-    Args:
-        preset_: The path of a file, or a name in the library.
-
-    Raises:
-        VibeError: There is none, or it cannot be read.
-    """
+    """The preset that the command line names by a file's path or a name in the library."""
     path = Path(preset_).expanduser()
     if path.suffix == ".json" or path.is_file():
         return transfer.load_preset(path)
@@ -110,10 +85,7 @@ def preset_named(preset_: str) -> preset.Preset:
 
 
 def find_preset(name: str) -> Look:
-    """The preset of a name.
-
-    Args:
-        name: The name, or its beginning if only one preset starts so. Upper and lower case are the same.
+    """The preset of a name, or of its beginning if only one preset starts so, in any case.
 
     Raises:
         VibeError: There is none, or more than one.
@@ -131,11 +103,7 @@ def find_preset(name: str) -> Look:
 
 
 def preset_at(path: str) -> Look:
-    """The preset at a path of the library.
-
-    Raises:
-        VibeError: It is gone.
-    """
+    """The preset at a path of the library; a VibeError if it is gone."""
     for look in all_looks():
         if str(look.path) == path:
             return look
@@ -143,25 +111,17 @@ def preset_at(path: str) -> Look:
 
 
 def path_for(place: Path, name: str) -> Path:
-    """The file for a preset: letters, digits and dashes, valid on every system.
-
-    Args:
-        name: Of the preset, in any script; at most 50 letters of it are used.
-    """
+    """The file for a preset's name, in any script: letters, digits and dashes, valid on every system."""
     plain = unicodedata.normalize("NFKD", name).casefold()
     words = re.sub(r"[^\w]+", "-", plain).strip("-")[:50]
     return place / f"{words or 'look'}.json"
 
 
 def save_preset(look: preset.Preset, picture: Path | None = None) -> Look:
-    """Adds a preset to the artist's own.
+    """Adds a preset to the artist's own, with a number in its name where another preset has it.
 
     Args:
-        look: Its name is numbered where another preset has it.
-        picture: A JPEG of it; None, or a file that is none, leaves it without.
-
-    Returns:
-        The preset as the library holds it.
+        picture: A JPEG of it; a file that is none is ignored.
 
     Raises:
         VibeError: The folder cannot be written.
@@ -170,13 +130,7 @@ def save_preset(look: preset.Preset, picture: Path | None = None) -> Look:
 
 
 def rename_preset(look: Look, name: str) -> Look:
-    """Gives one of the artist's presets another name.
-
-    Args:
-        name: The new one; numbered where another preset has it.
-
-    Returns:
-        The preset as the library holds it.
+    """Gives one of the artist's presets another name, numbered where another preset has it.
 
     Raises:
         VibeError: The name is empty, the preset is shipped or broken, or the folder cannot be written.
@@ -220,10 +174,7 @@ def import_preset(path: Path) -> Look:
 
 
 def export_preset(look: Look, path: Path) -> None:
-    """Writes a preset, and its picture beside it.
-
-    Args:
-        path: Of the file; another ending becomes ".json".
+    """Writes a preset to a .json file, with its picture next to it.
 
     Raises:
         VibeError: The preset is broken, or the file cannot be written.

@@ -34,15 +34,11 @@ def neutral_grade() -> dict[str, tuple[float, ...]]:
 def graded_colors(
     colors: np.ndarray, values: Mapping[str, Sequence[float]], below_black: bool = False
 ) -> np.ndarray:
-    """Applies the grade.
+    """Applies the grade to colors (N, 3), scene-linear Rec.709, at least 0.
 
     Args:
-        colors: (N, 3) scene-linear Rec.709, at least 0.
         values: By name ("contrast", …), in the schema's units; missing ones are neutral.
         below_black: Whether negative values from saturation stay, unless hue or gamma come after it.
-
-    Returns:
-        (N, 3) scene-linear.
     """
     v = {name: np.array(values.get(name, neutral)) for name, neutral in neutral_grade().items()}
     c = colors * 2.0 ** v["grade_exposure"]
@@ -67,9 +63,6 @@ def _turned(c: np.ndarray, sixths: np.ndarray) -> np.ndarray:
 def grade_table(values: Mapping[str, Sequence[float]], size: int = SIZE) -> np.ndarray:
     """The display colors of a grade, on a grid of the colors that go in.
 
-    Args:
-        values: As for `graded`.
-
     Returns:
         (size³, 3) sRGB, red changing fastest; black is at 0, white at 1. May leave [0, 1].
     """
@@ -80,14 +73,7 @@ def grade_table(values: Mapping[str, Sequence[float]], size: int = SIZE) -> np.n
 
 
 def write_cube(path: Path, name: str, values: Mapping[str, Sequence[float]]) -> None:
-    """Writes a .cube file, whole or not at all.
-
-    Args:
-        values: As for `graded`.
-
-    Raises:
-        VibeError: The file cannot be written.
-    """
+    """Writes a .cube file, whole or not at all; raises a VibeError if it cannot be written."""
     title = "".join(c for c in name if c.isprintable() and c != '"')
     head = (
         "# Vibe Render: the grade of a look. In and out: sRGB (Rec.709 primaries, display-referred).\n"

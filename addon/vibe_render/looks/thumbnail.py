@@ -20,11 +20,7 @@ _SAMPLES = 48
 
 
 def render_thumbnail(scene: bpy.types.Scene, out: Path) -> None:
-    """Renders the scene small with Cycles, and writes the square in the middle as a JPEG.
-
-    Raises:
-        VibeError: Blender cannot render, or the file cannot be written.
-    """
+    """Renders the scene small with Cycles, and writes the square in the middle as a JPEG."""
     width, height = scene.render.resolution_x, scene.render.resolution_y
     longer = round(SIZE * max(width, height) / min(width, height))
     with tempfile.TemporaryDirectory(prefix="vibe-") as folder:

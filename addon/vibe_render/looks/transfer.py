@@ -19,7 +19,7 @@ from ..scene.light_types import EXTENTS, light_type, type_of
 
 
 class SceneParameters(Protocol):
-    """What presets need of a scene: an exported job has it, and so has a scene that was only read."""
+    """The part of a scene that presets need, of an exported job or a scene that was only read."""
 
     @property
     def analysis(self) -> SceneAnalysis:
@@ -61,7 +61,7 @@ def extract_look(
     Args:
         values: The values that the vibe has changed, by key.
         name: The preset's name; without one, the prompt's first words.
-        goals: What the vibe was searched for by, as JSON; "" for none.
+        goals: The goals of the vibe's search, as JSON; "" for none.
     """
     roles: dict[str, list[preset.Entry]] = {}
     kinds: dict[str, list[str]] = {}
@@ -75,11 +75,7 @@ def extract_look(
 
 
 def role_owners(scene: SceneParameters, role: str) -> list[str]:
-    """The owners (names in keys) of a role: materials by visible area, lights by brightness, the largest first.
-
-    Args:
-        role: One of `preset.ROLES`.
-    """
+    """The owners (names in keys) of one of `preset.ROLES`: materials by visible area, lights by brightness."""
     group = preset.ROLES[role]
     if group not in ("material", "light"):
         return [""]
@@ -103,7 +99,7 @@ def visible_areas(analysis: SceneAnalysis) -> dict[str, float]:
 
 
 def _brightness(scene: SceneParameters, owner: str) -> float:
-    """What a white surface at the subject that faces the light sends back."""
+    """Radiance of a white surface at the subject that faces the light."""
     for name in ("power", "strength"):
         if instance := scene.instances.get(f"light/{owner}/{name}"):
             return schema.radiometry.radiance(_kind(owner), instance.value[0] / instance.reference)
@@ -146,12 +142,7 @@ _ONLY_LAMPS = {"distance"}  # suns have none, which needs no note
 
 @dataclass
 class Fit:
-    """A preset on a scene.
-
-    Attributes:
-        values: What fits, by key, in the schema's units.
-        rest: What does not fit, one line for each thing, in words for the artist.
-    """
+    """A preset on a scene: the values that fit, by key, and a line for each that does not, in words for the artist."""
 
     values: dict[str, list[float]] = field(default_factory=dict)
     rest: list[str] = field(default_factory=list)
@@ -162,9 +153,6 @@ def fit_look(look: preset.Preset, target: SceneParameters) -> Fit:
 
     Where the scene has more materials or lights of a role than the preset, the rest get the last entry.
     Where it lacks a light that the look needs, the values are those of a light that will be added.
-
-    Args:
-        target: The scene that it is for.
     """
     result = Fit()
     for role, entries in look.roles.items():

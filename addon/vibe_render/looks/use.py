@@ -19,7 +19,7 @@ _POWER = "/power"
 
 
 def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectChoice) -> list[str]:
-    """Puts a look on the scene; Strength, Before, Keep and Revert work as after a vibe.
+    """Applies a look to the scene; Strength, Before, Keep and Revert work as after a vibe.
 
     A look from another preset that has not been kept is taken out first, so that presets can be tried one after the
     other. A failure leaves the scene as it was.
@@ -65,10 +65,7 @@ def _apply(scene: bpy.types.Scene, look: preset.Preset, scene_reading: reading.S
 
 
 def capture_preset(scene: bpy.types.Scene, choice: SubjectChoice, name: str) -> preset.Preset:
-    """The scene's present look: the values now of all that the last vibe or preset changed.
-
-    Args:
-        scene: The scene; it shows the vibe, not the original, afterwards.
+    """The scene's present look: all that the last vibe or preset changed. The scene shows the vibe afterwards.
 
     Raises:
         VibeError: There is no such look, or the scene cannot be read.

@@ -52,21 +52,16 @@ def render_anchor(
 ) -> dict[str, str]:
     """Renders the scene at other values, denoised, before compositor and view transform, to a multilayer EXR.
 
-    The file has the layers "Combined", "Noisy Image" and one "Combined_…" of every light group, in scene-linear
-    light. It appears whole or not at all, and the scene is left exactly as it was.
+    The file has the layers "Combined", "Noisy Image" and one "Combined_…" of every light group, in scene-linear light.
+    It appears whole or not at all, and the scene is left exactly as it was.
 
     Args:
-        values: Parameter key to components; those of the film have no part in scene-linear light.
-        subject: As for `bindings.write`.
-        pivot: As for `bindings.write`.
+        values, subject, pivot: As for `bindings.write`; values of the film are ignored.
         size: Longer side of the picture, pixels; the scene's aspect is kept.
         samples: Most samples in a pixel.
 
     Returns:
-        Light group to whose light it holds: "light/NAME" or "world". Other light is only in the whole.
-
-    Raises:
-        VibeError: A value is not usable, or the file cannot be written.
+        Light group to the owner of its light: "light/NAME" or "world". Other light is only in the whole.
     """
     lit = {key: value for key, value in values.items() if not key.startswith("film/")}
     with bindings.trial(scene, lit, subject, pivot), copied_scene(scene) as twin:

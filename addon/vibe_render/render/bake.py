@@ -23,11 +23,7 @@ from ..scene.nodes.trails import ValueOrigin, group_output, same_socket
 
 
 def render_linear(scene: bpy.types.Scene, samples: int, bounces: int = 0) -> np.ndarray:
-    """Renders the scene with Cycles as it is set up.
-
-    Returns:
-        (H, W, 3) float32, scene linear, row 0 at the bottom.
-    """
+    """Renders the scene with Cycles as it is set up: (H, W, 3) float32, scene linear, row 0 at the bottom."""
     cycles = scene.cycles
     scene.render.engine = "CYCLES"
     with (
@@ -71,12 +67,7 @@ def image_pixels(image: bpy.types.Image) -> np.ndarray:
 
 @contextmanager
 def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.types.Material]:
-    """A copy of a material that emits the value of one of its outputs; removed after the block.
-
-    Args:
-        material: The artist's; left as it is.
-        origin: Where the output is: in the material's own tree, or in node groups, which are copied for the time.
-    """
+    """A copy of a material (and of the groups on the way) that emits one of its outputs; removed after the block."""
     twin = material.copy()
     tree = twin.node_tree
     exit_, groups = _exposed_output(tree, origin)
@@ -98,7 +89,7 @@ def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.
 def _exposed_output(
     tree: bpy.types.NodeTree, origin: ValueOrigin
 ) -> tuple[bpy.types.NodeSocket, list[bpy.types.NodeTree]]:
-    """An output in a tree that gives the value of one inside its node groups, and the copies of groups made for it."""
+    """An output in a tree for the value of one inside its node groups, and the copies of groups made for it."""
     groups, holders = [], []
     for name in (group.name for group in origin.inside):
         holders.append(tree.nodes[name])
@@ -153,7 +144,7 @@ def bake_world(world: bpy.types.World, height: int, samples: int) -> np.ndarray:
 
 
 def bake_panorama(scene: bpy.types.Scene, samples: int) -> np.ndarray:
-    """What is around the camera of a scene of ours, likewise."""
+    """The surroundings of the camera of a scene of ours, laid out as in `bake_world`."""
     camera = scene.camera
     camera.data.type = "PANO"
     target = camera.data if hasattr(camera.data, "panorama_type") else camera.data.cycles
@@ -186,13 +177,9 @@ _WATTS = 1000.0
 
 
 def mean_light_factor(light: Object, pivot: Vector) -> tuple[float, float, float]:
-    """The mean factor of a light's nodes on what it sheds to the subject's side, a Blackbody's temperature aside.
+    """The mean factor of a light's nodes (IES, gobos) on its light toward the pivot, without a Blackbody's temperature.
 
     The light shines on a ball around it that is as wide as the subject is far: with its nodes, and without.
-
-    Args:
-        light: The light; left as it is.
-        pivot: The middle of the subject, world space.
     """
     endless = not type_of(light).has_position
     way = pivot - light.matrix_world.translation

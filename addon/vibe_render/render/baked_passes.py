@@ -40,10 +40,7 @@ _INDEX, _SQUARE = "Vibe Index", "Vibe Square"
 
 @dataclass(frozen=True)
 class PassRequest:
-    """A computed input to bake: its material, its channel, and where it is computed.
-
-    `origin` is None for the normal that Displacement makes where it is rendered as bump.
-    """
+    """A computed input to bake. Its `origin` is None for the normal that Displacement makes where it is rendered as bump."""
 
     material: bpy.types.Material
     channel: str
@@ -68,14 +65,10 @@ class BakedPicture:
 def bake_passes(
     scene: bpy.types.Scene, wanted: Sequence[PassRequest], plane: CapturePlane | None = None
 ) -> dict[tuple[str, str], BakedPicture]:
-    """Bakes computed inputs with one render.
-
-    Args:
-        plane: Captured straight on, instead of what the scene's camera sees.
+    """Bakes computed inputs with one render of the camera's view, or of a plane captured straight on.
 
     Returns:
-        By full name of the material and channel; without inputs that the camera does not see, and without
-        materials of linked libraries.
+        By full name of the material and channel; without inputs that are not seen, and materials of linked libraries.
     """
     wanted = [w for w in wanted if _editable(w)]
     if not wanted:
@@ -126,13 +119,12 @@ def _editable(w: PassRequest) -> bool:
 
 
 def _once(wanted: Sequence[PassRequest]) -> list[PassRequest]:
-    """What has to be sent: materials may share a node group, and outputs of one name would add up."""
+    """One request for each tree and channel: materials may share a node group, and outputs of one name would add up."""
     places = {(_tree(w).as_pointer(), w.channel): w for w in wanted}
     return list(places.values())
 
 
 def _tree(w: PassRequest) -> bpy.types.NodeTree:
-    """Where a value is computed."""
     return w.origin.socket.id_data if w.origin else w.material.node_tree
 
 
@@ -165,7 +157,6 @@ def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dic
 
 @contextmanager
 def _sent(w: PassRequest, name: str) -> Iterator[None]:
-    """An AOV output for a value, in the tree that computes it."""
     tree = _tree(w)
     added = []
     try:
@@ -192,7 +183,7 @@ def _sent(w: PassRequest, name: str) -> Iterator[None]:
 
 @contextmanager
 def _marked(material: bpy.types.Material, number: float) -> Iterator[None]:
-    """AOV outputs that tell where a material is seen, and where it is seen alone."""
+    """AOV outputs for the places where a material is seen, and where it is seen alone."""
     nodes = material.node_tree.nodes
     added = []
     try:
@@ -256,16 +247,7 @@ class CapturePlane:
 
 
 def capture_plane(corners: np.ndarray, pivot: np.ndarray, distance: float) -> CapturePlane | None:
-    """The square that triangles of one plane fill.
-
-    Args:
-        corners: (F, 3, 3), world space, meters.
-        pivot: (3,), the pivot of the scene's orbits.
-        distance: From the camera to the pivot, meters.
-
-    Returns:
-        None if the triangles do not lie in one plane.
-    """
+    """The square that triangles (F, 3, 3) fill, at a camera's distance in meters; None if they are not in one plane."""
     edges = corners[:, 1:] - corners[:, :1]
     areas = np.cross(edges[:, 0], edges[:, 1])
     out = areas[np.argmax(np.linalg.norm(areas, axis=1))]
@@ -332,7 +314,10 @@ def render_passes(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
 
 
 def read_exr(path: Path) -> dict[str, np.ndarray]:
-    """Channels (H, W) float32 by their full names, row 0 at the bottom.
+    """Channels (H, W) float32 of an OpenEXR file by their full names, row 0 at the bottom.
+
+    Blender's own Python can write such files, not read them. Only what Blender writes with the settings of `render_passes` is
+    understood: one part, scan lines, no compression, 32-bit floats (openexr.com/en/latest/OpenEXRFileLayout.html).
 
     Raises:
         ValueError: The file is of another kind.

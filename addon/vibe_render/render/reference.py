@@ -17,7 +17,7 @@ _NAME = "reference"
 
 
 def picture_name(settings: Any) -> str:
-    """What the picture is called; "" if none is given."""
+    """The name of the picture; "" if none is given."""
     if settings.like_from == "FILE":
         return Path(settings.like.replace("\\", "/")).name
     if settings.like_from == "IMAGE":
@@ -26,13 +26,13 @@ def picture_name(settings: Any) -> str:
 
 
 def request_title(prompt: str, like: str) -> str:
-    """What was asked for, as panels show it: the words in quotation marks, and the picture's name."""
+    """The request, as panels show it: the words in quotation marks, and the picture's name."""
     parts = [f"“{prompt}”" if prompt else "", f"like {like}" if like else ""]
     return " ".join(filter(None, parts))
 
 
 def picture_obstacle(settings: Any) -> str:
-    """Why the picture that is chosen cannot be used; "" if it can, or there is none."""
+    """The reason why the chosen picture cannot be used; "" if it can, or there is none."""
     if settings.like_from == "FILE" and settings.like and not Path(_absolute(settings.like)).is_file():
         return f"There is no picture {picture_name(settings)}"
     if settings.like_from == "SLOT" and _render_result() is None:
@@ -41,10 +41,7 @@ def picture_obstacle(settings: Any) -> str:
 
 
 def picture_path(scene: bpy.types.Scene, folder: Path) -> str:
-    """The path of the picture; what is not a file of its own is saved into the folder first.
-
-    Returns:
-        An absolute path; "" if no picture is given.
+    """The absolute path of the picture, "" without one; what is not a file is saved into the folder first.
 
     Raises:
         VibeError: It is missing, or has no pixels.
