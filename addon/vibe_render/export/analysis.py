@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
+from mathutils import Vector
 
 from ..core.schema_import import schema
 from ..scene import copies, subject
 from ..scene.geometry import visibility
 from ..scene.geometry.meshes import collect_meshes
 from ..scene.geometry.triangles import PlacedMesh, SceneGeometry, assembled
-from ..scene.scene_context import GEOMETRY
+from ..scene.scene_context import GEOMETRY, SceneContext
 from .materials import uv_of
 
 
@@ -76,6 +77,10 @@ class SceneAnalysis:
         """The center of the subject's bounding box, world space, meters."""
         x, y, z = ((a + b) / 2 for a, b in zip(self.low, self.high, strict=True))
         return x, y, z
+
+    def context(self) -> SceneContext:
+        """The context of the scene as it is now: what locators need."""
+        return SceneContext(self.scene, self.objects, Vector(self.pivot))
 
 
 def check_camera(scene: bpy.types.Scene) -> None:

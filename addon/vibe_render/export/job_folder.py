@@ -12,7 +12,6 @@ from typing import Any
 
 import bpy
 import numpy as np
-from mathutils import Vector
 
 from ..core.schema_import import atomic, labels, schema
 from ..scene import bindings, fog, scene_context
@@ -24,7 +23,7 @@ from .materials import NO_MATERIAL, ExportedMaterial, export_material
 _REASON = "it is not a number in Blender"
 
 
-def finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, schema.Instance], list[str]]:
+def _finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, schema.Instance], list[str]]:
     """The parameters, with locked default values for those that are not finite, and warnings that name these."""
     mended, warnings = {}, []
     for key, instance in read.items():
@@ -39,7 +38,7 @@ def finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, sch
     return mended, warnings
 
 
-def finite_content(value: Any, path: str, warnings: list[str]) -> Any:
+def _finite_content(value: Any, path: str, warnings: list[str]) -> Any:
     """A copy of nested dicts and lists in which numbers that are not finite are 0.
 
     Args:
@@ -48,11 +47,11 @@ def finite_content(value: Any, path: str, warnings: list[str]) -> Any:
     """
     if isinstance(value, Mapping):
         return {
-            key: finite_content(item, f"{path}/{key}" if path else key, warnings)
+            key: _finite_content(item, f"{path}/{key}" if path else key, warnings)
             for key, item in value.items()
         }
     if isinstance(value, list | tuple):
-        return [finite_content(item, path, warnings) for item in value]
+        return [_finite_content(item, path, warnings) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
         warnings.append(
             f"{path.replace('/', ' › ').replace('_', ' ')} is not a number in Blender; the prediction takes 0."
@@ -104,7 +103,7 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
     spoiling = notes.view_notes(analysis)
     bound = bindings.instances(scene, analysis.objects, analysis.pivot)
     materials = measured.measured_materials(analysis)
-    instances, mended = finite_instances(_with_materials(bound, analysis, materials))
+    instances, mended = _finite_instances(_with_materials(bound, analysis, materials))
     spare, spare_instances = view.standby_lights(analysis)
     spare_instances |= view.standby_backdrop(analysis, instances)
     warnings = [*spoiling, *notes.notes_by_reason(_material_notes(analysis, materials)), *geometry.warnings]
@@ -131,7 +130,7 @@ def write_sketch(analysis: SceneAnalysis, folder: Path) -> None:
     named = {m.name_full: m for m in bpy.data.materials}
     exported = [export_material(named.get(name), {}) for name in analysis.geometry.materials]
     materials = {each.row["name"]: each for each in exported}
-    instances = finite_instances(_with_materials(bound, analysis, materials))[0]
+    instances = _finite_instances(_with_materials(bound, analysis, materials))[0]
     content = _content(analysis, materials, instances, folder) | {
         "world": {"kind": "color"},
         "volume": {"kind": "none", "center": analysis.pivot, "half_size": (1.0, 1.0, 1.0), "base": 0.0},
@@ -145,17 +144,18 @@ def _content(
     instances: Mapping[str, schema.Instance],
     folder: Path,
 ) -> dict[str, Any]:
-    scene, geometry = analysis.scene, analysis.geometry
+    scene, geometry, render = analysis.scene, analysis.geometry, analysis.scene.render
     flags = zip(geometry.objects, analysis.is_subject, geometry.hidden, strict=True)
+    scale = render.resolution_percentage / 100
     return {
         "format": FORMAT,
         "schema": schema.schema_hash(),
         "blender": bpy.app.version_string,
         "source": Path(bpy.data.filepath).name,
-        "resolution": [_scaled(scene, scene.render.resolution_x), _scaled(scene, scene.render.resolution_y)],
-        "pixel_aspect": scene.render.pixel_aspect_x / scene.render.pixel_aspect_y,
+        "resolution": [max(1, int(side * scale)) for side in (render.resolution_x, render.resolution_y)],
+        "pixel_aspect": render.pixel_aspect_x / render.pixel_aspect_y,
         "pivot": analysis.pivot,
-        "references": bindings.references(scene, analysis.objects, analysis.pivot),
+        "references": scene_context.scene_lengths(analysis.context()),
         "camera": view.camera_row(analysis),
         "lights": view.light_rows(analysis),
         "materials": _write_textures(analysis, materials, folder),
@@ -169,8 +169,17 @@ def _content(
 
 
 def _write(content: dict[str, Any], analysis: SceneAnalysis, folder: Path, warnings: list[str]) -> None:
-    _write_meshes(analysis, folder)
-    sound = finite_content(content, "", warnings)
+    g = analysis.geometry
+    np.savez(
+        folder / "meshes.npz",
+        vertices=g.vertices,
+        faces=g.faces,
+        normals=g.normals,
+        uvs=g.uvs,
+        material=g.material,
+        object=g.object,
+    )
+    sound = _finite_content(content, "", warnings)
     atomic.write_text(folder / "scene.json", json.dumps(sound, indent=1, allow_nan=False))
 
 
@@ -199,12 +208,8 @@ def _material_notes(
 def read_parameters(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
     """The scene's parameters by key, with those of a possible backdrop; unlike `write_job`, renders and writes nothing."""
     bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot)
-    mended = finite_instances(_with_materials(bound, analysis, {}))[0]
+    mended = _finite_instances(_with_materials(bound, analysis, {}))[0]
     return {**mended, **view.standby_backdrop(analysis, mended)}
-
-
-def _scaled(scene: bpy.types.Scene, pixels: int) -> int:
-    return max(1, int(pixels * scene.render.resolution_percentage / 100))
 
 
 def _roles(analysis: SceneAnalysis) -> dict[str, str]:
@@ -243,7 +248,7 @@ def _unseen(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
     shot = analysis.scene, analysis.objects, analysis.pivot
     every = bindings.instances(*shot, groups=("material",), everything=True)
     shown = set(analysis.geometry.materials)
-    return finite_instances({key: i for key, i in every.items() if i.owner in shown})[0]
+    return _finite_instances({key: i for key, i in every.items() if i.owner in shown})[0]
 
 
 def _parameter(instance: schema.Instance) -> dict[str, Any]:
@@ -274,22 +279,9 @@ def _write_textures(
     return rows
 
 
-def _write_meshes(analysis: SceneAnalysis, folder: Path) -> None:
-    g = analysis.geometry
-    np.savez(
-        folder / "meshes.npz",
-        vertices=g.vertices,
-        faces=g.faces,
-        normals=g.normals,
-        uvs=g.uvs,
-        material=g.material,
-        object=g.object,
-    )
-
-
 def _volume(analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]) -> dict[str, Any]:
     scene = analysis.scene
-    domain = fog.fog_domain(scene_context.SceneContext(scene, analysis.objects, Vector(analysis.pivot)))
+    domain = fog.fog_domain(analysis.context())
     density = instances.get("volume/density")
     if scene.world and trails.world_volume(scene.world):
         kind = "world"

@@ -14,7 +14,7 @@ from ..core import compat
 from ..core.schema_import import schema
 from ..scene.nodes import inputs, layers, trails
 from ..scene.nodes.trails import FOREIGN, ValueOrigin
-from .mixture import Mixture
+from .mixture import MeasuredChannel, Mixture
 from .textures import ExportedTexture, uv_mapping
 
 APPROXIMATE: dict[str, dict[str, tuple[float, ...]]] = {
@@ -87,19 +87,6 @@ NO_MATERIAL = "(no material)"
 """What faces without a material are called; a name that Blender would not give."""
 
 
-@dataclass(frozen=True)
-class MeasuredChannel:
-    """A computed input as it was measured: its mean (1,) or (3,), and its picture if it varies."""
-
-    mean: np.ndarray
-    picture: ExportedTexture | None = None
-
-    @property
-    def values(self) -> np.ndarray:
-        """(h, w, C), or (1, 1, C) where it does not vary."""
-        return self.picture.image if self.picture else self.mean[None, None].astype(np.float32)
-
-
 @dataclass
 class ExportedMaterial:
     """A material.
@@ -164,7 +151,8 @@ def export_material(
         values = {"metallic": (material.metallic,), "roughness": (material.roughness,)}
         return ExportedMaterial(_row(material.name_full, "approximate"), {}, values, "its nodes are off")
     mixture, shown = Mixture.of(material), layers.by_prominence(material)
-    notes = _foreign(material)
+    labels = {node.bl_idname: node.bl_label for node in trails.foreign_nodes(material)}
+    notes = [f"{label}, which {FOREIGN[kind]}, is left out" for kind, label in labels.items()]
     if not shown and mixture.layers:
         clear = ExportedMaterial(_row(material.name_full, "principled"), {}, {**DEFAULTS, **BLACK})
         clear.row["alpha"], clear.reason = float(mixture.opacity(measured).mean()), "it is transparent"
@@ -181,28 +169,20 @@ def export_material(
         result.row["model"], result.reason = "approximate", f"its shader is a {base.shader.node.bl_label}"
         result.values.update(APPROXIMATE[base.kind])
         result.values.update(mixture.values(base, measured))
-    notes += _approximations(base, shown)
     _constants(base, mixture, result.row)
-    notes += _rare(result.row["constants"])
+    notes += _notes(base, shown, result.row["constants"])
     _mixed(result, material, mixture, measured)
     _varying(result, measured, mixture)
     return result
 
 
-def _approximations(base: layers.Layer, shown: list[layers.Layer]) -> list[str]:
-    rest = [layer for layer in shown if layer is not base and layer.matter != "light"]
-    if rest:
-        return ["The mix of shaders is approximated"]
-    return [] if base.kind in EXACT else [f"{base.shader.node.bl_label} is approximated"]
-
-
-def _foreign(material: bpy.types.Material) -> list[str]:
-    labels = {node.bl_idname: node.bl_label for node in trails.foreign_nodes(material)}
-    return [f"{label}, which {FOREIGN[kind]}, is left out" for kind, label in labels.items()]
-
-
-def _rare(constants: Mapping[str, Any]) -> list[str]:
+def _notes(base: layers.Layer, shown: list[layers.Layer], constants: Mapping[str, Any]) -> list[str]:
+    """Notes about shaders and inputs that the engine approximates or ignores."""
     notes = []
+    if any(layer is not base and layer.matter != "light" for layer in shown):
+        notes.append("The mix of shaders is approximated")
+    elif base.kind not in EXACT:
+        notes.append(f"{base.shader.node.bl_label} is approximated")
     if constants.get("subsurface", 0.0) > 0:
         notes.append("Subsurface is shown as plain diffuse color")
     if constants.get("anisotropic", 0.0) > 0:

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import bpy
 import numpy as np
@@ -14,17 +13,23 @@ from ..core.schema_import import schema
 from ..scene.nodes import inputs, layers
 from ..scene.nodes.layers import TRANSPARENT, Layer, MixSide
 from ..scene.nodes.trails import ValueOrigin, active_links, resolve
+from .textures import ExportedTexture
 
 _HEAD_ON = 0.04  # what a dielectric with the default IOR of 1.5 reflects at Specular IOR Level 0.5
 _USUAL_BLEND = 0.5  # of a Layer Weight node: the IOR is 1 / (1 - blend)
 
 
-class Measured(Protocol):
-    """What a channel was measured to be."""
+@dataclass(frozen=True)
+class MeasuredChannel:
+    """A computed input as it was measured: its mean (1,) or (3,), and its picture if it varies."""
+
+    mean: np.ndarray
+    picture: ExportedTexture | None = None
 
     @property
     def values(self) -> np.ndarray:
-        """(h, w, C), or (1, 1, C) where it is the same everywhere."""
+        """(h, w, C), or (1, 1, C) where it does not vary."""
+        return self.picture.image if self.picture else self.mean[None, None].astype(np.float32)
 
 
 @dataclass
@@ -69,7 +74,7 @@ class Mixture:
             wanted |= {f"color{number}": origin for number, origin in computed}
         return wanted
 
-    def share(self, layer: Layer, measured: Mapping[str, Measured], coats: bool = False) -> np.ndarray:
+    def share(self, layer: Layer, measured: Mapping[str, MeasuredChannel], coats: bool = False) -> np.ndarray:
         """The part of the surface that a shader makes: (h, w, 1) or (1, 1, 1).
 
         Args:
@@ -85,7 +90,7 @@ class Mixture:
             total = total * (factor if side.second else 1.0 - factor)
         return total
 
-    def _factor(self, side: MixSide, measured: Mapping[str, Measured]) -> np.ndarray:
+    def _factor(self, side: MixSide, measured: Mapping[str, MeasuredChannel]) -> np.ndarray:
         source = resolve(side.factor).source
         numbers = [n for n, origin in enumerate(self.factors) if origin.source == source]
         channel = measured.get(f"mix{numbers[0]}") if source and numbers else None
@@ -93,7 +98,7 @@ class Mixture:
             return np.full((1, 1, 1), side.share if side.second else 1.0 - side.share, np.float32)
         return np.clip(channel.values[..., :1], 0.0, 1.0)
 
-    def opacity(self, measured: Mapping[str, Measured]) -> np.ndarray:
+    def opacity(self, measured: Mapping[str, MeasuredChannel]) -> np.ndarray:
         """The part of the surface that transparent shaders leave: (h, w, 1) or (1, 1, 1)."""
         total: np.ndarray = np.ones((1, 1, 1), np.float32)
         for layer in self.layers:
@@ -102,7 +107,7 @@ class Mixture:
                 total = total - self.share(layer, measured) * clear
         return np.clip(total, 0.0, 1.0)
 
-    def color(self, material: bpy.types.Material, measured: Mapping[str, Measured]) -> np.ndarray:
+    def color(self, material: bpy.types.Material, measured: Mapping[str, MeasuredChannel]) -> np.ndarray:
         """The color that several shaders of a body make together, untinted: (h, w, 3) or (1, 1, 3)."""
         total, weight = np.zeros((1, 1, 3), np.float32), np.full((1, 1, 1), 1e-6, np.float32)
         for layer in layers.body(material):
@@ -114,7 +119,7 @@ class Mixture:
             weight = weight + share
         return (total / weight).astype(np.float32)
 
-    def _color(self, origin: ValueOrigin, measured: Mapping[str, Measured]) -> np.ndarray:
+    def _color(self, origin: ValueOrigin, measured: Mapping[str, MeasuredChannel]) -> np.ndarray:
         places = [(each.source, each.socket) for each in self.colors]
         same = [
             n
@@ -126,7 +131,7 @@ class Mixture:
             return channel.values
         return np.array(origin.socket.default_value[:3], np.float32)[None, None]
 
-    def glow(self, measured: Mapping[str, Measured]) -> np.ndarray | None:
+    def glow(self, measured: Mapping[str, MeasuredChannel]) -> np.ndarray | None:
         """The part (h, w, 1) of what is not transparent that an Emission node makes; None if it is all or nothing."""
         lights = [layer for layer in self.layers if layer.matter == "light"]
         if not lights or not lights[0].sides:
@@ -134,7 +139,7 @@ class Mixture:
         share = self.share(lights[0], measured) / np.maximum(self.opacity(measured), 1e-3)
         return None if (share > 0.99).all() else share
 
-    def values(self, base: Layer, measured: Mapping[str, Measured]) -> dict[str, schema.Values]:
+    def values(self, base: Layer, measured: Mapping[str, MeasuredChannel]) -> dict[str, schema.Values]:
         """Inputs of a Principled BSDF for the shaders that are mixed with the one that has the base color."""
         shares = {layer.matter: 0.0 for layer in self.layers}
         for layer in self.layers:

@@ -17,7 +17,7 @@ _MOST = 5
 
 
 def notes_by_reason(notes: Mapping[str, Sequence[str]]) -> list[str]:
-    """One line for each reason: "Glossy BSDF is approximated in A, B and 7 more" and a full stop.
+    """Lines such as "Glossy BSDF is approximated in A, B and 7 more.", one for each reason.
 
     Args:
         notes: Reasons (sentences without full stops) by the name of a thing; the most important thing comes first.

@@ -3,11 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
 
 import bpy
 from mathutils import Vector
@@ -31,8 +30,6 @@ from .analysis import (
 )
 from .job_folder import SceneJob, read_parameters, write_job, write_sketch
 
-T = TypeVar("T")
-
 
 def export_scene(
     scene: bpy.types.Scene,
@@ -50,17 +47,10 @@ def export_scene(
     Raises:
         VibeError: The scene cannot be worked with; see `analysis.analyze`.
     """
-
-    def write(analysis: SceneAnalysis) -> SceneJob:
+    with _prepared(scene, choice) as analysis:
         if eyes:
-            fog.plan_fog_box(scene, fog.fog_domain(_context(analysis), eyes))
+            fog.plan_fog_box(scene, fog.fog_domain(analysis.context(), eyes))
         return write_job(with_subject_of(analysis, first_shot) if first_shot else analysis, folder)
-
-    return _prepared(scene, choice, write)
-
-
-def _context(analysis: SceneAnalysis) -> scene_context.SceneContext:
-    return scene_context.SceneContext(analysis.scene, analysis.objects, Vector(analysis.pivot))
 
 
 def prepare_and_capture(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneCapture:
@@ -104,16 +94,14 @@ class SceneReading:
 def read_scene(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneReading:
     """Reads the parameters of a scene that has a camera, without changing it; raises as `export_scene`."""
     check_camera(scene)
-    return _reading(analyze(scene, choice))
+    analysis = analyze(scene, choice)
+    return SceneReading(analysis, read_parameters(analysis))
 
 
 def prepare_and_read(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneReading:
     """Adds what the scene lacks and reads its parameters; fails as `export_scene`."""
-    return _prepared(scene, choice, _reading)
-
-
-def _reading(analysis: SceneAnalysis) -> SceneReading:
-    return SceneReading(analysis, read_parameters(analysis))
+    with _prepared(scene, choice) as analysis:
+        return SceneReading(analysis, read_parameters(analysis))
 
 
 @contextmanager
@@ -130,11 +118,13 @@ def rollback_on_failure(scene: bpy.types.Scene) -> Iterator[None]:
         raise
 
 
-def _prepared(scene: bpy.types.Scene, choice: SubjectChoice, read: Callable[[SceneAnalysis], T]) -> T:
+@contextmanager
+def _prepared(scene: bpy.types.Scene, choice: SubjectChoice) -> Iterator[SceneAnalysis]:
+    """The analysis of a scene to which all that it lacks has been added; this is undone after a failure inside the block."""
     check_camera(scene)
     with rollback_on_failure(scene):
         prepare_and_snapshot(scene, choice)
-        return read(analyze(scene, choice))
+        yield analyze(scene, choice)
 
 
 def sketch_scene(scene: bpy.types.Scene, folder: Path, choice: SubjectChoice) -> None:

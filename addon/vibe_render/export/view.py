@@ -63,7 +63,7 @@ def _focused(dof: bpy.types.CameraDOFSettings) -> Any:
 def light_rows(analysis: SceneAnalysis) -> list[dict[str, Any]]:
     """The lights' entries in scene.json."""
     pivot = Vector(analysis.pivot)
-    context = scene_context.SceneContext(analysis.scene, analysis.objects, pivot)
+    context = analysis.context()
     roles = scene_context.light_roles(context)
     here = [light_row(o, role, pivot) for o, role in roles.items() if analysis.scene in o.users_scene]
     rows = here + _instanced_light_rows(context, roles)

@@ -7,27 +7,19 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
 
 import bpy
 import numpy as np
 
 from ..core.schema_import import labels, preset, schema
 from ..export.analysis import SceneAnalysis
+from ..export.job_folder import SceneJob
+from ..export.reading import SceneReading
 from ..scene import prepare, scene_context
 from ..scene.light_types import EXTENTS, light_type, type_of
 
-
-class SceneParameters(Protocol):
-    """The part of a scene that presets need, of an exported job or a scene that was only read."""
-
-    @property
-    def analysis(self) -> SceneAnalysis:
-        """What is known about the scene."""
-
-    @property
-    def instances(self) -> dict[str, schema.Instance]:
-        """Its parameters, by key."""
+SceneParameters = SceneJob | SceneReading
+"""An exported scene, or one that was only read."""
 
 
 def load_preset(path: Path) -> preset.Preset:
@@ -124,12 +116,8 @@ def _entry(
             entry[name] = [v / scene.instances[key].reference for v in values[key]]
             if group == "light" and name == "azimuth":
                 camera = values.get("camera/azimuth", [camera_azimuth(scene)])[0]
-                entry[name] = [_wrapped(entry[name][0] - camera)]
+                entry[name] = [(entry[name][0] - camera + 180.0) % 360.0 - 180.0]
     return preset.clamped(group, entry)
-
-
-def _wrapped(degrees: float) -> float:
-    return (degrees + 180.0) % 360.0 - 180.0
 
 
 _TEXTURE_LUMA = 0.5  # of a typical texture: what a color is divided by to become a tint

@@ -161,11 +161,6 @@ def instances(
     return by_key
 
 
-def references(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, float]:
-    """The scene-wide lengths that bounds are multiples of (names in schema.REFERENCES), meters."""
-    return scene_context.scene_lengths(scene_context.SceneContext(scene, tuple(subject), Vector(pivot)))
-
-
 def read(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, schema.Values]:
     """The value of every parameter that the scene has, by key; arguments as for `instances`."""
     return {key: instance.value for key, instance in instances(scene, subject, pivot).items()}

@@ -87,7 +87,7 @@ def _each(pick: Callable, *vectors: Vector) -> Vector:
 
 
 @dataclass
-class FogDensitySlot:
+class _FogDensitySlot:
     """Value slot: the density, and whether renders see the box: fog of density 0 would cost time too."""
 
     box: Object
@@ -118,7 +118,7 @@ def fog_slot(context: scene_context.SceneContext, name: str) -> ValueSlot:
             return None
         socket = nodes[0].inputs[name]
         density = socket_slot(socket, locks.of_socket(socket, None))
-        return FogDensitySlot(box, density) if name == "Density" else density
+        return _FogDensitySlot(box, density) if name == "Density" else density
 
     # Measured now: the box that was exported must not depend on a camera that is moved meanwhile.
     shape = fog_domain(context) if name == "Density" else None

@@ -39,7 +39,7 @@ def orbit(name: str) -> Locator:
 
 
 @dataclass
-class LensSlot:
+class _LensSlot:
     """Value slot: the focal length of a camera in multiples of its sensor's size."""
 
     camera: Camera
@@ -60,7 +60,7 @@ class LensSlot:
 
 def lens(context: SceneContext, obj: Object) -> ValueSlot | None:
     """The focal length of a perspective camera."""
-    return LensSlot(obj.data, locks.of_property(obj.data, "lens")) if obj.data.type == "PERSP" else None
+    return _LensSlot(obj.data, locks.of_property(obj.data, "lens")) if obj.data.type == "PERSP" else None
 
 
 def lamp(name: str) -> Locator:
@@ -88,7 +88,7 @@ def lamp_extent(context: SceneContext, obj: Object) -> ValueSlot:
 
 
 @dataclass
-class TemperatureSlot:
+class _TemperatureSlot:
     """Value slot: the temperature of a light, where 6500 K is also what a light without one has."""
 
     light: Light
@@ -112,7 +112,7 @@ def lamp_temperature(context: SceneContext, obj: Object) -> ValueSlot | None:
         return inputs.input_slot(lambda: light_nodes.kelvin(obj.data))
     if not compat.HAS_TEMPERATURE:
         return None
-    return TemperatureSlot(obj.data, _lamp_lock(context, obj, "temperature"))
+    return _TemperatureSlot(obj.data, _lamp_lock(context, obj, "temperature"))
 
 
 def shader(name: str) -> Locator:

@@ -114,7 +114,7 @@ _ROTATION = "Vibe Rotation"
 
 
 @dataclass
-class EnvironmentTurnSlot:
+class _EnvironmentTurnSlot:
     """Value slot: the angle by which the looked-up direction is turned, radians.
 
     A Mapping node of type Texture turns the other way round.
@@ -151,7 +151,7 @@ def rotation_slot(background: trails.NodeInGroups) -> ValueSlot | None:
     def find() -> ValueSlot | None:
         links = active_links(vector)
         node = links[0].from_node if links else None
-        return EnvironmentTurnSlot(node) if node and node.bl_idname == "ShaderNodeMapping" else None
+        return _EnvironmentTurnSlot(node) if node and node.bl_idname == "ShaderNodeMapping" else None
 
     def make(journal: Journal) -> ValueSlot:
         tree = vector.id_data
@@ -160,7 +160,7 @@ def rotation_slot(background: trails.NodeInGroups) -> ValueSlot | None:
         owned.insert(
             journal, _direction_source(journal, vector, mapping), mapping, "Vector", vector, "Vector"
         )
-        return EnvironmentTurnSlot(mapping)
+        return _EnvironmentTurnSlot(mapping)
 
     existing = find()
     return existing or LazySlot(find, make, 0.0, locks.of_socket(vector, None))

@@ -23,7 +23,7 @@ _VALUE = "Vibe Value"
 
 
 @dataclass
-class InputSlot:
+class _InputSlot:
     """Value slot: an input whose value others use too, so that it gets one of its own when it changes."""
 
     find: FindEntry
@@ -66,7 +66,7 @@ def input_slot(find: FindEntry, tinted: bool = False) -> ValueSlot | None:
     locked = locks.of_socket(origin.socket, origin.source, origin.inside)
     if locked or not (origin.feeds_others or any(map(_is_shared, origin.inside))):
         return socket_slot(origin.socket, locked)
-    return InputSlot(find, locked)
+    return _InputSlot(find, locked)
 
 
 def _is_shared(group: Node) -> bool:

@@ -187,7 +187,7 @@ def colors(material: Material) -> list[NodeEntry]:
 
 
 @dataclass
-class StrengthSlot:
+class _StrengthSlot:
     """Value slot: the strongest component of a color; setting it keeps the hue.
 
     Attributes:
@@ -227,7 +227,7 @@ def lacquer_over(every: list[Layer], base: Layer) -> Layer | None:
 def lacquer_weight(material: Material) -> ValueSlot | None:
     """The strength of the lacquer over a metal: its color, which is 1 at full strength; None without one."""
     color = inputs.input_slot(partial(_lacquer_entry, material, "Base Color"))
-    return StrengthSlot(color) if color else None
+    return _StrengthSlot(color) if color else None
 
 
 def lacquer_roughness(material: Material) -> ValueSlot | None:
