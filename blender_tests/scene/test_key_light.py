@@ -10,7 +10,8 @@ import pytest
 from vibe_render.core import compat
 from vibe_render.core.schema_import import schema
 from vibe_render.scene import scene_context
-from vibe_render.scene.stage import mesh_object, orbit_matrix, plain_material, plain_world
+from vibe_render.scene.orbits import orbit_matrix
+from vibe_render.scene.stage import mesh_object, plain_material, plain_world
 
 SIZE = 16
 LEVEL = 0.4  # radiance that each light gives to the plane

@@ -18,7 +18,7 @@ def test_a_bare_mesh_gets_everything(scene):
     subject = scenes.bare(scene)
     assert len(prepare.prepare_scene(scene, subject)) == 4
     assert scene.world
-    assert owned.is_owned(scene.camera)
+    assert owned.MARK in scene.camera
     assert subject[0].material_slots[0].material
     parameters = bindings.instances(scene, subject, PIVOT)
     assert parameters["light/Vibe Key/power"].role == "key"

@@ -119,7 +119,7 @@ def computed_inputs(material: bpy.types.Material | None) -> dict[str, ValueOrigi
 
     Besides inputs of the Principled BSDF: the channels of `Mixture`.
     """
-    if material is None or layers.surface(material) is None:
+    if material is None or not layers.by_prominence(material):
         return {}
     mixture = Mixture.of(material)
     entries = {name: layers.entry(material, socket) for name, socket in COMPUTED.items()}
@@ -158,7 +158,9 @@ def export_material(
         clear.row["alpha"], clear.reason = float(mixture.opacity(measured).mean()), "it is transparent"
         return clear
     if not shown:
-        black = not layers.is_linked(material)  # as Cycles shows what it has no shader for
+        output = material.node_tree.get_output_node("CYCLES")
+        # Cycles shows a surface without a shader black.
+        black = not (output and trails.active_links(output.inputs["Surface"]))
         notes.append(f"A shader that is not known is shown {'black' if black else 'gray'}")
         values = {**DEFAULTS, **(BLACK if black else {})}
         row = _row(material.name_full, "approximate")

@@ -88,22 +88,19 @@ def _each(pick: Callable, *vectors: Vector) -> Vector:
 
 @dataclass
 class _FogDensitySlot:
-    """Value slot: the density, and whether renders see the box: fog of density 0 would cost time too."""
+    """Value slot: extinction at the base, 1/m. Renders do not see the box at 0: fog of density 0 would cost time too."""
 
     box: Object
     input: ValueSlot
 
     @property
     def locked(self) -> str:
-        """Why it must be left alone."""
         return self.input.locked
 
     def get(self) -> float:
-        """Extinction at the base, 1/m."""
         return 0.0 if self.box.hide_render else self.input.get()
 
     def set(self, journal: Journal, raw: float) -> None:
-        """Thickens or thins the fog."""
         self.input.set(journal, raw)
         PropertySlot(self.box, "hide_render").set(journal, raw <= 0.0)
 

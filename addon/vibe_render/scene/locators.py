@@ -50,11 +50,9 @@ class _LensSlot:
         return self.camera.sensor_height if self.camera.sensor_fit == "VERTICAL" else self.camera.sensor_width
 
     def get(self) -> float:
-        """Millimeters per millimeter."""
         return self.camera.lens / self._sensor
 
     def set(self, journal: Journal, raw: float) -> None:
-        """Changes the focal length."""
         PropertySlot(self.camera, "lens").set(journal, raw * self._sensor)
 
 
@@ -95,11 +93,9 @@ class _TemperatureSlot:
     locked: str
 
     def get(self) -> float:
-        """Kelvin."""
         return self.light.temperature if self.light.use_temperature else 6500.0
 
     def set(self, journal: Journal, raw: float) -> None:
-        """Changes the temperature, and turns its use on if that is needed."""
         if raw == self.get():
             return
         PropertySlot(self.light, "use_temperature").set(journal, True)

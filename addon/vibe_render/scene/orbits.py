@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from bpy.types import Object
 from mathutils import Matrix, Vector
 
@@ -13,6 +15,15 @@ from ..core.journal import Journal
 from ..core.schema_import import schema
 from ..core.value_slots import PropertySlot, same
 from .light_types import type_of
+
+
+def orbit_matrix(
+    pivot: Sequence[float] | np.ndarray, azimuth: float, elevation: float, distance: float
+) -> Matrix:
+    """World matrix of a camera or light on an orbit (angles in degrees, see `schema.orbit`), looking at the pivot."""
+    rotation = Matrix(schema.orbit.frame(azimuth, elevation)).to_4x4()
+    place = Vector(pivot) + distance * Vector(schema.orbit.direction(azimuth, elevation))
+    return Matrix.Translation(place) @ rotation
 
 
 @dataclass

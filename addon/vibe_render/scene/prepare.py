@@ -9,15 +9,16 @@ from math import pi, radians, tan
 import bpy
 import numpy as np
 from bpy.types import Material, Object, Scene
-from mathutils import Matrix, Vector
+from mathutils import Vector
 
 from ..core import compat
 from ..core.journal import Journal
 from ..core.schema_import import schema
 from . import scene_context, snapshot
 from .light_types import AreaLightType, light_type
-from .nodes import backgrounds, layers, owned, trails
+from .nodes import backgrounds, layers, owned
 from .nodes.trails import active_links
+from .orbits import orbit_matrix
 
 _PLACES = {
     "key": (-40.0, 40.0, 0.4, 1.2),
@@ -83,19 +84,15 @@ def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> st
     camera = journal.new("objects", "Vibe Camera", data)
     for block in (data, camera):
         owned.mark_owned(block, "Vibe Camera")
-    distance = 1.2 * (high - low).length / 2.0 / tan(data.angle / 2.0) * _portrait(scene)
+    # The lens is fitted on the longer side of the picture; the shorter one has to see all too.
+    sides = (scene.render.resolution_x, scene.render.resolution_y)
+    distance = 1.2 * (high - low).length / 2.0 / tan(data.angle / 2.0) * (max(sides) / min(sides))
     data.clip_end = max(data.clip_end, 10.0 * distance)
     data.clip_start = min(data.clip_start, 0.01 * distance)
-    _stand(camera, (low + high) / 2.0, 25.0, 15.0, distance)
+    camera.matrix_world = orbit_matrix((low + high) / 2.0, 25.0, 15.0, distance)
     scene.collection.objects.link(camera)
     journal.set(scene, "camera", camera)
     return "a camera"
-
-
-def _portrait(scene: Scene) -> float:
-    """The ratio of the picture's longer side, on which the lens is fitted, to its shorter one."""
-    sides = (scene.render.resolution_x, scene.render.resolution_y)
-    return max(sides) / min(sides)
 
 
 def _add_key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
@@ -137,8 +134,12 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     )
     light.visible_camera = False
     # a sun may stand anywhere: in the middle its card turns with it around what it lights
-    _stand(light, pivot, front + azimuth, elevation, 0.0 if what.pattern else distance)
-    collection = _light_collection(journal, scene)
+    light.matrix_world = orbit_matrix(pivot, front + azimuth, elevation, 0.0 if what.pattern else distance)
+    collection = owned.find_owned(scene.collection.children, schema.added_lights.COLLECTION)
+    if collection is None:
+        collection = journal.new("collections", schema.added_lights.COLLECTION)
+        owned.mark_owned(collection, schema.added_lights.COLLECTION)
+        scene.collection.children.link(collection)
     collection.objects.link(light)
     if what.pattern:
         collection.objects.link(_add_card(journal, light, what.pattern, card_size(low, high)))
@@ -168,16 +169,6 @@ def _add_card(journal: Journal, light: Object, pattern: str, size: float) -> Obj
     return card
 
 
-def _light_collection(journal: Journal, scene: Scene) -> bpy.types.Collection:
-    name = schema.added_lights.COLLECTION
-    found = owned.find_owned(scene.collection.children, name)
-    if found is None:
-        found = journal.new("collections", name)
-        owned.mark_owned(found, name)
-        scene.collection.children.link(found)
-    return found
-
-
 def _distance_inside(scene: Scene, pivot: Vector, toward: Vector, radius: float, distance: float) -> float:
     """The distance from the pivot at which no wall around the subject hides a light, meters."""
     start = pivot + 1.01 * radius * toward
@@ -192,24 +183,18 @@ def added_light_distance(low: Vector, high: Vector) -> float:
 
 
 def _is_lit(scene: Scene) -> bool:
+    """Whether the world lights the scene."""
     if scene.world is None:
         return False
     single = backgrounds.single_background(scene.world)
     mixed = [each.shader for each in backgrounds.mixed_backgrounds(scene.world)]
-    return any(_lights(background) for background in mixed or ([single] if single else []))
-
-
-def _lights(background: trails.NodeInGroups) -> bool:
-    color, strength = background.node.inputs["Color"], background.node.inputs["Strength"]
-    if active_links(color) or active_links(strength):
-        return True
-    return max(color.default_value[:3]) * strength.default_value > _LIT
-
-
-def _stand(obj: Object, pivot: Vector, azimuth: float, elevation: float, distance: float) -> None:
-    rotation = Matrix(schema.orbit.frame(azimuth, elevation))
-    place = pivot + distance * Vector(schema.orbit.direction(azimuth, elevation))
-    obj.matrix_world = Matrix.Translation(place) @ rotation.to_4x4()
+    for background in mixed or ([single] if single else []):
+        color, strength = background.node.inputs["Color"], background.node.inputs["Strength"]
+        if active_links(color) or active_links(strength):
+            return True
+        if max(color.default_value[:3]) * strength.default_value > _LIT:
+            return True
+    return False
 
 
 def _add_material(journal: Journal, obj: Object) -> str:

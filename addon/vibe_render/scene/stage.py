@@ -15,6 +15,7 @@ from ..core.color import Color
 from ..core.compat import enable_nodes
 from ..core.schema_import import limits, options, schema
 from . import scene_context
+from .orbits import orbit_matrix
 
 Point = Sequence[float] | np.ndarray
 
@@ -38,13 +39,6 @@ def plain_world(scene: bpy.types.Scene, color: Color, strength: float = 1.0) -> 
     background = next(n for n in enable_nodes(scene.world).nodes if n.bl_idname == "ShaderNodeBackground")
     background.inputs["Color"].default_value = (*color, 1.0)
     background.inputs["Strength"].default_value = strength
-
-
-def orbit_matrix(pivot: Point, azimuth: float, elevation: float, distance: float) -> Matrix:
-    """World matrix of a camera or light on an orbit (angles in degrees, see `schema.orbit`), looking at the pivot."""
-    rotation = Matrix(schema.orbit.frame(azimuth, elevation)).to_4x4()
-    place = Vector(pivot) + distance * Vector(schema.orbit.direction(azimuth, elevation))
-    return Matrix.Translation(place) @ rotation
 
 
 def area_light(

@@ -16,15 +16,8 @@ from vibe_render.core.color import Color
 from vibe_render.core.schema_import import schema
 from vibe_render.scene import bindings, scene_context, snapshot
 from vibe_render.scene.light_types import SIZE, light_type
-from vibe_render.scene.stage import (
-    cyclorama,
-    floor,
-    framing_camera,
-    mesh_object,
-    orbit_matrix,
-    plain_material,
-    plain_world,
-)
+from vibe_render.scene.orbits import orbit_matrix
+from vibe_render.scene.stage import cyclorama, floor, framing_camera, mesh_object, plain_material, plain_world
 
 from lab.blender.scenes.places import PLACES
 from lab.blender.scenes.props import PROPS

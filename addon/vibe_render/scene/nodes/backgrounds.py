@@ -124,7 +124,6 @@ class _EnvironmentTurnSlot:
 
     @property
     def locked(self) -> str:
-        """Why the angle must be left alone."""
         origin = resolve(NodeEntry(self.mapping.inputs["Rotation"]))
         return locks.of_socket(origin.socket, origin.source)
 
@@ -133,11 +132,9 @@ class _EnvironmentTurnSlot:
         return -1.0 if self.mapping.vector_type == "TEXTURE" else 1.0
 
     def get(self) -> float:
-        """Radians."""
         return self._sign * self.mapping.inputs["Rotation"].default_value[2]
 
     def set(self, journal: Journal, raw: float) -> None:
-        """Turns the environment."""
         PropertySlot(self.mapping.inputs["Rotation"], "default_value", index=2).set(journal, self._sign * raw)
 
 

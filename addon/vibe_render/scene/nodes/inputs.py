@@ -35,11 +35,9 @@ class _InputSlot:
         return resolve(entry)
 
     def get(self) -> Any:
-        """A number, or a tuple."""
         return socket_slot(self._origin().socket).get()
 
     def set(self, journal: Journal, raw: Any) -> None:
-        """Sets it; copies node groups, and adds a node of ours, where others need the old value."""
         old = self.get()
         if same(raw, old[: len(raw)] if isinstance(raw, tuple) else old):
             return

@@ -14,7 +14,7 @@ from ...core import compat
 from ...core.journal import Journal
 from ...core.value_slots import ValueSlot, same
 from . import inputs
-from .trails import ALIASES, NodeEntry, NodeInGroups, active_links, resolve, source_output
+from .trails import ALIASES, NodeEntry, NodeInGroups, resolve, source_output
 
 TRANSPARENT = "ShaderNodeBsdfTransparent"
 _BACKGROUND = "ShaderNodeBackground"
@@ -131,12 +131,6 @@ def by_prominence(material: Material) -> list[Layer]:
     return sorted(visible or shown, key=lambda layer: -layer.prominence)
 
 
-def surface(material: Material) -> NodeInGroups | None:
-    """The shader that makes most of what the eye sees of a material's surface."""
-    shown = by_prominence(material)
-    return shown[0].shader if shown else None
-
-
 def entry(material: Material, name: str) -> NodeEntry | None:
     """The input, named as by the Principled BSDF, where an artist would drag a value of a surface.
 
@@ -162,13 +156,6 @@ def body(material: Material) -> list[Layer]:
     return [layer for layer in shown if layer.matter == matter and layer.share >= least]
 
 
-def is_linked(material: Material) -> bool:
-    """Whether anything is linked to the surface of the output that Cycles takes."""
-    tree = compat.node_tree(material)
-    output = tree.get_output_node("CYCLES") if tree else None
-    return bool(output and active_links(output.inputs["Surface"]))
-
-
 def colors(material: Material) -> list[NodeEntry]:
     """The inputs that hold the color of a material, those with one origin once: several if shaders of the same matter are mixed."""
     first = entry(material, "Base Color")
@@ -188,25 +175,18 @@ def colors(material: Material) -> list[NodeEntry]:
 
 @dataclass
 class _StrengthSlot:
-    """Value slot: the strongest component of a color; setting it keeps the hue.
-
-    Attributes:
-        color: The slot of the color, RGB or RGBA.
-    """
+    """Value slot: the strongest component of a color (RGB or RGBA); setting it keeps the hue."""
 
     color: ValueSlot
 
     @property
     def locked(self) -> str:
-        """Why it must be left alone; "" where it may change."""
         return self.color.locked
 
     def get(self) -> float:
-        """From 0 to 1."""
         return float(min(max(self.color.get()[:3]), 1.0))
 
     def set(self, journal: Journal, raw: float) -> None:
-        """Makes the color as strong as that."""
         color, strongest = self.color.get(), max(self.color.get()[:3])
         if same(raw, self.get()):
             return

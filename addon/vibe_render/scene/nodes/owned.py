@@ -18,11 +18,6 @@ CARD = schema.added_lights.CARD
 COLOR = (0.32, 0.22, 0.46)
 
 
-def is_owned(block: ID) -> bool:
-    """Whether we have made this data-block."""
-    return MARK in block
-
-
 def is_unseen(obj: Object) -> bool:
     """Whether an object of ours has no surface that a picture shows: a fog box, a card before a light."""
     return obj.get(MARK) in (FOG, CARD)
