@@ -117,12 +117,9 @@ def image_alpha(image: bpy.types.Image | None) -> np.ndarray | None:
     """The alpha (H, W, 1) of an image with at most 1024 pixels a side; None if its file is missing."""
     if image is None or not image.size[0] or not image.size[1]:
         return None
-    width, height = image.size
     if image.channels < 4:
         return np.ones((1, 1, 1), np.float32)
-    flat = np.empty(width * height * image.channels, np.float32)
-    image.pixels.foreach_get(flat)
-    return shrink(flat.reshape(height, width, image.channels)[..., 3:4], _LONGEST)
+    return shrink(bake.image_channels(image)[..., 3:4], _LONGEST)
 
 
 def shrink(image: np.ndarray, longest: int) -> np.ndarray:

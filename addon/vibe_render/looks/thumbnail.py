@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core.files import whole
 from ..core.schema_import import schema
-from ..render import final_render
+from ..render import bake, final_render
 
 SIZE = 128  # pixels
 SUFFIX = ".jpg"
@@ -56,9 +56,7 @@ def read_picture(picture: Path) -> np.ndarray:
     image = bpy.data.images.load(str(picture))
     try:
         image.colorspace_settings.name = "Non-Color"
-        flat = np.empty(image.size[0] * image.size[1] * 4, np.float32)
-        image.pixels.foreach_get(flat)
-        return flat.reshape(image.size[1], image.size[0], 4)
+        return bake.image_channels(image)
     finally:
         bpy.data.images.remove(image)
 

@@ -52,16 +52,17 @@ def render_linear(scene: bpy.types.Scene, samples: int, bounces: int = 0) -> np.
             bpy.data.images.remove(image)
 
 
-def image_pixels(image: bpy.types.Image) -> np.ndarray:
-    """The stored pixels of an image: (H, W, 3) float32, row 0 at the bottom, in its own color space.
-
-    What is not finite counts as 0, as it does in Cycles.
-    """
+def image_channels(image: bpy.types.Image) -> np.ndarray:
+    """The stored pixels of an image: (H, W, C) float32, row 0 at the bottom, in its own color space."""
     width, height = image.size
     flat = np.empty(width * height * image.channels, np.float32)
     image.pixels.foreach_get(flat)
-    flat = np.nan_to_num(flat, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
-    values = flat.reshape(height, width, image.channels)
+    return flat.reshape(height, width, image.channels)
+
+
+def image_pixels(image: bpy.types.Image) -> np.ndarray:
+    """Red, green and blue of `image_channels`; what is not finite counts as 0, as it does in Cycles."""
+    values = np.nan_to_num(image_channels(image), copy=False, nan=0.0, posinf=0.0, neginf=0.0)
     return values[..., :3] if image.channels >= 3 else np.repeat(values[..., :1], 3, axis=-1)
 
 

@@ -147,12 +147,11 @@ def _keep_alpha(rendered: Path, path: Path) -> None:
     source.alpha_mode = "CHANNEL_PACKED"
     source.colorspace_settings.name = "Non-Color"
     width, height = source.size
-    flat = np.empty(width * height * 4, np.float32)
-    source.pixels.foreach_get(flat)
+    alpha = bake.image_channels(source)[..., 3:]
     bpy.data.images.remove(source)
     mask = bpy.data.images.new("Vibe Mask", width, height, alpha=False, is_data=True)
     try:
-        mask.pixels.foreach_set(np.repeat(flat[3::4, None], 4, axis=1).ravel())
+        mask.pixels.foreach_set(np.repeat(alpha, 4, axis=2).ravel())
         with whole(path) as part:
             mask.filepath_raw, mask.file_format = str(part), "PNG"
             mask.save()

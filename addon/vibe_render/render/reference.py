@@ -12,6 +12,7 @@ import numpy as np
 
 from ..core.overrides import changed
 from ..core.schema_import import schema
+from . import bake
 
 _NAME = "reference"
 
@@ -68,10 +69,8 @@ def _save_image(image: bpy.types.Image, folder: Path) -> Path:
     width, height = image.size
     if width * height == 0:  # reads the file, or fails to
         raise schema.VibeError(f"The image {image.name} has no pixels.", "Choose another one.")
-    pixels = np.empty(width * height * image.channels, np.float32)
-    image.pixels.foreach_get(pixels)
     rgba = np.ones((width * height, 4), np.float32)
-    rgba[:, : image.channels] = pixels.reshape(-1, image.channels)
+    rgba[:, : image.channels] = bake.image_channels(image).reshape(-1, image.channels)
     if image.channels < 3:
         rgba[:, :3] = rgba[:, :1]
     path = folder / f"{_NAME}.{'exr' if image.is_float else 'png'}"

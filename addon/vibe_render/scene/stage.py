@@ -174,8 +174,18 @@ def build_demo() -> bpy.types.Scene:
     enamel = plain_material("Enamel", (0.09, 0.16, 0.22), roughness=0.18)
     wall = plain_material("Wall", (0.36, 0.35, 0.34), roughness=0.8)
     suzanne = _suzanne(clay)
-    _plinth(stone)
-    _ring(brass)
+    bpy.ops.mesh.primitive_cylinder_add(vertices=96, radius=0.5, depth=0.72, location=(0.0, 0.0, 0.36))
+    _round(bpy.context.object, 0.03)
+    _finish_solid(bpy.context.object, stone).name = "Plinth"
+    bpy.ops.mesh.primitive_torus_add(
+        major_radius=0.32,
+        minor_radius=0.075,
+        major_segments=96,
+        minor_segments=32,
+        location=(0.78, -0.5, 0.385),
+        rotation=(math.radians(82), 0.0, math.radians(-28)),
+    )
+    _finish_solid(bpy.context.object, brass).name = "Ring"
     _ball("Large Ball", (-1.05, 0.15, 0.36), 0.36, enamel)
     _ball("Small Ball", (-0.62, -0.72, 0.17), 0.17, brass)
     _blocks(stone)
@@ -199,24 +209,6 @@ def _suzanne(stuff: bpy.types.Material) -> bpy.types.Object:
     smooth = thing.modifiers.new("Smooth", "SUBSURF")
     smooth.levels = smooth.render_levels = 3
     return _finish_solid(thing, stuff)
-
-
-def _plinth(stuff: bpy.types.Material) -> None:
-    bpy.ops.mesh.primitive_cylinder_add(vertices=96, radius=0.5, depth=0.72, location=(0.0, 0.0, 0.36))
-    _round(bpy.context.object, 0.03)
-    _finish_solid(bpy.context.object, stuff).name = "Plinth"
-
-
-def _ring(stuff: bpy.types.Material) -> None:
-    bpy.ops.mesh.primitive_torus_add(
-        major_radius=0.32,
-        minor_radius=0.075,
-        major_segments=96,
-        minor_segments=32,
-        location=(0.78, -0.5, 0.385),
-        rotation=(math.radians(82), 0.0, math.radians(-28)),
-    )
-    _finish_solid(bpy.context.object, stuff).name = "Ring"
 
 
 def _ball(name: str, place: tuple[float, float, float], radius: float, stuff: bpy.types.Material) -> None:

@@ -47,7 +47,7 @@ def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[lis
         shown = known[key]
         parent = instance.parent.original.name_full if instance.parent else ""
         if parent not in hidden:
-            hidden[parent] = hidden_from(instance.parent) if parent else frozenset()
+            hidden[parent] = _hidden_from(instance.parent) if parent else frozenset()
         matrix, owner = np.array(instance.matrix_world), (shown.name, parent)
         placed.append(PlacedMesh(shown.mesh, shown.materials, matrix, owner, shown.hidden | hidden[parent]))
     return placed, list(warnings)
@@ -65,14 +65,14 @@ class _Shown:
 
 def _shown(thing: bpy.types.Object, meshes: dict[tuple, SourceMesh], uv_of: UvLookup) -> _Shown:
     """Reads an object with a mesh, unless the same mesh with the same materials has been read already."""
-    slots = slots_of(thing)
+    slots = _slots_of(thing)
     names = tuple(m.name_full if m else DEFAULT_MATERIAL for m in slots)
     key = (thing.data.as_pointer(), *names)
     mesh = meshes.get(key) or meshes.setdefault(key, _read_mesh(thing.data, slots, uv_of))
-    return _Shown(mesh, names, thing.original.name_full, hidden_from(thing))
+    return _Shown(mesh, names, thing.original.name_full, _hidden_from(thing))
 
 
-def hidden_from(thing: bpy.types.Object) -> frozenset[str]:
+def _hidden_from(thing: bpy.types.Object) -> frozenset[str]:
     """The kinds of rays that pass an object, and its instances."""
     return frozenset(ray for ray in _RAYS if not getattr(thing, f"visible_{ray}"))
 
@@ -84,7 +84,7 @@ def _special(thing: bpy.types.Object) -> list[str]:
     return [f"{thing.name} is {kind}: the prediction shows it as a plain surface."]
 
 
-def slots_of(thing: bpy.types.Object) -> list[bpy.types.Material | None]:
+def _slots_of(thing: bpy.types.Object) -> list[bpy.types.Material | None]:
     """The materials in the slots; at least one slot, which may hold nothing."""
     slots = [slot.material for slot in thing.material_slots] or list(thing.data.materials)
     return [m.original if m else None for m in slots] or [None]
@@ -149,12 +149,8 @@ _CORNERS = np.array([(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 
 """Of a unit box."""
 
 
-@dataclass(frozen=True)
-class _Box:
-    """The part of an object that has one material: its extent (2, 3) in the object's own space, and the material's name."""
-
-    extent: tuple[tuple[float, ...], ...]
-    material: str
+_Box = tuple[tuple[tuple[float, ...], ...], str]
+"""The part of an object that has one material: its extent (2, 3) in the object's own space, and the material's name."""
 
 
 def box_geometry(
@@ -170,7 +166,7 @@ def box_geometry(
     hidden: list[frozenset[str]] = []
     objects: dict[tuple[str, str], int] = {}
     materials: dict[str, int] = {}
-    extents, matrices, owners, worn = [], [], [], []
+    extents, matrices, owners, material_numbers = [], [], [], []
     for thing, instancer, matrix in _shown_objects(depsgraph, shown):
         key = thing.as_pointer()
         if key not in known:
@@ -178,15 +174,33 @@ def box_geometry(
         name = thing.original.name_full, instancer.name_full if instancer else ""
         number = objects.setdefault(name, len(objects))
         if number == len(hidden):
-            hidden.append(hidden_from(thing))
-        for box in known[key]:
-            extents.append(box.extent)
+            hidden.append(_hidden_from(thing))
+        for extent, material in known[key]:
+            extents.append(extent)
             matrices.append(matrix)
             owners.append(number)
-            worn.append(materials.setdefault(box.material, len(materials)))
+            material_numbers.append(materials.setdefault(material, len(materials)))
     low, high = np.moveaxis(np.array(extents).reshape(-1, 2, 1, 3), 1, 0)
-    names = objects, materials, hidden
-    return _assembled_boxes(low + _CORNERS * (high - low), matrices, (owners, worn), names, camera)
+    placed = np.array(matrices).reshape(-1, 4, 4)
+    corners = (low + _CORNERS * (high - low)) @ placed[:, :3, :3].transpose(0, 2, 1) + placed[:, None, :3, 3]
+    world = corners.astype(np.float32)
+    usable = (np.abs(world) < FARTHEST).all((1, 2))
+    mirrored = np.linalg.det(placed[:, :3, :3]) < 0
+    box, faces, normals = _far_sides(world, usable, mirrored, camera)
+    owner, material_number = (np.array(each, np.int32)[box] for each in (owners, material_numbers))
+    return SceneGeometry(
+        world.reshape(-1, 3),
+        faces,
+        normals,
+        np.zeros((len(faces), 3, 2), np.float32),
+        material_number,
+        owner,
+        [*materials],
+        [*objects],
+        _extents(world[usable], np.array(owners, np.int32)[usable], len(objects)),
+        hidden,
+        [],
+    )
 
 
 def _shown_objects(
@@ -208,83 +222,55 @@ def _shown_objects(
 
 def _material_boxes(thing: bpy.types.Object) -> Iterator[_Box]:
     """The box of an object, cut along its longest side into a part for each material that its faces have."""
-    box, slots = thing.bound_box, slots_of(thing)
+    box, slots = thing.bound_box, _slots_of(thing)
     low, high = box[0][:], box[6][:]
-    shares = {slots[0]: 1.0} if len(slots) == 1 else _shares(thing.data, slots)
-    worn = {material: share for material, share in shares.items() if has_surface(material)}
-    if len(worn) == 1:
-        (material,) = worn
-        yield _Box((low, high), material.name_full if material else DEFAULT_MATERIAL)
+    areas = {slots[0]: 1.0} if len(slots) == 1 else _face_ratios(thing.data, slots)
+    areas = {material: area for material, area in areas.items() if has_surface(material)}
+    if len(areas) == 1:
+        (material,) = areas
+        yield (low, high), material.name_full if material else DEFAULT_MATERIAL
         return
     axis = max(range(3), key=lambda n: high[n] - low[n])
     start = end = low[axis]
-    for material, share in worn.items():
-        start, end = end, end + share / sum(worn.values()) * (high[axis] - low[axis])
+    for material, area in areas.items():
+        start, end = end, end + area / sum(areas.values()) * (high[axis] - low[axis])
         part = tuple((*each[:axis], cut, *each[axis + 1 :]) for each, cut in ((low, start), (high, end)))
-        yield _Box(part, material.name_full if material else DEFAULT_MATERIAL)
+        yield part, material.name_full if material else DEFAULT_MATERIAL
 
 
-def _shares(
+def _face_ratios(
     mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None]
 ) -> dict[bpy.types.Material | None, float]:
-    """The share of a mesh's faces that wear each material."""
+    """The ratio of a mesh's faces that have each material."""
     index = mesh.attributes.get("material_index")
     faces = array(index.data, "value", (len(index.data),), np.int32) if index else np.zeros(1, np.int32)
     counts = np.bincount(np.clip(faces, 0, len(slots) - 1), minlength=len(slots))
-    shares: dict[bpy.types.Material | None, float] = {}
+    ratios: dict[bpy.types.Material | None, float] = {}
     for material, count in zip(slots, counts / max(len(faces), 1), strict=True):
         if count:
-            shares[material] = shares.get(material, 0.0) + float(count)
-    return shares
+            ratios[material] = ratios.get(material, 0.0) + float(count)
+    return ratios
 
 
-def _assembled_boxes(
-    corners: np.ndarray,
-    matrices: list,
-    numbers: tuple[list[int], list[int]],
-    names: tuple[dict[tuple[str, str], int], dict[str, int], list[frozenset[str]]],
-    camera: RayCamera,
-) -> SceneGeometry:
-    """Triangles of boxes (B, 8, 3) at their matrices.
-
-    Args:
-        numbers: Of each box: its object and its material.
-        names: Numbers of objects and materials, and the kinds of rays that pass each object.
-    """
-    objects, materials, hidden = names
-    placed = np.array(matrices).reshape(-1, 4, 4)
-    world = (corners @ placed[:, :3, :3].transpose(0, 2, 1) + placed[:, None, :3, 3]).astype(np.float32)
-    usable = (np.abs(world) < FARTHEST).all((1, 2))
-    mirrored = np.linalg.det(placed[:, :3, :3]) < 0
+def _far_sides(
+    world: np.ndarray, usable: np.ndarray, mirrored: np.ndarray, camera: RayCamera
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Triangles of the sides of boxes (B, 8, 3) that face away from a camera: box (F,), corners (F, 3), normals (F, 3, 3)."""
     sides = world[:, _SIDES]  # (B, 6, 4, 3)
     normals = np.cross(sides[:, :, 1] - sides[:, :, 0], sides[:, :, 2] - sides[:, :, 0])
     normals *= np.where(mirrored, -1.0, 1.0)[:, None, None]
     area = np.linalg.norm(normals, axis=2)
     ahead = -camera.pose[:3, 2] if camera.flat else sides.mean(2) - camera.pose[:3, 3]
-    away = ((normals * ahead).sum(2) > 0) & (area > 0) & usable[:, None]
-    box, side = np.nonzero(away)
+    box, side = np.nonzero(((normals * ahead).sum(2) > 0) & (area > 0) & usable[:, None])
     quads = np.array(_SIDES)[side] + 8 * box[:, None]
     faces = np.concatenate([quads[:, (0, 1, 2)], quads[:, (0, 2, 3)]]).astype(np.int32)
-    both = np.concatenate([box, box])
     facing = np.repeat((normals / np.maximum(area, 1e-12)[..., None])[box, side][:, None], 3, axis=1)
-    owner, worn = (np.array(each, np.int32)[both] for each in numbers)
-    extents = np.zeros((len(objects), 2, 3), np.float32)
-    low, high = np.full((len(objects), 3), np.inf), np.full((len(objects), 3), -np.inf)
-    owners = np.array(numbers[0], np.int32)[usable]
-    np.minimum.at(low, owners, world[usable].min(1))
-    np.maximum.at(high, owners, world[usable].max(1))
-    seen = np.isfinite(low).all(1)
-    extents[seen] = np.stack([low, high], 1)[seen]
-    return SceneGeometry(
-        world.reshape(-1, 3),
-        faces,
-        np.concatenate([facing, facing]).astype(np.float32),
-        np.zeros((len(faces), 3, 2), np.float32),
-        worn,
-        owner,
-        [*materials],
-        [*objects],
-        extents,
-        hidden,
-        [],
-    )
+    return np.concatenate([box, box]), faces, np.concatenate([facing, facing]).astype(np.float32)
+
+
+def _extents(world: np.ndarray, owners: np.ndarray, count: int) -> np.ndarray:
+    """(count, 2, 3) float32: least and greatest corner of all boxes (B, 8, 3) of each owner (B,); zeros without boxes."""
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    np.minimum.at(low, owners, world.min(1))
+    np.maximum.at(high, owners, world.max(1))
+    return np.where(np.isfinite(low[:, None]), np.stack([low, high], 1), 0.0).astype(np.float32)
