@@ -189,7 +189,7 @@ def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entr
         return
     corners = scene_context.bounds(target.analysis.scene, target.analysis.objects)
     distance = prepare.added_light_distance(*corners)
-    lengths = {"light_distance": distance, "light_distance_squared": distance * distance}
+    lengths = scene_context.light_lengths(distance)
     for name, value in entry.items():
         parameter = schema.FAMILIES[f"light/{name}"]
         reference = lengths.get(parameter.reference, 1.0)

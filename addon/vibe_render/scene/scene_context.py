@@ -75,12 +75,8 @@ def layer(scene: Scene) -> bpy.types.ViewLayer:
 
 def visible(scene: Scene, obj: Object) -> bool:
     """Whether a render shows the object (its own flags, its collections', its view layer's)."""
-    return not hidden(obj) and obj.name in layer(scene).objects
-
-
-def hidden(obj: Object) -> bool:
-    """Whether an object of a view layer is left out of renders, by its own flags or its collections'."""
-    return obj.hide_render or all(c.hide_render for c in obj.users_collection)
+    hidden = obj.hide_render or all(c.hide_render for c in obj.users_collection)
+    return not hidden and obj.name in layer(scene).objects
 
 
 def shown(scene: Scene) -> set[Object]:
@@ -218,9 +214,11 @@ def owners(context: SceneContext, group: str) -> list[Owner]:
     if group == "camera":
         return [Owner("", scene.camera)] if scene.camera and scene.camera.type == "CAMERA" else []
     if group == "light":
-        roles, far = light_roles(context), _only_instanced(context)
-        lengths = {o: far.get(o) or distance_to_light(o, context.pivot) for o in roles}
-        return [Owner(o.name_full, o, roles[o], _light_lengths(lengths[o])) for o in roles]
+        distances = _light_distances(context)
+        return [
+            Owner(o.name_full, o, role, light_lengths(distances[o]))
+            for o, role in light_roles(context).items()
+        ]
     if group == "material":
         return [
             Owner(m.name_full, m, role)
@@ -231,26 +229,27 @@ def owners(context: SceneContext, group: str) -> list[Owner]:
     return [Owner("", scene)]
 
 
-def distance_to_light(obj: Object, pivot: Vector) -> float:
-    """From a light to the pivot, meters; never 0."""
-    return max((obj.matrix_world.translation - pivot).length, 1e-3)
+def light_lengths(distance: float) -> dict[str, float]:
+    """The lengths of a light, by the names of the schema's REFERENCES."""
+    return {"light_distance": distance, "light_distance_squared": distance * distance}
 
 
-def _only_instanced(context: SceneContext) -> dict[Object, float]:
-    """The lights that stand in the scene only as instances, one for each data-block, and the distance of the nearest."""
-    shown = {o.data for o in lights(context.scene)}
+def _light_distances(context: SceneContext) -> dict[Object, float]:
+    """Distances of the lights from the pivot, meters; never 0.
+
+    Lights that only instances show follow those of the scene: one for each data-block, with its nearest instance.
+    """
+    distances = {
+        o: max((o.matrix_world.translation - context.pivot).length, 1e-3) for o in lights(context.scene)
+    }
+    here = {o.data for o in distances}
     first: dict[Light, Object] = {}
-    found: dict[Object, float] = {}
     for obj, matrix in context.instanced_lights:
-        if obj.data not in shown:
+        if obj.data not in here:
             owner = first.setdefault(obj.data, obj)
             distance = max((matrix.translation - context.pivot).length, 1e-3)
-            found[owner] = min(found.get(owner, math.inf), distance)
-    return found
-
-
-def _light_lengths(distance: float) -> dict[str, float]:
-    return {"light_distance": distance, "light_distance_squared": distance * distance}
+            distances[owner] = min(distances.get(owner, math.inf), distance)
+    return distances
 
 
 def light_roles(context: SceneContext) -> dict[Object, str]:
@@ -258,33 +257,23 @@ def light_roles(context: SceneContext) -> dict[Object, str]:
 
     Lights that only instances show follow those of the scene, one for each data-block.
     """
-    far, objects = _only_instanced(context), lights(context.scene)
-    rims = {o for o in objects if _from_behind(o, context)}
-    objects += far
-    front = [o for o in objects if o not in rims] or objects
-    key = max(
-        front, key=lambda o: _brightness(o, far.get(o) or distance_to_light(o, context.pivot)), default=None
-    )
-    return {o: "key" if o is key else "rim" if o in rims else "fill" for o in objects}
-
-
-def towards_light(obj: Object, pivot: Vector) -> Vector:
-    """Unit vector (3,), world space, from the pivot toward where the light comes from."""
-    offset = type_of(obj).offset(obj, pivot, obj.matrix_world.to_3x3().normalized())
-    return offset.normalized() if offset.length > 1e-6 else Vector((0.0, 0.0, 1.0))
+    distances = _light_distances(context)
+    rims = {o for o in lights(context.scene) if _from_behind(o, context)}
+    front = [o for o in distances if o not in rims] or [*distances]
+    key = max(front, key=lambda o: _brightness(o, distances[o]), default=None)
+    return {o: "key" if o is key else "rim" if o in rims else "fill" for o in distances}
 
 
 def _from_behind(obj: Object, context: SceneContext) -> bool:
-    camera = context.scene.camera
-    view = (
-        (camera.matrix_world.translation - context.pivot)
-        if camera
-        else Vector(schema.orbit.direction(0.0, 0.0))
-    )
-    flat, light = view.xy, towards_light(obj, context.pivot).xy
-    if flat.length < 1e-6 or light.length < 0.2:  # straight above is nobody's back
+    """Whether a light shines from behind the subject, as the camera sees it."""
+    camera, pivot = context.scene.camera, context.pivot
+    front = Vector(schema.orbit.direction(0.0, 0.0))
+    view = (camera.matrix_world.translation - pivot if camera else front).xy
+    offset = type_of(obj).offset(obj, pivot, obj.matrix_world.to_3x3().normalized())
+    light = (offset.normalized() if offset.length > 1e-6 else Vector((0.0, 0.0, 1.0))).xy
+    if view.length < 1e-6 or light.length < 0.2:  # straight above is nobody's back
         return False
-    return flat.normalized().dot(light.normalized()) < -0.2
+    return view.normalized().dot(light.normalized()) < -0.2
 
 
 def _brightness(obj: Object, distance: float) -> float:
