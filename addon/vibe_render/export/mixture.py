@@ -153,7 +153,9 @@ class Mixture:
         if base.matter == "metal":
             values["metallic"] = (shares["metal"] / whole,)
             coat = layers.lacquer_over(self.layers, base)
-            values |= _coat(coat) if coat else {}
+            if coat:  # a glossy shader that a Fresnel node lays over another one
+                strongest, _, roughness = _gloss(coat)
+                values |= {"coat": (min(strongest, 1.0),), "coat_roughness": (roughness,)}
         elif gloss and base.matter == "matte":
             values |= _plastic(gloss, float(self.share(gloss, measured).mean()))
         return values
@@ -183,11 +185,6 @@ def _ior(node: bpy.types.Node) -> float:
     linked = active_links(node.inputs["Blend"])
     blend = _USUAL_BLEND if linked else float(node.inputs["Blend"].default_value)
     return 1.0 / max(1.0 - min(blend, 0.9), 0.1)
-
-
-def _coat(gloss: Layer) -> dict[str, schema.Values]:
-    strongest, _, roughness = _gloss(gloss)
-    return {"coat": (min(strongest, 1.0),), "coat_roughness": (roughness,)}
 
 
 def _plastic(gloss: Layer, share: float) -> dict[str, schema.Values]:

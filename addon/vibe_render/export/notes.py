@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import bpy
 import numpy as np
 
 from ..core.schema_import import schema
@@ -62,7 +61,7 @@ def view_notes(analysis: SceneAnalysis) -> list[str]:
         return []
     name, parent = objects[number]
     thing = next((o for o in analysis.scene.objects if o.name_full == (parent or name)), None)
-    if thing is not None and _hidden_in_viewport(analysis.scene, thing):
+    if thing is not None and not thing.visible_get(view_layer=scene_context.layer(analysis.scene)):
         raise schema.VibeError(
             f'"{thing.name}" fills the picture: it is hidden in the viewport, but not in renders.',
             "Hide it in renders too (the camera icon in the Outliner), or show it in the viewport.",
@@ -74,7 +73,3 @@ def view_notes(analysis: SceneAnalysis) -> list[str]:
             f'The camera is inside "{name}" and sees nothing else: move it out, or hide "{name}" in renders.'
         ]
     return []
-
-
-def _hidden_in_viewport(scene: bpy.types.Scene, thing: bpy.types.Object) -> bool:
-    return not thing.visible_get(view_layer=scene_context.layer(scene))

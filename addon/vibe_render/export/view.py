@@ -49,15 +49,11 @@ def _focus(camera: bpy.types.Object) -> dict[str, Any]:
     length = 1.0 if data.type == "ORTHO" else data.lens * 1e-3
     focus = {"aperture": length / (2 * max(dof.aperture_fstop, 1e-5)), "focus_distance": dof.focus_distance}
     if dof.focus_object:
-        focus["focus_point"] = list(_focused(dof).translation)
+        thing = dof.focus_object
+        bone = thing.pose.bones.get(dof.focus_subtarget) if thing.pose else None
+        matrix = thing.matrix_world @ bone.matrix if bone else thing.matrix_world
+        focus["focus_point"] = list(matrix.translation)
     return focus
-
-
-def _focused(dof: bpy.types.CameraDOFSettings) -> Any:
-    """The world-space matrix of the object, or of its bone, that is in focus."""
-    thing = dof.focus_object
-    bone = thing.pose.bones.get(dof.focus_subtarget) if thing.pose else None
-    return thing.matrix_world @ bone.matrix if bone else thing.matrix_world
 
 
 def light_rows(analysis: SceneAnalysis) -> list[dict[str, Any]]:
@@ -65,11 +61,11 @@ def light_rows(analysis: SceneAnalysis) -> list[dict[str, Any]]:
     pivot = Vector(analysis.pivot)
     context = analysis.context()
     roles = scene_context.light_roles(context)
-    here = [light_row(o, role, pivot) for o, role in roles.items() if analysis.scene in o.users_scene]
+    here = [_light_row(o, role, pivot) for o, role in roles.items() if analysis.scene in o.users_scene]
     rows = here + _instanced_light_rows(context, roles)
     for row in rows:
         lamp = bpy.data.objects.get(row["name"])
-        if lamp and (unlit := unlit_objects(lamp, analysis.geometry.objects)):
+        if lamp and (unlit := _unlit_objects(lamp, analysis.geometry.objects)):
             row["unlit"] = unlit
     return rows
 
@@ -88,12 +84,12 @@ def _instanced_light_rows(
             "residual": _matrix_rows(matrix.to_3x3().normalized()),
             "position": list(matrix.translation),
         }
-        rows.append(light_row(obj, roles[owner], context.pivot) | place)
+        rows.append(_light_row(obj, roles[owner], context.pivot) | place)
     rows.sort(key=lambda row: (Vector(row["position"]) - context.pivot).length)
     return rows[:MOST_INSTANCES]
 
 
-def light_row(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
+def _light_row(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
     """One light's entry in scene.json."""
     data = thing.data
     row: dict[str, Any] = {
@@ -155,7 +151,7 @@ def ignored_settings(scene: bpy.types.Scene) -> list[str]:
         notes.append("Freestyle lines are in the pictures, not in the prediction.")
     if scene.render.use_border:
         notes.append("The render border is left out: the whole picture is predicted and rendered.")
-    notes += ignored_links(scene)
+    notes += _ignored_links(scene)
     lamps = [o for o in scene.objects if o.type == "LIGHT" and scene_context.visible(scene, o)]
     instances = scene_context.instanced_lights(scene)
     lamps += dict.fromkeys(o for o, _ in instances if o not in lamps)
@@ -173,7 +169,7 @@ def ignored_settings(scene: bpy.types.Scene) -> list[str]:
     return notes
 
 
-def unlit_objects(light: Object, objects: Sequence[tuple[str, str]]) -> list[int]:
+def _unlit_objects(light: Object, objects: Sequence[tuple[str, str]]) -> list[int]:
     """The numbers of the objects (named as in `SceneGeometry.objects`) that light linking keeps a light from."""
     collection = light.light_linking.receiver_collection
     if collection is None:
@@ -196,7 +192,7 @@ def _linked_names(collection: Collection, state: str) -> set[str]:
     return names
 
 
-def ignored_links(scene: Scene) -> list[str]:
+def _ignored_links(scene: Scene) -> list[str]:
     """Notes on light linking that the prediction leaves out."""
     notes = []
     for obj in (o for o in scene.objects if scene_context.visible(scene, o)):
@@ -205,13 +201,13 @@ def ignored_links(scene: Scene) -> list[str]:
             notes.append(
                 f"Shadow linking of {obj.name} is left out: in the prediction all objects cast its shadows."
             )
-        if linking.receiver_collection and obj.type in scene_context.GEOMETRY and _glows(obj):
+        surfaces = [slot.material for slot in obj.material_slots if slot.material]
+        glows = obj.type in scene_context.GEOMETRY and any(
+            layers.emitted_radiance(material) > 0.0 for material in surfaces
+        )
+        if linking.receiver_collection and glows:
             notes.append(f"{obj.name} is linked to some objects; in the prediction its glow lights all.")
     return notes
-
-
-def _glows(obj: Object) -> bool:
-    return any(slot.material and layers.emitted_radiance(slot.material) > 0.0 for slot in obj.material_slots)
 
 
 _SEEN_WORLD = 0.05  # of what is around the subject: less world than this is out of sight
@@ -229,7 +225,7 @@ def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[
         corners = scene_context.bounds(scene, analysis.objects or scene_context.meshes(scene))
         size = prepare.card_size(*corners)
         rows = [
-            light_row(obj, known[obj.name].role, pivot) | ({"card": size} if known[obj.name].pattern else {})
+            _light_row(obj, known[obj.name].role, pivot) | ({"card": size} if known[obj.name].pattern else {})
             for obj in added
         ]
         bound = bindings.instances(scene, analysis.objects, analysis.pivot, ("light",))

@@ -84,20 +84,25 @@ def add_catalogs(place: Path, paths: Iterable[str]) -> None:
 _BALL_SAMPLES = 48
 
 
-def set_preview(block: ID, pixels: np.ndarray) -> None:
+def _set_preview(block: ID, pixels: np.ndarray) -> None:
     """Gives a data-block a preview: pixels (H, W, 4) as displays show them, 0 to 1, row 0 at the bottom."""
     preview = block.preview_ensure()
     preview.image_size = (pixels.shape[1], pixels.shape[0])
     preview.image_pixels_float.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
 
 
-def material_balls(materials: Sequence[Material]) -> list[np.ndarray]:
-    """Small Cycles renders of a ball of each material, as for `set_preview`. Nothing of them stays in the file."""
+def _material_balls(materials: Sequence[Material]) -> list[np.ndarray]:
+    """Small Cycles renders of a ball of each material, as for `_set_preview`. Nothing of them stays in the file."""
     before = {block for kind in _KINDS for block in getattr(bpy.data, kind)}
     try:
         scene, ball = _ball_stage()
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
-            return [_shoot(scene, ball, material, Path(folder) / "ball.png") for material in materials]
+            pictures, path = [], Path(folder) / "ball.png"
+            for material in materials:
+                ball.data.materials[0] = material
+                final_render.render_picture(scene, path, thumbnail.SIZE, _BALL_SAMPLES)
+                pictures.append(thumbnail.read_picture(path))
+            return pictures
     finally:
         temporary = [(kind, b) for kind in _KINDS for b in list(getattr(bpy.data, kind)) if b not in before]
         for kind, block in temporary:
@@ -138,12 +143,6 @@ def _ball_stage() -> tuple[Scene, bpy.types.Object]:
     area_light(scene, "Vibe Preview", (140.0, 30.0), 4.0, 1.5, 0.8, middle)
     plain_world(scene, (0.5, 0.5, 0.5), strength=0.35)
     return scene, ball
-
-
-def _shoot(scene: Scene, ball: bpy.types.Object, material: Material, path: Path) -> np.ndarray:
-    ball.data.materials[0] = material
-    final_render.render_picture(scene, path, thumbnail.SIZE, _BALL_SAMPLES)
-    return thumbnail.read_picture(path)
 
 
 _TOP = "Vibe Render"
@@ -194,30 +193,30 @@ def export_assets(
     """
     crate = _Crate(name)
     try:
-        surfaces = [_material(crate, material, words) for material in materials]
-        for pack in (_world, _rig, _grade, _fog):
+        surfaces = [crate.keep("materials", material.copy(), material.name) for material in materials]
+        for surface in surfaces:
+            crate.mark(surface, "Materials", words)
+        if world := analysis.scene.world:
+            crate.mark(crate.keep("worlds", world.copy(), "World"), "Worlds", words)
+        for pack in (_rig, _grade, _fog):
             pack(crate, analysis, words)
         if not crate.assets:
             raise schema.VibeError("There is nothing to export.", "Vibe the scene first, or apply a preset.")
-        _show(crate, surfaces, picture)
-        _write(path, {block for block, _ in crate.assets})
+        look = thumbnail.read_picture(picture)
+        pictures = dict(zip(surfaces, _material_balls(surfaces), strict=True))
+        for block, _ in crate.assets:
+            _set_preview(block, pictures.get(block, look))
+        blocks = {block for block, _ in crate.assets}
+        with whole(path) as part:
+            bpy.data.libraries.write(
+                str(part), blocks, path_remap="RELATIVE_ALL", fake_user=True, compress=True
+            )
         libraries = [library.path for library in bpy.context.preferences.filepaths.asset_libraries]
         catalogs = dict.fromkeys(f"{_TOP}/{catalog}" for _, catalog in crate.assets)
         add_catalogs(catalog_root(path.parent, libraries), catalogs)
         return [block.name for block, _ in crate.assets]
     finally:
         crate.empty()
-
-
-def _material(crate: _Crate, material: Material, words: str) -> Material:
-    twin = crate.keep("materials", material.copy(), material.name)
-    crate.mark(twin, "Materials", words)
-    return twin
-
-
-def _world(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
-    if analysis.scene.world:
-        crate.mark(crate.keep("worlds", analysis.scene.world.copy(), "World"), "Worlds", words)
 
 
 def _rig(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
@@ -252,15 +251,3 @@ def _fog(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
     box = owned.find_owned(analysis.scene.objects, owned.FOG)
     if box is not None and not box.hide_render:
         crate.mark(crate.keep("materials", box.data.materials[0].copy(), "Fog"), "Fogs", words)
-
-
-def _show(crate: _Crate, surfaces: list[Material], picture: Path) -> None:
-    look = thumbnail.read_picture(picture)
-    pictures = dict(zip(surfaces, material_balls(surfaces), strict=True))
-    for block, _ in crate.assets:
-        set_preview(block, pictures.get(block, look))
-
-
-def _write(path: Path, blocks: set[ID]) -> None:
-    with whole(path) as part:
-        bpy.data.libraries.write(str(part), blocks, path_remap="RELATIVE_ALL", fake_user=True, compress=True)

@@ -104,10 +104,10 @@ def find_preset(name: str) -> Look:
 
 def preset_at(path: str) -> Look:
     """The preset at a path of the library; a VibeError if it is gone."""
-    for look in all_looks():
-        if str(look.path) == path:
-            return look
-    raise schema.VibeError("That preset is gone.", "Choose another.")
+    look = next((look for look in all_looks() if str(look.path) == path), None)
+    if look is None:
+        raise schema.VibeError("That preset is gone.", "Choose another.")
+    return look
 
 
 def path_for(place: Path, name: str) -> Path:

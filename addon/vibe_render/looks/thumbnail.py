@@ -36,11 +36,14 @@ def save_thumbnail(picture: Path, out: Path) -> None:
         VibeError: The picture cannot be read, or the file cannot be written.
     """
     try:
-        middle = _middle(picture)
+        pixels = read_picture(picture)
     except RuntimeError as error:
         raise schema.VibeError(f"No thumbnail could be made: {error}.", "Check the folder.") from error
+    side = min(pixels.shape[:2])
+    top, left = ((n - side) // 2 for n in pixels.shape[:2])
+    middle = np.ascontiguousarray(pixels[top : top + side, left : left + side])
+    middle[..., 3] = 1.0
     with whole(out, "Check the folder.") as part:
-        side = middle.shape[0]
         small = bpy.data.images.new("Vibe Thumbnail", side, side, alpha=False, is_data=True)
         try:
             small.pixels.foreach_set(middle.ravel())
@@ -59,13 +62,3 @@ def read_picture(picture: Path) -> np.ndarray:
         return bake.image_channels(image)
     finally:
         bpy.data.images.remove(image)
-
-
-def _middle(picture: Path) -> np.ndarray:
-    """The largest square in the middle, opaque."""
-    whole = read_picture(picture)
-    side = min(whole.shape[:2])
-    top, left = ((n - side) // 2 for n in whole.shape[:2])
-    square = np.ascontiguousarray(whole[top : top + side, left : left + side])
-    square[..., 3] = 1.0
-    return square

@@ -46,6 +46,11 @@ class PassRequest:
     channel: str
     origin: ValueOrigin | None
 
+    @property
+    def tree(self) -> bpy.types.NodeTree:
+        """The tree that computes the input."""
+        return self.origin.socket.id_data if self.origin else self.material.node_tree
+
 
 @dataclass(frozen=True)
 class BakedPicture:
@@ -63,26 +68,29 @@ class BakedPicture:
 
 
 def bake_passes(
-    scene: bpy.types.Scene, wanted: Sequence[PassRequest], plane: CapturePlane | None = None
+    scene: bpy.types.Scene, requests: Sequence[PassRequest], plane: CapturePlane | None = None
 ) -> dict[tuple[str, str], BakedPicture]:
     """Bakes computed inputs with one render of the camera's view, or of a plane captured straight on.
 
     Returns:
         By full name of the material and channel; without inputs that are not seen, and materials of linked libraries.
     """
-    wanted = [w for w in wanted if _editable(w)]
-    if not wanted:
+    requests = [r for r in requests if not (r.material.library or r.tree.library or r.tree.override_library)]
+    if not requests:
         return {}
-    names = list(dict.fromkeys(w.material.name_full for w in wanted))
+    materials = {r.material.name_full: r.material for r in reversed(requests)}
+    names = list(dict.fromkeys(r.material.name_full for r in requests))
+    channels = sorted({r.channel for r in requests})
+    # Materials may share a node group, and outputs of one name would add up.
+    outputs = {(r.tree.as_pointer(), r.channel): r for r in requests}
     sides = (_FAR_SIDE, _FAR_SIDE) if plane else (scene.render.resolution_x, scene.render.resolution_y)
     scale = min(1.0, _LONGEST / max(sides))
     width, height = (max(16, round(scale * side)) for side in sides)  # Blender refuses fewer
     with ExitStack() as stack:
-        for w in _once(wanted):
-            stack.enter_context(_sent(w, f"Vibe {w.channel}"))
+        for request in outputs.values():
+            stack.enter_context(_sent(request, f"Vibe {request.channel}"))
         for number, name in enumerate(names, 1):
-            material = next(w.material for w in wanted if w.material.name_full == name)
-            stack.enter_context(_marked(material, float(number)))
+            stack.enter_context(_marked(materials[name], float(number)))
         twin = stack.enter_context(
             copied_scene(
                 scene,
@@ -94,38 +102,21 @@ def bake_passes(
         )
         if plane:
             stack.enter_context(straight_on(twin, plane))
-        channels = sorted({w.channel for w in wanted})
         passes = _render(twin, channels, _FAR_SAMPLES if plane else _SAMPLES)
     index, square = passes[_INDEX][..., 0], passes[_SQUARE][..., 0]
     alone = np.abs(square - index * index) < 1e-3 * (1 + square)
     baked = {}
-    for w in wanted:
-        number = names.index(w.material.name_full) + 1
-        shown = alone & (np.abs(index - number) < 1e-3)
-        values = passes[f"Vibe {w.channel}"][..., : 3 if _is_color(w.channel) else 1]
+    for request in requests:
+        name, channel = request.material.name_full, request.channel
+        shown = alone & (np.abs(index - names.index(name) - 1) < 1e-3)
         if shown.any():
-            baked[w.material.name_full, w.channel] = _cropped(values, shown)
+            values = passes[f"Vibe {channel}"][..., : 3 if _is_color(channel) else 1]
+            baked[name, channel] = _cropped(values, shown)
     return baked
 
 
 def _is_color(channel: str) -> bool:
     return channel in COLORS or channel.startswith("color")
-
-
-def _editable(w: PassRequest) -> bool:
-    """Whether nodes can be added where the value is computed."""
-    tree = _tree(w)
-    return w.material.library is None and tree.library is None and tree.override_library is None
-
-
-def _once(wanted: Sequence[PassRequest]) -> list[PassRequest]:
-    """One request for each tree and channel: materials may share a node group, and outputs of one name would add up."""
-    places = {(_tree(w).as_pointer(), w.channel): w for w in wanted}
-    return list(places.values())
-
-
-def _tree(w: PassRequest) -> bpy.types.NodeTree:
-    return w.origin.socket.id_data if w.origin else w.material.node_tree
 
 
 def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dict[str, np.ndarray]:
@@ -156,15 +147,16 @@ def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dic
 
 
 @contextmanager
-def _sent(w: PassRequest, name: str) -> Iterator[None]:
-    tree = _tree(w)
+def _sent(request: PassRequest, name: str) -> Iterator[None]:
+    """An AOV output for the value, in the tree that computes it."""
+    tree = request.tree
     added = []
     try:
         output = tree.nodes.new("ShaderNodeOutputAOV")
         added.append(output)
         output.aov_name = name
-        source = w.origin.source if w.origin else None
-        if w.channel == "normal":
+        source = request.origin.source if request.origin else None
+        if request.channel == "normal":
             if source is None:
                 added.append(tree.nodes.new("ShaderNodeNewGeometry"))
                 source = added[-1].outputs["Normal"]
@@ -174,7 +166,7 @@ def _sent(w: PassRequest, name: str) -> Iterator[None]:
             half.inputs[1].default_value = half.inputs[2].default_value = (0.5, 0.5, 0.5)
             tree.links.new(source, half.inputs[0])
             source = half.outputs[0]
-        tree.links.new(source, output.inputs["Color" if _is_color(w.channel) else "Value"])
+        tree.links.new(source, output.inputs["Color" if _is_color(request.channel) else "Value"])
         yield
     finally:
         for node in added:

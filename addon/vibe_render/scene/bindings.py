@@ -216,7 +216,14 @@ def put(
 ) -> dict[str, str]:
     """Writes values as `write` does, and leaves it to the caller to keep the journal or to undo it."""
     for key, value in values.items():
-        _check(key, value)
+        group, _, name = schema.split_key(key)
+        parameter = schema.FAMILIES.get(f"{group}/{name}")
+        if parameter and len(value) != parameter.components:
+            message = f"{labels.title(key)} needs {parameter.components} numbers, not {len(value)}."
+            raise schema.VibeError(message, "Correct the value.")
+        if not all(map(math.isfinite, value)):
+            message = f"{labels.title(key)} is not a finite number: {tuple(value)}."
+            raise schema.VibeError(message, "Correct the value.")
     if any(key in backgrounds.WORLD_OF_BACKDROP for key in values):
         world = instances(scene, subject, pivot, ("world",))
         values = backgrounds.with_backdrop(journal, scene.world, world, values)
@@ -244,17 +251,3 @@ def add_lights(
         return []
     corners = scene_context.bounds(scene, subject or scene_context.meshes(scene))
     return [prepare.add_light(journal, scene, name, *corners) for name in missing]
-
-
-def _check(key: str, value: Sequence[float]) -> None:
-    group, _, name = schema.split_key(key)
-    parameter = schema.FAMILIES.get(f"{group}/{name}")
-    if parameter and len(value) != parameter.components:
-        raise schema.VibeError(
-            f"{labels.title(key)} needs {parameter.components} numbers, not {len(value)}.",
-            "Correct the value.",
-        )
-    if not all(map(math.isfinite, value)):
-        raise schema.VibeError(
-            f"{labels.title(key)} is not a finite number: {tuple(value)}.", "Correct the value."
-        )

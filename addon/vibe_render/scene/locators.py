@@ -225,19 +225,15 @@ def volume(name: str) -> Locator:
     """A value of the fog: of the artist's world volume if there is one, else of the owned box."""
 
     def locate(context: SceneContext, scene: Scene) -> ValueSlot | None:
-        node = trails.world_volume(scene.world) if scene.world else None
-        if node is None:
-            return fog.fog_slot(context, name)
-        if name not in node.node.inputs:
-            return None
-        return inputs.input_slot(lambda: _world_volume(scene, name))
+        def find() -> NodeEntry | None:
+            node = trails.world_volume(scene.world) if scene.world else None
+            return node.entry(name) if node else None
+
+        if scene.world and trails.world_volume(scene.world):
+            return inputs.input_slot(find)
+        return fog.fog_slot(context, name)
 
     return locate
-
-
-def _world_volume(scene: Scene, name: str) -> NodeEntry | None:
-    node = trails.world_volume(scene.world) if scene.world else None
-    return node.entry(name) if node else None
 
 
 def view(name: str) -> Locator:

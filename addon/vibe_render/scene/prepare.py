@@ -278,12 +278,7 @@ def _replace_material(
     for slot in obj.material_slots:
         if slot.material != old:
             continue
-        if slot.link == "DATA" and not _all_inside(obj, inside):
+        others = (other for other in bpy.data.objects if other.data == obj.data and other not in inside)
+        if slot.link == "DATA" and (not obj.data.is_editable or any(others)):
             journal.set(slot, "link", "OBJECT")
         journal.set(slot, "material", new)
-
-
-def _all_inside(obj: Object, inside: set[Object]) -> bool:
-    """Whether only the subject uses the object's data, which may be changed."""
-    users = (other for other in bpy.data.objects if other.data == obj.data)
-    return obj.data.is_editable and all(other in inside for other in users)

@@ -23,7 +23,7 @@ KEY = "vibe_snapshot"
 def take(scene: Scene) -> None:
     """Starts a snapshot, which `revert` returns to; one that exists already stays."""
     if not exists(scene):
-        _store(scene, Journal())
+        stored_journal.store(scene, KEY, Journal())
 
 
 def exists(scene: Scene) -> bool:
@@ -65,7 +65,7 @@ def rollback(scene: Scene, first: int) -> None:
     forget(scene)
     journal.undo(first)
     if first:
-        _store(scene, journal)
+        stored_journal.store(scene, KEY, journal)
 
 
 @contextmanager
@@ -80,7 +80,7 @@ def transaction(scene: Scene) -> Iterator[Journal]:
         raise
     if journal.entries:
         whole.extend(journal)
-        _store(scene, whole)
+        stored_journal.store(scene, KEY, whole)
 
 
 def _load(scene: Scene) -> Journal:
@@ -99,7 +99,3 @@ def _load(scene: Scene) -> Journal:
             "What this scene was like before its vibe is damaged in this file.",
             "Press Keep: the values stay as they are now, and the next vibe starts from them.",
         ) from error
-
-
-def _store(scene: Scene, journal: Journal) -> None:
-    stored_journal.store(scene, KEY, journal)

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import bpy
@@ -28,8 +27,8 @@ _SKIPPED = {"CURVES": "hair", "VOLUME": "a volume object", "POINTCLOUD": "a poin
 def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[list[PlacedMesh], list[str]]:
     """The evaluated meshes that a final render's dependency graph shows, and notes about what could not be read."""
     meshes: dict[tuple, SourceMesh] = {}
-    # Thousands of instances share an object and its mesh: what these say is asked for once.
-    known: dict[tuple[int, int], _Shown] = {}
+    # Thousands of instances share an object and its mesh: their content is read once.
+    known: dict[tuple[int, int], PlacedMesh] = {}
     hidden: dict[str, frozenset[str]] = {}
     placed: list[PlacedMesh] = []
     warnings: dict[str, None] = {}
@@ -42,46 +41,27 @@ def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[lis
             continue
         key = thing.original.as_pointer(), thing.data.as_pointer()
         if key not in known:
-            warnings.update(dict.fromkeys(_special(thing)))
-            known[key] = _shown(thing, meshes, uv_of)
+            if thing.is_holdout or thing.is_shadow_catcher:
+                kind = "a holdout" if thing.is_holdout else "a shadow catcher"
+                warnings[f"{thing.name} is {kind}: the prediction shows it as a plain surface."] = None
+            slots = _slots_of(thing)
+            names = tuple(m.name_full if m else DEFAULT_MATERIAL for m in slots)
+            source = thing.data.as_pointer(), *names  # the same mesh with the same materials is read once
+            mesh = meshes.get(source) or meshes.setdefault(source, _read_mesh(thing.data, slots, uv_of))
+            owner = thing.original.name_full, ""
+            known[key] = PlacedMesh(mesh, names, np.eye(4), owner, _hidden_from(thing))
         shown = known[key]
         parent = instance.parent.original.name_full if instance.parent else ""
         if parent not in hidden:
             hidden[parent] = _hidden_from(instance.parent) if parent else frozenset()
-        matrix, owner = np.array(instance.matrix_world), (shown.name, parent)
+        matrix, owner = np.array(instance.matrix_world), (shown.owner[0], parent)
         placed.append(PlacedMesh(shown.mesh, shown.materials, matrix, owner, shown.hidden | hidden[parent]))
     return placed, list(warnings)
-
-
-@dataclass(frozen=True)
-class _Shown:
-    """The mesh that an evaluated object shows, and the kinds of rays that pass it."""
-
-    mesh: SourceMesh
-    materials: tuple[str, ...]
-    name: str
-    hidden: frozenset[str]
-
-
-def _shown(thing: bpy.types.Object, meshes: dict[tuple, SourceMesh], uv_of: UvLookup) -> _Shown:
-    """Reads an object with a mesh, unless the same mesh with the same materials has been read already."""
-    slots = _slots_of(thing)
-    names = tuple(m.name_full if m else DEFAULT_MATERIAL for m in slots)
-    key = (thing.data.as_pointer(), *names)
-    mesh = meshes.get(key) or meshes.setdefault(key, _read_mesh(thing.data, slots, uv_of))
-    return _Shown(mesh, names, thing.original.name_full, _hidden_from(thing))
 
 
 def _hidden_from(thing: bpy.types.Object) -> frozenset[str]:
     """The kinds of rays that pass an object, and its instances."""
     return frozenset(ray for ray in _RAYS if not getattr(thing, f"visible_{ray}"))
-
-
-def _special(thing: bpy.types.Object) -> list[str]:
-    if not (thing.is_holdout or thing.is_shadow_catcher):
-        return []
-    kind = "a holdout" if thing.is_holdout else "a shadow catcher"
-    return [f"{thing.name} is {kind}: the prediction shows it as a plain surface."]
 
 
 def _slots_of(thing: bpy.types.Object) -> list[bpy.types.Material | None]:

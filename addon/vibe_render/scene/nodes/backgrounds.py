@@ -154,29 +154,24 @@ def rotation_slot(background: trails.NodeInGroups) -> ValueSlot | None:
         tree = vector.id_data
         mapping = journal.node(tree, "ShaderNodeMapping", _ROTATION)
         owned.dress(journal, tree, mapping, texture.node)
-        owned.insert(
-            journal, _direction_source(journal, vector, mapping), mapping, "Vector", vector, "Vector"
-        )
+        if links := active_links(vector):
+            source = links[0].from_socket
+        else:
+            direction = journal.node(tree, "ShaderNodeTexCoord", "Vibe Direction")
+            direction.parent = mapping.parent
+            direction.location = (mapping.location.x - direction.width - 60.0, mapping.location.y)
+            source = direction.outputs["Generated"]
+        owned.insert(journal, source, mapping, "Vector", vector, "Vector")
         return _EnvironmentTurnSlot(mapping)
 
     existing = find()
     return existing or LazySlot(find, make, 0.0, locks.of_socket(vector, None))
 
 
-def _direction_source(journal: Journal, vector: NodeSocket, mapping: Node) -> NodeSocket:
-    links = active_links(vector)
-    if links:
-        return links[0].from_socket
-    node = journal.node(vector.id_data, "ShaderNodeTexCoord", "Vibe Direction")
-    node.parent = mapping.parent
-    node.location = (mapping.location.x - node.width - 60.0, mapping.location.y)
-    return node.outputs["Generated"]
-
-
 _LEFT = 200.0  # from a node of ours to the next
 
 
-def can_have_backdrop(world: World) -> bool:
+def _can_have_backdrop(world: World) -> bool:
     """Whether a world is one plain Background, in its own tree, that both lights and is seen."""
     tree = compat.node_tree(world)
     output = tree.get_output_node("ALL") if tree else None
@@ -186,7 +181,7 @@ def can_have_backdrop(world: World) -> bool:
     return not single.inside and bool(active_links(output.inputs["Surface"]))
 
 
-def add_backdrop(journal: Journal, world: World) -> None:
+def _add_backdrop(journal: Journal, world: World) -> None:
     """Gives a world that allows it a Background for the camera alone, equal to the one that lights but without our insets."""
     single = single_background(world)
     tree = compat.node_tree(world)
@@ -224,7 +219,7 @@ def offered_backdrop(
     world: World | None, instances: Mapping[str, schema.Instance]
 ) -> dict[str, schema.Instance]:
     """The parameters that a backdrop would have; none where the world cannot have one, or is partly locked."""
-    if world is None or not can_have_backdrop(world):
+    if world is None or not _can_have_backdrop(world):
         return {}
     own = {key: instances[its] for key, its in WORLD_OF_BACKDROP.items() if its in instances}
     if any(instance.locked for instance in own.values()):
@@ -250,5 +245,5 @@ def with_backdrop(
     future = {key: tuple(values.get(key, instance.value)) for key, instance in {**instances, **offer}.items()}
     if all(labels.same(key, future[WORLD_OF_BACKDROP[key]], future[key]) for key in named):
         return {key: value for key, value in values.items() if key not in offer}
-    add_backdrop(journal, world)
+    _add_backdrop(journal, world)
     return {**{key: instance.value for key, instance in offer.items()}, **values}

@@ -34,8 +34,9 @@ def factor(light: Light) -> tuple[float, float, float] | None:
 
 def whiten(light: Light) -> None:
     """Takes the color of a Blackbody node from a light of ours."""
-    socket = _input(light, "Color")
-    if socket and kelvin(light):
+    given = _emission(light)
+    if given and not given[1] and kelvin(light):  # not in a group, which others may use
+        socket = given[0].node.inputs["Color"]
         light.node_tree.links.remove(socket.links[0])
         socket.default_value = (1.0, 1.0, 1.0, 1.0)
 
@@ -49,12 +50,6 @@ def flatten(light: Light) -> None:
     plain.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
     output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputLight")
     tree.links.new(plain.outputs[0], output.inputs["Surface"])
-
-
-def _input(light: Light, name: str) -> NodeSocket | None:
-    """An input of the Emission node of a light's own tree."""
-    given = _emission(light)
-    return given[0].node.inputs[name] if given and not given[1] else None
 
 
 def _level(strength: ValueOrigin) -> float | None:
