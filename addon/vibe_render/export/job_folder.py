@@ -22,6 +22,10 @@ from .materials import NO_MATERIAL, ExportedMaterial, export_material
 
 _REASON = "it is not a number in Blender"
 
+FORMAT = 1
+_OF_WORDS = ("camera", "light", "material")
+"""Groups of parameters that say what words may mean: where lights stand, and what glows."""
+
 
 def _finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, schema.Instance], list[str]]:
     """The parameters, with locked default values for those that are not finite, and warnings that name these."""
@@ -58,11 +62,6 @@ def _finite_content(value: Any, path: str, warnings: list[str]) -> Any:
         )
         return 0.0
     return value
-
-
-FORMAT = 1
-_OF_WORDS = ("camera", "light", "material")
-"""Groups of parameters that say what words may mean: where lights stand, and what glows."""
 
 
 @dataclass

@@ -14,6 +14,8 @@ from .analysis import SceneAnalysis
 _NAMED = 3
 _MOST = 5
 
+_WHOLE_PICTURE = 0.98  # of the picture: what fills this much leaves nothing else to see
+
 
 def notes_by_reason(notes: Mapping[str, Sequence[str]]) -> list[str]:
     """Lines such as "Glossy BSDF is approximated in A, B and 7 more.", one for each reason.
@@ -40,9 +42,6 @@ def shortened_notes(lines: Sequence[str]) -> list[str]:
     lines = list(dict.fromkeys(lines))
     rest = len(lines) - _MOST
     return lines if rest <= 0 else [*lines[:_MOST], f"And {rest} more."]
-
-
-_WHOLE_PICTURE = 0.98  # of the picture: what fills this much leaves nothing else to see
 
 
 def view_notes(analysis: SceneAnalysis) -> list[str]:

@@ -29,6 +29,9 @@ _TEXTURES = {
     "ShaderNodeTexWave", "ShaderNodeTexMagic", "ShaderNodeTexGradient", "ShaderNodeTexWhiteNoise",
 }  # fmt: skip
 
+Mask = np.ndarray
+"""(R, R) bool, row 0 at the bottom: where the camera sees something, on a coarse grid over the picture."""
+
 
 @dataclass(frozen=True)
 class ExportedTexture:
@@ -76,10 +79,6 @@ def uv_texture(material: bpy.types.Material, channel: str, origin: ValueOrigin) 
             np.array([[[1.0, 0.0, 1.0]]], np.float32), warning=missing
         )  # as Cycles shows it
     return ExportedTexture(image, {"MIRROR": "REPEAT"}.get(node.extension, node.extension))
-
-
-Mask = np.ndarray
-"""(R, R) bool, row 0 at the bottom: where the camera sees something, on a coarse grid over the picture."""
 
 
 def mean_color(

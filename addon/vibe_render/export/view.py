@@ -24,6 +24,8 @@ from .analysis import SceneAnalysis
 MOST_INSTANCES = 24
 """So many instances of lights are predicted at most."""
 
+_SEEN_WORLD = 0.05  # of what is around the subject: less world than this is out of sight
+
 
 def camera_row(analysis: SceneAnalysis) -> dict[str, Any]:
     """The camera's entry in scene.json."""
@@ -208,9 +210,6 @@ def _ignored_links(scene: Scene) -> list[str]:
         if linking.receiver_collection and glows:
             notes.append(f"{obj.name} is linked to some objects; in the prediction its glow lights all.")
     return notes
-
-
-_SEEN_WORLD = 0.05  # of what is around the subject: less world than this is out of sight
 
 
 def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[str, schema.Instance]]:

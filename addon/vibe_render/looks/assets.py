@@ -42,6 +42,18 @@ VERSION 1
 
 """
 
+_BALL_SAMPLES = 48
+_KINDS = (
+    "scenes",
+    "objects",
+    "meshes",
+    "lights",
+    "cameras",
+    "worlds",
+    "materials",
+)  # in this order of removal
+_TOP = "Vibe Render"
+
 
 def catalog_identifier(path: str) -> str:
     """The id of a catalog of ours, such as "Vibe Render/Materials"."""
@@ -81,9 +93,6 @@ def add_catalogs(place: Path, paths: Iterable[str]) -> None:
         raise schema.VibeError(f"{file} cannot be changed: {error}.", "Choose another folder.") from error
 
 
-_BALL_SAMPLES = 48
-
-
 def _set_preview(block: ID, pixels: np.ndarray) -> None:
     """Gives a data-block a preview: pixels (H, W, 4) as displays show them, 0 to 1, row 0 at the bottom."""
     preview = block.preview_ensure()
@@ -109,17 +118,6 @@ def _material_balls(materials: Sequence[Material]) -> list[np.ndarray]:
             getattr(bpy.data, kind).remove(block)
 
 
-_KINDS = (
-    "scenes",
-    "objects",
-    "meshes",
-    "lights",
-    "cameras",
-    "worlds",
-    "materials",
-)  # in this order of removal
-
-
 def _ball_stage() -> tuple[Scene, bpy.types.Object]:
     """A scene of a ball under two area lights and a gray world, on a transparent background."""
     scene = bpy.data.scenes.new("Vibe Preview")
@@ -143,9 +141,6 @@ def _ball_stage() -> tuple[Scene, bpy.types.Object]:
     area_light(scene, "Vibe Preview", (140.0, 30.0), 4.0, 1.5, 0.8, middle)
     plain_world(scene, (0.5, 0.5, 0.5), strength=0.35)
     return scene, ball
-
-
-_TOP = "Vibe Render"
 
 
 @dataclass

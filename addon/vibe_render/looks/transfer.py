@@ -21,6 +21,13 @@ from ..scene.light_types import EXTENTS, light_type, type_of
 SceneParameters = SceneJob | SceneReading
 """An exported scene, or one that was only read."""
 
+_TEXTURE_LUMA = 0.5  # of a typical texture: what a color is divided by to become a tint
+_DIM = 0.01  # radiance of white below which a light is too dark to be added
+_PROMINENT = 0.5  # of the visible area of the subject's largest material: smaller materials keep their look
+_TINTS = {"base_color": "tint", "color": "tint", "backdrop_color": "backdrop_tint"}
+"""The colors that a texture takes the place of, and what tints it."""
+_ONLY_LAMPS = {"distance"}  # suns have none, which needs no note
+
 
 def load_preset(path: Path) -> preset.Preset:
     """Reads a preset file.
@@ -118,14 +125,6 @@ def _entry(
                 camera = values.get("camera/azimuth", [camera_azimuth(scene)])[0]
                 entry[name] = [(entry[name][0] - camera + 180.0) % 360.0 - 180.0]
     return preset.clamped(group, entry)
-
-
-_TEXTURE_LUMA = 0.5  # of a typical texture: what a color is divided by to become a tint
-_DIM = 0.01  # radiance of white below which a light is too dark to be added
-_PROMINENT = 0.5  # of the visible area of the subject's largest material: smaller materials keep their look
-_TINTS = {"base_color": "tint", "color": "tint", "backdrop_color": "backdrop_tint"}
-"""The colors that a texture takes the place of, and what tints it."""
-_ONLY_LAMPS = {"distance"}  # suns have none, which needs no note
 
 
 @dataclass

@@ -21,6 +21,9 @@ from ..scene.light_types import type_of
 from ..scene.nodes import light_nodes
 from ..scene.nodes.trails import ValueOrigin, group_output, same_socket
 
+_FACTOR_HEIGHT, _FACTOR_SAMPLES = 32, 64
+_WATTS = 1000.0
+
 
 def render_linear(scene: bpy.types.Scene, samples: int, bounces: int = 0) -> np.ndarray:
     """Renders the scene with Cycles as it is set up: (H, W, 3) float32, scene linear, row 0 at the bottom."""
@@ -171,10 +174,6 @@ def empty_scene(width: int, height: int) -> Iterator[bpy.types.Scene]:
         bpy.data.objects.remove(camera)
         bpy.data.cameras.remove(data)
         bpy.data.scenes.remove(scene)
-
-
-_FACTOR_HEIGHT, _FACTOR_SAMPLES = 32, 64
-_WATTS = 1000.0
 
 
 def mean_light_factor(light: Object, pivot: Vector) -> tuple[float, float, float]:

@@ -37,6 +37,9 @@ _FAR_SIDE, _FAR_SAMPLES = 384, 2  # what only mirrors show need not be as fine
 _GROWN = 4  # pixels by which a map reaches beyond where its material is seen
 _INDEX, _SQUARE = "Vibe Index", "Vibe Square"
 
+_FLAT = 1e-4  # deviation, in parts of the extent, that counts as flat
+_REACH = 3.0  # times the camera's distance from the subject: patterns beyond are too small to be told apart
+
 
 @dataclass(frozen=True)
 class PassRequest:
@@ -217,10 +220,6 @@ def _grown(values: np.ndarray, covered: np.ndarray, rest: np.ndarray) -> np.ndar
         values[fresh] = total[fresh] / count[fresh][:, None]
         covered = covered | fresh
     return np.where(covered[..., None], values, rest)
-
-
-_FLAT = 1e-4  # deviation, in parts of the extent, that counts as flat
-_REACH = 3.0  # times the camera's distance from the subject: patterns beyond are too small to be told apart
 
 
 @dataclass(frozen=True)

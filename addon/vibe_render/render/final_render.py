@@ -25,6 +25,8 @@ _NOISE = 0.05
 
 _MASK_SAMPLES = 16
 
+_BLACKEST = 0.02  # of white, as the picture is stored: what is darker everywhere shows nothing
+
 
 def render_picture(
     scene: bpy.types.Scene, path: Path, size: int, samples: int, seed: int = 0, exact: bool = False
@@ -157,9 +159,6 @@ def _keep_alpha(rendered: Path, path: Path) -> None:
             mask.save()
     finally:
         bpy.data.images.remove(mask)
-
-
-_BLACKEST = 0.02  # of white, as the picture is stored: what is darker everywhere shows nothing
 
 
 def black_note(scene: bpy.types.Scene, picture: Path) -> str:

@@ -16,6 +16,9 @@ from . import scene_context
 _COARSE_LIGHT = {"sampling_method": "MANUAL", "sample_map_resolution": 512}
 """A map of a world's light that is computed in a moment. Cycles' own choice may take a minute for stars of noise."""
 
+T = TypeVar("T")
+_SMALL = 32  # pixels; Blender refuses fewer than 16
+
 
 @contextmanager
 def copied_scene(scene: bpy.types.Scene, graded: bool = False, **render: Any) -> Iterator[bpy.types.Scene]:
@@ -53,11 +56,6 @@ def _is_computed(world: bpy.types.World) -> bool:
     tree = compat.node_tree(world)
     pictures = any(node.bl_idname == "ShaderNodeTexEnvironment" for node in tree.nodes) if tree else True
     return world.is_editable and not pictures and world.cycles.sampling_method == "AUTOMATIC"
-
-
-T = TypeVar("T")
-
-_SMALL = 32  # pixels; Blender refuses fewer than 16
 
 
 def evaluate_render(scene: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], T]) -> T:

@@ -19,6 +19,12 @@ from .orbits import orbit_matrix
 
 Point = Sequence[float] | np.ndarray
 
+DEMO_SUBJECT = "Suzanne"
+"""The object that the demo's prompts are about."""
+_DEMO_VIEW = (24.0, 9.0)
+_CAMERA = (32.0, 12.0)  # azimuth, elevation
+_WALL = 8.0  # distance of the backdrop, in radii of the subject
+
 
 def plain_material(
     name: str, color: Color, roughness: float = 0.5, metallic: float = 0.0
@@ -157,12 +163,6 @@ def cyclorama(
     return mesh_object(scene, "Stage", points, [*faces.tolist(), *lid.tolist()], stuff)
 
 
-DEMO_SUBJECT = "Suzanne"
-"""The object that the demo's prompts are about."""
-
-_DEMO_VIEW = (24.0, 9.0)
-
-
 def build_demo() -> bpy.types.Scene:
     """Starts an empty file and builds the demo scene in it."""
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True, load_ui=False)
@@ -239,10 +239,6 @@ def _finish_solid(thing: bpy.types.Object, stuff: bpy.types.Material) -> bpy.typ
     thing.data.materials.append(stuff)
     thing.select_set(False)
     return thing
-
-
-_CAMERA = (32.0, 12.0)  # azimuth, elevation
-_WALL = 8.0  # distance of the backdrop, in radii of the subject
 
 
 def build_stage(path: str | Path, kind: str = "cyclorama", subject_name: str = "Subject") -> bpy.types.Scene:

@@ -19,6 +19,8 @@ _PROMINENT = 0.1  # of the most prominent object's weight: what is less is decor
 _FLAT = 0.35  # height over width of things that others stand on
 _SLACK = 0.02  # of a box's widest side: so far a part may stick out of the thing
 
+SUBJECT_KEY = "vibe_subject"
+
 
 @dataclass(frozen=True)
 class SubjectChoice:
@@ -146,9 +148,6 @@ def _within(boxes: np.ndarray, chosen: np.ndarray) -> np.ndarray:
     low, high = boxes[chosen, 0].min(0), boxes[chosen, 1].max(0)
     slack = _SLACK * (high - low).max()
     return ((boxes[:, 0] >= low - slack) & (boxes[:, 1] <= high + slack)).all(1)
-
-
-SUBJECT_KEY = "vibe_subject"
 
 
 def remember_subject(scene: Scene, subject: Iterable[Object]) -> None:

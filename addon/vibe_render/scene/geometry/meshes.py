@@ -23,6 +23,13 @@ UvLookup = Callable[[bpy.types.Material], tuple[str, np.ndarray]]
 _RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
 _SKIPPED = {"CURVES": "hair", "VOLUME": "a volume object", "POINTCLOUD": "a point cloud"}
 
+_SIDES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (3, 2, 6, 7), (0, 3, 7, 4), (1, 5, 6, 2))
+"""Corners of the sides of a box as Blender numbers them, counter-clockwise seen from outside."""
+_CORNERS = np.array([(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1, 1, 1), (1, 1, 0)])
+"""Of a unit box."""
+_Box = tuple[tuple[tuple[float, ...], ...], str]
+"""The part of an object that has one material: its extent (2, 3) in the object's own space, and the material's name."""
+
 
 def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[list[PlacedMesh], list[str]]:
     """The evaluated meshes that a final render's dependency graph shows, and notes about what could not be read."""
@@ -121,16 +128,6 @@ def array(collection, attribute: str, shape: tuple[int, ...], kind: type) -> np.
     if len(collection):  # some files name a layer, and have lost what was in it
         collection.foreach_get(attribute, flat)
     return flat.reshape(shape)
-
-
-_SIDES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (3, 2, 6, 7), (0, 3, 7, 4), (1, 5, 6, 2))
-"""Corners of the sides of a box as Blender numbers them, counter-clockwise seen from outside."""
-_CORNERS = np.array([(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1, 1, 1), (1, 1, 0)])
-"""Of a unit box."""
-
-
-_Box = tuple[tuple[tuple[float, ...], ...], str]
-"""The part of an object that has one material: its extent (2, 3) in the object's own space, and the material's name."""
 
 
 def box_geometry(

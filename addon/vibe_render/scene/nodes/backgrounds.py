@@ -26,6 +26,11 @@ from .trails import (
 
 LIGHT, BACKDROP = "light", "backdrop"
 
+_ROTATION = "Vibe Rotation"
+_LEFT = 200.0  # from a node of ours to the next
+WORLD_OF_BACKDROP = {f"world/backdrop_{name}": f"world/{name}" for name in ("color", "tint", "strength")}
+"""The parameters of a backdrop, and those of the world that it starts from."""
+
 
 def has_backdrop(world: World) -> bool:
     """Whether Mix Shaders by Is Camera Ray show the camera other Backgrounds than those that light the scene."""
@@ -110,9 +115,6 @@ def _weighs(side: MixSide) -> bool:
     return not (source and source.node.type == "LIGHT_PATH" and source.name == "Is Camera Ray")
 
 
-_ROTATION = "Vibe Rotation"
-
-
 @dataclass
 class _EnvironmentTurnSlot:
     """Value slot: the angle by which the looked-up direction is turned, radians.
@@ -168,9 +170,6 @@ def rotation_slot(background: trails.NodeInGroups) -> ValueSlot | None:
     return existing or LazySlot(find, make, 0.0, locks.of_socket(vector, None))
 
 
-_LEFT = 200.0  # from a node of ours to the next
-
-
 def _can_have_backdrop(world: World) -> bool:
     """Whether a world is one plain Background, in its own tree, that both lights and is seen."""
     tree = compat.node_tree(world)
@@ -209,10 +208,6 @@ def _add_backdrop(journal: Journal, world: World) -> None:
     journal.link(lighting, mix.inputs[1])
     journal.link(seen.outputs[0], mix.inputs[2])
     journal.link(mix.outputs[0], surface)
-
-
-WORLD_OF_BACKDROP = {f"world/backdrop_{name}": f"world/{name}" for name in ("color", "tint", "strength")}
-"""The parameters of a backdrop, and those of the world that it starts from."""
 
 
 def offered_backdrop(

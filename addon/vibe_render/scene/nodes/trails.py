@@ -18,6 +18,30 @@ FOREIGN = {
 }
 """Nodes that a render on a CPU takes for absent, and what to say of them."""
 
+ALIASES: dict[str, dict[str, str]] = {
+    "ShaderNodeBsdfPrincipled": {},
+    "ShaderNodeBsdfDiffuse": {"Base Color": "Color"},
+    "ShaderNodeBsdfGlossy": {"Base Color": "Color"},
+    "ShaderNodeBsdfAnisotropic": {"Base Color": "Color"},
+    "ShaderNodeBsdfMetallic": {"Base Color": "Base Color"},
+    "ShaderNodeBsdfGlass": {"Base Color": "Color"},
+    "ShaderNodeBsdfTranslucent": {"Base Color": "Color"},
+    "ShaderNodeSubsurfaceScattering": {"Base Color": "Color"},
+    "ShaderNodeBsdfToon": {"Base Color": "Color"},
+    "ShaderNodeBsdfSheen": {"Sheen Tint": "Color", "Sheen Roughness": "Roughness"},
+    "ShaderNodeBsdfHair": {"Base Color": "Color"},
+    "ShaderNodeBsdfHairPrincipled": {"Base Color": "Color"},
+    "ShaderNodeBsdfRefraction": {"Base Color": "Color"},
+    "ShaderNodeEmission": {"Emission Color": "Color", "Emission Strength": "Strength"},
+}
+"""Surface shaders that can be worked with, and what they call the inputs of the Principled BSDF."""
+# Oren-Nayar's roughness is another thing, and so are those of fabric, hair and cartoons.
+_UNLIKE = {
+    "ShaderNodeBsdfDiffuse": {"Roughness"},
+    "ShaderNodeBsdfSheen": {"Roughness"},
+    "ShaderNodeBsdfHairPrincipled": {"Roughness", "IOR", "Coat Weight", "Coat Roughness"},
+}
+
 
 @dataclass(frozen=True)
 class NodeEntry:
@@ -138,32 +162,6 @@ def group_output(group: Node) -> list[NodeSocket]:
 def same_socket(sockets: Sequence[NodeSocket], socket: NodeSocket) -> NodeSocket | None:
     """The socket of that identifier."""
     return next((s for s in sockets if s.identifier == socket.identifier), None)
-
-
-ALIASES: dict[str, dict[str, str]] = {
-    "ShaderNodeBsdfPrincipled": {},
-    "ShaderNodeBsdfDiffuse": {"Base Color": "Color"},
-    "ShaderNodeBsdfGlossy": {"Base Color": "Color"},
-    "ShaderNodeBsdfAnisotropic": {"Base Color": "Color"},
-    "ShaderNodeBsdfMetallic": {"Base Color": "Base Color"},
-    "ShaderNodeBsdfGlass": {"Base Color": "Color"},
-    "ShaderNodeBsdfTranslucent": {"Base Color": "Color"},
-    "ShaderNodeSubsurfaceScattering": {"Base Color": "Color"},
-    "ShaderNodeBsdfToon": {"Base Color": "Color"},
-    "ShaderNodeBsdfSheen": {"Sheen Tint": "Color", "Sheen Roughness": "Roughness"},
-    "ShaderNodeBsdfHair": {"Base Color": "Color"},
-    "ShaderNodeBsdfHairPrincipled": {"Base Color": "Color"},
-    "ShaderNodeBsdfRefraction": {"Base Color": "Color"},
-    "ShaderNodeEmission": {"Emission Color": "Color", "Emission Strength": "Strength"},
-}
-"""Surface shaders that can be worked with, and what they call the inputs of the Principled BSDF."""
-
-# Oren-Nayar's roughness is another thing, and so are those of fabric, hair and cartoons.
-_UNLIKE = {
-    "ShaderNodeBsdfDiffuse": {"Roughness"},
-    "ShaderNodeBsdfSheen": {"Roughness"},
-    "ShaderNodeBsdfHairPrincipled": {"Roughness", "IOR", "Coat Weight", "Coat Roughness"},
-}
 
 
 @dataclass(frozen=True)
