@@ -29,7 +29,7 @@ _OF_WORDS = ("camera", "light", "material")
 
 def _finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, schema.Instance], list[str]]:
     """The parameters, with locked default values for those that are not finite, and warnings that name these."""
-    mended, warnings = {}, []
+    finite, warnings = {}, []
     for key, instance in read.items():
         if not all(map(math.isfinite, instance.value)):
             parameter = instance.parameter
@@ -38,8 +38,8 @@ def _finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, sc
             warnings.append(
                 f"{labels.title(key)} is not a number in Blender; the prediction takes {default[0]:g}."
             )
-        mended[key] = instance
-    return mended, warnings
+        finite[key] = instance
+    return finite, warnings
 
 
 def _finite_content(value: Any, path: str, warnings: list[str]) -> Any:
@@ -99,27 +99,27 @@ def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
     """Writes the job folder; `scene.json` comes last and atomically."""
     folder.mkdir(parents=True, exist_ok=True)
     scene, geometry = analysis.scene, analysis.geometry
-    spoiling = notes.view_notes(analysis)
+    view_notes = notes.view_notes(analysis)
     bound = bindings.instances(scene, analysis.objects, analysis.pivot)
     materials = measured.measured_materials(analysis)
-    instances, mended = _finite_instances(_with_materials(bound, analysis, materials))
-    spare, spare_instances = view.standby_lights(analysis)
-    spare_instances |= view.standby_backdrop(analysis, instances)
-    warnings = [*spoiling, *notes.notes_by_reason(_material_notes(analysis, materials)), *geometry.warnings]
-    warnings += [*view.ignored_settings(scene), *mended]
+    instances, replaced = _finite_instances(_with_materials(bound, analysis, materials))
+    light_rows, standby = view.standby_lights(analysis)
+    standby |= view.standby_backdrop(analysis, instances)
+    warnings = [*view_notes, *notes.notes_by_reason(_material_notes(analysis, materials)), *geometry.warnings]
+    warnings += [*view.ignored_settings(scene), *replaced]
     world, note = _write_world(scene.world, folder)
     content = _content(analysis, materials, instances, folder) | {
         "standby": {
-            "lights": spare,
-            "parameters": {key: _parameter(instance) for key, instance in spare_instances.items()},
+            "lights": light_rows,
+            "parameters": {key: _parameter(instance) for key, instance in standby.items()},
         },
         "world": world,
         "volume": _volume(analysis, instances),
         "unseen": {key: _parameter(i) for key, i in _unseen(analysis).items() if key not in instances},
     }
     _write(content, analysis, folder, warnings)
-    said = list(dict.fromkeys(w for w in (*warnings, note) if w))
-    return SceneJob(folder, analysis, instances, spare_instances, said, spoiling)
+    all_warnings = list(dict.fromkeys(w for w in (*warnings, note) if w))
+    return SceneJob(folder, analysis, instances, standby, all_warnings, view_notes)
 
 
 def write_sketch(analysis: SceneAnalysis, folder: Path) -> None:
@@ -207,8 +207,8 @@ def _material_notes(
 def read_parameters(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
     """The scene's parameters by key, with those of a possible backdrop; unlike `write_job`, renders and writes nothing."""
     bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot)
-    mended = _finite_instances(_with_materials(bound, analysis, {}))[0]
-    return {**mended, **view.standby_backdrop(analysis, mended)}
+    finite = _finite_instances(_with_materials(bound, analysis, {}))[0]
+    return {**finite, **view.standby_backdrop(analysis, finite)}
 
 
 def _roles(analysis: SceneAnalysis) -> dict[str, str]:

@@ -22,7 +22,7 @@ def measured_materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
     by_name = {m.name_full: m for m in bpy.data.materials}
     chosen = {name: by_name.get(name) for name in geometry.materials}
     channels: dict[str, dict[str, MeasuredChannel]] = {name: {} for name in chosen}
-    wanted = []
+    requests = []
     for name, material in chosen.items():
         if material is None:
             continue
@@ -32,19 +32,19 @@ def measured_materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
             if picture:
                 channels[name][channel] = MeasuredChannel(picture.image.mean((0, 1)), picture)
             else:
-                wanted.append(baked_passes.PassRequest(material, channel, origin))
-    baked = baked_passes.bake_passes(analysis.scene, wanted)
-    for w in wanted:
-        name = w.material.name_full
-        view = baked.get((name, w.channel))
+                requests.append(baked_passes.PassRequest(material, channel, origin))
+    baked = baked_passes.bake_passes(analysis.scene, requests)
+    for request in requests:
+        name = request.material.name_full
+        view = baked.get((name, request.channel))
         if view:
             picture = textures.ExportedTexture(view.image, "EXTEND", "", view.window)
-            channels[name][w.channel] = MeasuredChannel(view.mean, picture)
-            far = _straight_on(analysis, w) if w.channel == "base_color" else None
+            channels[name][request.channel] = MeasuredChannel(view.mean, picture)
+            far = _straight_on(analysis, request) if request.channel == "base_color" else None
             if far:
                 channels[name]["far"] = MeasuredChannel(view.mean, far)
-        elif w.origin is not None and w.channel != "normal":
-            channels[name][w.channel] = MeasuredChannel(_mean(analysis, w, w.origin))
+        elif request.origin is not None and request.channel != "normal":
+            channels[name][request.channel] = MeasuredChannel(_mean(analysis, request, request.origin))
     return {name: export_material(material, channels[name]) for name, material in chosen.items()}
 
 
@@ -65,18 +65,18 @@ def _over_uvs(
 
 
 def _straight_on(
-    analysis: SceneAnalysis, wanted: baked_passes.PassRequest
+    analysis: SceneAnalysis, request: baked_passes.PassRequest
 ) -> textures.ExportedTexture | None:
     """The pattern of a flat surface as mirrors may show it, also where the camera does not look."""
     geometry, eye = analysis.geometry, analysis.scene.camera.matrix_world.translation
-    chosen = geometry.material == geometry.materials.index(wanted.material.name_full)
+    chosen = geometry.material == geometry.materials.index(request.material.name_full)
     pivot = np.array(analysis.pivot)
     corners = geometry.vertices[geometry.faces[chosen]].astype(float)
     plane = baked_passes.capture_plane(corners, pivot, float(np.linalg.norm(pivot - np.array(eye))))
     if plane is None:
         return None
-    view = baked_passes.bake_passes(analysis.scene, [wanted], plane).get(
-        (wanted.material.name_full, wanted.channel)
+    view = baked_passes.bake_passes(analysis.scene, [request], plane).get(
+        (request.material.name_full, request.channel)
     )
     if view is None:
         return None
@@ -87,9 +87,9 @@ def _straight_on(
     return textures.ExportedTexture(view.image, "CLIP", "", None, (mapping * scale[:, None]).tolist())
 
 
-def _mean(analysis: SceneAnalysis, wanted: baked_passes.PassRequest, origin: ValueOrigin) -> np.ndarray:
-    number = analysis.geometry.materials.index(wanted.material.name_full)
+def _mean(analysis: SceneAnalysis, request: baked_passes.PassRequest, origin: ValueOrigin) -> np.ndarray:
+    number = analysis.geometry.materials.index(request.material.name_full)
     mask = analysis.visible.material == number
-    if not mask.any() and wanted.channel not in _SEEN_ELSEWHERE:
+    if not mask.any() and request.channel not in _SEEN_ELSEWHERE:
         return np.full(3, 0.5, np.float32)
-    return textures.mean_color(analysis.scene, wanted.material, origin, mask)
+    return textures.mean_color(analysis.scene, request.material, origin, mask)

@@ -68,11 +68,11 @@ class Mixture:
 
     def channels(self) -> dict[str, ValueOrigin]:
         """The origins of all that has to be measured."""
-        wanted = {f"mix{number}": origin for number, origin in enumerate(self.factors)}
+        channels = {f"mix{number}": origin for number, origin in enumerate(self.factors)}
         if len(self.colors) > 1:
             computed = ((n, origin) for n, origin in enumerate(self.colors) if origin.source)
-            wanted |= {f"color{number}": origin for number, origin in computed}
-        return wanted
+            channels |= {f"color{number}": origin for number, origin in computed}
+        return channels
 
     def share(self, layer: Layer, measured: Mapping[str, MeasuredChannel], coats: bool = False) -> np.ndarray:
         """The part of the surface that a shader makes: (h, w, 1) or (1, 1, 1).

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The preset library: the looks that come with Vibe Render, and the artist's own in a folder of theirs.
 
-A preset is NAME.json with a picture NAME.jpg beside it. Other files in the folders are never touched.
+A preset is NAME.json with a picture NAME.jpg next to it. Other files in the folders are never touched.
 """
 
 from __future__ import annotations
@@ -90,10 +90,10 @@ def find_preset(name: str) -> Look:
     Raises:
         VibeError: There is none, or more than one.
     """
-    library, wanted = all_looks(), name.casefold().strip()
+    library, folded = all_looks(), name.casefold().strip()
     for same in (
-        lambda look: look.name.casefold() == wanted,
-        lambda look: look.name.casefold().startswith(wanted),
+        lambda look: look.name.casefold() == folded,
+        lambda look: look.name.casefold().startswith(folded),
     ):
         chosen = [look for look in library if same(look)]
         if len({look.name for look in chosen}) == 1:
@@ -235,11 +235,11 @@ def _claimed(path: Path) -> bool:
 
 def _put(path: Path, look: preset.Preset, picture: Path | None) -> None:
     """Writes a preset and its picture, whole or not at all: another Blender may use the folder too."""
-    beside = path.with_suffix(PICTURE)
+    picture_path = path.with_suffix(PICTURE)
     with whole(path, "Check the folder.") as part:
         part.write_text(look.dumps() + "\n", encoding="utf-8")
-        if picture and picture != beside and _is_picture(picture):
-            with whole(beside) as copied:
+        if picture and picture != picture_path and _is_picture(picture):
+            with whole(picture_path) as copied:
                 shutil.copyfile(picture, copied)
 
 

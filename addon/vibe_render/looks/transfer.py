@@ -157,9 +157,9 @@ def fit_look(look: preset.Preset, target: SceneParameters) -> Fit:
                 entry = _for_light(entry, kinds[index], type_of(bpy.data.objects[owner]).name)
             for name, value in entry.items():
                 _put(result, target, group, owner, name, value)
-        spare = sum(map(bool, entries[len(theirs) :])) if theirs else 0
-        if spare:
-            result.rest.append(f"{_words(role)}: {spare} more than this scene has")
+        left_over = sum(map(bool, entries[len(theirs) :])) if theirs else 0
+        if left_over:
+            result.rest.append(f"{_words(role)}: {left_over} more than this scene has")
     return result
 
 

@@ -63,8 +63,8 @@ def render_anchor(
     Returns:
         Light group to the owner of its light: "light/NAME" or "world". Other light is only in the whole.
     """
-    lit = {key: value for key, value in values.items() if not key.startswith("film/")}
-    with bindings.trial(scene, lit, subject, pivot), copied_scene(scene) as twin:
+    linear_values = {key: value for key, value in values.items() if not key.startswith("film/")}
+    with bindings.trial(scene, linear_values, subject, pivot), copied_scene(scene) as twin:
         layer = scene_context.layer(twin)
         layer.cycles.denoising_store_passes = True
         with _light_groups(scene, layer) as groups:

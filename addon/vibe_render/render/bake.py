@@ -186,15 +186,15 @@ def mean_light_factor(light: Object, pivot: Vector) -> tuple[float, float, float
     toward = -light.matrix_world.col[2].xyz if endless else way
     with _lit_ball(light, 1.0 if endless else max(way.length, 1e-3)) as (scene, data):
         light_nodes.whiten(data)
-        lit = bake_panorama(scene, _FACTOR_SAMPLES)
+        with_nodes = bake_panorama(scene, _FACTOR_SAMPLES)
         light_nodes.flatten(data)
-        plain = bake_panorama(scene, _FACTOR_SAMPLES)
+        without_nodes = bake_panorama(scene, _FACTOR_SAMPLES)
     weight = _weights(toward.normalized())
-    total = (plain * weight).sum((0, 1))
+    total = (without_nodes * weight).sum((0, 1))
     if total.max() <= 0.0:  # it looks away from the subject
         weight = np.ones_like(weight)
-        total = (plain * weight).sum((0, 1))
-    red, green, blue = ((lit * weight).sum((0, 1)) / np.maximum(total, 1e-9)).tolist()
+        total = (without_nodes * weight).sum((0, 1))
+    red, green, blue = ((with_nodes * weight).sum((0, 1)) / np.maximum(total, 1e-9)).tolist()
     return red, green, blue
 
 

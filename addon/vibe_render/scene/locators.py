@@ -61,28 +61,28 @@ def lens(context: SceneContext, obj: Object) -> ValueSlot | None:
     return _LensSlot(obj.data, locks.of_property(obj.data, "lens")) if obj.data.type == "PERSP" else None
 
 
-def lamp(name: str) -> Locator:
+def light_property(name: str) -> Locator:
     """A property of a light's data. Lights that share it have it once, with the first of them."""
 
     def locate(context: SceneContext, obj: Object) -> ValueSlot | None:
         if name not in obj.data.bl_rna.properties:
             return None
-        return PropertySlot(obj.data, name, _lamp_lock(context, obj, name))
+        return PropertySlot(obj.data, name, _light_lock(context, obj, name))
 
     return locate
 
 
-def _lamp_lock(context: SceneContext, obj: Object, name: str) -> str:
-    first = context.first_lamps.get(obj.data, obj)
+def _light_lock(context: SceneContext, obj: Object, name: str) -> str:
+    first = context.first_lights.get(obj.data, obj)
     if first != obj:
         return f'"{obj.name}" shares its light data with "{first.name}"'
     return locks.of_property(obj.data, name)
 
 
-def lamp_extent(context: SceneContext, obj: Object) -> ValueSlot:
+def light_extent(context: SceneContext, obj: Object) -> ValueSlot:
     """The slot of a light's radius, size or angle."""
     light_type = type_of(obj)
-    return light_type.extent_slot(obj.data, _lamp_lock(context, obj, light_type.extent_property))
+    return light_type.extent_slot(obj.data, _light_lock(context, obj, light_type.extent_property))
 
 
 @dataclass
@@ -102,13 +102,13 @@ class _TemperatureSlot:
         PropertySlot(self.light, "temperature").set(journal, raw)
 
 
-def lamp_temperature(context: SceneContext, obj: Object) -> ValueSlot | None:
+def light_temperature(context: SceneContext, obj: Object) -> ValueSlot | None:
     """The temperature of a light, where Blender has it: that of a Blackbody node, if it has its color from one."""
     if light_nodes.kelvin(obj.data) and not getattr(obj.data, "use_temperature", False):
         return inputs.input_slot(lambda: light_nodes.kelvin(obj.data))
     if not compat.HAS_TEMPERATURE:
         return None
-    return _TemperatureSlot(obj.data, _lamp_lock(context, obj, "temperature"))
+    return _TemperatureSlot(obj.data, _light_lock(context, obj, "temperature"))
 
 
 def shader(name: str) -> Locator:

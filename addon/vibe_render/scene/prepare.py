@@ -36,7 +36,7 @@ radiance of a white surface that faces it."""
 OURS = {"key": "Vibe Key", "fill": "Vibe Fill", "rim": "Vibe Rim"}
 """By the role that a scene lacks, the light that it gets."""
 _SUN = 0.526  # degrees
-_LIT = 0.1  # radiance of white at the subject from which a scene is lit
+_LEAST_LIGHT = 0.1  # radiance of white at the subject from which a scene is lit
 _CLEAR = 0.2  # of the way from the subject to a wall: how far from the wall a light stands
 LIGHT_TYPE = AreaLightType.name
 """The type of a light that is added for a role."""
@@ -100,7 +100,7 @@ def _add_key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
     if (
         scene_context.lights(scene)
         or scene_context.instanced_lights(scene)
-        or _light_of_surfaces(graph, scene_context.meshes(scene), (low + high) / 2.0) > _LIT
+        or _light_of_surfaces(graph, scene_context.meshes(scene), (low + high) / 2.0) > _LEAST_LIGHT
     ):
         return ""
     light = add_light(journal, scene, "Vibe Key", low, high)
@@ -192,7 +192,7 @@ def _is_lit(scene: Scene) -> bool:
         color, strength = background.node.inputs["Color"], background.node.inputs["Strength"]
         if active_links(color) or active_links(strength):
             return True
-        if max(color.default_value[:3]) * strength.default_value > _LIT:
+        if max(color.default_value[:3]) * strength.default_value > _LEAST_LIGHT:
             return True
     return False
 

@@ -63,7 +63,7 @@ class SceneContext:
         return instanced_lights(self.scene)
 
     @functools.cached_property
-    def first_lamps(self) -> dict[Light, Object]:
+    def first_lights(self) -> dict[Light, Object]:
         """By light data, the first of the lights that share it."""
         return {light.data: light for light in reversed(lights(self.scene))}
 

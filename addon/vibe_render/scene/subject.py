@@ -161,8 +161,8 @@ def recall_subject(scene: Scene) -> list[Object]:
         names = json.loads(scene.get(SUBJECT_KEY, "[]"))
     except (TypeError, ValueError):  # somebody else's file
         return []
-    wanted = {name for name in names if isinstance(name, str)} if isinstance(names, list) else set()
-    return [thing for thing in scene.objects if thing.name_full in wanted]
+    stored = {name for name in names if isinstance(name, str)} if isinstance(names, list) else set()
+    return [thing for thing in scene.objects if thing.name_full in stored]
 
 
 def forget_subject(scene: Scene) -> None:

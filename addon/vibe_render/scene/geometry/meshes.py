@@ -110,10 +110,10 @@ def _uvs(
     if not mesh.uv_layers:
         return []
     active = next((layer for layer in mesh.uv_layers if layer.active_render), mesh.uv_layers[0])
-    wanted = [uv_of(material) if material else ("", np.eye(3)) for material in slots]
-    layers = [mesh.uv_layers.get(name) or active for name, _ in wanted]
+    maps = [uv_of(material) if material else ("", np.eye(3)) for material in slots]
+    layers = [mesh.uv_layers.get(name) or active for name, _ in maps]
     read = {each.name: array(each.uv, "vector", (len(mesh.loops), 2), np.float32) for each in layers}
-    return [(read[each.name], matrix) for each, (_, matrix) in zip(layers, wanted, strict=True)]
+    return [(read[each.name], matrix) for each, (_, matrix) in zip(layers, maps, strict=True)]
 
 
 def attribute(mesh: bpy.types.Mesh, name: str, items: Any, same: str) -> np.ndarray:

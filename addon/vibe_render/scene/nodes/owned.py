@@ -53,22 +53,22 @@ def group_input(
         item.min_value, item.max_value = low, high
 
 
-def group_node(journal: Journal, tree: NodeTree, inner: NodeTree, beside: Node) -> Node:
+def group_node(journal: Journal, tree: NodeTree, inner: NodeTree, neighbor: Node) -> Node:
     """Adds a node for one of our groups to the left of another node, in a frame."""
     kind = {"ShaderNodeTree": "ShaderNodeGroup", "CompositorNodeTree": "CompositorNodeGroup"}[tree.bl_idname]
     node = journal.node(tree, kind, inner.name)
     node.node_tree = inner
-    dress(journal, tree, node, beside)
+    dress(journal, tree, node, neighbor)
     return node
 
 
-def dress(journal: Journal, tree: NodeTree, node: Node, beside: Node) -> None:
+def dress(journal: Journal, tree: NodeTree, node: Node, neighbor: Node) -> None:
     """Colors a node of ours and frames it, to the left of another one."""
     node.label, node.use_custom_color, node.color = node.name, True, COLOR
     frame = journal.node(tree, "NodeFrame", "Vibe Render")
     frame.label, frame.use_custom_color, frame.color = "Vibe Render", True, COLOR
     node.parent = frame
-    node.location = (beside.location.x - node.width - 60.0, beside.location.y)
+    node.location = (neighbor.location.x - node.width - 60.0, neighbor.location.y)
 
 
 def group_nodes(tree: NodeTree | None, name: str) -> list[Node]:
