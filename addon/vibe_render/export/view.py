@@ -142,31 +142,31 @@ def ocio_config() -> str:
 
 def ignored_settings(scene: bpy.types.Scene) -> list[str]:
     """Settings of the picture that the prediction leaves out."""
-    notes = []
-    if scene.view_settings.use_curve_mapping:
-        notes.append("The view transform's curves are left out of the prediction.")
-    if getattr(scene.view_settings, "use_white_balance", False):
-        notes.append("The view transform's white balance is left out of the prediction.")
-    if scene.render.use_motion_blur:
-        notes.append("Motion blur is left out of the prediction.")
-    if scene.render.use_freestyle:
-        notes.append("Freestyle lines are in the pictures, not in the prediction.")
-    if scene.render.use_border:
-        notes.append("The render border is left out: the whole picture is predicted and rendered.")
+    view, render = scene.view_settings, scene.render
+    settings = {
+        "The view transform's curves are left out of the prediction.": view.use_curve_mapping,
+        "The view transform's white balance is left out of the prediction.": getattr(
+            view, "use_white_balance", False
+        ),
+        "Motion blur is left out of the prediction.": render.use_motion_blur,
+        "Freestyle lines are in the pictures, not in the prediction.": render.use_freestyle,
+        "The render border is left out: the whole picture is predicted and rendered.": render.use_border,
+    }
+    notes = [note for note, used in settings.items() if used]
     notes += _ignored_links(scene)
-    lamps = [o for o in scene.objects if o.type == "LIGHT" and scene_context.visible(scene, o)]
+    lights = [o for o in scene.objects if o.type == "LIGHT" and scene_context.visible(scene, o)]
     instances = scene_context.instanced_lights(scene)
-    lamps += dict.fromkeys(o for o, _ in instances if o not in lamps)
-    for lamp in lamps:
-        if not scene_context.has_finite_place(lamp):
-            notes.append(f"{lamp.name} has no usable place: it is left out.")
-        elif light_nodes.factor(lamp.data) is None:
-            notes.append(f"The nodes of {lamp.name} are shown as their average: without a pattern.")
-        notes += type_of(lamp).approximations(lamp)
+    lights += dict.fromkeys(o for o, _ in instances if o not in lights)
+    for light in lights:
+        if not scene_context.has_finite_place(light):
+            notes.append(f"{light.name} has no usable place: it is left out.")
+        elif light_nodes.factor(light.data) is None:
+            notes.append(f"The nodes of {light.name} are shown as their average: without a pattern.")
+        notes += type_of(light).approximations(light)
     if len(instances) > MOST_INSTANCES:
         left = len(instances) - MOST_INSTANCES
         notes.append(f"{left} instances of lights, the farthest, are left out of the prediction.")
-    if scene.render.use_multiview:
+    if render.use_multiview:
         notes.append("Stereo is left out: the picture is what the camera itself sees.")
     return notes
 

@@ -117,7 +117,8 @@ def _pin(tree: bpy.types.NodeTree, path: bpy.types.Node) -> None:
 @contextmanager
 def _untinted(world: bpy.types.World) -> Iterator[tuple[bpy.types.World, list[bpy.types.NodeTree]]]:
     """A copy of a world, its groups included, with neutral insets, and its trees; removed afterwards."""
-    twin = _twin(world)
+    twin = world.copy()
+    twin.cycles.sampling_method = "NONE"  # it lights nothing, and a map of its light can take minutes
     _unlink(twin.node_tree, ("Volume",))
     trees = [twin.node_tree]
     for tree in trees:  # grows by the groups inside
@@ -134,12 +135,6 @@ def _untinted(world: bpy.types.World) -> Iterator[tuple[bpy.types.World, list[bp
             bpy.data.node_groups.remove(tree)
 
 
-def _twin(world: bpy.types.World) -> bpy.types.World:
-    twin = world.copy()
-    twin.cycles.sampling_method = "NONE"  # it lights nothing, and a map of its light can take minutes
-    return twin
-
-
 def _unlink(tree: bpy.types.NodeTree, names: tuple[str, ...]) -> None:
     for node in [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputWorld"]:
         for link in [link for name in names for link in node.inputs[name].links]:
@@ -149,7 +144,8 @@ def _unlink(tree: bpy.types.NodeTree, names: tuple[str, ...]) -> None:
 @contextmanager
 def _plain(world: bpy.types.World, source: bpy.types.NodeSocket) -> Iterator[bpy.types.World]:
     """A copy of a world that shows the value of an output, not rotated, at strength 1; removed afterwards."""
-    twin = _twin(world)
+    twin = world.copy()
+    twin.cycles.sampling_method = "NONE"
     tree = twin.node_tree
     exit_ = next(s for s in tree.nodes[source.node.name].outputs if s.identifier == source.identifier)
     background = tree.nodes.new("ShaderNodeBackground")

@@ -37,30 +37,28 @@ def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectCho
     try:
         with reading.rollback_on_failure(scene):
             scene_reading = reading.prepare_and_read(scene, choice)
-            rest = _apply(scene, look, scene_reading)
+            subject, pivot = scene_reading.analysis.objects, scene_reading.analysis.pivot
+            fitted = transfer.fit_look(look, scene_reading)
+            if not fitted.values:
+                message = "Nothing in this scene takes what the preset holds."
+                raise schema.VibeError(message, "See what it is for in its description.")
+            # New lights are dark at strength 0.
+            added = {
+                key: [0.0]
+                for key in fitted.values
+                if key.endswith(_POWER) and key not in scene_reading.instances
+            }
+            bindings.write(scene, added, subject, pivot)
+            as_result = messages.Result(
+                fitted.values, {}, ""
+            )  # no reasons: the preset's name is above the list
+            result.apply(scene, look.prompt or look.name, as_result, subject, pivot, fresh_list=True)
     except BaseException:
         settings.show_original = shown
         raise
     settings.vibed_preset = look.name
     if choice.explicit:
-        remember_subject(scene, scene_reading.analysis.objects)
-    return rest
-
-
-def _apply(scene: bpy.types.Scene, look: preset.Preset, scene_reading: reading.SceneReading) -> list[str]:
-    fitted, analysis = transfer.fit_look(look, scene_reading), scene_reading.analysis
-    if not fitted.values:
-        raise schema.VibeError(
-            "Nothing in this scene takes what the preset holds.", "See what it is for in its description."
-        )
-    added = {
-        key: [0.0] for key in fitted.values if key.endswith(_POWER) and key not in scene_reading.instances
-    }
-    bindings.write(scene, added, analysis.objects, analysis.pivot)  # new lights are dark at strength 0
-    as_result = messages.Result(fitted.values, {}, "")  # no reasons: the preset's name is above the list
-    result.apply(
-        scene, look.prompt or look.name, as_result, analysis.objects, analysis.pivot, fresh_list=True
-    )
+        remember_subject(scene, subject)
     return fitted.rest
 
 

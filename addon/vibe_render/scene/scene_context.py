@@ -142,19 +142,16 @@ def materials(scene: Scene, subject: Sequence[Object], everything: bool = False)
             continue
         role = "subject" if original in chosen or parent in chosen else "surroundings"
         key = original.as_pointer(), item.object.data.as_pointer()
-        materials_of = used[key] if key in used else used.setdefault(key, _used(item.object))
+        if key not in used:
+            slots = [slot.material for slot in item.object.material_slots]
+            slots += getattr(item.object.data, "materials", None) or []
+            used[key] = [m.original for m in slots if m]
         # Of thousands of instances that have the same materials, one in the frame is enough.
-        new = [m for m in materials_of if roles.get(m) not in ("subject", role)]
+        new = [m for m in used[key] if roles.get(m) not in ("subject", role)]
         if new and not (to_clip is None or in_frame(to_clip, item)):
             new = [m for m in new if glow(m) > 0.0]
         roles.update(dict.fromkeys(new, role))
     return dict(sorted(roles.items(), key=lambda pair: pair[0].name_full))
-
-
-def _used(evaluated: Object) -> list[Material]:
-    slots = [slot.material for slot in evaluated.material_slots]
-    slots += getattr(evaluated.data, "materials", None) or []
-    return [m.original for m in slots if m]
 
 
 def frustum(scene: Scene) -> Matrix | None:

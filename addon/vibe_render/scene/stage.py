@@ -265,8 +265,18 @@ def build_stage(path: str | Path, kind: str = "cyclorama", subject_name: str = "
     _dress(meshes, subject_name)
     pivot = (points.min(0) + points.max(0)) / 2
     framing_camera(scene, points, _CAMERA, fov=30.0, fill=0.78)
-    _light(scene, pivot)
-    _backdrop(scene, kind)
+    # key from the left, softer fill from the right, rim from behind, a dim neutral world
+    around = _CAMERA[0]
+    area_light(scene, "Key", (around - 52, 40), 5.0, 1.5, 1.1, pivot)
+    area_light(scene, "Fill", (around + 60, 18), 5.0, 3.5, 0.13, pivot)
+    area_light(scene, "Rim", (around + 150, 45), 5.0, 1.5, 0.9, pivot)
+    plain_world(scene, (0.5, 0.5, 0.5), strength=0.2)
+    if kind != "none":
+        gray = plain_material("Stage", (0.4, 0.4, 0.4), roughness=0.7)
+        if kind == "floor":
+            floor(scene, 40.0, gray)
+        else:
+            cyclorama(scene, _WALL, 0.9 * _WALL, around, gray)
     bpy.ops.object.select_all(action="DESELECT")
     for mesh in meshes:
         mesh.select_set(True)
@@ -342,22 +352,3 @@ def _dress(meshes: list[bpy.types.Object], name: str) -> None:
         if not thing.data.has_custom_normals:
             thing.data.shade_smooth()
             thing.data.set_sharp_from_angle(angle=math.radians(40))
-
-
-def _light(scene: bpy.types.Scene, pivot: np.ndarray) -> None:
-    """Key from the left, softer fill from the right, rim from behind, a dim neutral world."""
-    around = _CAMERA[0]
-    area_light(scene, "Key", (around - 52, 40), 5.0, 1.5, 1.1, pivot)
-    area_light(scene, "Fill", (around + 60, 18), 5.0, 3.5, 0.13, pivot)
-    area_light(scene, "Rim", (around + 150, 45), 5.0, 1.5, 0.9, pivot)
-    plain_world(scene, (0.5, 0.5, 0.5), strength=0.2)
-
-
-def _backdrop(scene: bpy.types.Scene, kind: str) -> None:
-    if kind == "none":
-        return
-    stuff = plain_material("Stage", (0.4, 0.4, 0.4), roughness=0.7)
-    if kind == "floor":
-        floor(scene, 40.0, stuff)
-    else:
-        cyclorama(scene, _WALL, 0.9 * _WALL, _CAMERA[0], stuff)

@@ -91,29 +91,23 @@ def automatic_subject(
     """
     count = len(geometry.objects)
     seen = surfaces.object >= 0
-    weight = np.bincount(surfaces.object[seen], _centrality()[seen], minlength=count)
+    # What is in the middle of the picture counts most: weights of the rays are (R, R).
+    u = (np.arange(RAYS) + 0.5) / RAYS * 2 - 1
+    centrality = np.exp(-1.5 * (u[:, None] ** 2 + u**2))
+    weight = np.bincount(surfaces.object[seen], centrality[seen], minlength=count)
     if not weight.any():
         raise schema.VibeError("The camera sees no mesh.", "Point the scene's camera at something.")
     visible = weight > 0
     borders = _borders(surfaces.object, count)
-    loose = visible & ~_enclosing(scene, geometry.boxes) & (borders < 3)
+    eye = np.array(scene.camera.matrix_world.translation)
+    enclosing = ((geometry.boxes[:, 0] < eye) & (eye < geometry.boxes[:, 1])).all(1)
+    loose = visible & ~enclosing & (borders < 3)
     apart = loose.copy()  # of thousands of objects, few are visible
     apart[visible] &= ~_grounds(geometry.boxes[visible], borders[visible])
     if not apart.any():  # a close-up fills the picture, and is what it is about
         apart = weight == weight.max()
     subject = apart & (weight >= _PROMINENT * weight[apart].max())
     return subject | (loose & ~_thin(geometry.boxes) & _within(geometry.boxes, subject))
-
-
-def _centrality() -> np.ndarray:
-    """(R, R): weight of each ray for prominence, 1 in the middle of the picture."""
-    u = (np.arange(RAYS) + 0.5) / RAYS * 2 - 1
-    return np.exp(-1.5 * (u[:, None] ** 2 + u**2))
-
-
-def _enclosing(scene: bpy.types.Scene, boxes: np.ndarray) -> np.ndarray:
-    eye = np.array(scene.camera.matrix_world.translation)
-    return ((boxes[:, 0] < eye) & (eye < boxes[:, 1])).all(1)
 
 
 def _borders(owner: np.ndarray, count: int) -> np.ndarray:
