@@ -115,7 +115,7 @@ def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
             notes[f"{thing.owner[0]} has corners without a usable place: their faces are left out."] = None
         if not len(piece.faces):
             continue
-        numbers = np.array([materials.setdefault(n, len(materials)) for n in thing.materials], np.int32)
+        by_slot = np.array([materials.setdefault(n, len(materials)) for n in thing.materials], np.int32)
         owner = objects.setdefault(thing.owner, len(objects))
         if owner == len(boxes):
             boxes.append(piece.box)
@@ -124,7 +124,7 @@ def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
             low, high = boxes[owner]
             boxes[owner] = np.stack([np.minimum(low, piece.box[0]), np.maximum(high, piece.box[1])])
         owners = np.full(len(piece.faces), owner, np.int32)
-        rest = piece.normals, piece.uvs, numbers[piece.slot], owners
+        rest = piece.normals, piece.uvs, by_slot[piece.slot], owners
         parts.append((piece.vertices, piece.faces + count, *rest))
         count += len(piece.vertices)
     if parts:
@@ -133,7 +133,9 @@ def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
         shapes = ((0, 3), (0, 3), (0, 3, 3), (0, 3, 2), (0,), (0,))
         arrays = [np.zeros(shape, np.float32) for shape in shapes]
     extents = np.array(boxes).reshape(-1, 2, 3)
-    return SceneGeometry(*arrays, [*materials], [*objects], extents, hidden, [*notes])
+    vertices, faces, normals, uvs, material, object_numbers = arrays
+    names = [*materials], [*objects], extents, hidden, [*notes]
+    return SceneGeometry(vertices, faces, normals, uvs, material, object_numbers, *names)
 
 
 @dataclass
