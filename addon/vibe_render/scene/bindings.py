@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from bpy.types import Object, Scene
@@ -19,7 +20,7 @@ from . import locators as at
 from . import prepare, scene_context, snapshot
 from .light_types import type_of
 from .nodes import backgrounds
-from .nodes.backgrounds import BACKDROP
+from .nodes.backgrounds import BACKDROP, LIGHT
 
 
 @dataclass(frozen=True)
@@ -59,63 +60,63 @@ def _row(family: str, locator: at.Locator, codec: Codec = NUMBER) -> ParameterBi
 
 # fmt: off
 BINDINGS: tuple[ParameterBinding, ...] = (
-    _row("camera/azimuth",          at.orbit("azimuth")),
-    _row("camera/elevation",        at.orbit("elevation")),
-    _row("camera/distance",         at.orbit("distance")),
-    _row("camera/fov",              at.lens,                            LENS),
+    _row("camera/azimuth",          partial(at.orbit, "azimuth")),
+    _row("camera/elevation",        partial(at.orbit, "elevation")),
+    _row("camera/distance",         partial(at.orbit, "distance")),
+    _row("camera/fov",              at.lens,                                      LENS),
 
-    _row("light/power",             at.light_property("energy")),
-    _row("light/strength",          at.light_property("energy")),
-    _row("light/color",             at.light_property("color"),                   COLOR),
+    _row("light/power",             partial(at.light_property, "energy")),
+    _row("light/strength",          partial(at.light_property, "energy")),
+    _row("light/color",             partial(at.light_property, "color"),          COLOR),
     _row("light/temperature",       at.light_temperature),
     _row("light/size",              at.light_extent),
-    _row("light/angle",             at.light_extent,                     DEGREES),
-    _row("light/cone",              at.light_property("spot_size"),               DEGREES),
-    _row("light/azimuth",           at.orbit("azimuth")),
-    _row("light/elevation",         at.orbit("elevation")),
-    _row("light/distance",          at.orbit("distance")),
+    _row("light/angle",             at.light_extent,                              DEGREES),
+    _row("light/cone",              partial(at.light_property, "spot_size"),      DEGREES),
+    _row("light/azimuth",           partial(at.orbit, "azimuth")),
+    _row("light/elevation",         partial(at.orbit, "elevation")),
+    _row("light/distance",          partial(at.orbit, "distance")),
 
-    _row("world/color",             at.background("Color"),             COLOR),
-    _row("world/tint",              at.world_tint(),                    COLOR),
-    _row("world/strength",          at.background("Strength")),
-    _row("world/rotation",          at.world_rotation,                  DEGREES),
-    _row("world/backdrop_color",    at.background("Color", BACKDROP), COLOR),
-    _row("world/backdrop_tint",     at.world_tint(BACKDROP),         COLOR),
-    _row("world/backdrop_strength", at.background("Strength", BACKDROP)),
+    _row("world/color",             partial(at.background, "Color", LIGHT),       COLOR),
+    _row("world/tint",              partial(at.world_tint, LIGHT),                COLOR),
+    _row("world/strength",          partial(at.background, "Strength", LIGHT)),
+    _row("world/rotation",          at.world_rotation,                            DEGREES),
+    _row("world/backdrop_color",    partial(at.background, "Color", BACKDROP),    COLOR),
+    _row("world/backdrop_tint",     partial(at.world_tint, BACKDROP),             COLOR),
+    _row("world/backdrop_strength", partial(at.background, "Strength", BACKDROP)),
 
-    _row("material/base_color",     at.surface_color,                   COLOR),
-    _row("material/tint",           at.material_tint("Tint"),           COLOR),
+    _row("material/base_color",     at.surface_color,                             COLOR),
+    _row("material/tint",           partial(at.material_tint, "Tint"),            COLOR),
     _row("material/recolor",        at.recolor),
-    _row("material/metallic",       at.shader("Metallic")),
-    _row("material/roughness",      at.shader("Roughness")),
-    _row("material/ior",            at.shader("IOR")),
-    _row("material/specular",       at.shader("Specular IOR Level")),
-    _row("material/specular_tint",  at.shader("Specular Tint"),         COLOR),
+    _row("material/metallic",       partial(at.shader, "Metallic")),
+    _row("material/roughness",      partial(at.shader, "Roughness")),
+    _row("material/ior",            partial(at.shader, "IOR")),
+    _row("material/specular",       partial(at.shader, "Specular IOR Level")),
+    _row("material/specular_tint",  partial(at.shader, "Specular Tint"),          COLOR),
     _row("material/coat",           at.coat_weight),
     _row("material/coat_roughness", at.coat_roughness),
-    _row("material/sheen",          at.shader("Sheen Weight")),
-    _row("material/transmission",   at.shader("Transmission Weight")),
-    _row("material/emission_color", at.glow_color,                      COLOR),
+    _row("material/sheen",          partial(at.shader, "Sheen Weight")),
+    _row("material/transmission",   partial(at.shader, "Transmission Weight")),
+    _row("material/emission_color", at.glow_color,                                COLOR),
     _row("material/emission",       at.glow_strength),
 
-    _row("volume/density",          at.volume("Density")),
-    _row("volume/color",            at.volume("Color"),                 COLOR),
-    _row("volume/anisotropy",       at.volume("Anisotropy")),
-    _row("volume/falloff",          at.volume("Height Falloff")),
-    _row("volume/offset",           at.volume("Height Offset")),
+    _row("volume/density",          partial(at.volume, "Density")),
+    _row("volume/color",            partial(at.volume, "Color"),                  COLOR),
+    _row("volume/anisotropy",       partial(at.volume, "Anisotropy")),
+    _row("volume/falloff",          partial(at.volume, "Height Falloff")),
+    _row("volume/offset",           partial(at.volume, "Height Offset")),
 
-    _row("film/exposure",           at.view("exposure")),
-    _row("film/gamma",              at.view("gamma")),
-    _row("film/grade_exposure",     at.graded("Exposure")),
-    _row("film/lift",               at.graded("Lift"),                  COLOR),
-    _row("film/midtone",            at.graded("Midtone"),               COLOR),
-    _row("film/gain",               at.graded("Gain"),                  COLOR),
-    _row("film/contrast",           at.graded("Contrast")),
-    _row("film/saturation",         at.graded("Saturation")),
-    _row("film/hue",                at.graded("Hue"),                   DEGREES),
-    _row("film/grade_gamma",        at.graded("Gamma")),
-    _row("film/vignette",           at.graded("Vignette")),
-    _row("film/glare",              at.graded("Glare")),
+    _row("film/exposure",           partial(at.view, "exposure")),
+    _row("film/gamma",              partial(at.view, "gamma")),
+    _row("film/grade_exposure",     partial(at.graded, "Exposure")),
+    _row("film/lift",               partial(at.graded, "Lift"),                   COLOR),
+    _row("film/midtone",            partial(at.graded, "Midtone"),                COLOR),
+    _row("film/gain",               partial(at.graded, "Gain"),                   COLOR),
+    _row("film/contrast",           partial(at.graded, "Contrast")),
+    _row("film/saturation",         partial(at.graded, "Saturation")),
+    _row("film/hue",                partial(at.graded, "Hue"),                    DEGREES),
+    _row("film/grade_gamma",        partial(at.graded, "Gamma")),
+    _row("film/vignette",           partial(at.graded, "Vignette")),
+    _row("film/glare",              partial(at.graded, "Glare")),
 )
 # fmt: on
 

@@ -39,10 +39,8 @@ def copied_scene(scene: bpy.types.Scene, graded: bool = False, **render: Any) ->
                 stack.callback(bpy.data.node_groups.remove, tree)
         else:
             compat.drop_compositor(twin)
-            render = {
-                "use_freestyle": False,
-                **render,
-            }  # lines cost time, and crash an engine that draws nothing
+            # Lines cost time, and crash an engine that draws nothing.
+            render = {"use_freestyle": False, **render}
         settings = {"use_sequencer": False, "use_border": False, "use_multiview": False, **render}
         for name, value in settings.items():
             setattr(twin.render, name, value)

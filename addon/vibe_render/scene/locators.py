@@ -12,7 +12,7 @@ from bpy.types import Camera, Light, Material, Object, Scene, World
 
 from ..core import compat, locks
 from ..core.journal import Journal
-from ..core.value_slots import LazySlot, PropertySlot, ValueSlot, together
+from ..core.value_slots import PropertySlot, ValueSlot, together
 from . import fog
 from .light_types import type_of
 from .nodes import backgrounds, grade, inputs, layers, light_nodes, trails
@@ -25,17 +25,13 @@ from .scene_context import SceneContext
 Locator = Callable[[SceneContext, Any], ValueSlot | None]
 
 
-def orbit(name: str) -> Locator:
+def orbit(name: str, context: SceneContext, obj: Object) -> ValueSlot | None:
     """A coordinate of a camera or light on its orbit; lights that instances show stand where those are."""
-
-    def locate(context: SceneContext, obj: Object) -> ValueSlot | None:
-        if obj.type == "LIGHT" and context.scene not in obj.users_scene:
-            return None
-        if obj not in context.poses:
-            context.poses[obj] = Pose.of(obj, context.pivot)
-        return OrbitSlot(context.poses[obj], name)
-
-    return locate
+    if obj.type == "LIGHT" and context.scene not in obj.users_scene:
+        return None
+    if obj not in context.poses:
+        context.poses[obj] = Pose.of(obj, context.pivot)
+    return OrbitSlot(context.poses[obj], name)
 
 
 @dataclass
@@ -61,15 +57,11 @@ def lens(context: SceneContext, obj: Object) -> ValueSlot | None:
     return _LensSlot(obj.data, locks.of_property(obj.data, "lens")) if obj.data.type == "PERSP" else None
 
 
-def light_property(name: str) -> Locator:
+def light_property(name: str, context: SceneContext, obj: Object) -> ValueSlot | None:
     """A property of a light's data. Lights that share it have it once, with the first of them."""
-
-    def locate(context: SceneContext, obj: Object) -> ValueSlot | None:
-        if name not in obj.data.bl_rna.properties:
-            return None
-        return PropertySlot(obj.data, name, _light_lock(context, obj, name))
-
-    return locate
+    if name not in obj.data.bl_rna.properties:
+        return None
+    return PropertySlot(obj.data, name, _light_lock(context, obj, name))
 
 
 def _light_lock(context: SceneContext, obj: Object, name: str) -> str:
@@ -111,26 +103,19 @@ def light_temperature(context: SceneContext, obj: Object) -> ValueSlot | None:
     return _TemperatureSlot(obj.data, _light_lock(context, obj, "temperature"))
 
 
-def shader(name: str) -> Locator:
-    """An input of the shader of a material's surface, in the words of the Principled BSDF.
-
-    Anything that is computed is locked.
-    """
-
-    def locate(context: SceneContext, material: Material) -> ValueSlot | None:
-        return inputs.input_slot(lambda: layers.entry(material, name))
-
-    return locate
+def shader(name: str, context: SceneContext, material: Material) -> ValueSlot | None:
+    """An input of a surface's shader, named as by the Principled BSDF. Anything that is computed is locked."""
+    return inputs.input_slot(lambda: layers.entry(material, name))
 
 
 def coat_weight(context: SceneContext, material: Material) -> ValueSlot | None:
     """The weight of a coat: the input of the shader, or the color of a glossy one that lies over a metal."""
-    return shader("Coat Weight")(context, material) or layers.lacquer_weight(material)
+    return shader("Coat Weight", context, material) or layers.lacquer_weight(material)
 
 
 def coat_roughness(context: SceneContext, material: Material) -> ValueSlot | None:
     """The roughness of a coat: likewise."""
-    return shader("Coat Roughness")(context, material) or layers.lacquer_roughness(material)
+    return shader("Coat Roughness", context, material) or layers.lacquer_roughness(material)
 
 
 def surface_color(context: SceneContext, material: Material) -> ValueSlot | None:
@@ -153,50 +138,38 @@ def glow_strength(context: SceneContext, material: Material) -> ValueSlot | None
     return inputs.input_slot(find, tinted=True) or FACTOR.slot(find, "Factor")
 
 
-def material_tint(name: str) -> Locator:
+def material_tint(name: str, context: SceneContext, material: Material) -> ValueSlot | None:
     """An input of the owned tint on a base color that is computed, or on each of several that are mixed."""
-
-    def locate(context: SceneContext, material: Material) -> ValueSlot | None:
-        count = len(layers.colors(material))
-        slots = [TINT.slot(partial(_color, material, n), name, plain=count > 1) for n in range(count)]
-        return together([slot for slot in slots if slot])
-
-    return locate
+    count = len(layers.colors(material))
+    slots = [TINT.slot(partial(_color, material, n), name, plain=count > 1) for n in range(count)]
+    return together([slot for slot in slots if slot])
 
 
 def recolor(context: SceneContext, material: Material) -> ValueSlot | None:
     """The part of a computed base color, or else of a computed glow, that the owned tint makes gray."""
     glow = partial(layers.entry, material, "Emission Color")
-    return material_tint("Recolor")(context, material) or TINT.slot(glow, "Recolor")
+    return material_tint("Recolor", context, material) or TINT.slot(glow, "Recolor")
 
 
 def _color(material: Material, number: int) -> NodeEntry | None:
     return layers.colors(material)[number]
 
 
-def background(name: str, part: str = LIGHT) -> Locator:
+def background(name: str, part: str, context: SceneContext, world: World) -> ValueSlot | None:
     """An input of a world's background; a computed color has a tint instead, of a mix each strength a factor."""
-
-    def locate(context: SceneContext, world: World) -> ValueSlot | None:
-        if backgrounds.mixed_backgrounds(world, part):
-            return _of_all(world, part, "Strength", FACTOR, "Factor") if name == "Strength" else None
-        if backgrounds.single_background(world, part) is None:
-            plain = part == LIGHT and name == "Color" and compat.node_tree(world) is None
-            return PropertySlot(world, "color", locks.of_property(world, "color")) if plain else None
-        return inputs.input_slot(partial(_single, world, part, name), tinted=name == "Color")
-
-    return locate
+    if backgrounds.mixed_backgrounds(world, part):
+        return _of_all(world, part, "Strength", FACTOR, "Factor") if name == "Strength" else None
+    if backgrounds.single_background(world, part) is None:
+        plain = part == LIGHT and name == "Color" and compat.node_tree(world) is None
+        return PropertySlot(world, "color", locks.of_property(world, "color")) if plain else None
+    return inputs.input_slot(partial(_single, world, part, name), tinted=name == "Color")
 
 
-def world_tint(part: str = LIGHT) -> Locator:
+def world_tint(part: str, context: SceneContext, world: World) -> ValueSlot | None:
     """The owned tint on a computed background, or on each of several that are mixed."""
-
-    def locate(context: SceneContext, world: World) -> ValueSlot | None:
-        if backgrounds.mixed_backgrounds(world, part):
-            return _of_all(world, part, "Color", TINT, "Tint")
-        return TINT.slot(partial(_single, world, part, "Color"), "Tint")
-
-    return locate
+    if backgrounds.mixed_backgrounds(world, part):
+        return _of_all(world, part, "Color", TINT, "Tint")
+    return TINT.slot(partial(_single, world, part, "Color"), "Tint")
 
 
 def _single(world: World, part: str, name: str) -> NodeEntry | None:
@@ -221,35 +194,23 @@ def world_rotation(context: SceneContext, world: World) -> ValueSlot | None:
     return backgrounds.rotation_slot(background) if background else None
 
 
-def volume(name: str) -> Locator:
+def volume(name: str, context: SceneContext, scene: Scene) -> ValueSlot | None:
     """A value of the fog: of the artist's world volume if there is one, else of the owned box."""
 
-    def locate(context: SceneContext, scene: Scene) -> ValueSlot | None:
-        def find() -> NodeEntry | None:
-            node = trails.world_volume(scene.world) if scene.world else None
-            return node.entry(name) if node else None
+    def find() -> NodeEntry | None:
+        node = trails.world_volume(scene.world) if scene.world else None
+        return node.entry(name) if node else None
 
-        if scene.world and trails.world_volume(scene.world):
-            return inputs.input_slot(find)
-        return fog.fog_slot(context, name)
-
-    return locate
+    if scene.world and trails.world_volume(scene.world):
+        return inputs.input_slot(find)
+    return fog.fog_slot(context, name)
 
 
-def view(name: str) -> Locator:
+def view(name: str, context: SceneContext, scene: Scene) -> ValueSlot:
     """A property of the scene's view transform."""
-
-    def locate(context: SceneContext, scene: Scene) -> ValueSlot:
-        settings = scene.view_settings
-        return PropertySlot(settings, name, locks.of_property(settings, name))
-
-    return locate
+    return PropertySlot(scene.view_settings, name, locks.of_property(scene.view_settings, name))
 
 
-def graded(name: str) -> Locator:
+def graded(name: str, context: SceneContext, scene: Scene) -> ValueSlot | None:
     """An input of the owned compositor group."""
-
-    def locate(context: SceneContext, scene: Scene) -> LazySlot | None:
-        return grade.grade_slot(scene, name)
-
-    return locate
+    return grade.grade_slot(scene, name)
