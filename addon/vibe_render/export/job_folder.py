@@ -168,16 +168,8 @@ def _content(
 
 
 def _write(content: dict[str, Any], analysis: SceneAnalysis, folder: Path, warnings: list[str]) -> None:
-    g = analysis.geometry
-    np.savez(
-        folder / "meshes.npz",
-        vertices=g.vertices,
-        faces=g.faces,
-        normals=g.normals,
-        uvs=g.uvs,
-        material=g.material,
-        object=g.object,
-    )
+    names = ("vertices", "faces", "normals", "uvs", "material", "object")
+    np.savez(folder / "meshes.npz", **{name: getattr(analysis.geometry, name) for name in names})
     sound = _finite_content(content, "", warnings)
     atomic.write_text(folder / "scene.json", json.dumps(sound, indent=1, allow_nan=False))
 

@@ -44,7 +44,11 @@ def measured_materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
             if far:
                 channels[name]["far"] = MeasuredChannel(view.mean, far)
         elif request.origin is not None and request.channel != "normal":
-            channels[name][request.channel] = MeasuredChannel(_mean(analysis, request, request.origin))
+            mask = analysis.visible.material == geometry.materials.index(name)
+            mean = np.full(3, 0.5, np.float32)
+            if mask.any() or request.channel in _SEEN_ELSEWHERE:
+                mean = textures.mean_color(analysis.scene, request.material, request.origin, mask)
+            channels[name][request.channel] = MeasuredChannel(mean)
     return {name: export_material(material, channels[name]) for name, material in chosen.items()}
 
 
@@ -85,11 +89,3 @@ def _straight_on(
     mapping = np.array(plane.mapping)
     mapping[:, 3] -= shift
     return textures.ExportedTexture(view.image, "CLIP", "", None, (mapping * scale[:, None]).tolist())
-
-
-def _mean(analysis: SceneAnalysis, request: baked_passes.PassRequest, origin: ValueOrigin) -> np.ndarray:
-    number = analysis.geometry.materials.index(request.material.name_full)
-    mask = analysis.visible.material == number
-    if not mask.any() and request.channel not in _SEEN_ELSEWHERE:
-        return np.full(3, 0.5, np.float32)
-    return textures.mean_color(analysis.scene, request.material, origin, mask)

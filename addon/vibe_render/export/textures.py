@@ -29,9 +29,6 @@ _TEXTURES = {
     "ShaderNodeTexWave", "ShaderNodeTexMagic", "ShaderNodeTexGradient", "ShaderNodeTexWhiteNoise",
 }  # fmt: skip
 
-Mask = np.ndarray
-"""(R, R) bool, row 0 at the bottom: where the camera sees something, on a coarse grid over the picture."""
-
 
 @dataclass(frozen=True)
 class ExportedTexture:
@@ -82,7 +79,7 @@ def uv_texture(material: bpy.types.Material, channel: str, origin: ValueOrigin) 
 
 
 def mean_color(
-    scene: bpy.types.Scene, material: bpy.types.Material, origin: ValueOrigin, mask: Mask
+    scene: bpy.types.Scene, material: bpy.types.Material, origin: ValueOrigin, mask: np.ndarray
 ) -> np.ndarray:
     """The mean color (3,) that an output gives over the part of a material where a camera mask (R, R) is true, linear.
 

@@ -34,7 +34,7 @@ def camera_row(analysis: SceneAnalysis) -> dict[str, Any]:
     return {
         "name": thing.name_full,
         "type": data.type,
-        "residual": _matrix_rows(orbits.Pose.of(thing, Vector(analysis.pivot)).residual),
+        "residual": [*map(list, orbits.Pose.of(thing, Vector(analysis.pivot)).residual)],
         "ortho_scale": data.ortho_scale,
         "shift": [data.shift_x, data.shift_y],
         "sensor_fit": data.sensor_fit,
@@ -83,7 +83,7 @@ def _instanced_light_rows(
         place = {
             "name": owner.name_full,
             "fixed": True,
-            "residual": _matrix_rows(matrix.to_3x3().normalized()),
+            "residual": [*map(list, matrix.to_3x3().normalized())],
             "position": list(matrix.translation),
         }
         rows.append(_light_row(obj, roles[owner], context.pivot) | place)
@@ -97,7 +97,7 @@ def _light_row(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, A
     row: dict[str, Any] = {
         "name": thing.name_full,
         "type": type_of(thing).name,
-        "residual": _matrix_rows(orbits.Pose.of(thing, pivot).residual),
+        "residual": [*map(list, orbits.Pose.of(thing, pivot).residual)],
         "position": list(thing.matrix_world.translation),
         "shadow": data.use_shadow,
         "normalize": getattr(data, "normalize", True),
@@ -108,10 +108,6 @@ def _light_row(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, A
         "tint": light_nodes.factor(data) or bake.mean_light_factor(thing, pivot),
     }
     return row | type_of(thing).exported(thing)
-
-
-def _matrix_rows(matrix: Any) -> list[list[float]]:
-    return [list(row) for row in matrix]
 
 
 def film_row(scene: bpy.types.Scene) -> dict[str, Any]:

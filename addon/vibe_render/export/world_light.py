@@ -91,8 +91,15 @@ def _mix(world: bpy.types.World) -> tuple[np.ndarray, np.ndarray | None]:
         paths = [(tree, node) for tree in trees for node in tree.nodes if node.type == "LIGHT_PATH"]
         if not paths:
             return seen, None
+        # Replace them by their values for rays from matte surfaces.
         for tree, node in paths:
-            _pin(tree, node)
+            for output in node.outputs:
+                targets = [link.to_socket for link in output.links]
+                if targets:
+                    constant = tree.nodes.new("ShaderNodeValue").outputs[0]
+                    constant.default_value = _LIGHT.get(output.name, 0.0)
+                    for target in targets:
+                        tree.links.new(constant, target)
         return _panorama(twin), seen
 
 
@@ -101,17 +108,6 @@ def _panorama(world: bpy.types.World) -> np.ndarray:
     picture = bake.bake_world(world, _MIX_HEIGHT, _MIX_SAMPLES)
     even = float(np.ptp(picture, axis=(0, 1)).max()) < 1e-5 * float(picture.max())
     return picture[:1, :1] if even else picture
-
-
-def _pin(tree: bpy.types.NodeTree, path: bpy.types.Node) -> None:
-    """Replaces a Light Path node by its values for rays from matte surfaces."""
-    for output in path.outputs:
-        targets = [link.to_socket for link in output.links]
-        if targets:
-            constant = tree.nodes.new("ShaderNodeValue").outputs[0]
-            constant.default_value = _LIGHT.get(output.name, 0.0)
-            for target in targets:
-                tree.links.new(constant, target)
 
 
 @contextmanager

@@ -43,15 +43,8 @@ VERSION 1
 """
 
 _BALL_SAMPLES = 48
-_KINDS = (
-    "scenes",
-    "objects",
-    "meshes",
-    "lights",
-    "cameras",
-    "worlds",
-    "materials",
-)  # in this order of removal
+_KINDS = ("scenes", "objects", "meshes", "lights", "cameras", "worlds", "materials")
+"""Collections of a preview, in the order of their removal."""
 _TOP = "Vibe Render"
 
 

@@ -75,22 +75,21 @@ def render_anchor(
 @contextmanager
 def _light_groups(scene: Scene, layer: bpy.types.ViewLayer) -> Iterator[dict[str, str]]:
     """A light group for every light that can be edited, and for the world; the artist's are put back afterwards."""
+    # Lights that share their data are one group.
+    sharing: dict[bpy.types.ID, list[bpy.types.ID]] = {}
+    instanced = dict.fromkeys(light for light, _ in scene_context.instanced_lights(scene))
+    for light in dict.fromkeys([*scene_context.lights(scene), *instanced]):
+        sharing.setdefault(light.data, []).append(light)
+    emitters = [(f"light/{members[0].name_full}", members) for members in sharing.values()]
+    if scene.world:
+        emitters.append(("world", [scene.world]))
     groups: dict[str, str] = {}
     with ExitStack() as stack:
-        for owner, members in _emitters(scene):
+        for owner, members in emitters:
+            if not all(member.is_editable for member in members):
+                continue
             group = layer.lightgroups.add(name=f"Vibe {len(groups)}").name
             groups[group] = owner
             for member in members:
                 stack.enter_context(changed(member, lightgroup=group))
         yield groups
-
-
-def _emitters(scene: Scene) -> list[tuple[str, list[bpy.types.ID]]]:
-    """The light groups: a key and its lights; lights that share their data are one group."""
-    sharing: dict[bpy.types.ID, list[bpy.types.ID]] = {}
-    instanced = dict.fromkeys(light for light, _ in scene_context.instanced_lights(scene))
-    for light in dict.fromkeys([*scene_context.lights(scene), *instanced]):
-        sharing.setdefault(light.data, []).append(light)
-    lights = [(f"light/{members[0].name_full}", members) for members in sharing.values()]
-    world = [("world", [scene.world])] if scene.world else []
-    return [(owner, members) for owner, members in [*lights, *world] if all(m.is_editable for m in members)]

@@ -36,7 +36,6 @@ _SAMPLES = 4
 _FAR_SIDE, _FAR_SAMPLES = 384, 2  # what only mirrors show need not be as fine
 _GROWN = 4  # pixels by which a map reaches beyond where its material is seen
 _INDEX, _SQUARE = "Vibe Index", "Vibe Square"
-
 _FLAT = 1e-4  # deviation, in parts of the extent, that counts as flat
 _REACH = 3.0  # times the camera's distance from the subject: patterns beyond are too small to be told apart
 

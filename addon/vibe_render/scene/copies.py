@@ -44,16 +44,13 @@ def copied_scene(scene: bpy.types.Scene, graded: bool = False, **render: Any) ->
         settings = {"use_sequencer": False, "use_border": False, "use_multiview": False, **render}
         for name, value in settings.items():
             setattr(twin.render, name, value)
-        if scene.world and _is_computed(scene.world):
-            stack.enter_context(changed(scene.world.cycles, **_COARSE_LIGHT))
+        # Where nodes without a texture give a world's light, Cycles decides how finely it is sampled.
+        world = scene.world
+        tree = compat.node_tree(world) if world else None
+        computed = tree and all(node.bl_idname != "ShaderNodeTexEnvironment" for node in tree.nodes)
+        if computed and world.is_editable and world.cycles.sampling_method == "AUTOMATIC":
+            stack.enter_context(changed(world.cycles, **_COARSE_LIGHT))
         yield twin
-
-
-def _is_computed(world: bpy.types.World) -> bool:
-    """Whether nodes without a texture give a world's light, and Cycles decides how finely it is sampled."""
-    tree = compat.node_tree(world)
-    pictures = any(node.bl_idname == "ShaderNodeTexEnvironment" for node in tree.nodes) if tree else True
-    return world.is_editable and not pictures and world.cycles.sampling_method == "AUTOMATIC"
 
 
 def evaluate_render(scene: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], T]) -> T:

@@ -33,15 +33,11 @@ class LightExtent:
     from_angle: Callable[[float], float]
 
 
-def _angle_of_size(size: float) -> float:
-    return math.degrees(2 * math.atan(size / 2))
-
-
-def _size_of_angle(angle: float) -> float:
-    return 2 * math.tan(math.radians(min(angle, 170.0)) / 2)
-
-
-SIZE = LightExtent("size", _angle_of_size, _size_of_angle)
+SIZE = LightExtent(
+    "size",
+    lambda size: math.degrees(2 * math.atan(size / 2)),
+    lambda angle: 2 * math.tan(math.radians(min(angle, 170.0)) / 2),
+)
 """Of lights at a distance."""
 ANGLE = LightExtent("angle", float, float)
 """Of lights at infinity."""

@@ -124,9 +124,12 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     pivot = (low + high) / 2.0
     front = schema.orbit.angles(scene.camera.matrix_world.translation - pivot)[0] if scene.camera else 0.0
     toward = Vector(schema.orbit.direction(front + azimuth, elevation))
-    distance = _distance_inside(
-        scene, pivot, toward, (high - low).length / 2.0, added_light_distance(low, high)
-    )
+    # No wall around the subject may stand in its way.
+    distance, gap = added_light_distance(low, high), 1.01 * (high - low).length / 2.0
+    start, graph = pivot + gap * toward, scene_context.depsgraph(scene)
+    hit, wall, *_ = scene.ray_cast(graph, start, toward, distance=max(distance - gap, 1e-3))
+    if hit:
+        distance = (wall - pivot).length - _CLEAR * (wall - start).length
     kind = light_type(what.type)
     setattr(data, kind.extent_property, size * distance if kind.has_position else radians(_SUN))
     data.energy = brightness * schema.radiometry.unit_energy(
@@ -167,14 +170,6 @@ def _add_card(journal: Journal, light: Object, pattern: str, size: float) -> Obj
     for ray in ("camera", "diffuse", "glossy", "transmission", "volume_scatter"):
         setattr(card, f"visible_{ray}", False)
     return card
-
-
-def _distance_inside(scene: Scene, pivot: Vector, toward: Vector, radius: float, distance: float) -> float:
-    """The distance from the pivot at which no wall around the subject hides a light, meters."""
-    start = pivot + 1.01 * radius * toward
-    graph = scene_context.depsgraph(scene)
-    hit, place, *_ = scene.ray_cast(graph, start, toward, distance=max(distance - 1.01 * radius, 1e-3))
-    return (place - pivot).length - _CLEAR * (place - start).length if hit else distance
 
 
 def added_light_distance(low: Vector, high: Vector) -> float:

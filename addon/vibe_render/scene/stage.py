@@ -18,7 +18,6 @@ from . import scene_context
 from .orbits import orbit_matrix
 
 Point = Sequence[float] | np.ndarray
-
 DEMO_SUBJECT = "Suzanne"
 """The object that the demo's prompts are about."""
 _DEMO_VIEW = (24.0, 9.0)

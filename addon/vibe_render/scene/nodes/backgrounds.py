@@ -25,7 +25,6 @@ from .trails import (
 )
 
 LIGHT, BACKDROP = "light", "backdrop"
-
 _ROTATION = "Vibe Rotation"
 _LEFT = 200.0  # from a node of ours to the next
 WORLD_OF_BACKDROP = {f"world/backdrop_{name}": f"world/{name}" for name in ("color", "tint", "strength")}
@@ -163,7 +162,8 @@ def rotation_slot(background: trails.NodeInGroups) -> ValueSlot | None:
             direction.parent = mapping.parent
             direction.location = (mapping.location.x - direction.width - 60.0, mapping.location.y)
             source = direction.outputs["Generated"]
-        owned.insert(journal, source, mapping, "Vector", vector, "Vector")
+        journal.link(source, mapping.inputs["Vector"])
+        journal.link(mapping.outputs["Vector"], vector)
         return _EnvironmentTurnSlot(mapping)
 
     existing = find()

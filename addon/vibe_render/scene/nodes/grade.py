@@ -78,7 +78,8 @@ def insert_grade(journal: Journal, scene: Scene) -> Node:
     target = compat.compositor_output(tree)
     assert target
     node = owned.group_node(journal, tree, _group(journal), target.node)
-    owned.insert(journal, active_links(target)[0].from_socket, node, "Image", target, "Image")
+    journal.link(active_links(target)[0].from_socket, node.inputs["Image"])
+    journal.link(node.outputs["Image"], target)
     return node
 
 

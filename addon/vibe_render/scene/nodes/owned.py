@@ -77,15 +77,6 @@ def group_nodes(tree: NodeTree | None, name: str) -> list[Node]:
     return [n for n in nodes if n.type == "GROUP" and n.node_tree and n.node_tree.get(MARK) == name]
 
 
-def insert(
-    journal: Journal, source: NodeSocket | None, node: Node, entry: str, target: NodeSocket, exit_: str
-) -> None:
-    """Puts a node into a link: source → node.inputs[entry], node.outputs[exit_] → target."""
-    if source is not None:
-        journal.link(source, node.inputs[entry])
-    journal.link(node.outputs[exit_], target)
-
-
 class Builder:
     """Fills a node group of ours, from left to right."""
 

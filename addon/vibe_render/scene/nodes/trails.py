@@ -101,17 +101,13 @@ def resolve(entry: NodeEntry) -> ValueOrigin:
         elif node.type == "GROUP_INPUT" and inside and (outer := same_socket(inside[-1].inputs, source)):
             socket, last, inside = outer, outer, inside[:-1]
         else:
-            targets = tuple(link.to_socket for link in source.links if _means(link.to_socket, inside, alike))
-            others = len(targets) < len(source.links)
+            fed = [link.to_socket for link in source.links]
+            targets = tuple(target for target in fed if all(end in alike for end in _ends(target, inside)))
+            others = len(targets) < len(fed)
             if node.type in {"VALUE", "RGB"}:
                 return ValueOrigin(source, None, inside, targets or (socket,), others)
             return ValueOrigin(socket, source, inside, targets or (socket,), others)
     return ValueOrigin(last, None, inside)
-
-
-def _means(socket: NodeSocket, inside: tuple[Node, ...], alike: Sequence[NodeSocket]) -> bool:
-    """Whether all that an input feeds is in `alike`."""
-    return all(end in alike for end in _ends(socket, inside))
 
 
 def _ends(socket: NodeSocket, inside: tuple[Node, ...]) -> Iterator[NodeSocket]:
