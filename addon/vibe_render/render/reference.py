@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The picture that a look is to be like: a file, an image of the .blend, or a slot of the render result; a file for the engine."""
+"""The picture that a look is to be like (a file, an image of the .blend, or a render slot), as a file for the engine."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ _IDENTITY = {
 
 @dataclass(frozen=True)
 class FogDomain:
-    """The fog's box: its center (world space), half its sides in meters, and the height of the subject's base, where z is 0."""
+    """The fog's box: center (world space), half its sides in meters, and the height at which z is 0: the subject's base."""
 
     center: Vector
     half_size: Vector

@@ -79,7 +79,7 @@ class OrbitSlot:
 
     @property
     def locked(self) -> str:
-        """Why the object must stay where it is."""
+        """The reason why the object must stay where it is."""
         return locks.of_pose(self.pose.obj)
 
     def get(self) -> float:

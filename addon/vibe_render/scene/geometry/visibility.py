@@ -18,7 +18,7 @@ _SLACK = 1e-3  # of a step between rays: what rounding may move a corner
 
 @dataclass(frozen=True)
 class RayCamera:
-    """What rays through a camera's picture depend on; holds no reference into Blender's data.
+    """All of a camera that rays through its picture depend on; holds no reference into Blender's data.
 
     Attributes:
         frame: (4, 3), the corners of its picture, camera space.
@@ -74,7 +74,7 @@ def visible_surfaces(camera: RayCamera, geometry: SceneGeometry) -> VisibleSurfa
 
 
 def _may_meet(camera: RayCamera, geometry: SceneGeometry) -> np.ndarray:
-    """(F,) bool: triangles that a ray may meet. Most of a fine mesh lies between the rays: leaving it out makes the tree cheap."""
+    """(F,) bool: triangles that a ray may meet. Most of a fine mesh lies between the rays: without it, the tree is cheap."""
     low, high = camera.frame[:, :2].min(0), camera.frame[:, :2].max(0)
     pose = np.linalg.inv(camera.pose)
     points = geometry.vertices @ pose[:3, :3].T + pose[:3, 3]

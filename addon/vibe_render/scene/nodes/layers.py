@@ -157,7 +157,7 @@ def body(material: Material) -> list[Layer]:
 
 
 def colors(material: Material) -> list[NodeEntry]:
-    """The inputs that hold the color of a material, those with one origin once: several if shaders of the same matter are mixed."""
+    """The inputs that hold the color of a material, those with one origin once; several for mixes of the same matter."""
     first = entry(material, "Base Color")
     if first is None:
         return []

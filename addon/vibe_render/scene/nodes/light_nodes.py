@@ -19,7 +19,7 @@ def kelvin(light: Light) -> NodeEntry | None:
 
 
 def factor(light: Light) -> tuple[float, float, float] | None:
-    """The color that a light's nodes multiply its color by, without a Blackbody's temperature; None if they do anything else."""
+    """The color that a light's nodes multiply its color by, without a Blackbody's temperature; None for other effects."""
     if compat.node_tree(light) is None:
         return 1.0, 1.0, 1.0
     color, strength = _origin(light, "Color"), _origin(light, "Strength")
@@ -64,7 +64,7 @@ def _level(strength: ValueOrigin) -> float | None:
 
 
 def _origin(light: Light, name: str) -> ValueOrigin | None:
-    """Where the Emission node of a light's output has an input's value from."""
+    """The origin of an input of the Emission node behind a light's output."""
     given = _emission(light)
     return resolve(NodeEntry(given[0].node.inputs[name], given[1])) if given else None
 
