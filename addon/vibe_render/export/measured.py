@@ -23,6 +23,7 @@ def measured_materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
     chosen = {name: by_name.get(name) for name in geometry.materials}
     channels: dict[str, dict[str, MeasuredChannel]] = {name: {} for name in chosen}
     requests = []
+    # Textures over UVs are read or baked one by one; the rest is baked in one render.
     for name, material in chosen.items():
         if material is None:
             continue
@@ -43,6 +44,7 @@ def measured_materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
             far = _straight_on(analysis, request) if request.channel == "base_color" else None
             if far:
                 channels[name]["far"] = MeasuredChannel(view.mean, far)
+        # The camera does not see it: measure its mean.
         elif request.origin is not None and request.channel != "normal":
             mask = analysis.visible.material == geometry.materials.index(name)
             mean = np.full(3, 0.5, np.float32)

@@ -190,10 +190,12 @@ def export_assets(
             pack(crate, analysis, words)
         if not crate.assets:
             raise schema.VibeError("There is nothing to export.", "Vibe the scene first, or apply a preset.")
+        # Materials show themselves, other assets the look.
         look = thumbnail.read_picture(picture)
         pictures = dict(zip(surfaces, _material_balls(surfaces), strict=True))
         for block, _ in crate.assets:
             _set_preview(block, pictures.get(block, look))
+        # Write the copies, and their catalogs to the library that the file is in.
         blocks = {block for block, _ in crate.assets}
         with whole(path) as part:
             bpy.data.libraries.write(

@@ -15,7 +15,7 @@ from bpy.types import Light, Object, Scene
 from mathutils import Vector
 
 from ..core.files import whole
-from ..core.overrides import changed
+from ..core.overrides import assign, changed
 from ..scene.copies import copied_scene
 from ..scene.light_types import type_of
 from ..scene.nodes import light_nodes
@@ -25,26 +25,18 @@ _FACTOR_HEIGHT, _FACTOR_SAMPLES = 32, 64
 _WATTS = 1000.0
 
 
-def render_linear(scene: bpy.types.Scene, samples: int, bounces: int = 0) -> np.ndarray:
+def _render_linear(scene: bpy.types.Scene, samples: int) -> np.ndarray:
     """Renders the scene with Cycles as it is set up: (H, W, 3) float32, scene linear, row 0 at the bottom."""
-    cycles = scene.cycles
     scene.render.engine = "CYCLES"
+    exact = {"samples": samples, "use_denoising": False, "use_adaptive_sampling": False}
     with (
         tempfile.TemporaryDirectory() as folder,
-        changed(
-            cycles,
-            device="CPU",
-            samples=samples,
-            use_denoising=False,
-            max_bounces=bounces,
-            use_adaptive_sampling=False,
-        ),
+        changed(scene.cycles, device="CPU", max_bounces=0, **exact),
     ):
         path = Path(folder) / "linear.exr"
-        picture = scene.render.image_settings
-        if hasattr(picture, "media_type"):
-            picture.media_type = "IMAGE"
-        picture.file_format, picture.color_depth, picture.color_mode = "OPEN_EXR", "32", "RGB"
+        # Later settings of a file are valid only after the earlier ones.
+        kind = {"media_type": "IMAGE", "file_format": "OPEN_EXR", "color_depth": "32", "color_mode": "RGB"}
+        assign(scene.render.image_settings, **kind)
         with whole(path) as part:
             scene.render.filepath = str(part)
             bpy.ops.render.render(scene=scene.name, layer=scene.view_layers[0].name, write_still=True)
@@ -119,12 +111,12 @@ def bake_view(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -
     ) as twin:
         twin.world = None
         twin.view_layers[0].material_override = material
-        return render_linear(twin, samples=4)
+        return _render_linear(twin, samples=4)
 
 
 def bake_uvs(material: bpy.types.Material, size: int) -> np.ndarray:
     """A (glowing) material over the unit square of its UVs: (size, size, 3) linear, row 0 at v = 0."""
-    with empty_scene(size, size) as scene:
+    with _empty_scene(size, size) as scene:
         mesh = bpy.data.meshes.new("Vibe Bake")
         mesh.from_pydata([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [], [(0, 1, 2, 3)])
         mesh.uv_layers.new().uv.foreach_set("vector", [0, 0, 1, 0, 1, 1, 0, 1])
@@ -134,7 +126,7 @@ def bake_uvs(material: bpy.types.Material, size: int) -> np.ndarray:
         scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 1.0
         scene.camera.location = (0.5, 0.5, 1.0)
         try:
-            return render_linear(scene, samples=4)
+            return _render_linear(scene, samples=4)
         finally:
             bpy.data.objects.remove(plane)
             bpy.data.meshes.remove(mesh)
@@ -142,12 +134,12 @@ def bake_uvs(material: bpy.types.Material, size: int) -> np.ndarray:
 
 def bake_world(world: bpy.types.World, height: int, samples: int) -> np.ndarray:
     """A world as an environment texture: (height, 2 * height, 3) linear, row 0 straight down."""
-    with empty_scene(2 * height, height) as scene:
+    with _empty_scene(2 * height, height) as scene:
         scene.world = world
-        return bake_panorama(scene, samples)
+        return _bake_panorama(scene, samples)
 
 
-def bake_panorama(scene: bpy.types.Scene, samples: int) -> np.ndarray:
+def _bake_panorama(scene: bpy.types.Scene, samples: int) -> np.ndarray:
     """The surroundings of the camera of a scene of ours, laid out as in `bake_world`."""
     camera = scene.camera
     camera.data.type = "PANO"
@@ -155,11 +147,11 @@ def bake_panorama(scene: bpy.types.Scene, samples: int) -> np.ndarray:
     target.panorama_type = "EQUIRECTANGULAR"
     # The middle of an environment texture is +X, with +Z upwards.
     camera.rotation_euler = (math.pi / 2, 0.0, -math.pi / 2)
-    return render_linear(scene, samples)
+    return _render_linear(scene, samples)
 
 
 @contextmanager
-def empty_scene(width: int, height: int) -> Iterator[bpy.types.Scene]:
+def _empty_scene(width: int, height: int) -> Iterator[bpy.types.Scene]:
     """A new scene with nothing but a camera."""
     scene = bpy.data.scenes.new("Vibe Bake")
     data = bpy.data.cameras.new("Vibe Bake")
@@ -186,9 +178,9 @@ def mean_light_factor(light: Object, pivot: Vector) -> tuple[float, float, float
     toward = -light.matrix_world.col[2].xyz if endless else way
     with _lit_ball(light, 1.0 if endless else max(way.length, 1e-3)) as (scene, data):
         light_nodes.whiten(data)
-        with_nodes = bake_panorama(scene, _FACTOR_SAMPLES)
+        with_nodes = _bake_panorama(scene, _FACTOR_SAMPLES)
         light_nodes.flatten(data)
-        without_nodes = bake_panorama(scene, _FACTOR_SAMPLES)
+        without_nodes = _bake_panorama(scene, _FACTOR_SAMPLES)
     weight = _weights(toward.normalized())
     total = (without_nodes * weight).sum((0, 1))
     if total.max() <= 0.0:  # it looks away from the subject
@@ -221,7 +213,7 @@ def _lit_ball(light: Object, radius: float) -> Iterator[tuple[Scene, Light]]:
     matrix.translation = (0.0, 0.0, 0.0)
     lamp.matrix_world = matrix
     try:
-        with empty_scene(2 * _FACTOR_HEIGHT, _FACTOR_HEIGHT) as scene:
+        with _empty_scene(2 * _FACTOR_HEIGHT, _FACTOR_HEIGHT) as scene:
             for obj in (lamp, ball):
                 scene.collection.objects.link(obj)
             yield scene, data

@@ -144,6 +144,7 @@ def box_geometry(
     objects: dict[tuple[str, str], int] = {}
     materials: dict[str, int] = {}
     extents, matrices, owners, material_numbers = [], [], [], []
+    # Gather boxes with the numbers of their objects and materials; instances share what is known of an object.
     for thing, instancer, matrix in _shown_objects(depsgraph, shown):
         key = thing.as_pointer()
         if key not in known:
@@ -157,6 +158,7 @@ def box_geometry(
             matrices.append(matrix)
             owners.append(number)
             material_numbers.append(materials.setdefault(material, len(materials)))
+    # Place their corners in world space.
     low, high = np.moveaxis(np.array(extents).reshape(-1, 2, 1, 3), 1, 0)
     placed = np.array(matrices).reshape(-1, 4, 4)
     corners = (low + _CORNERS * (high - low)) @ placed[:, :3, :3].transpose(0, 2, 1) + placed[:, None, :3, 3]

@@ -196,6 +196,7 @@ def _add_backdrop(journal: Journal, world: World) -> None:
     for node, rows in ((seen, 1), (path, -2)):
         node.parent, node.use_custom_color, node.color = mix.parent, True, owned.COLOR
         node.location = (mix.location.x - _LEFT, mix.location.y - rows * _LEFT)
+    # The new Background starts with the artist's values of the one that lights.
     for name in ("Color", "Strength"):
         entry = single.entry(name)
         assert entry
@@ -204,6 +205,7 @@ def _add_backdrop(journal: Journal, world: World) -> None:
             journal.link(origin.source, seen.inputs[name])
         else:
             seen.inputs[name].default_value = origin.socket.default_value
+    # The camera sees the new one, everything else the old one.
     journal.link(path.outputs["Is Camera Ray"], mix.inputs[0])
     journal.link(lighting, mix.inputs[1])
     journal.link(seen.outputs[0], mix.inputs[2])
