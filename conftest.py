@@ -13,7 +13,7 @@ if workers := int(
 # Shapes of what has jaxtyping's annotations are checked in tests, not in the product.
 install_import_hook(
     [
-        "proxy_renderer.color.differences",
+        "proxy_renderer.color.tensors",
         "proxy_renderer.color.tensors",
         "proxy_renderer.color.view_transform",
         "proxy_renderer.render.film.grade",

@@ -23,7 +23,7 @@ from ..prompt.parser import prepared
 from ..prompt.types import SceneWords
 from ..prompt.understood import Understood
 from ..rigs.chosen import chosen_rig
-from ..scene.plain import plain_instances
+from ..scene.data import plain_instances
 from ..schema import Instance, VibeError
 from ..schema.options import checks
 from ..schema.spec import Region

@@ -13,7 +13,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from ..schema import VibeError
-from .lookup_table import trilinear
+from .tensors import trilinear
 
 SIZE = 65
 BRIGHTEST = 2.0**6

@@ -10,8 +10,7 @@ import numpy as np
 import torch
 from PIL import Image
 
-from ..color.differences import ciede2000
-from ..color.tensors import lab_from_srgb
+from ..color.tensors import ciede2000, lab_from_srgb
 from ..optimize.drawing import draw
 from ..optimize.pipeline import Outcome
 from ..render.proxy import Proxy, Render

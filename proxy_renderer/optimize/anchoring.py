@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import torch
 from torch import Tensor
 
-from ..color.differences import mean_difference
+from ..color.tensors import mean_difference
 from ..render.cycles.pictures import CyclesPicture
 from ..scene import SceneData
 from ..schema import VibeError, messages

@@ -3,14 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..schema import Instance, Values
+from ..schema import PARAMETERS, Instance, Values
 from ..schema.orbit import Matrix, Vector
 
 Array = np.ndarray
@@ -298,3 +298,27 @@ class SceneData:
         if key in self.unseen:
             return self.unseen[key]
         return default if isinstance(default, tuple) else (default,)
+
+
+_LINKED = ("tint", "recolor", "rotation", "backdrop_color", "backdrop_tint", "backdrop_strength")
+
+
+def plain_instances(
+    lights: Iterable[tuple[str, str, str]], materials: Iterable[tuple[str, str]]
+) -> dict[str, Instance]:
+    """Every parameter at its default, nothing linked; lengths are in units of the scene's own.
+
+    Args:
+        lights: Name, type and role of each.
+
+    Returns:
+        The instances by key.
+    """
+    owners = {"light": [*lights], "material": [(name, "", role) for name, role in materials]}
+    instances = [
+        Instance(p, owner, (p.default,) * p.components, role=role)
+        for p in PARAMETERS
+        for owner, kind, role in owners.get(p.group, [("", "", "")])
+        if p.name not in _LINKED and (not p.only or kind in p.only)
+    ]
+    return {i.key: i for i in instances}

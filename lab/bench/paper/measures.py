@@ -11,7 +11,7 @@ import torch
 
 from lab.bench.paper.finished import FinishedPicture, FloatArray, luminance
 from proxy_renderer.claims.measures import registry
-from proxy_renderer.color.differences import ciede2000
+from proxy_renderer.color.tensors import ciede2000
 
 _FLOOR = 0.004
 """Linear luminance below which differences are not seen on a display in a lit room."""

@@ -5,8 +5,7 @@ from __future__ import annotations
 
 import re
 
-from ...color.mixtures import mixable, tinged
-from ...color.shades import shade
+from ...color.shades import mixable, shade, tinged
 from ...schema import Values
 from .attributes import COLORS
 

@@ -16,7 +16,7 @@ import torch
 from torch import Tensor
 from torch.nn.functional import interpolate
 
-from ...color.lookup_table import trilinear
+from ...color.tensors import trilinear
 from ..material import albedo
 from ..material.microfacets import mirrored, unshadowed, visible_normals
 

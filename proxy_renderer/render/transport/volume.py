@@ -19,7 +19,7 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from ...color.lookup_table import trilinear
+from ...color.tensors import trilinear
 from ..geometry.camera import View
 from ..geometry.segments import RaySegments
 from ..geometry.vectors import length

@@ -16,7 +16,7 @@ import torch
 from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
-from ....color.blackbody import blackbody
+from ....color.tensors import blackbody
 from ....scene import Light, SceneData
 from ....scene.values import RenderValues, wanted
 from ...geometry.camera import direction, frame
