@@ -17,7 +17,7 @@ from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import SceneWords
-from proxy_renderer.render.cycles.pictures import CyclesPicture
+from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 

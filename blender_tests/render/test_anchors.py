@@ -12,7 +12,7 @@ from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.color.tensors import mean_difference
-from proxy_renderer.render.cycles.pictures import CyclesPicture
+from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import VibeError, messages

@@ -16,7 +16,7 @@ from vibe_render.scene.nodes.tint import TINT
 from vibe_render.scene.subject import SubjectChoice
 from vibe_render.session.session import result
 
-from proxy_renderer.render.cycles.pictures import CyclesPicture
+from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import messages

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""x"""
+"""Colors as torch tensors (..., 3): spaces, CIEDE2000 differences, blackbody light, and look-up tables.
+
+Every conversion and difference is differentiable, and its gradient is finite everywhere.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,6 @@ from torch import Tensor
 from torch.nn import functional
 
 from . import constants as c
-from .tensors import lab_from_srgb
 
 
 def luminance(linear: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels 1"]:

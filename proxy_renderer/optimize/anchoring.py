@@ -13,14 +13,14 @@ import torch
 from torch import Tensor
 
 from ..color.tensors import mean_difference
-from ..render.cycles.pictures import CyclesPicture
+from ..render.cycles import CyclesPicture
 from ..scene import SceneData
 from ..schema import VibeError, messages
 from .drawing import chosen_values, draw
 from .vector import ParameterVector
 
 if TYPE_CHECKING:
-    from ..render.cycles.correction import Correction
+    from ..render.cycles import Correction
     from ..render.proxy import Proxy
 
 SAMPLES = 16

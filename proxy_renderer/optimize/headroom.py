@@ -15,9 +15,8 @@ from torch import Tensor
 from ..planning.ranges import clip
 from ..planning.types import PlanEntry
 from ..render.geometry.visibility import Hits, RayGeometry
-from ..render.lights.types import light_sources, light_type
-from ..render.lights.types.area import AreaLight
-from ..render.lights.types.light_source import LightSource
+from ..render.lights.light_source import LightSource
+from ..render.lights.light_types import AreaLight, light_sources, light_type
 from ..scene import Light, SceneData
 from ..scene.values import RenderValues
 from ..schema import Instance, orbit

@@ -24,7 +24,7 @@ from .vector import ParameterVector
 
 if TYPE_CHECKING:
     from ..guidance.guide import Guidance
-    from ..render.cycles.correction import Correction
+    from ..render.cycles import Correction
     from ..render.gbuffer import GBuffer
     from ..render.proxy import Proxy, Render
 

@@ -12,7 +12,7 @@ import torch
 from torch import Tensor
 
 from ..claims.claim import Claim
-from ..render.film.film import Film
+from ..render.film import Film
 from ..render.gbuffer import GBuffer
 from ..scene import SceneData
 from ..schema.options.table import TRAITS, Options

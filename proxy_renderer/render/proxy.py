@@ -12,25 +12,29 @@ from torch import Tensor
 from ..scene import SceneData
 from ..scene.values import RenderValues
 from ..schema import FAMILIES, VibeError
-from .cycles.correction import Correction
-from .cycles.pictures import CyclesPicture
-from .film.film import Film
+from .cycles import Correction, CyclesPicture
+from .film import Film
 from .gbuffer import GBuffer, gbuffer_of
 from .geometry.camera import View, view_of
 from .lights.emitters import Emitters
 from .lights.environment import Environment, sky_of
-from .lights.types import light_sources
-from .lights.types.light_source import LightSource
+from .lights.light_source import LightSource
+from .lights.light_types import light_sources
 from .material.shading_inputs import ShadingInputs, shading_inputs_of
 from .material.textures import geometry_of
 from .surface import surfaces
-from .surface.frame import RenderState, glass_transmittance, mirror_weight, sharp
-from .surface.surfaces import direct_lights_of, table_of
+from .surface.surfaces import (
+    RenderState,
+    direct_lights_of,
+    glass_transmittance,
+    mirror_weight,
+    sharp,
+    table_of,
+)
 from .surface.view_cache import ViewCache
-from .transport.fog import FogMedium
+from .transport.fog import DIRECTIONS, FogMedium, SingleScattering
 from .transport.indirect import IndirectLight
 from .transport.radiance_table import RadianceTable
-from .transport.volume import DIRECTIONS, SingleScattering
 
 _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")
 

@@ -18,8 +18,8 @@ from torch import Tensor
 from ..color.tensors import luminance
 from ..prompt.lexicon.rigs import Rig
 from ..render.geometry.visibility import sphere_points
-from ..render.lights.types import light_sources
-from ..render.lights.types.light_source import LightSource
+from ..render.lights.light_source import LightSource
+from ..render.lights.light_types import light_sources
 from ..scene import SceneData
 from ..scene.values import RenderValues
 from ..schema import Values

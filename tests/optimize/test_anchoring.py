@@ -15,7 +15,7 @@ from proxy_renderer.optimize.anchoring import Anchoring, BlenderPictures
 from proxy_renderer.optimize.rounds.refinement import Refinement
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.optimize.vector import ParameterVector
-from proxy_renderer.render.cycles.pictures import CyclesPicture
+from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.schema import messages
 from proxy_renderer.schema.messages import Options

@@ -13,9 +13,7 @@ import torch
 from torch import Tensor
 
 from lab.bench.scenes import balls
-from proxy_renderer.render.cycles.correction import REST
-from proxy_renderer.render.cycles.joint_bilateral import GuideImage, blur, look_up
-from proxy_renderer.render.cycles.pictures import CyclesPicture
+from proxy_renderer.render.cycles import REST, CyclesPicture, GuideImage, blur, look_up
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import SceneData
 from proxy_renderer.schema import VibeError

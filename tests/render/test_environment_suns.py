@@ -6,7 +6,7 @@ import math
 import pytest
 import torch
 
-from proxy_renderer.render.geometry.directions import texels
+from proxy_renderer.render.geometry.vectors import texels
 from proxy_renderer.render.lights.environment import Environment, Sky
 from proxy_renderer.render.lights.environment_suns import split
 

@@ -7,11 +7,10 @@ import trimesh
 from marks import few_of
 
 from proxy_renderer.render.geometry.visibility import sphere_points
-from proxy_renderer.render.lights.prefilter import GLOSSY
+from proxy_renderer.render.lights.environment import GLOSSY
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.render.surface.surfaces import direct_lights_of, table_of
-from proxy_renderer.render.transport.glow import BLURS
-from proxy_renderer.render.transport.lobe_rays import LobeRays
+from proxy_renderer.render.transport.glow import BLURS, LobeRays
 
 from .test_emitters import moved, scene_with
 from .test_glow import panel

@@ -170,7 +170,7 @@ def test_stops_between_key_and_others_hold_in_irradiance(prompt, scene):
     addition = with_additions([scene], prompt)
     lit, rig = addition.scenes[0], chosen(prompt).rig
     values = {key: torch.tensor(entry.start) for key, entry in addition.plan.entries.items()}
-    from proxy_renderer.render.lights.types import light_sources
+    from proxy_renderer.render.lights.light_types import light_sources
     from proxy_renderer.scene.values import RenderValues
 
     stage = LightStage(lit, geometry_of(lit, torch.device("cpu")))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The camera: rays through pixels and pixels of points, differentiable in orbit and field of view.
+"""The camera: rays through pixels and pixels of points, differentiable in orbit and field of view; rays cut into segments.
 
 Vectors are planar, (3, N), here and in all shading code: broadcasting per-sample scalars over
 components is then contiguous, which is several times faster on a CPU than (N, 3).
@@ -7,6 +7,7 @@ components is then contiguous, which is several times faster on a CPU than (N, 3
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 
 import torch
@@ -128,3 +129,39 @@ def view_of(scene: SceneData, settings: RenderValues, size: tuple[int, int]) -> 
         shift=camera.shift,
         clip=camera.clip,
     )
+
+
+@dataclass(frozen=True)
+class RaySegments:
+    """Rays from a grid of places, each cut into S segments.
+
+    Attributes:
+        start: (3, rows, columns) origins, meters.
+        toward: (3, rows, columns) unit directions.
+        cuts: (S + 1, …) distances of the segments' ends, meters; they may differ from ray to ray.
+        signature: Changes when the rays do.
+    """
+
+    start: Tensor
+    toward: Tensor
+    cuts: Tensor
+    signature: Hashable
+
+    @staticmethod
+    def of(view: View, coarse: int, cuts: Tensor) -> RaySegments:
+        """Camera rays through the centers of blocks of pixels.
+
+        Args:
+            coarse: Side of a block in pixels.
+            cuts: As for the class.
+        """
+        columns, rows = (max(1, round(n / coarse)) for n in view.size)
+        y, x = torch.meshgrid(torch.arange(rows) + 0.5, torch.arange(columns) + 0.5, indexing="ij")
+        pixel = torch.stack((x * (view.size[0] / columns), y * (view.size[1] / rows))).flatten(1)
+        start, toward = (part.view(3, rows, columns) for part in view.rays(pixel.to(view.position)))
+        return RaySegments(start, toward, cuts, (view.signature(), float(cuts[-1])))
+
+    @property
+    def middles(self) -> Tensor:
+        """Points (3, S, rows, columns) halfway between the cuts."""
+        return self.start[:, None] + self.toward[:, None] * ((self.cuts[1:] + self.cuts[:-1]) / 2)

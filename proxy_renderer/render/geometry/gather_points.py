@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from .layers import last_of
-from .samples import Samples
+from .samples import Samples, last_of
 from .visibility import Surface
 
 _CELLS_ACROSS = 96

@@ -19,7 +19,7 @@ from torch import Tensor
 from ...scene.values import wanted
 from ..geometry.vectors import dot, tangents, unit
 from ..material.albedo import basis
-from .types.light_source import DirectIrradiance, LightSource
+from .light_source import DirectIrradiance, LightSource
 
 _LEAST_ALPHA = 2e-3
 _PAIRS = ((0, 0), (1, 1), (0, 1))

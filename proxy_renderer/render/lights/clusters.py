@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Many lights: the strongest are traced each, the others in clusters of such that light what is seen alike.
+"""Many lights: the strongest are traced each, the others in clusters of such that light the visible points alike.
 
 A cluster shares shadow rays, and one of its lights stands for all of them in bounced light (Walter et al., "Lightcuts", 2005).
-Which lights are alike is read from the matrix of what each sends to points that are seen, unshadowed (Hašan et al., "Matrix
+Which lights are alike is read from the matrix of what each sends to visible points, unshadowed (Hašan et al., "Matrix
 row-column sampling for the many-light problem", 2007). What each sends directly, and its highlight, stay its own.
 """
 
@@ -15,9 +15,8 @@ import torch
 from torch import Tensor
 
 from ...color.tensors import luminance
-from ..geometry.k_means import k_means
 from ..geometry.visibility import Surface
-from .types.light_source import LightSource
+from .light_source import LightSource
 
 EXACT = 16
 """So many lights are traced each: half the strongest and as many clusters, where there are more."""
@@ -118,3 +117,25 @@ def _source(cluster: LightCluster, lamps: Sequence[LightSource]) -> LightSource:
         return first
     colors = torch.stack([lamps[i].color for i in cluster.members])
     return replace(first, color=colors.new_tensor(cluster.shares) @ colors)
+
+
+_ROUNDS = 12
+
+
+def k_means(points: Tensor, count: int) -> Tensor:
+    """The cluster (P,) of each point.
+
+    Args:
+        points: (D, P).
+        count: How many clusters at most. They start at points that are far from each other.
+    """
+    centers = points[:, :1]
+    for _ in range(count - 1):
+        away = torch.cdist(points.T, centers.T).amin(1)
+        centers = torch.cat((centers, points[:, away.argmax()][:, None]), 1)
+    label = torch.zeros(points.shape[1], dtype=torch.int64, device=points.device)
+    for _ in range(_ROUNDS if count > 1 else 0):
+        label = torch.cdist(points.T, centers.T).argmin(1)
+        member = torch.nn.functional.one_hot(label, count).to(points.dtype)
+        centers = (points @ member) / member.sum(0).clamp_min(1.0)
+    return label

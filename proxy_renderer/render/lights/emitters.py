@@ -18,13 +18,12 @@ from torch import Tensor
 
 from ...color.tensors import luminance
 from ...scene import Light
-from ..geometry.directions import cosine_directions
-from ..geometry.k_means import k_means
-from ..geometry.vectors import cross, dot, unit
+from ..geometry.vectors import cosine_directions, cross, dot, unit
 from ..geometry.visibility import RayGeometry, sphere_points
 from ..material.shading_inputs import ShadingInputs
-from .types.local import clipped_sphere
-from .types.point import PointLight
+from .clusters import k_means
+from .light_source import clipped_sphere
+from .light_types import PointLight
 
 _LEAST = 0.25
 """Radiance from which a surface counts as a lamp: less is no brighter than what other lamps light."""

@@ -16,9 +16,8 @@ from torch.nn.functional import interpolate, max_pool2d, pad
 
 from ...color.constants import LUMINANCE_WEIGHTS
 from ...scene import Light
-from ..geometry.directions import texels
-from ..geometry.vectors import tangents
-from .types.sun import SunLight
+from ..geometry.vectors import tangents, texels
+from .light_types import SunLight
 
 _MOST, _TRIED = 3, 6
 _REGION = 0.25

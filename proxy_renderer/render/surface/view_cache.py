@@ -14,24 +14,21 @@ from torch import Tensor
 from ...color.tensors import luminance
 from ...scene import Material, SceneData
 from ...scene.values import wanted
-from ..edges.silhouette import Silhouettes
 from ..geometry.camera import View
 from ..geometry.gather_points import SparseWeights
 from ..geometry.samples import take
 from ..geometry.vectors import dot, unit
 from ..geometry.visibility import RayGeometry, Surface, facing
 from ..lights.clusters import LightClusters
-from ..lights.environment import Sky
-from ..lights.prefilter import GLOSSY, SATIN
-from ..lights.types.light_source import LightSource
+from ..lights.environment import GLOSSY, SATIN, Sky
+from ..lights.light_source import LightSource
 from ..material.textures import MaterialTextures
 from ..transport.indirect import FinalGather
 from ..transport.indirect_fog import IndirectFogRays
-from ..transport.refraction import through
-from ..transport.secondary_hits import SecondaryHits
+from ..transport.secondary_hits import SecondaryHits, through
 from .defocus import Defocus
-from .direct_lights import DirectLights
-from .view_samples import DirectLight, ViewSamples
+from .direct_lights import DirectLight, DirectLights, ViewSamples
+from .edges import Silhouettes
 
 _SMALL_STEP = 0.02
 """Part of a lamp's distance by which a gradient loop may move it before bounced light is traced again."""

@@ -17,18 +17,16 @@ import torch
 from torch import Tensor
 
 from ..geometry.camera import View
-from ..geometry.directions import above, reflect
 from ..geometry.gather_points import GatherPoints, SparseWeights
 from ..geometry.samples import Samples
-from ..geometry.vectors import length
+from ..geometry.vectors import above, length, reflect
 from ..geometry.visibility import RayGeometry, Surface, shared_points
-from ..lights.prefilter import GLOSSY
-from ..lights.types.light_source import LightSource
+from ..lights.environment import GLOSSY
+from ..lights.light_source import LightSource
 from ..material.textures import MaterialTextures
 from .fog import FogMedium, LightPaths
-from .glow import GlowShares, glow_of
+from .glow import GlowShares, LobeRays, glow_of
 from .indirect_fog import IndirectFog
-from .lobe_rays import LobeRays
 from .radiance_table import RadianceTable
 from .secondary_hits import SecondaryHits
 

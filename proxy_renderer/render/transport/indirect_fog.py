@@ -14,17 +14,15 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from ..geometry.camera import View
-from ..geometry.directions import above, cosine_directions, reflect
+from ..geometry.camera import RaySegments, View
 from ..geometry.gather_points import GatherPoints
 from ..geometry.samples import Samples
-from ..geometry.segments import RaySegments
+from ..geometry.vectors import above, cosine_directions, reflect
 from ..geometry.visibility import RayGeometry, Surface, sphere_points
 from ..lights.environment import Sky
-from ..lights.types.light_source import LightSource
-from .fog import FogMedium
+from ..lights.light_source import LightSource
+from .fog import DIRECTIONS, WEIGHTS, FogMedium, SingleScattering, phase
 from .secondary_hits import lit
-from .volume import DIRECTIONS, WEIGHTS, SingleScattering, phase
 
 _ACROSS = 24
 _DIFFUSE_RAYS = 6

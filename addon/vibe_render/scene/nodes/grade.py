@@ -3,7 +3,7 @@
 
 In order, on linear colors c: bloom; c·2^Exposure; lift, midtone, gain; contrast around
 middle gray, 0.18·(c/0.18)^Contrast; saturation around Rec.709 luma; hue; c^Gamma; vignette. The engine
-has the same formulas in torch (proxy_renderer/render/film/grade.py).
+has the same formulas in torch (proxy_renderer/render/film.py).
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The anchor: a correction of the proxy by a Cycles picture of known values.
+"""Cycles' pictures of known values, and the correction of the proxy by them: the anchor.
 
 With the proxy's linear picture P(θ), Cycles' picture A at θ₀, and for every light g its part A_g of A, the proxy's
 picture P_g(θ₀) with g alone, and the color s_g(θ) of its light,
@@ -8,22 +8,28 @@ picture P_g(θ₀) with g alone, and the color s_g(θ) of its light,
 
 R(θ₀) is A whatever c is; so is every R(θ) in which only colors and powers of lights differ from θ₀, because light
 adds up. Otherwise R has c times the proxy's own gradient. c and the residuals are constants to gradients.
+
+Smoothing and look-ups do not cross outlines: Kopf et al., "Joint Bilateral Upsampling", 2007, with names of surfaces in
+place of colors.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
+import numpy as np
 import torch
 from torch import Tensor
+from torch.nn.functional import embedding_bag, max_pool2d
 
-from ..geometry.camera import View
-from ..geometry.samples import Samples
-from ..geometry.visibility import Hits, RayGeometry
-from ..surface.view_cache import ViewCache
-from .joint_bilateral import GuideImage, blur, look_up
-from .pictures import CyclesPicture
+from ..scene import FilmSettings
+from ..schema import VibeError
+from .geometry.camera import View
+from .geometry.samples import Samples
+from .geometry.visibility import Hits, RayGeometry
+from .surface.view_cache import ViewCache
 
 REST = "rest"
 """Owner of the light that belongs to no light: glowing surfaces, and what cannot be grouped."""
@@ -205,3 +211,190 @@ def _shares(picture: CyclesPicture, shared_owners: list[str], proxy: Tensor, gui
     shares = parts / total.clamp_min(1e-20)
     shares[-1] = torch.where(total > 1e-20, shares[-1], 1.0)
     return shares
+
+
+_REACH = 2.0  # pixels of the picture that is looked up in
+_ALIKE = 0.5  # stops
+_LEAST_WEIGHT = 1e-3  # weight of all pixels together, of which one at the place itself has 4
+_OUTLINE = 0.2  # weight of pixels beside an outline, which show two things
+
+
+@dataclass(frozen=True)
+class GuideImage:
+    """What the pixels of a picture show.
+
+    Attributes:
+        names: (H, W) int64, equal where pixels show the same object and material; negative for the background.
+    """
+
+    names: Tensor
+
+    @property
+    def device(self) -> torch.device:
+        """Where the picture is."""
+        return self.names.device
+
+    @property
+    def inner(self) -> Tensor:
+        """(H, W) weight of a pixel: little where its neighbors show something else."""
+        wide = torch.cat((self.names, -self.names)).view(2, *self.names.shape).double()
+        high, low = max_pool2d(wide[None], 3, 1, 1)[0]
+        return torch.where(high == -low, 1.0, _OUTLINE).float()
+
+
+def blur(fields: Tensor, guide: GuideImage, radius: int, sigma: float) -> Tensor:
+    """Gaussian averages (C, P) of fields (C, P) over each pixel's neighbors of the same name."""
+    height, width = guide.names.shape
+    picture = fields.view(-1, height, width)
+    total, weights = torch.zeros_like(picture), torch.zeros_like(picture[0])
+    for dy in range(-radius, radius + 1):
+        for dx in range(-radius, radius + 1):
+            here, there = _overlap(dy, height), _overlap(dx, width)
+            (y, from_y), (x, from_x) = here, there
+            weight = torch.exp(torch.tensor(-(dx * dx + dy * dy) / (2 * sigma * sigma))).to(fields)
+            same = weight * (guide.names[y, x] == guide.names[from_y, from_x])
+            total[:, y, x] += same * picture[:, from_y, from_x]
+            weights[y, x] += same
+    return (total / weights).view_as(fields)
+
+
+def _overlap(shift: int, size: int) -> tuple[slice, slice]:
+    """Where a picture and itself, shifted, overlap: there, and what lies there in the shifted one."""
+    return slice(max(0, -shift), size - max(0, shift)), slice(max(0, shift), size - max(0, -shift))
+
+
+def look_up(
+    fields: Tensor,
+    guide: GuideImage,
+    place: Tensor,
+    names: Tensor,
+    neutral: Tensor,
+    stops: tuple[Tensor, Tensor] | None = None,
+) -> Tensor:
+    """Averages around picture positions, over pixels that show what is asked for.
+
+    Args:
+        fields: (C, P) of the picture.
+        guide: What its pixels show.
+        place: (2, N) positions in pixels, x and y; centers are at .5.
+        names: (N,) what is to be seen there.
+        neutral: (C,) for where nothing near shows it.
+        stops: (P,) brightness of the pixels and (N,) of what is asked for, in stops: only pixels about as bright
+            count, so that what belongs to a highlight stays with it. None to average over all.
+
+    Returns:
+        (C, N).
+    """
+    height, width = guide.names.shape
+    flat, inner = guide.names.flatten(), guide.inner.flatten()
+    rows = fields.T.contiguous()  # what a pixel has lies together
+    total = torch.zeros((place.shape[1], len(fields)), device=fields.device)
+    weights = torch.zeros_like(total[:, 0])
+    place = torch.nan_to_num(place, nan=-1e6).clamp(-1e6, 1e6)
+    start = (place - 0.5 - _REACH).ceil().long()
+    steps = torch.arange(int(2 * _REACH) + 1, device=fields.device)
+    for dy in steps:
+        x, y = start[0] + steps[:, None], (start[1] + dy).expand(len(steps), -1)
+        inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+        index = x.clamp(0, width - 1) + width * y.clamp(0, height - 1)
+        near = ((_REACH - (p + 0.5 - at).abs()).clamp_min(0.0) for p, at in zip((x, y), place, strict=True))
+        weight = next(near) * next(near) * inner[index] * (inside & (flat[index] == names))
+        if stops is not None:
+            weight = weight * torch.exp(-(((stops[0][index] - stops[1]) / _ALIKE) ** 2))
+        total += embedding_bag(index.T, rows, per_sample_weights=weight.T, mode="sum")
+        weights += weight.sum(0)
+    covered = weights > _LEAST_WEIGHT
+    return torch.where(covered, total.T / torch.where(covered, weights, 1.0), neutral[:, None])
+
+
+_REC709 = "Linear Rec.709"
+_BRIGHTEST = 1e4
+_ROUNDING = 1e-3
+"""Share of a pixel below which what no group accounts for is taken for rounding."""
+
+
+@dataclass(frozen=True)
+class CyclesPicture:
+    """A picture, and whose light it is made of.
+
+    Attributes:
+        whole: (H, W, 3) linear Rec.709, finite, at least 0.
+        parts: Owner, "light/NAME" or "world", to the noisy picture (H, W, 3) of its light alone.
+        rest: (H, W, 3) noisy, the light that no part holds.
+        denoised: Whether the whole is free of noise.
+    """
+
+    whole: Tensor
+    parts: Mapping[str, Tensor]
+    rest: Tensor
+    denoised: bool = True
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in pixels."""
+        return self.whole.shape[1], self.whole.shape[0]
+
+    @staticmethod
+    def load(path: Path | str, groups: Mapping[str, str], film: FilmSettings) -> CyclesPicture:
+        """Reads what the add-on's `anchoring.render_anchor` has written.
+
+        Args:
+            groups: Name of a light group to its owner, as `render_anchor` returns them.
+            film: Of the scene, for its working color space.
+
+        Raises:
+            VibeError: The file cannot be read, or lacks a picture.
+        """
+        layers = _layers(Path(path))
+        denoised = "Noisy Image" in layers  # some builds of Blender have no denoiser
+        layers.setdefault("Noisy Image", layers.get("Combined", np.empty(0)))
+        wanted = {"Combined": "", "Noisy Image": "", **{f"Combined_{g}": o for g, o in groups.items()}}
+        if missing := sorted(set(wanted) - set(layers)):
+            raise _unreadable(f"it has no layer {missing[0]!r}")
+        pictures = {name: _rec709(layers[name], film) for name in wanted}
+        whole, noisy = pictures.pop("Combined"), pictures.pop("Noisy Image")
+        parts = {wanted[name]: picture for name, picture in pictures.items()}
+        rest = noisy - sum(parts.values(), torch.zeros_like(noisy))
+        rest = torch.where(rest > _ROUNDING * noisy, rest, torch.zeros_like(rest))
+        return CyclesPicture(whole, parts, rest, denoised)
+
+
+def _layers(path: Path) -> dict[str, np.ndarray]:
+    """Pass name to its colors (H, W, 3); Blender 4 writes them into one part, Blender 5 into one each."""
+    import OpenEXR
+
+    try:
+        with OpenEXR.File(str(path)) as file:
+            channels = [pair for part in file.parts for pair in part.channels.items()]
+            passes = {name.partition(".")[2]: np.array(c.pixels, np.float32) for name, c in channels}
+    except (OSError, RuntimeError, ValueError, TypeError) as error:
+        raise _unreadable(str(error)) from error
+    return {name: p[..., :3] for name, p in passes.items() if p.ndim == 3 and p.shape[2] >= 3}
+
+
+def _unreadable(reason: str) -> VibeError:
+    return VibeError(f"Cycles' picture cannot be read: {reason}.", "Try again.")
+
+
+def _rec709(picture: np.ndarray, film: FilmSettings) -> Tensor:
+    """Finite linear Rec.709 (H, W, 3), at least 0, of a picture in the scene's working space."""
+    picture = np.nan_to_num(picture, nan=0.0, posinf=_BRIGHTEST, neginf=0.0)
+    if film.working_space != _REC709:
+        picture = _convert(picture, film)
+    return torch.from_numpy(np.ascontiguousarray(picture.clip(0.0, _BRIGHTEST)))
+
+
+def _convert(picture: np.ndarray, film: FilmSettings) -> np.ndarray:
+    import PyOpenColorIO as OCIO
+
+    try:
+        config = OCIO.Config.CreateFromFile(film.ocio)
+        processor = config.getProcessor(film.working_space, _REC709).getDefaultCPUProcessor()
+    except (OCIO.Exception, OCIO.ExceptionMissingFile) as error:
+        raise VibeError(
+            f"Colors cannot be converted from {film.working_space!r}: {error}.",
+            "Choose another working space.",
+        ) from error
+    flat = np.ascontiguousarray(picture, np.float32).reshape(-1, 3)
+    processor.applyRGB(flat)
+    return flat.reshape(picture.shape)
