@@ -35,13 +35,10 @@ _SHADES = {
 def shade(
     srgb: Values, lightness: float = 1.0, chroma: float = 1.0, towards: float = 60.0, warmth: float = 0.0
 ) -> Values:
-    """A shade of a color.
+    """A shade of an sRGB color.
 
-    Args:
-        srgb: In [0, 1].
-        lightness: 1 keeps the lightness, 0 moves it to `towards`.
-        towards: L* in [0, 100].
-        warmth: Moves the hue of grayish colors to orange (+) or blue (-); in units of b*.
+    A lightness of 0 moves it to L* `towards` in [0, 100], 1 keeps it. Warmth, in units of b*, moves the hue of grayish
+    colors to orange (+) or blue (-).
     """
     light, a, b = oklab_from_srgb(srgb)
     warmth *= max(0.0, 1 - math.hypot(a, b) / 0.15)
@@ -66,12 +63,9 @@ def warm(a: float, b: float) -> float:
 
 
 def relative_shade(srgb: Values, lighter: float, chroma: float, strength: float = 1.0) -> Values:
-    """A color some of the way to white, or, below 0, to black, and more or less of a color.
+    """A color a share `lighter` in [-1, 1] of the way to white, or, below 0, to black, and more or less of a color.
 
-    Args:
-        srgb: In [0, 1].
-        lighter: Share of the way, in [-1, 1].
-        strength: Of the word that asks for it: above 1 for "very", below for "slightly".
+    The strength is that of the word that asks for it: above 1 for "very", below for "slightly".
     """
     way = min(abs(lighter * strength), 1.0)
     return shade(srgb, 1.0 - way, chroma**strength, 100.0 * (lighter > 0))
@@ -104,14 +98,10 @@ _TO_GRAY, _FROM_GRAY = 0.75, 0.2
 
 
 def tinged(base: Values, tinge: Values, share: float) -> Values:
-    """A color that has something of another.
+    """An sRGB color that has a share in [0, 1] of another.
 
     Hues turn the shorter way, by equal parts of the way from one elementary color to the next, because names do: half
     way from green to blue is a teal, although OKLab's blues fill half of that way.
-
-    Args:
-        base: sRGB in [0, 1].
-        share: Of the tinge, in [0, 1].
     """
     (light, chroma, hue), (light2, chroma2, hue2) = _polar(base), _polar(tinge)
     if chroma < _GRAYISH_OKLAB <= chroma2:

@@ -79,10 +79,6 @@ def ciede2000(
     """Perceived difference (...) of two colors in Lab (..., 3): 1 is just visible.
 
     Source: Sharma, Wu, Dalal, "The CIEDE2000 color-difference formula", 2005; kL = kC = kH = 1.
-
-    Args:
-        lab1: (..., 3) CIE Lab, L in [0, 100].
-        lab2: (..., 3), broadcast against the first.
     """
     (l1, a1, b1), (l2, a2, b2) = lab1.unbind(-1), lab2.unbind(-1)
     c7 = ((_length(a1, b1) + _length(a2, b2)) / 2) ** 7
@@ -158,13 +154,9 @@ _BLUE = (
 
 
 def blackbody(kelvin: Tensor) -> Tensor:
-    """Color of a light of this temperature, as Blender multiplies it in.
+    """Linear Rec.709 (..., 3), luminance about 1, of a light of a temperature (...), as Blender multiplies it in.
 
-    Args:
-        kelvin: (...,) temperature; below 800 K and above 12000 K nothing changes any more.
-
-    Returns:
-        Linear Rec.709 (..., 3), luminance about 1, never negative.
+    Below 800 K and above 12000 K nothing changes any more.
     """
     t = kelvin.clamp(800.0, 12000.0)
     i = torch.bucketize(t.detach(), t.new_tensor(_KNOTS), right=True)
@@ -179,16 +171,9 @@ _PARTS = 16
 
 
 def trilinear(table: Tensor, place: Tensor) -> Tensor:
-    """Trilinear values (C, N) of a table (1, C, D, H, W) at places (N, 3) in [-1, 1], the last axis first.
+    """Trilinear values (C, N) of a table (1, C, D, H, W) at places (N, 3) in [-1, 1], W's coordinate first; borders go on outside.
 
     As a batch: torch's CPU kernel uses a core for each of its members.
-
-    Args:
-        table: (1, C, D, H, W).
-        place: (N, 3) in [-1, 1], W's coordinate first; outside of that the border's values are taken.
-
-    Returns:
-        (C, N), differentiable in table and place.
     """
     parts = functional.pad(place, (0, 0, 0, -len(place) % _PARTS)).view(_PARTS, -1, 1, 1, 3)
     tables = table.expand(_PARTS, -1, -1, -1, -1)

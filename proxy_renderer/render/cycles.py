@@ -45,27 +45,17 @@ _RADIUS, _SIGMA = 2, 1.0  # pixels, of the smoothing of ratios and shares
 
 @dataclass
 class Correction:
-    """The constants of one anchor.
+    """The constants of one anchor."""
 
-    Attributes:
-        view: The camera of the anchor.
-        guide: What its pixels show.
-        colors: Owner to s_g(θ₀), (3,).
-        values: θ₀.
-        dark: Radiance below which all is equally dark.
-        stops: (P,) brightness of the proxy's picture at θ₀, in stops.
-        fields: (3 (2 + G), P): c, the least share of P that must remain, and the residuals of the owners.
-        owners: The G owners, `REST` among them.
-    """
-
-    view: View
-    guide: GuideImage
-    colors: Mapping[str, Tensor]
-    values: Mapping[str, Tensor]
-    dark: float
-    stops: Tensor
+    view: View  # the camera of the anchor
+    guide: GuideImage  # what its pixels show
+    colors: Mapping[str, Tensor]  # owner to s_g(θ₀), (3,)
+    values: Mapping[str, Tensor]  # θ₀
+    dark: float  # radiance below which all is equally dark
+    stops: Tensor  # (P,) brightness of the proxy's picture at θ₀, in stops
+    # (3 (2 + G), P): c, the least share of P that must remain, and the residuals of the owners
     fields: Tensor
-    owners: tuple[str, ...]
+    owners: tuple[str, ...]  # the G owners, `REST` among them
     _kept: tuple[ViewCache, Tensor] | None = field(default=None, repr=False)
 
     @staticmethod
@@ -80,10 +70,7 @@ class Correction:
     ) -> Correction:
         """Compares a picture with the proxy's of the same values and size.
 
-        Args:
-            whole: (3, P) the proxy's.
-            parts: Owner to the proxy's picture (3, P) of its light alone.
-            colors: Owner to the color (3,) of its light.
+        `whole` (3, P) is the proxy's, `parts` its pictures (3, P) of each owner's light alone, `colors` those lights' (3,).
         """
         guide = GuideImage(_names(cache.samples.center_hits, cache.geometry).view(cache.depth.shape))
         shared_owners = [owner for owner in picture.parts if owner in parts]
@@ -107,12 +94,7 @@ class Correction:
         return view.signature() == self.view.signature()
 
     def pixels(self, linear: Tensor, colors: Mapping[str, Tensor]) -> Tensor:
-        """Corrected pixels of a view that fits.
-
-        Args:
-            linear: (3, P) the proxy's; gradients pass.
-            colors: Owner to the color (3,) of its light now; gradients pass.
-        """
+        """Corrected pixels (3, P) of a view that fits, with the owners' colors (3,) of now; gradients pass."""
         return self._apply(linear, colors, self.fields)
 
     def samples(
@@ -123,12 +105,9 @@ class Correction:
         cache: ViewCache,
         before: Callable[[], Tensor],
     ) -> Tensor:
-        """Corrected samples of another view: sample by sample, so that outlines stay smooth.
+        """Corrected samples (3, N) of another view: sample by sample, so that outlines stay smooth; gradients pass.
 
-        Args:
-            radiance: (3, N) the proxy's; gradients pass.
-            colors: As for `pixels`.
-            before: Makes the proxy's samples (3, N) of θ₀ for this camera.
+        `before` makes the proxy's samples (3, N) of θ₀ for this camera.
         """
         if self._kept is None or self._kept[0] is not cache:
             with torch.no_grad():
@@ -221,12 +200,9 @@ _OUTLINE = 0.2  # weight of pixels beside an outline, which show two things
 
 @dataclass(frozen=True)
 class GuideImage:
-    """What the pixels of a picture show.
+    """What the pixels of a picture show."""
 
-    Attributes:
-        names: (H, W) int64, equal where pixels show the same object and material; negative for the background.
-    """
-
+    # (H, W) int64, equal where pixels show the same object and material; negative for the background
     names: Tensor
 
     @property
@@ -271,19 +247,13 @@ def look_up(
     neutral: Tensor,
     stops: tuple[Tensor, Tensor] | None = None,
 ) -> Tensor:
-    """Averages around picture positions, over pixels that show what is asked for.
+    """Averages (C, N) of a picture's fields (C, P) around places (2, N) in pixels, over pixels that show the names (N,) asked for.
+
+    Where nothing near shows them, the neutral values (C,) are taken.
 
     Args:
-        fields: (C, P) of the picture.
-        guide: What its pixels show.
-        place: (2, N) positions in pixels, x and y; centers are at .5.
-        names: (N,) what is to be seen there.
-        neutral: (C,) for where nothing near shows it.
-        stops: (P,) brightness of the pixels and (N,) of what is asked for, in stops: only pixels about as bright
+        stops: (P,) brightness of the pixels and (N,) the one asked for, in stops: only pixels about as bright
             count, so that what belongs to a highlight stays with it. None to average over all.
-
-    Returns:
-        (C, N).
     """
     height, width = guide.names.shape
     flat, inner = guide.names.flatten(), guide.inner.flatten()
@@ -315,19 +285,13 @@ _ROUNDING = 1e-3
 
 @dataclass(frozen=True)
 class CyclesPicture:
-    """A picture, and whose light it is made of.
+    """A picture, and whose light it is made of."""
 
-    Attributes:
-        whole: (H, W, 3) linear Rec.709, finite, at least 0.
-        parts: Owner, "light/NAME" or "world", to the noisy picture (H, W, 3) of its light alone.
-        rest: (H, W, 3) noisy, the light that no part holds.
-        denoised: Whether the whole is free of noise.
-    """
-
-    whole: Tensor
+    whole: Tensor  # (H, W, 3) linear Rec.709, finite, at least 0
+    # owner, "light/NAME" or "world", to the noisy picture (H, W, 3) of its light alone
     parts: Mapping[str, Tensor]
-    rest: Tensor
-    denoised: bool = True
+    rest: Tensor  # (H, W, 3) noisy, the light that no part holds
+    denoised: bool = True  # whether the whole is free of noise
 
     @property
     def size(self) -> tuple[int, int]:
@@ -336,11 +300,7 @@ class CyclesPicture:
 
     @staticmethod
     def load(path: Path | str, groups: Mapping[str, str], film: FilmSettings) -> CyclesPicture:
-        """Reads what the add-on's `anchoring.render_anchor` has written.
-
-        Args:
-            groups: Name of a light group to its owner, as `render_anchor` returns them.
-            film: Of the scene, for its working color space.
+        """Reads what the add-on's `anchoring.render_anchor` has written; `groups` are its light groups' owners by name.
 
         Raises:
             VibeError: The file cannot be read, or lacks a picture.

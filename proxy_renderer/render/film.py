@@ -20,24 +20,16 @@ from ..color.tensors import luminance
 from ..color.view_transform import ViewTransform
 from ..scene import FilmSettings
 from ..schema import FAMILIES
-from . import film
 
 _CLEAR = 1e-3  # coverage below which colors are too uncertain to be divided by it
 
 
 class Film:
-    """Develops linear pictures of one size.
-
-    Args:
-        size: (width, height) in pixels.
-
-    Raises:
-        VibeError: The view transform cannot be read.
-    """
+    """Develops linear pictures of one size (width, height); raises VibeError if the view transform cannot be read."""
 
     def __init__(self, spec: FilmSettings, size: tuple[int, int], device: str = "cpu") -> None:
         self._view = ViewTransform(spec.ocio, spec.display, spec.view, spec.look, device)
-        self._falloff = film.falloff(*size).to(device)
+        self._falloff = falloff(*size).to(device)
 
     def develop(self, linear: Tensor, values: Mapping[str, Tensor], alpha: Tensor | None = None) -> Tensor:
         """Display-encoded picture (H, W, 3) in [0, 1]; what is transparent shows black.
@@ -59,19 +51,19 @@ class Film:
         set_ = _Settings(values, linear)
         c = linear
         if set_.moves("glare"):
-            c = c.clamp_min(0) + set_["glare"] * film(c)
+            c = c.clamp_min(0) + set_["glare"] * bloom(c)
         if set_.moves("grade_exposure"):
             c = c * torch.exp2(set_["grade_exposure"])
         if set_.moves("lift", "midtone", "gain"):
-            c = film.lift_gamma_gain(c, set_["lift"], set_["midtone"], set_["gain"])
+            c = lift_gamma_gain(c, set_["lift"], set_["midtone"], set_["gain"])
         if set_.moves("contrast"):
-            c = film.contrast(c, set_["contrast"])
+            c = contrast(c, set_["contrast"])
         if set_.moves("saturation"):
-            c = film.saturation(c, set_["saturation"])
+            c = saturation(c, set_["saturation"])
         if set_.moves("hue"):
-            c = film.turn_hue(c.clamp_min(0), set_["hue"])
+            c = turn_hue(c.clamp_min(0), set_["hue"])
         if set_.moves("grade_gamma"):
-            c = film.power(c, set_["grade_gamma"])
+            c = power(c, set_["grade_gamma"])
         if set_.moves("vignette"):
             c = c * (1 - set_["vignette"] * self._falloff)
         return c
@@ -192,11 +184,9 @@ def _highlights(picture: Tensor) -> Tensor:
 
 
 def _halve(layer: Tensor, calm: bool) -> Tensor:
-    """Half the size, from five overlapping squares of four 2×2 blocks each, the middle one counting half.
+    """Half the size of (1, 3, H, W), from five overlapping squares of four 2×2 blocks each, the middle one counting half.
 
-    Args:
-        layer: (1, 3, H, W).
-        calm: Weight the blocks by 1 / (1 + brightness), so that fireflies stay small.
+    Calm: blocks are weighted by 1 / (1 + brightness), so that fireflies stay small.
     """
     blocks = functional.avg_pool2d(functional.pad(layer, (3, 3, 3, 3), mode="replicate"), 2, 1)
     squares = _corners(blocks)

@@ -41,48 +41,33 @@ _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")
 
 @dataclass(frozen=True, kw_only=True)
 class LatentImage:
-    """What the film has received, before it is developed.
+    """What the film has received, before it is developed."""
 
-    Attributes:
-        linear: (H, W, 3) scene-linear Rec.709 before grade and view transform.
-        alpha: (H, W) coverage where the film is transparent, else None; `linear` is multiplied with it.
-        mask: (H, W) share of each pixel that the subject covers.
-        depth: (H, W) distance along the rays in meters; infinite where nothing is hit.
-        transmittance: (H, W) share of light that fog lets through from what is seen.
-    """
-
-    linear: Tensor
-    mask: Tensor
-    depth: Tensor
-    transmittance: Tensor
+    linear: Tensor  # (H, W, 3) scene-linear Rec.709 before grade and view transform
+    mask: Tensor  # (H, W) share of each pixel that the subject covers
+    depth: Tensor  # (H, W) distance along the rays in meters; infinite where nothing is hit
+    transmittance: Tensor  # (H, W) share of light that fog lets through from what is seen
+    # (H, W) coverage where the film is transparent, else None; `linear` is multiplied with it
     alpha: Tensor | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Render(LatentImage):
-    """One picture.
+    """One picture."""
 
-    Attributes:
-        display: (H, W, 3) as shown, sRGB-encoded in [0, 1]; on black where the film is transparent.
-    """
-
-    display: Tensor
+    display: Tensor  # (H, W, 3) as shown, sRGB-encoded in [0, 1]; on black where the film is transparent
 
 
 class Proxy:
-    """Renders one scene at one size, again and again.
+    """Renders one scene at one size (width, height), again and again.
 
-    Rays are traced only when the camera, or a lamp, has moved since the last render.
+    Geometry is traced, on the CPU, only when the camera, or a lamp, has moved since the last render.
+    `correction` is that of renders by a Cycles picture, see `anchor`; None for the plain proxy.
 
     Args:
-        size: Width and height in pixels.
-        device: Where to compute; rays are traced on the CPU.
         seed: For the jitter of shadow and bounce rays.
         fine: Whether reflections in smooth surfaces are antialiased, by the values that a camera is first
             rendered with. For pictures to look at; loops do without.
-
-    Attributes:
-        correction: Of renders by a Cycles picture, see `anchor`; None for the plain proxy.
     """
 
     def __init__(
@@ -100,12 +85,7 @@ class Proxy:
         self._undeveloped: tuple[LatentImage, Mapping[str, Tensor], Correction | None] | None = None
 
     def render(self, values: Mapping[str, Tensor]) -> Render:
-        """Renders the scene.
-
-        Args:
-            values: Parameters by key, each (C,); missing ones take the scene's value. The pictures are
-                differentiable in every one of them.
-        """
+        """Renders the scene, differentiable in all values (C,) by key; missing ones take the scene's."""
         lit = {key: value for key, value in values.items() if key not in _FILM_KEYS}
         latent = self._same_light(lit)
         if latent is None:
@@ -127,24 +107,17 @@ class Proxy:
         return self._frame(values)[0].cache
 
     def develop(self, latent: LatentImage, values: Mapping[str, Tensor]) -> Render:
-        """Grade and view transform.
-
-        Args:
-            latent: From `expose`.
-            values: As for `render`; those of the film count.
-        """
+        """Grade and view transform of what `expose` returned; only values of the film count."""
         settings = RenderValues(self.scene, values, self.device)
         film = {key: settings.color(key) for key in _FILM_KEYS if settings.has(key)}
         display = self.film.develop(latent.linear, film, latent.alpha)
         return Render(display=display, **vars(latent))
 
     def expose(self, values: Mapping[str, Tensor], cache: ViewCache | None = None) -> LatentImage:
-        """Renders the scene, up to the film.
+        """Renders the scene, up to the film, whose values do not count.
 
-        Args:
-            values: As for `render`; those of the film do not count.
-            cache: What rays have found, where they are not to be traced again but for a lamp that has moved: mirrors and
-                glasses then stay what they were, as they do for gradients.
+        With a `cache`, nothing is traced again except for a lamp that has moved: mirrors and glasses then stay what they
+        were, as they do for gradients.
         """
         frame, _ = self._frame(values, cache)
         radiance, passing = self._light(frame)
@@ -164,27 +137,16 @@ class Proxy:
         return LatentImage(linear=linear, mask=mask, depth=frame.cache.depth, transmittance=seen, alpha=alpha)
 
     def gbuffer(self, values: Mapping[str, Tensor]) -> GBuffer:
-        """What the camera sees, and through how much fog.
-
-        Args:
-            values: As for `render`.
-        """
+        """The G-buffer at these values: what the camera sees, and through how much fog."""
         with torch.no_grad():
             frame, _ = self._frame(values)
             clear = _transmittance(frame, self._through_fog(frame)[1] if frame.fog.active else None)
             return gbuffer_of(self.scene, self.geometry, frame.view, frame.cache, clear)
 
     def anchor(self, values: Mapping[str, Tensor], picture: CyclesPicture) -> Correction:
-        """Corrects all renders from now on by what Cycles makes of these values.
+        """Corrects all renders from now on by Cycles' picture of these values, which has the proxy's size.
 
-        A proxy of another size can be given the correction as well.
-
-        Args:
-            values: As for `render`.
-            picture: Cycles' picture of them, of the proxy's size.
-
-        Raises:
-            VibeError: The picture has another size.
+        A proxy of another size can be given the correction as well. Raises VibeError if the picture has another size.
         """
         if picture.size != self.size:
             raise VibeError(

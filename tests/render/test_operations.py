@@ -6,7 +6,7 @@ import math
 import torch
 from operation_tests import OperationTests, colors, number
 
-from proxy_renderer.render import film
+from proxy_renderer.render import film as grade
 from proxy_renderer.render.material import albedo
 from proxy_renderer.render.transport.secondary_hits import refract
 
@@ -22,19 +22,19 @@ class _GradeTests(OperationTests):
 
 
 class TestPower(_GradeTests):
-    operation = staticmethod(film.power)
+    operation = staticmethod(grade.power)
     inputs = (colors(4, 5), number(0.7))
     values = (((torch.full((1, 1, 3), 0.25), torch.tensor(0.5)), 0.5),)
 
 
 class TestContrast(_GradeTests):
-    operation = staticmethod(film.contrast)
+    operation = staticmethod(grade.contrast)
     inputs = (colors(4, 5), number(1.3))
     values = (((GRAY, torch.tensor(1.7)), 0.18), ((2 * GRAY, torch.tensor(2.0)), 0.72))
 
 
 class TestSaturation(_GradeTests):
-    operation = staticmethod(film.saturation)
+    operation = staticmethod(grade.saturation)
     inputs = (colors(4, 5), number(1.2))
     values = (
         ((torch.tensor([[[1.0, 0.0, 0.0]]]), torch.tensor(0.0)), 0.2126),
@@ -43,13 +43,13 @@ class TestSaturation(_GradeTests):
 
 
 class TestTurnHue(_GradeTests):
-    operation = staticmethod(film.turn_hue)
+    operation = staticmethod(grade.turn_hue)
     inputs = (colors(4, 5), number(25.0))
     values = (((torch.tensor([[[1.0, 0.0, 0.0]]]), torch.tensor(120.0)), [0.0, 1.0, 0.0]),)
 
 
 class TestLiftGammaGain(OperationTests):
-    operation = staticmethod(film.lift_gamma_gain)
+    operation = staticmethod(grade.lift_gamma_gain)
     inputs = (colors(4, 5), *(torch.tensor([0.9, 1.0, 1.1], dtype=torch.float64) for _ in range(3)))
     shape = (4, 5, 3)
     wrong = (colors(4, 5), torch.ones(2), torch.ones(3), torch.ones(3))

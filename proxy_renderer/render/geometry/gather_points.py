@@ -20,10 +20,7 @@ _CELLS_ACROSS = 96
 class SparseWeights:
     """A fixed sparse matrix (N, A), applied to (A, C).
 
-    Args:
-        rows: (R,) the rows that are not empty, in order.
-        columns: (R, K) where they have entries; one that is named twice counts twice.
-        weights: (R, K) the entries.
+    The rows (R,) that are not empty, in order, have weights (R, K) in columns (R, K); one that is named twice counts twice.
     """
 
     def __init__(self, rows: Tensor, columns: Tensor, weights: Tensor, shape: tuple[int, int]) -> None:
@@ -67,9 +64,6 @@ class _SparseProduct(torch.autograd.Function):
 
 class GatherPoints:
     """Samples on a coarse grid, one for each material seen in each cell.
-
-    Args:
-        across: Cells along the picture's longer side.
 
     Attributes:
         index: (A,) the samples.
@@ -119,12 +113,9 @@ class GatherPoints:
     def spread_to(
         self, surface: Surface, place: Tensor, distance: Tensor, chosen: Tensor | None = None
     ) -> SparseWeights:
-        """Interpolates from gather points to other points that the picture shows, or nearly shows.
+        """Interpolates from gather points to others at places (2, N) in pixels, which may lie outside, and distances (N,) from the camera.
 
-        Args:
-            place: (2, N) picture positions in pixels, which may lie outside.
-            distance: (N,) from the camera.
-            chosen: (N,) bool: the points that get light; None for all.
+        Only the `chosen` (N,) get light; all if None.
         """
         rows, columns = self._lists.shape[:2]
         limit = place.new_tensor([[columns], [rows]]) - 0.5

@@ -20,40 +20,24 @@ _FILTER_WIDTH = 3.0  # pixels: twice what Blender says (1.5 by default), for Cyc
 
 @dataclass(frozen=True)
 class Samples:
-    """All shaded points of one view, sorted by material, the background last.
+    """All shaded points of one view, sorted by material, the background last."""
 
-    Attributes:
-        size: Width and height of the picture.
-        pixel: (N,) index of the pixel (row-major, row 0 on top) that a sample counts towards.
-        weight: (N,) its share; the shares of a pixel sum to 1.
-        place: (2, N) picture position in pixels.
-        layer: (N,) how many surfaces their rays have passed before, at least.
-        hits: What the samples' rays meet.
-        slices: Material index, first and last-plus-one sample of every material in view.
-        surfaces: How many samples meet a surface; the others see the background.
-        first: (P,) a sample of every pixel.
-        others: (E,) the samples that are no pixel's `first`.
-        plain: (P,) whether a pixel has samples in its middle only.
-        owner: (P,) object that the ray through a pixel's center meets, -1 for none.
-        center_hits: Hits of the rays through the pixels' centers (P,).
-        origin, toward: (3, N) rays, directions of unit length.
-    """
-
-    size: tuple[int, int]
-    pixel: Tensor
-    weight: Tensor
-    place: Tensor
-    layer: Tensor
-    hits: Hits
+    size: tuple[int, int]  # width and height of the picture
+    pixel: Tensor  # (N,) index of the pixel (row-major, row 0 on top) that a sample counts towards
+    weight: Tensor  # (N,) its share; the shares of a pixel sum to 1
+    place: Tensor  # (2, N) picture position in pixels
+    layer: Tensor  # (N,) how many surfaces their rays have passed before, at least
+    hits: Hits  # what the samples' rays meet
+    # material index, first and last-plus-one sample of every material in view
     slices: tuple[tuple[int, int, int], ...]
-    surfaces: int
-    first: Tensor
-    others: Tensor
-    plain: Tensor
-    owner: Tensor
-    center_hits: Hits
-    origin: Tensor
-    toward: Tensor
+    surfaces: int  # how many samples meet a surface; the others see the background
+    first: Tensor  # (P,) a sample of every pixel
+    others: Tensor  # (E,) the samples that are no pixel's `first`
+    plain: Tensor  # (P,) whether a pixel has samples in its middle only
+    owner: Tensor  # (P,) object that the ray through a pixel's center meets, -1 for none
+    center_hits: Hits  # hits of the rays through the pixels' centers (P,)
+    origin: Tensor  # (3, N) rays, directions of unit length
+    toward: Tensor  # (3, N) rays, directions of unit length
 
     def resolve(self, values: Tensor) -> Tensor:
         """Filters samples (C, N) into pixels (C, P)."""
@@ -97,11 +81,8 @@ def _diffuse(picture: Tensor, size: tuple[int, int]) -> Tensor:
 def take(geometry: RayGeometry, view: View, smooth: Tensor) -> Samples:
     """Finds what the view sees: one sample in the middle of plain pixels, several where edges pass.
 
-    Smooth surfaces show pictures of others, whose edges may pass anywhere: they get several as well.
+    Smooth materials (M,) bool show pictures of others, whose edges may pass anywhere: they get several as well.
     Where surfaces are transparent, a ray makes a sample of each, weighted by what it adds.
-
-    Args:
-        smooth: (M,) bool: materials that show sharp reflections.
     """
     width, height = view.size
     centers = pixel_centers(view.size).to(geometry.device)
@@ -139,11 +120,7 @@ def take(geometry: RayGeometry, view: View, smooth: Tensor) -> Samples:
 
 
 def pixel_centers(size: tuple[int, int]) -> Tensor:
-    """(2, P) picture positions of the middles of all pixels, row by row.
-
-    Args:
-        size: Width and height in pixels.
-    """
+    """(2, P) picture positions of the middles of all pixels of a size (width, height), row by row."""
     y, x = torch.meshgrid(torch.arange(size[1]), torch.arange(size[0]), indexing="ij")
     return torch.stack((x.flatten(), y.flatten())).to(torch.float32) + 0.5
 
@@ -234,19 +211,12 @@ _MOST_LAYERS = 8
 
 @dataclass(frozen=True)
 class HitLayers:
-    """What rays pass through and end on, nearest first.
+    """What rays pass through and end on, nearest first."""
 
-    Attributes:
-        ray: (N,) index of the ray.
-        number: (N,) how many surfaces it has met before.
-        hits: (N,) what it meets there.
-        weight: (N,) the share of the ray that is seen there; the shares of a ray sum to 1.
-    """
-
-    ray: Tensor
-    number: Tensor
-    hits: Hits
-    weight: Tensor
+    ray: Tensor  # (N,) index of the ray
+    number: Tensor  # (N,) how many surfaces it has met before
+    hits: Hits  # (N,) what it meets there
+    weight: Tensor  # (N,) the share of the ray that is seen there; the shares of a ray sum to 1
 
     def strongest(self, count: int) -> Hits:
         """For every ray (count,) the hit that it shows most of."""
@@ -298,11 +268,9 @@ def _before(far: Tensor, hits: Hits) -> Hits:
 
 
 def last_of(group: Tensor, order: Tensor, count: int) -> Tensor:
-    """The member (count,) of every group that comes last in an order.
+    """The member (count,) of every group that comes last in an order, a permutation (N,).
 
-    Args:
-        group: (N,) int64 in [0, count); every group must have a member.
-        order: (N,) a permutation of the N members.
+    Group is (N,) int64 in [0, count); every group must have a member.
     """
     rank = torch.arange(len(order), device=order.device)
     last = torch.zeros(count, dtype=torch.int64, device=order.device)

@@ -29,11 +29,7 @@ class TraceResult:
 
 
 class TriangleTree:
-    """Some triangles of a mesh, ready for rays.
-
-    Args:
-        members: (n,) indices of the triangles.
-    """
+    """The triangles of a mesh with indices `members` (n,), ready for rays."""
 
     def __init__(self, mesh: SceneMesh, members: np.ndarray) -> None:
         self._mesh, self._members = mesh, members
@@ -92,18 +88,12 @@ def tree_of(mesh: SceneMesh, members: np.ndarray) -> TriangleTree:
 
 @dataclass(frozen=True)
 class TriangleClass:
-    """Triangles that all rays treat alike.
+    """Triangles that all rays treat alike."""
 
-    Attributes:
-        tree: The triangles.
-        hidden: Kinds of rays that pass them, of `RAYS`.
-        clear: Whether they may let light through.
-        material: The glowing material of which they all are, which casts no shadow in its own light; -1 for others.
-    """
-
-    tree: TriangleTree
-    hidden: frozenset[str]
-    clear: bool
+    tree: TriangleTree  # the triangles
+    hidden: frozenset[str]  # kinds of rays that pass them, of `RAYS`
+    clear: bool  # whether they may let light through
+    # the glowing material of which they all are, which casts no shadow in its own light; -1 for others
     material: int
 
 
@@ -112,10 +102,7 @@ def classes_of(
 ) -> list[TriangleClass]:
     """Sorts the triangles of a mesh into classes.
 
-    Args:
-        hidden: For each object the kinds of rays that pass it.
-        clear: (M,) bool: materials that may let light through.
-        apart: Materials with classes of their own.
+    Objects are `hidden` from kinds of rays; materials that are `clear` (M,) may let light through, those `apart` get own classes.
     """
     kinds = list(dict.fromkeys(hidden))
     kind = np.array([kinds.index(h) for h in hidden])

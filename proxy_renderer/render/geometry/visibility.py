@@ -22,18 +22,12 @@ _LAYERS = 8
 
 @dataclass(frozen=True)
 class Hits:
-    """Where N rays end.
+    """Where N rays end."""
 
-    Attributes:
-        triangle: (N,) int64, -1 for a miss.
-        u, v: (N,) barycentric weights of the triangle's second and third corner.
-        distance: (N,), infinite for a miss.
-    """
-
-    triangle: Tensor
-    u: Tensor
-    v: Tensor
-    distance: Tensor
+    triangle: Tensor  # (N,) int64, -1 for a miss
+    u: Tensor  # (N,) barycentric weights of the triangle's second and third corner
+    v: Tensor  # (N,) barycentric weights of the triangle's second and third corner
+    distance: Tensor  # (N,), infinite for a miss
 
     @property
     def hit(self) -> Tensor:
@@ -64,12 +58,7 @@ class Opacity(Protocol):
 
 
 class RayGeometry:
-    """The scene's triangles, ready for rays and for look-ups.
-
-    Args:
-        mesh: The triangles, world space, meters.
-        hidden: For each object the kinds of rays that pass it, of `RAYS`.
-        device: Where to compute; rays are traced on the CPU.
+    """The scene's triangles, ready for rays and for look-ups. Rays are traced on the CPU, whatever the device.
 
     Attributes:
         corners: (3, F, 3) positions: corner, triangle, component.
@@ -78,7 +67,7 @@ class RayGeometry:
         material, object: (F,) int64.
         opacity: Alpha of what is not opaque; None where everything is.
         glass: (M,) share of light that passes a surface of each material, refracted.
-        size: Diagonal of the bounding box; offsets and tolerances are relative to it.
+        size: Diagonal of the bounding box in meters; offsets and tolerances are relative to it.
     """
 
     def __init__(
@@ -100,11 +89,7 @@ class RayGeometry:
         self._sort()
 
     def let_through(self, glass: Tensor) -> bool:
-        """Sets the transmittance (M,) of each material's glass.
-
-        Returns:
-            Whether it has changed.
-        """
+        """Sets the transmittance (M,) of each material's glass; returns whether it has changed."""
         changed = not torch.equal(glass, self.glass)
         if changed:
             self.glass = glass
@@ -176,12 +161,9 @@ class RayGeometry:
     def clear(
         self, origin: Tensor, toward: Tensor, distance: Tensor, without: int = -1, ray: str = "shadow"
     ) -> Tensor:
-        """Share (N,) of light that passes along rays (3, N) over distances (N,).
+        """Share (N,) of light that passes along rays (3, N), in unit directions, over distances (N,) in meters.
 
-        Args:
-            toward: Their directions, of unit length.
-            distance: Their lengths, meters.
-            without: A material that was set apart and does not block them; -1 for none.
+        A material `without` that was set apart does not block them.
         """
         passing = torch.ones(origin.shape[1], device=self.device)
         blocking = [
@@ -274,22 +256,14 @@ class RayGeometry:
 
 @dataclass(frozen=True)
 class Surface:
-    """N surface points.
+    """N surface points."""
 
-    Attributes:
-        position: (3, N).
-        normal: (3, N) unit shading normals, on the viewer's side.
-        facet: (3, N) unit normals of the triangles, on the viewer's side.
-        uv: (2, N).
-        material, object: (N,) int64.
-    """
-
-    position: Tensor
-    normal: Tensor
-    facet: Tensor
-    uv: Tensor
-    material: Tensor
-    object: Tensor
+    position: Tensor  # (3, N)
+    normal: Tensor  # (3, N) unit shading normals, on the viewer's side
+    facet: Tensor  # (3, N) unit normals of the triangles, on the viewer's side
+    uv: Tensor  # (2, N)
+    material: Tensor  # (N,) int64
+    object: Tensor  # (N,) int64
 
     def pick(self, index: Tensor | slice) -> Surface:
         """The points at an index."""
@@ -320,13 +294,8 @@ def sphere_points(count: int, copies: int, generator: torch.Generator) -> Tensor
 def shared_points(count: int, turn: Tensor, generator: torch.Generator) -> Tensor:
     """Points in [0, 1)^2 that copies share: (2, copies, count), all shifted by the same random step.
 
-    Every turn takes the next `count` points of the sequence of `sphere_points`, so that copies of different
-    turns add up to one set that spreads as well. Where neighbors are averaged, little noise is left.
-
-    Args:
-        count: Points for each copy.
-        turn: (copies,) from 0 on.
-        generator: For the shift.
+    Every turn (copies,), from 0 on, takes the next `count` points of the sequence of `sphere_points`, so that copies of
+    different turns add up to one set that spreads as well. Where neighbors are averaged, little noise is left.
     """
     points = sphere_points(count * (int(turn.max()) + 1 if len(turn) else 0), 1, generator).to(turn.device)
     return points.view(2, -1, count)[:, turn]

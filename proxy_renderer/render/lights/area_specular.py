@@ -29,20 +29,14 @@ _LEAST_UP = 0.08
 
 @dataclass(frozen=True)
 class AreaSpecular:
-    """A light's highlight at N points, before roughness and Fresnel of the material.
+    """A light's highlight at N points, before roughness and Fresnel of the material."""
 
-    Attributes:
-        strength: (N,) the lamp's radiance times (h.v) / (n.v n.h), 0 below the horizon.
-        curve: (7, N) albedo basis at the half vector, for Fresnel.
-        slope_in, slope_out: (N,) squared tangents of the lamp's and the viewer's angle to the normal.
-        outline: (4, N) left, right, bottom and top of a rectangle seen from the mirror direction, in slopes; or
-            (5, N) for an ellipse, see `_round_place`.
-    """
-
-    strength: Float[Tensor, " n"]
-    curve: Float[Tensor, "7 n"]
-    slope_in: Float[Tensor, " n"]
-    slope_out: Float[Tensor, " n"]
+    strength: Float[Tensor, " n"]  # (N,) the lamp's radiance times (h.v) / (n.v n.h), 0 below the horizon
+    curve: Float[Tensor, "7 n"]  # (7, N) albedo basis at the half vector, for Fresnel
+    slope_in: Float[Tensor, " n"]  # (N,) squared tangents of the lamp's and the viewer's angle to the normal
+    slope_out: Float[Tensor, " n"]  # (N,) squared tangents of the lamp's and the viewer's angle to the normal
+    # (4, N) left, right, bottom and top of a rectangle seen from the mirror direction, in slopes; or (5, N)
+    # for an ellipse, see `_round_place`
     outline: Float[Tensor, "outline n"]
     _lobes: dict[float, Tensor] = field(default_factory=dict, repr=False, compare=False)
 
@@ -195,9 +189,7 @@ def _ellipse(outline: Tensor, alpha2: Tensor) -> Tensor:
 def _disc(d: Tensor, a: Tensor) -> Tensor:
     """The lobe's integral over a disc: the view factor of a parallel disc, written without cancellation.
 
-    Args:
-        d: (N,) squared distance of its middle, in units of the lobe's width.
-        a: (N,) squared radius.
+    `d` (N,) is the squared distance of its middle in units of the lobe's width, `a` (N,) the squared radius.
     """
     total = 1 + d + a
     q = (total * total - 4 * a * d).clamp_min(1e-12).sqrt()

@@ -25,27 +25,14 @@ _POINTS = 256
 
 @dataclass(frozen=True)
 class LightCluster:
-    """Lights that share their shadows.
+    """Lights that share their shadows."""
 
-    Attributes:
-        members: Their indices, the strongest first, which stands for all.
-        shares: What each sends per unit of its color, relative to the first.
-    """
-
-    members: tuple[int, ...]
-    shares: tuple[float, ...]
+    members: tuple[int, ...]  # their indices, the strongest first, which stands for all
+    shares: tuple[float, ...]  # what each sends per unit of its color, relative to the first
 
 
 class LightClusters:
-    """All lights of a view, each in one cluster.
-
-    Args:
-        clusters: In an order of their own.
-
-    Attributes:
-        clusters: As given; their indices are the rows of indirect light.
-        row: The row of each light.
-    """
+    """All lights of a view, each in one cluster: the clusters' indices are the rows of indirect light, `row` has each light's."""
 
     def __init__(self, clusters: Sequence[LightCluster]) -> None:
         self.clusters = tuple(clusters)
@@ -60,20 +47,12 @@ class LightClusters:
         return len(lamps) == len(self.row) and all(alone)
 
     def sources(self, lamps: Sequence[LightSource]) -> list[LightSource]:
-        """The light that stands for each cluster, in the color of all.
-
-        Args:
-            lamps: The lights at the values of one render.
-        """
+        """The light that stands for each cluster, in the color of all."""
         return [_source(cluster, lamps) for cluster in self.clusters]
 
     @staticmethod
     def of(lamps: Sequence[LightSource], moving: Sequence[bool], surface: Surface) -> LightClusters:
-        """Clusters lights by what they send to a surface; few of them stay alone.
-
-        Args:
-            moving: Whether gradients with respect to the place of each are wanted.
-        """
+        """Clusters lights by what they send to a surface; few of them, and those that move, stay alone."""
         if len(lamps) <= EXACT or not len(surface.material):
             return LightClusters([LightCluster((i,), (1.0,)) for i in range(len(lamps))])
         chosen = torch.linspace(0, len(surface.material) - 1, _POINTS).long()
@@ -123,12 +102,7 @@ _ROUNDS = 12
 
 
 def k_means(points: Tensor, count: int) -> Tensor:
-    """The cluster (P,) of each point.
-
-    Args:
-        points: (D, P).
-        count: How many clusters at most. They start at points that are far from each other.
-    """
+    """The cluster (P,) of each point of (D, P), the same every time; `count` at most, started at points far from each other."""
     centers = points[:, :1]
     for _ in range(count - 1):
         away = torch.cdist(points.T, centers.T).amin(1)

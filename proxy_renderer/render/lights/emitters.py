@@ -36,17 +36,12 @@ _ROUND = 0.6
 
 @dataclass(frozen=True)
 class EmitterLight(PointLight):
-    """A part of a glowing surface, in place of a point light.
+    """A part of a glowing surface, in place of a point light."""
 
-    Attributes:
-        form: (3, 3) symmetric: the root of w.form.w is how brightly it shines to the unit vector w and to -w.
-        lean: (3,) what it shines more to w than to -w, as a factor of w.
-        material: Of the surface.
-    """
-
+    # (3, 3) symmetric: the root of w.form.w is how brightly it shines to the unit vector w and to -w
     form: Tensor
-    lean: Tensor
-    material: int
+    lean: Tensor  # (3,) what it shines more to w than to -w, as a factor of w
+    material: int  # of the surface
 
     @property
     def owner(self) -> str:
@@ -90,11 +85,7 @@ class EmitterCluster:
 class Emitters:
     """Finds small bright surfaces and lights the scene with them; they stay lights even if they fade.
 
-    Args:
-        near: A typical distance of what is seen, meters.
-
-    Attributes:
-        materials: Indices of those that are lamps.
+    `near` is a typical distance of what is seen, meters.
     """
 
     def __init__(self, geometry: RayGeometry, near: float) -> None:
@@ -112,11 +103,7 @@ class Emitters:
         return tuple(self._clusters)
 
     def notice(self, shading_inputs: Sequence[ShadingInputs]) -> bool:
-        """Makes lights of materials that have begun to glow.
-
-        Returns:
-            Whether there are new ones.
-        """
+        """Makes lights of materials that have begun to glow; returns whether there are new ones."""
         new = {
             material
             for material, inputs in enumerate(shading_inputs)
@@ -138,11 +125,7 @@ class Emitters:
 
 
 def clusters_of(geometry: RayGeometry, material: int, near: float) -> list[EmitterCluster]:
-    """Cuts a material's surface into clusters; none where it is too large for that.
-
-    Args:
-        near: A typical distance of what is seen, meters.
-    """
+    """Cuts a material's surface into clusters; none where it is too large for that, seen from a distance `near` in meters."""
     triangles = (geometry.material == material).nonzero()[:, 0]
     if not len(triangles):
         return []

@@ -71,21 +71,13 @@ class Environment:
 
 @dataclass(frozen=True)
 class Sky:
-    """The world in one render.
+    """The world in one render."""
 
-    Attributes:
-        environment: Its constant part.
-        color: (3,) color or tint, times strength.
-        turn: () rotation of the picture around the vertical, radians.
-        backdrop_color: (3,) the same as `color` for what the camera sees.
-        backdrop_turn: () likewise.
-    """
-
-    environment: Environment
-    color: Tensor
-    turn: Tensor
-    backdrop_color: Tensor
-    backdrop_turn: Tensor
+    environment: Environment  # its constant part
+    color: Tensor  # (3,) color or tint, times strength
+    turn: Tensor  # () rotation of the picture around the vertical, radians
+    backdrop_color: Tensor  # (3,) the same as `color` for what the camera sees
+    backdrop_turn: Tensor  # () likewise
 
     @property
     def plain(self) -> bool:
@@ -118,16 +110,13 @@ class Sky:
         )
 
     def reflected(self, mirrored: Tensor, normal: Tensor, view: Tensor, roughness: float) -> Tensor:
-        """What a rough surface reflects of the world, uncolored, beside highlights.
+        """Uncolored radiance (3, N) that a rough surface reflects of the world, without highlights.
 
         Args:
             mirrored: (3, N) mirror directions.
             normal: (3, N) unit normals.
             view: (7, N) albedo basis at the viewing cosine.
             roughness: Of the surface, of which there should be few.
-
-        Returns:
-            Radiance (3, N).
         """
         if self.plain:
             return torch.ones_like(mirrored)

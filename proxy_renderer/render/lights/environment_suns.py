@@ -36,13 +36,9 @@ _SEARCH_HEIGHT = 128
 
 @dataclass(frozen=True)
 class EnvironmentSunLight(SunLight):
-    """A bright part of the world's picture, in place of a sun.
+    """A bright part of the world's picture, in place of a sun."""
 
-    Attributes:
-        wide: Whether it is too large to pass for a disc in a mirror.
-    """
-
-    wide: bool
+    wide: bool  # whether it is too large to pass for a disc in a mirror
 
     @property
     def owner(self) -> str:
@@ -57,17 +53,11 @@ class EnvironmentSunLight(SunLight):
 
 @dataclass(frozen=True)
 class EnvironmentSun:
-    """A bright part of a picture.
+    """A bright part of a picture."""
 
-    Attributes:
-        toward: (3,) unit vector to it, before the picture is turned.
-        color: (3,) irradiance of a surface that faces it, above its surroundings'.
-        angle: Its diameter in radians, as a disc.
-    """
-
-    toward: Tensor
-    color: Tensor
-    angle: float
+    toward: Tensor  # (3,) unit vector to it, before the picture is turned
+    color: Tensor  # (3,) irradiance of a surface that faces it, above its surroundings'
+    angle: float  # its diameter in radians, as a disc
 
     @property
     def wide(self) -> bool:
@@ -89,17 +79,11 @@ class EnvironmentSun:
 
 @dataclass(frozen=True)
 class SunSplit:
-    """A picture of the world, equirectangular and bottom row first, in parts.
+    """A picture of the world, equirectangular and bottom row first, in parts."""
 
-    Attributes:
-        shown: (1, 3, H, W) without the suns that are not wide: what is reflected.
-        rest: (1, 3, H, W) without any sun.
-        suns: The wide ones last.
-    """
-
-    shown: Tensor
-    rest: Tensor
-    suns: list[EnvironmentSun]
+    shown: Tensor  # (1, 3, H, W) without the suns that are not wide: what is reflected
+    rest: Tensor  # (1, 3, H, W) without any sun
+    suns: list[EnvironmentSun]  # the wide ones last
 
 
 def split(picture: Tensor) -> SunSplit:

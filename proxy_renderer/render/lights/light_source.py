@@ -29,64 +29,38 @@ POINT_RADIUS = 1e-3
 
 @dataclass(frozen=True)
 class DirectIrradiance:
-    """What reaches N points from one light, unshadowed, per unit of its color.
+    """What reaches N points from one light, unshadowed, per unit of its color."""
 
-    Attributes:
-        toward: (3, N) unit vectors to the light's center.
-        distance: (N,) to the light's center in meters; infinite for suns.
-        irradiance: (N,) on the surface, cosine included.
-        frontal: (N,) on a surface that faces the light: radiance times solid angle.
-        solid_angle: (N,) that the light fills, steradians.
-    """
-
-    toward: Float[Tensor, "3 n"]
-    distance: Float[Tensor, " n"]
-    irradiance: Float[Tensor, " n"]
-    frontal: Float[Tensor, " n"]
-    solid_angle: Float[Tensor, " n"]
+    toward: Float[Tensor, "3 n"]  # (3, N) unit vectors to the light's center
+    distance: Float[Tensor, " n"]  # (N,) to the light's center in meters; infinite for suns
+    irradiance: Float[Tensor, " n"]  # (N,) on the surface, cosine included
+    frontal: Float[Tensor, " n"]  # (N,) on a surface that faces the light: radiance times solid angle
+    solid_angle: Float[Tensor, " n"]  # (N,) that the light fills, steradians
 
 
 @dataclass(frozen=True)
 class SegmentLight:
-    """What reaches the S segments of rays from one light, unshadowed, per unit of its color.
+    """What reaches the S segments of rays from one light, unshadowed, per unit of its color."""
 
-    Attributes:
-        points: (3, S · parts, …) where the middle of the light arrives.
-        toward: (3, S · parts, …) unit vectors from there to the light.
-        distance: (S · parts, …) to the light in meters; infinite for suns.
-        irradiance: (S · parts, …) mean over a part, on a surface that faces the light.
-    """
-
-    points: Float[Tensor, "3 ..."]
-    toward: Float[Tensor, "3 ..."]
-    distance: Float[Tensor, "*n"]
-    irradiance: Float[Tensor, "*n"]
+    points: Float[Tensor, "3 ..."]  # (3, S · parts, …) where the middle of the light arrives
+    toward: Float[Tensor, "3 ..."]  # (3, S · parts, …) unit vectors from there to the light
+    distance: Float[Tensor, "*n"]  # (S · parts, …) to the light in meters; infinite for suns
+    irradiance: Float[Tensor, "*n"]  # (S · parts, …) mean over a part, on a surface that faces the light
 
 
 @dataclass(frozen=True)
 class LightSource(ABC):
-    """A light in one render. A type of light is a subclass; what it does not define cannot be left out unnoticed.
+    """A light in one render. A type of light is a subclass; what it does not define cannot be left out unnoticed."""
 
-    Attributes:
-        light: The scene's record.
-        color: (3,) power or strength times color, temperature and exposure.
-        position: (3,) in meters; for suns the pivot, which nothing depends on.
-        axes: (3, 3) columns x, y, z of the light; it shines along -z.
-        size: () as `read_size` has it.
-        energy_name: The parameter of its energy, "power" in watts or "strength" in W/m².
-        at_infinity: Whether all its light comes from one direction, with no distance.
-        segment_parts: In how many parts a segment of fog in its light is looked at.
-    """
+    light: Light  # the scene's record
+    color: Float[Tensor, " 3"]  # (3,) power or strength times color, temperature and exposure
+    position: Float[Tensor, " 3"]  # (3,) in meters; for suns the pivot, which nothing depends on
+    axes: Float[Tensor, "3 3"]  # (3, 3) columns x, y, z of the light; it shines along -z
+    size: Float[Tensor, ""]  # () as `read_size` has it
 
-    light: Light
-    color: Float[Tensor, " 3"]
-    position: Float[Tensor, " 3"]
-    axes: Float[Tensor, "3 3"]
-    size: Float[Tensor, ""]
-
-    energy_name: ClassVar[str]
-    at_infinity: ClassVar[bool]
-    segment_parts: ClassVar[int]
+    energy_name: ClassVar[str]  # the parameter of its energy, "power" in watts or "strength" in W/m²
+    at_infinity: ClassVar[bool]  # whether all its light comes from one direction, with no distance
+    segment_parts: ClassVar[int]  # in how many parts a segment of fog in its light is looked at
 
     @classmethod
     def of(cls, light: Light, scene: SceneData, values: RenderValues) -> Self:
@@ -243,12 +217,11 @@ def equiangular(
     parts: int,
     intensity: Callable[[Tensor], Tensor],
 ) -> SegmentLight:
-    """Light of a place along rays, analytically (equiangular sampling: Kulla and Fajardo 2012).
+    """Light of a place (3,) along rays, analytically (equiangular sampling: Kulla and Fajardo 2012).
 
     Parts of a segment subtend the same angle at the light, and so count the same.
 
     Args:
-        position: (3,) of the light.
         softness: () meters by which the light is at least off the ray: about what averaging over its size does.
         back: (3,) unit vector away from where a flat light shines; None for one that shines to all sides.
         parts: In how many parts each segment is looked at.

@@ -67,14 +67,9 @@ class PointLight(LightSource):
     def directivity(
         self, toward: Float[Tensor, "3 n"], radius: Float[Tensor, " n"] | None = None
     ) -> Float[Tensor, " n"]:
-        """What it shines to points relative to a light that is the same to all sides.
+        """Light (N,) in directions (3, N) from points to its center, relative to a light that is the same to all sides.
 
-        Args:
-            toward: (3, N) unit vectors from the points to its center.
-            radius: (N,) its radius as seen from the points, as a tangent; None for a small one.
-
-        Returns:
-            (N,).
+        Its radius (N,) is seen from the points, as a tangent; None for a small one.
         """
         return torch.ones_like(toward[0])
 
@@ -115,12 +110,9 @@ _RIM_POINTS = 9
 
 @dataclass(frozen=True)
 class SpotLight(PointLight):
-    """A point light that shines into a cone; inside it is as bright as a point light of the same power.
+    """A point light that shines into a cone; inside it is as bright as a point light of the same power."""
 
-    Attributes:
-        cone: () full opening angle, radians; that of the scene's record where none is given.
-    """
-
+    # () full opening angle, radians; that of the scene's record where none is given
     cone: Float[Tensor, ""] = field(default_factory=lambda: torch.tensor(math.nan))
     segment_parts: ClassVar[int] = 4  # its cone has an edge
 
@@ -367,11 +359,7 @@ LIGHT_TYPES: dict[str, type[LightSource]] = {
 
 
 def light_type(name: str) -> type[LightSource]:
-    """The class of a light type.
-
-    Raises:
-        VibeError: The renderer has no such type.
-    """
+    """The class of a light type; raises VibeError if the renderer has no such type."""
     if name not in LIGHT_TYPES:
         raise VibeError(
             f'Lights of type "{name}" cannot be rendered.', f"Use one of {', '.join(sorted(LIGHT_TYPES))}."
@@ -380,9 +368,5 @@ def light_type(name: str) -> type[LightSource]:
 
 
 def light_sources(scene: SceneData, values: RenderValues) -> list[LightSource]:
-    """All lights of the scene at the render's values.
-
-    Raises:
-        VibeError: The scene has a light of an unknown type.
-    """
+    """All lights of the scene at the render's values; raises VibeError if one has an unknown type."""
     return [light_type(light.type).of(light, scene, values) for light in scene.lights]

@@ -32,11 +32,7 @@ def shadow(
     direct: DirectIrradiance,
     moving: bool,
 ) -> Tensor:
-    """Share (N,) of a lamp that every surface sample sees.
-
-    Args:
-        moving: Whether the lamp is being moved by a gradient loop: fewer rays then, more smoothing.
-    """
+    """Share (N,) of a lamp that every surface sample sees; a gradient loop that moves it gets fewer rays, more smoothing."""
     linked = lamp.lights(surface.object)
     if not lamp.light.shadow:
         return linked.to(torch.float32)
@@ -153,14 +149,10 @@ def _shadow(
     lamps: Sequence[LightSource],
     weights: Tensor,
 ) -> Tensor:
-    """Share (N,) of the light of several lamps together that every surface sample sees.
+    """Share (N,) of the light of several lamps together that every surface sample sees; weights (C,) > 0 say how often rays go to each.
 
     A few rays go to as many of the lamps, chosen by their weights. What they would bring is summed over neighbors on the same
-    smooth surface, with and without shadows: the ratio of the two sums.
-
-    Args:
-        lamps: The lamps, detached; all cast shadows, and light all things.
-        weights: (C,) positive: how often rays go to each lamp.
+    smooth surface, with and without shadows: the ratio of the two sums. All lamps cast shadows, and light all objects.
     """
     count, device = len(surface.material), weights.device
     chance = weights / weights.sum()

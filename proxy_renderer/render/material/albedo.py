@@ -95,14 +95,9 @@ def weigh(coefficients: Tensor, basis_: Tensor) -> Tensor:
 
 
 def _between(table: Tensor, place: Tensor) -> Tensor:
-    """Cubic (Catmull-Rom) look-up along the first axis of a table over [0, 1]: smooth, so gradients are.
+    """Cubic (Catmull-Rom) look-up, at a place () or (N,), along the first axis of a table (R, ...) over [0, 1]: smooth, so gradients are.
 
-    Args:
-        table: (R, ...), with at most one more axis where places vary.
-        place: () or (N,).
-
-    Returns:
-        (...), or (..., N).
+    With places (N,) the table has at most one more axis; N comes last in the answer.
     """
     last = len(table) - 1
     x = place.clamp(0.0, 1.0) * last
@@ -158,12 +153,9 @@ def _visible_normals(cosine: Tensor, roughness: Tensor) -> tuple[Tensor, Tensor]
 
 
 def visible_normals(cosine: Tensor, alpha: Tensor | float, uv: Tensor) -> Tensor:
-    """Unit normals (3, ...) of microfacets, distributed as a viewer sees them.
+    """Unit normals (3, ...) of microfacets, distributed as a viewer sees them, from `uv` (2, ...) in [0, 1).
 
-    Args:
-        cosine: (...) of the viewer's angle to the surface's normal, above 0.
-        alpha: () or (...) width of the distribution: the roughness squared.
-        uv: (2, ...) in [0, 1).
+    The viewer's angle to the surface's normal has a cosine (...) above 0; alpha is the roughness squared.
     """
     sine = (1 - cosine * cosine).clamp_min(0.0).sqrt()
     length = ((alpha * sine) ** 2 + cosine * cosine).sqrt()
@@ -179,14 +171,9 @@ def visible_normals(cosine: Tensor, alpha: Tensor | float, uv: Tensor) -> Tensor
 
 
 def mirrored(cosine: Tensor, normal: Tensor) -> tuple[Tensor, Tensor]:
-    """Where visible microfacets send the light of the viewer's ray.
+    """Directions (3, ...) in which visible microfacets of normals (3, ...) send the light of the viewer's ray.
 
-    Args:
-        cosine: (...) of the viewer's angle to the surface's normal.
-        normal: (3, ...) of the microfacets.
-
-    Returns:
-        Directions (3, ...), and the cosine (...) of the viewer's angle to the microfacets.
+    Also the cosine (...) of the viewer's angle to the microfacets.
     """
     sine = (1 - cosine * cosine).clamp_min(0.0).sqrt()
     at_half = (sine * normal[0] + cosine * normal[2]).clamp(0.0, 1.0)
@@ -197,10 +184,7 @@ def mirrored(cosine: Tensor, normal: Tensor) -> tuple[Tensor, Tensor]:
 def unshadowed(cosine: Tensor, alpha: Tensor | float, leaving: Tensor) -> Tensor:
     """Share (...) of the light from visible microfacets that no other facet blocks; 0 below the horizon.
 
-    Args:
-        cosine: (...) of the viewer's angle to the surface's normal.
-        alpha: () or (...) width of the distribution.
-        leaving: (...) cosine of the angle of the light to it.
+    `cosine` and `leaving` are those of the viewer's and of the light's angle to the surface's normal; alpha is roughness squared.
     """
     masking = (1 + alpha**2 * (1 / (cosine * cosine) - 1)).sqrt()
     shadowing = (1 + alpha**2 * (1 / leaving.clamp(1e-4, 1.0) ** 2 - 1)).sqrt()

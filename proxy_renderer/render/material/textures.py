@@ -18,11 +18,7 @@ _LEVELS = 7
 
 
 class MaterialTextures:
-    """All pictures of a scene's materials.
-
-    Args:
-        size: Of the picture that is rendered: what the camera saw is averaged down to it.
-    """
+    """All pictures of a scene's materials; what the camera saw is averaged down to the size of the picture that is rendered."""
 
     def __init__(self, scene: SceneData, device: torch.device, size: tuple[int, int] | None = None) -> None:
         self._scene = scene
@@ -144,11 +140,7 @@ def _image(texture: Texture, device: torch.device, size: tuple[int, int] | None)
 
 
 class MaterialOpacity:
-    """Alpha of surfaces.
-
-    Attributes:
-        clear: (M,) bool: materials that are not opaque everywhere.
-    """
+    """Alpha of surfaces; `clear` (M,) bool has the materials that are not opaque everywhere."""
 
     def __init__(self, scene: SceneData, device: torch.device) -> None:
         self._maps = MaterialTextures(scene, device)
@@ -161,11 +153,7 @@ class MaterialOpacity:
         self.clear[self._mapped] = True
 
     def at(self, surface: Surface, by_camera: bool = False) -> Tensor:
-        """Alpha (N,) of surface points.
-
-        Args:
-            by_camera: Whether the exported camera sees them directly. If not, alpha baked from it is its mean.
-        """
+        """Alpha (N,) of surface points; the mean of one baked from the exported camera, unless `by_camera`: seen by it directly."""
         alpha = self._alpha[surface.material]
         for material in self._mapped:
             index = (surface.material == material).nonzero()[:, 0]

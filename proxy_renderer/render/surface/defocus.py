@@ -26,25 +26,17 @@ _LEAST = 0.2
 
 @dataclass(frozen=True)
 class Defocus:
-    """The blur of one view; a constant for gradients, which pass through the colors.
+    """The blur of one view; a constant for gradients, which pass through the colors."""
 
-    Attributes:
-        size: Width and height of the picture in pixels.
-        layers: From far to near: opacity (H, W) of what a layer holds, and the spectrum of its disc, None for a sharp one.
-        padded: Height and width that convolutions are done at.
-    """
-
-    size: tuple[int, int]
+    size: tuple[int, int]  # width and height of the picture in pixels
+    # from far to near: opacity (H, W) of what a layer holds, and the spectrum of its disc, None for a sharp
+    # one
     layers: list[tuple[Tensor, Tensor | None]]
-    padded: tuple[int, int]
+    padded: tuple[int, int]  # height and width that convolutions are done at
 
     @staticmethod
     def of(camera: Camera, view: View, distance: Tensor) -> Defocus | None:
-        """The blur of a view; None where all of it is sharp.
-
-        Args:
-            distance: (H, W) along the rays through the pixels' centers; infinite where nothing is met.
-        """
+        """The blur of a view, None where all of it is sharp, from distances (H, W) along the pixels' rays; infinite where nothing is met."""
         if camera.aperture <= 0:
             return None
         radius = _radii(camera, view, distance)

@@ -69,11 +69,7 @@ class DirectLights:
     def of(
         self, index: int, lamps: Sequence[LightSource], view_samples: ViewSamples, view: View
     ) -> DirectLight:
-        """The direct light of one of the lights, as it was before unless `forget_moved`; differentiable where it, or the camera, moves.
-
-        Args:
-            view_samples: As the view sees the samples.
-        """
+        """The direct light of a light, kept unless `forget_moved`; differentiable where it, or the camera, moves."""
         lamp, moving = lamps[index], lamps[index].moving or view_samples.moving
         kept = self._kept.get(index)
         if not moving and kept is not None and kept.direct_light is not None:
@@ -122,21 +118,13 @@ class DirectLights:
 
 @dataclass(frozen=True)
 class ViewSamples:
-    """The samples as the camera sees them; differentiable when the camera is.
+    """The samples as the camera sees them; differentiable when the camera is."""
 
-    Attributes:
-        surface: What N samples meet.
-        toward_eye: (3, N) unit vectors.
-        basis: (7, N) albedo basis of the viewing cosine.
-        mirrored: (3, N) mirror directions.
-        beyond: (3, B) directions of the samples that meet nothing.
-    """
-
-    surface: Surface
-    toward_eye: Tensor
-    basis: Tensor
-    mirrored: Tensor
-    beyond: Tensor
+    surface: Surface  # what N samples meet
+    toward_eye: Tensor  # (3, N) unit vectors
+    basis: Tensor  # (7, N) albedo basis of the viewing cosine
+    mirrored: Tensor  # (3, N) mirror directions
+    beyond: Tensor  # (3, B) directions of the samples that meet nothing
 
     @staticmethod
     def of(surface: Surface, toward: Tensor) -> ViewSamples:
@@ -157,17 +145,12 @@ class ViewSamples:
 
 @dataclass(frozen=True)
 class DirectLight:
-    """Direct light of one light at N samples, per unit of its color.
+    """Direct light of one light at N samples, per unit of its color."""
 
-    Attributes:
-        irradiance: (N,) shadowed.
-        area_specular: The shadowed highlight; None for glowing surfaces and wide suns, which reflections show.
-        paths: From the samples to the light.
-    """
-
-    irradiance: Tensor
+    irradiance: Tensor  # (N,) shadowed
+    # the shadowed highlight; None for glowing surfaces and wide suns, which reflections show
     area_specular: AreaSpecular | None
-    paths: LightPaths
+    paths: LightPaths  # from the samples to the light
     _parts: dict[int, AreaSpecular] = field(default_factory=dict, repr=False, compare=False)
 
     def part(self, samples: slice) -> AreaSpecular:

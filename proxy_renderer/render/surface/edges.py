@@ -36,31 +36,19 @@ _GRAZING = 0.1
 
 @dataclass(frozen=True)
 class ShadowEdges:
-    """All pairs of neighboring pixels between which a hard shadow of one point of a lamp ends.
+    """All pairs of neighboring pixels between which a hard shadow of one point of a lamp ends."""
 
-    Attributes:
-        pixel: (2, E) the pixel in shadow and the one in light.
-        step: (2, E) from the one to the other, in pixels, over the number of the lamp's points.
-        spot: (2, E) the point of the lamp, as `LightSource.shadow_targets` takes it.
-        surface: Of the pixels in shadow.
-        blocker: (3, E) points that cast the edge.
-    """
-
-    pixel: Tensor
-    step: Tensor
-    spot: Tensor
-    surface: Surface
-    blocker: Tensor
+    pixel: Tensor  # (2, E) the pixel in shadow and the one in light
+    step: Tensor  # (2, E) from the one to the other, in pixels, over the number of the lamp's points
+    spot: Tensor  # (2, E) the point of the lamp, as `LightSource.shadow_targets` takes it
+    surface: Surface  # of the pixels in shadow
+    blocker: Tensor  # (3, E) points that cast the edge
 
     @staticmethod
     def of(
         geometry: RayGeometry, samples: Samples, view: View, lamp: LightSource, visible: Tensor
     ) -> ShadowEdges:
-        """Traces shadows of a lamp, detached, where a view, detached, shows its penumbra.
-
-        Args:
-            visible: (N,) share of it that the samples see.
-        """
+        """Traces shadows of a lamp, detached, where a view, detached, shows its penumbra: `visible` (N,) is the share of it that samples see."""
         pixel_index = (samples.center_hits.hit & _penumbra(samples, visible)).nonzero()[:, 0]
         surface = _centers(geometry, samples, view, pixel_index)
         direct = lamp.irradiance(surface.position, surface.normal)
@@ -86,11 +74,7 @@ class ShadowEdges:
         return ShadowEdges(pixel, step / spots.shape[1], spot, surface.pick(dark), blocker)
 
     def term(self, view: View, lamp: LightSource, pixels: int) -> Tensor:
-        """The zero-valued picture (P,) whose gradient is that of the lamp's visible share.
-
-        Args:
-            view: The camera, differentiable if it is learned.
-        """
+        """The zero-valued picture (P,) whose gradient is that of the lamp's visible share."""
         direct = lamp.irradiance(self.surface.position, self.surface.normal)
         toward, distance = lamp.shadow_targets(direct.toward, direct.distance, direct.solid_angle, self.spot)
         if not lamp.at_infinity:
@@ -168,19 +152,12 @@ _WINDOW = 2  # pixels around a pair from which the contour's direction is estima
 
 @dataclass(frozen=True)
 class Silhouettes:
-    """All pairs of pixels that an outline separates.
+    """All pairs of pixels that an outline separates."""
 
-    Attributes:
-        pixel: (2, E) pixel with the near and with the far surface.
-        sample: (2, E) a sample of the near surface in the one, of the far one in the other.
-        points: (3, E) world positions on the near surface.
-        motion: (2, E) what one pixel of the point's motion adds to the near surface's coverage.
-    """
-
-    pixel: Tensor
-    sample: Tensor
-    points: Tensor
-    motion: Tensor
+    pixel: Tensor  # (2, E) pixel with the near and with the far surface
+    sample: Tensor  # (2, E) a sample of the near surface in the one, of the far one in the other
+    points: Tensor  # (3, E) world positions on the near surface
+    motion: Tensor  # (2, E) what one pixel of the point's motion adds to the near surface's coverage
 
     @staticmethod
     def of(samples: Samples, surface: Surface) -> Silhouettes:
@@ -202,11 +179,7 @@ class Silhouettes:
         return Silhouettes(torch.stack((near, far)), sample, surface.position[:, sample[0]], motion)
 
     def term(self, view: View, values: Tensor, pixels: int) -> Tensor:
-        """The zero-valued picture (C, P) whose gradient is that of the outlines.
-
-        Args:
-            values: (C, N) what the samples have.
-        """
+        """The zero-valued picture (C, P) whose gradient is that of the outlines, from the values (C, N) of the samples."""
         place = view.project(self.points)
         moved = ((place - place.detach()) * self.motion).sum(0)
         values = values.detach()

@@ -196,38 +196,24 @@ def sheen(inputs: ShadingInputs, light: IncidentLight) -> tuple[Float[Tensor, "3
 
 @dataclass(frozen=True)
 class IncidentLight:
-    """Everything that arrives at N samples of one material.
+    """Everything that arrives at N samples of one material."""
 
-    Attributes:
-        irradiance: (3, N) shadowed, direct and bounced.
-        lamps: (L, 3) colors of the lamps in `highlights`.
-        highlights: One per lamp, shadowed.
-        view: (7, N) albedo basis at the viewing cosine.
-        reflected: Radiance around the mirror direction.
-        behind: (3, N) radiance seen through the surface, None where nothing is transparent.
-    """
-
-    irradiance: Float[Tensor, "3 n"]
-    lamps: Float[Tensor, "lamps 3"]
-    highlights: Sequence[AreaSpecular]
-    view: Float[Tensor, "7 n"]
-    reflected: ReflectedRadiance
+    irradiance: Float[Tensor, "3 n"]  # (3, N) shadowed, direct and bounced
+    lamps: Float[Tensor, "lamps 3"]  # (L, 3) colors of the lamps in `highlights`
+    highlights: Sequence[AreaSpecular]  # one per lamp, shadowed
+    view: Float[Tensor, "7 n"]  # (7, N) albedo basis at the viewing cosine
+    reflected: ReflectedRadiance  # radiance around the mirror direction
+    # (3, N) radiance seen through the surface, None where nothing is transparent
     behind: Float[Tensor, "3 n"] | None
 
 
 @dataclass(frozen=True)
 class ReflectedRadiance:
-    """Radiance around the mirror direction for any roughness.
+    """Radiance around the mirror direction for any roughness."""
 
-    Attributes:
-        knots: Increasing roughness.
-        images: Radiance (3, N) that a surface of each knot's roughness reflects.
-        glow: What is added to it, with knots of its own; None for nothing.
-    """
-
-    knots: tuple[float, ...]
-    images: Sequence[Float[Tensor, "3 n"]]
-    glow: ReflectedRadiance | None = None
+    knots: tuple[float, ...]  # increasing roughness
+    images: Sequence[Float[Tensor, "3 n"]]  # radiance (3, N) that a surface of each knot's roughness reflects
+    glow: ReflectedRadiance | None = None  # what is added to it, with knots of its own; None for nothing
 
     def at(self, roughness: Float[Tensor, "*varying"]) -> Float[Tensor, "3 n"]:
         """Radiance (3, N) between the two nearest knots of one roughness () or of many (N,)."""

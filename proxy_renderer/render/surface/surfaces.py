@@ -53,12 +53,8 @@ def radiance(
 ) -> Tensor:
     """Radiance (3, N + B) of all samples: surfaces in the order of their materials, then background.
 
-    A transparent film has a fourth row, the coverage of each sample.
-
-    Args:
-        direct_lights: From `direct_lights_of`.
-        table: Radiances of what secondary rays meet, from `table_of`.
-        gathered: The indirect light, gathered after `direct_lights_of`, which traces its shadows.
+    A transparent film has a fourth row, the coverage of each sample. The indirect light is gathered after
+    `direct_lights_of`, which traces its shadows; `table_of` has the radiances of what secondary rays meet.
     """
     cache, view_samples, sky = frame.cache, frame.view_samples, frame.sky
     gathered = cache.indirect.following(gathered, table, frame.sources)
@@ -105,9 +101,8 @@ def _images(
 ) -> tuple[tuple[float, ...], list[Tensor]]:
     """Reflected radiance by roughness: increasing roughnesses, and the radiance (3, N) for each.
 
-    Args:
-        worlds: The world (3, N) in the mirror direction: sharp, a little blurred if it is a picture, and blurred.
-        around: (3, N) what the roughest surface reflects.
+    The world (3, N) in the mirror direction is sharp, a little blurred if it is a picture, and blurred; `around` (3, N) is
+    what the roughest surface reflects.
     """
     sharp, blurred = worlds[0], worlds[-1]
     first = gathered.mirror + sharp * gathered.open_mirror
@@ -177,25 +172,15 @@ _GLASS_STEPS = 8
 
 @dataclass(frozen=True)
 class RenderState:
-    """The state of one render: camera, samples, lights, world, materials, fog.
+    """The state of one render: camera, samples, lights, world, materials, fog."""
 
-    Attributes:
-        view: The camera.
-        cache: What has been traced for it.
-        view_samples: The samples as it sees them.
-        lamps: The lights: the scene's, the environment's suns, glowing surfaces.
-        sky: The world.
-        shading_inputs: Of every material.
-        fog: The medium.
-    """
-
-    view: View
-    cache: ViewCache
-    view_samples: ViewSamples
-    lamps: list[LightSource]
-    sky: Sky
-    shading_inputs: list[ShadingInputs]
-    fog: FogMedium
+    view: View  # the camera
+    cache: ViewCache  # what has been traced for it
+    view_samples: ViewSamples  # the samples as it sees them
+    lamps: list[LightSource]  # the lights: the scene's, the environment's suns, glowing surfaces
+    sky: Sky  # the world
+    shading_inputs: list[ShadingInputs]  # of every material
+    fog: FogMedium  # the medium
 
     @functools.cached_property
     def colors(self) -> Tensor:

@@ -40,17 +40,11 @@ _GEOMETRIC = ("alpha", "normal", "far")
 
 @dataclass(frozen=True)
 class RefractedHits:
-    """Hits of N rays through a transparent material.
+    """Hits of N rays through a transparent material."""
 
-    Attributes:
-        hits: Where the rays end.
-        toward: (3, N) their final directions.
-        ambient: Interpolates irradiance from the gather points to the hits.
-    """
-
-    hits: SecondaryHits
-    toward: Tensor
-    ambient: SparseWeights
+    hits: SecondaryHits  # where the rays end
+    toward: Tensor  # (3, N) their final directions
+    ambient: SparseWeights  # interpolates irradiance from the gather points to the hits
 
 
 class ViewCache:
@@ -62,7 +56,6 @@ class ViewCache:
         lamps: The lights, the suns of the world and glowing surfaces included.
         emissive: Indices of materials whose light comes from lamps.
         glowing: Indices of all materials that glow.
-        seed: For jitter.
     """
 
     def __init__(
@@ -114,11 +107,7 @@ class ViewCache:
         return other
 
     def with_mirrors(self, metals: Tensor) -> Self:
-        """A copy with other mirrors, in which only what they show is traced again.
-
-        Args:
-            metals: (M,) as for the class.
-        """
+        """A copy with other mirrors (M,), in which only what they show is traced again."""
         other = copy(self)
         other.metals, other._through = metals, {}
         other._direct, other._bounced = self._direct.aside(), dict(self._bounced)
@@ -202,11 +191,9 @@ class ViewCache:
     def behind(
         self, material: int, side: int, part: slice, ior: float, lamps: Sequence[LightSource]
     ) -> RefractedHits:
-        """What is seen through a material's samples; traced anew for a new IOR.
+        """The view through a material's samples; traced anew for a new IOR.
 
-        Args:
-            side: 0, or -1 and 1 for the IORs beside it: each is kept.
-            lamps: Those that stand for the clusters of lights.
+        Side is 0, or -1 and 1 for the IORs next to it: each is kept. The lamps stand for the clusters of lights.
         """
         place = tuple(lamp.signature() for lamp in lamps)
         kept = self._through.get((material, side))

@@ -80,13 +80,7 @@ class FogMedium:
         toward: Float[Tensor, "3 *#n"],
         distance: Float[Tensor, "*#n"] | float,
     ) -> Float[Tensor, "*n"]:
-        """Share of light (…) that gets through.
-
-        Args:
-            start: (3, …) meters.
-            toward: (3, …) unit vectors.
-            distance: (…) meters; infinite for suns and the world.
-        """
+        """Share of light (…) that gets through from starts (3, …) in unit directions (3, …), to distances (…) that may be infinite."""
         return torch.exp(-self.density * self.thickness(start, toward, distance))
 
     def thickness(
@@ -193,14 +187,9 @@ class FroxelGrid:
     _end: float
 
     def look_up(self, place: Tensor, distance: Tensor) -> tuple[Tensor, Tensor]:
-        """Fog between the camera and what samples see.
+        """Fog between the camera and what samples see at places (2, N) in pixels and distances (N,), infinite for the background.
 
-        Args:
-            place: (2, N) picture positions in pixels.
-            distance: (N,) meters along the ray; infinite for the background.
-
-        Returns:
-            Scattered light (3, N), to be added, and transmittance (N,), to be multiplied with before.
+        Returns scattered light (3, N), to be added, and transmittance (N,), to be multiplied with before.
         """
         segments, rows, columns = self._sums.shape[2] - 1, *self._sums.shape[3:]
         cut = (torch.log1p(distance / self._near) / math.log(self._growth)).clamp(0, segments - 1)
@@ -220,11 +209,7 @@ class FroxelGrid:
 
 
 class SingleScattering:
-    """Single scattering in the fog of one scene; its shadows are cached until something moves.
-
-    Args:
-        clear: Visibility between points; None for fog without shadows.
-    """
+    """Single scattering in the fog of one scene; its shadows, if it has visibility for them, are cached until something moves."""
 
     def __init__(self, clear: VisibilityTest | None = None) -> None:
         self._clear = clear
@@ -233,11 +218,9 @@ class SingleScattering:
     def scatter(
         self, fog: FogMedium, view: View, near: float, lamps: Sequence[LightSource], world: Tensor
     ) -> FroxelGrid:
-        """The fog in front of a camera.
+        """The fog in front of a camera; up to a typical distance `near` in meters the segments are finest.
 
-        Args:
-            near: A typical distance of what is seen, meters: up to there the segments are finest.
-            world: (3, 14) blurred radiance of the world from `DIRECTIONS`, or (3, 1) for an even one.
+        The world is blurred radiance (3, 14) from `DIRECTIONS`, or (3, 1) for an even one.
         """
         eye = view.position.detach()
         away = [length(lamp.position.detach() - eye, 0.0) for lamp in lamps if not lamp.at_infinity]
@@ -258,11 +241,7 @@ class SingleScattering:
         return FroxelGrid(sums, view.size, near, growth, bulk, end)
 
     def lamp_light(self, fog: FogMedium, rays: RaySegments, lamp: LightSource, parts: int) -> Tensor:
-        """In-scattered light (3, S, rows, columns) of one light in S segments, for an albedo of 1.
-
-        Args:
-            parts: In how many parts each segment is looked at, where the type of light needs it.
-        """
+        """In-scattered light (3, S, rows, columns) of one light in S segments of some parts, for an albedo of 1."""
         direct = lamp.in_scattering(rays, parts)
         strength = direct.irradiance
         if lamp.light.shadow:

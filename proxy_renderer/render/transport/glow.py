@@ -30,15 +30,12 @@ _LAMP_RAYS = 16
 
 @dataclass(frozen=True)
 class GlowShares:
-    """Shares of what A points see.
+    """Shares of what A points see."""
 
-    Attributes:
-        wide: (A, M) of their hemisphere, weighed by the cosine, that each material's glow fills; 0 for what lamps
-            stand for.
-        blurred: For each of `BLURS`, (A, M) of the reflection of a surface of that roughness.
-    """
-
+    # (A, M) of their hemisphere, weighed by the cosine, that each material's glow fills; 0 for what lamps
+    # stand for
     wide: Tensor
+    # for each of `BLURS`, (A, M) of the reflection of a surface of that roughness
     blurred: tuple[Tensor, ...]
 
 
@@ -53,15 +50,10 @@ def glow_of(
     materials: int,
     generator: torch.Generator,
 ) -> GlowShares:
-    """Looks for what glows.
+    """Looks for what glows, from points that the camera's rays have met in directions (3, A).
 
-    Args:
-        arrived: (3, A) directions of the camera's rays to them.
-        near: (A,) `GatherPoints.turns` that share rays of reflections.
-        wide: (A,) those that share rays of the hemisphere.
-        glowing: Indices of all materials that glow.
-        emissive: Those of them that lamps stand for in diffuse light.
-        generator: For jitter.
+    Of the `glowing` materials, lamps stand for the `emissive` ones in diffuse light. Those that have the same number in
+    `near` (A,) share rays of reflections, in `wide` (A,) those of the hemisphere: see `GatherPoints.turns`.
     """
     lobes = LobeRays.of(points, arrived)
     diffuse = _Search(geometry, points, wide, sorted(set(glowing) - set(emissive)), "diffuse", generator)
@@ -147,9 +139,7 @@ class _Search:
     ) -> Tensor:
         """Shares (A, M) of a lobe that the materials' glow fills.
 
-        Args:
-            directions: Rays (3, A * R) of the lobe from (2, A, R) in [0, 1).
-            density: Their density (A * R) at directions (3, A * R).
+        Directions are rays (3, A * R) of the lobe from (2, A, R) in [0, 1); density (A * R) is theirs at directions (3, A * R).
         """
         points = self._origin.shape[1]
         if self._targets is None:
@@ -165,12 +155,7 @@ class _Search:
     def _weighed(
         self, materials: int, hits: Hits, toward: Tensor, lobe: Tensor, seen: Tensor, by_lobe: bool
     ) -> Tensor:
-        """Sums (A, M) of rays by the power heuristic.
-
-        Args:
-            seen: Share of the light that arrives.
-            by_lobe: Whether the rays were chosen by the lobe, or else by the lamps.
-        """
+        """Sums (A, M) of rays, chosen by the lobe or else by the lamps, by the power heuristic; `seen` is the share that arrives."""
         index = (hits.hit & (seen > 0) & (self._density[hits.triangle.clamp_min(0)] > 0)).nonzero()[:, 0]
         triangle, distance = hits.triangle[index], hits.distance[index]
         a, b, c = (self._geometry.corners[k, triangle].T for k in range(3))
@@ -191,17 +176,11 @@ _LEAST_COSINE = 0.02
 
 @dataclass(frozen=True)
 class LobeRays:
-    """Rays that leave A points which rays have met.
+    """Rays that leave A points which rays have met."""
 
-    Attributes:
-        points: The points.
-        arrived: (3, A) directions of the rays that have met them.
-        cosine: (A,) of their angles to the normals.
-    """
-
-    points: Surface
-    arrived: Tensor
-    cosine: Tensor
+    points: Surface  # the points
+    arrived: Tensor  # (3, A) directions of the rays that have met them
+    cosine: Tensor  # (A,) of their angles to the normals
 
     @staticmethod
     def of(points: Surface, arrived: Tensor) -> LobeRays:

@@ -36,23 +36,16 @@ _GLOSSY_RAYS = 8
 
 @dataclass(frozen=True)
 class IndirectLight:
-    """Light of other surfaces and of the world at N samples.
+    """Light of other surfaces and of the world at N samples."""
 
-    Attributes:
-        irradiance: (3, N) of surfaces and world.
-        glossy, mirror: (3, N) blurred and mirrored radiance of surfaces and fog, without the world.
-        open_glossy, open_mirror: (N,) shares of the world in the blurred and in the mirrored reflection.
-        gather_points: (A, 3) irradiance at the gather points.
-        glow: Radiance (3, N) of what glows: its mirror image, then blurred as `glow.BLURS` says. The other reflections
-            lack it. Empty where nothing glows.
-    """
-
-    irradiance: Tensor
-    glossy: Tensor
-    mirror: Tensor
-    open_glossy: Tensor
-    open_mirror: Tensor
-    gather_points: Tensor
+    irradiance: Tensor  # (3, N) of surfaces and world
+    glossy: Tensor  # (3, N) blurred and mirrored radiance of surfaces and fog, without the world
+    mirror: Tensor  # (3, N) blurred and mirrored radiance of surfaces and fog, without the world
+    open_glossy: Tensor  # (N,) shares of the world in the blurred and in the mirrored reflection
+    open_mirror: Tensor  # (N,) shares of the world in the blurred and in the mirrored reflection
+    gather_points: Tensor  # (A, 3) irradiance at the gather points
+    # radiance (3, N) of what glows: its mirror image, then blurred as `glow.BLURS` says. The other
+    # reflections lack it. Empty where nothing glows.
     glow: tuple[Tensor, ...] = ()
 
 
@@ -241,13 +234,9 @@ class FinalGather:
         return table if self._glow is None else table.without(self._emission)
 
     def _dimmed(self, weights: Tensor, table: RadianceTable, shares: Tensor, emission: Tensor) -> Tensor:
-        """Light of surfaces at the gather points (A, 3), behind fog.
+        """Light of surfaces at the gather points (A, 3), behind fog, from weights (A, K) over the rows of the table.
 
-        Args:
-            weights: (A, K) over the rows of the table.
-            table: The radiances.
-            shares: (A, S) transmittance of the sources.
-            emission: (A,) transmittance of what surfaces emit.
+        Shares (A, S) are the transmittance of the sources, emission (A,) that of what surfaces emit.
         """
         materials, sources = self._shape
         split = materials * sources

@@ -36,33 +36,20 @@ class IndirectFog:
     """What fog does to indirect light at A gather points.
 
     The S sources are those of `RadianceTable`: L lights and 2 hemispheres, then the same for light scattered twice.
-
-    Attributes:
-        ambient: (A,) transmittance of the world's light.
-        passing: (A,) transmittance between the point and the surfaces that light it diffusely.
-        path_transmittance: (A, S) transmittance of the whole path from a source over such a surface to the point.
-        light_transmittance: (A, S) transmittance from a source to those surfaces.
-        scattered: (A, 3) irradiance from light that the fog scatters.
-        haze: (A, 3) in-scattered radiance in the mirror direction, as if the fog were endless there.
-        mirrored: (A,) transmittance in the mirror direction.
     """
 
-    ambient: Tensor
-    passing: Tensor
+    ambient: Tensor  # (A,) transmittance of the world's light
+    passing: Tensor  # (A,) transmittance between the point and the surfaces that light it diffusely
+    # (A, S) transmittance of the whole path from a source over such a surface to the point
     path_transmittance: Tensor
-    light_transmittance: Tensor
-    scattered: Tensor
-    haze: Tensor
-    mirrored: Tensor
+    light_transmittance: Tensor  # (A, S) transmittance from a source to those surfaces
+    scattered: Tensor  # (A, 3) irradiance from light that the fog scatters
+    haze: Tensor  # (A, 3) in-scattered radiance in the mirror direction, as if the fog were endless there
+    mirrored: Tensor  # (A,) transmittance in the mirror direction
 
 
 class IndirectFogRays:
-    """Rays of one view along which fog is integrated, and their hits.
-
-    Args:
-        gather_points: Indices (A,) of the samples at which indirect light is gathered.
-        near: A typical distance of what is seen, meters.
-    """
+    """Rays of one view along which fog is integrated, and their hits; `near` is a typical distance of what is seen, meters."""
 
     def __init__(
         self,
@@ -142,11 +129,7 @@ class IndirectFogRays:
     def _light_transmittance(
         self, fog: FogMedium, lamps: Sequence[LightSource], passing: Tensor
     ) -> tuple[Tensor, Tensor]:
-        """Transmittance (P, L) from the lights to the hits of diffuse rays, and from there on to the points.
-
-        Args:
-            passing: (P, rays) transmittance from the hits to the points.
-        """
+        """Transmittance (P, L) from the lights to the hits of diffuse rays, and from there on (P, rays) to the points."""
         light_transmittance, path_transmittance = [], []
         for i, lamp in enumerate(lamps):
             weight = self._irradiance_at_hits(i, lamp)

@@ -32,19 +32,16 @@ _Bounce = tuple[int, Tensor, Surface, Tensor]
 
 
 class SecondaryHits:
-    """R rays from each of A points, and the surfaces that they hit.
+    """R rays, of a kind in `RAYS`, from each of A points, and the surfaces that they hit.
 
     Args:
-        origin: (3, A * R) where the rays start.
-        toward: (3, A * R) their unit directions.
+        origin, toward: (3, A * R) where the rays start, and their unit directions.
         metals: (M,) weight of mirror reflection of each material, 0 for what is no metal.
-        ray: Their kind, of `RAYS`.
         maps: Textures of the hits; None for each material's mean color.
         deep: Whether hits get the world's light and a second bounce.
 
     Attributes:
         open: (A,) share of rays that leave the scene.
-        surface: The surface at the hits, (A * R).
         mirror_weight: (A * R,) that of the hits' materials.
     """
 
@@ -89,11 +86,9 @@ class SecondaryHits:
         self._share = torch.ones_like(self.hit) if self._deep else self.mirror_weight
 
     def with_mirrors(self, metals: Tensor, lamps: Mapping[int, LightSource]) -> Self:
-        """A copy with other mirrors: only what is seen in those that have changed is traced again.
+        """A copy with other mirrors (M,): only what is seen in those that have changed is traced again.
 
-        Args:
-            metals: (M,) as for the class.
-            lamps: The lights whose shadows have been traced, by row.
+        The lamps, by row, are those whose shadows have been traced.
         """
         other = self.aside()
         other._weigh(metals)
@@ -149,11 +144,7 @@ class SecondaryHits:
         return other
 
     def light(self, index: int, lamp: LightSource) -> None:
-        """Traces shadow rays from all hits to one light.
-
-        Args:
-            index: The light's row among the sources.
-        """
+        """Traces shadow rays from all hits to one light, whose row among the sources is `index`."""
         self._trace(lamp, self._bounces(index))
 
     def _trace(self, lamp: LightSource, bounces: list[_Bounce]) -> None:
@@ -187,12 +178,7 @@ class SecondaryHits:
         return total / self.count
 
     def image(self, table: RadianceTable, ambient: Tensor) -> Tensor:
-        """Radiance (3, A) of the hits of single rays; 0 where they leave the scene.
-
-        Args:
-            table: The radiances of all there is to see.
-            ambient: (3, A) irradiance at the hits that is not the lamps'.
-        """
+        """Radiance (3, A) of the hits of single rays, 0 where they leave the scene; `ambient` (3, A) is irradiance not of lamps."""
         if not self._members:
             self._members = [(self.owner == m).nonzero()[:, 0] for m in range(self.materials)]
         ambient = ambient * (1 - self.mirror_weight)
@@ -240,15 +226,9 @@ def _clear(geometry: RayGeometry, lamp: LightSource, direct: DirectIrradiance, s
 def refract(
     toward: Float[Tensor, "3 n"], normal: Float[Tensor, "3 n"], ratio: float
 ) -> tuple[Float[Tensor, "3 n"], Tensor]:
-    """Snell's law.
+    """Snell's law: unit directions (3, N), reflected where all light is, and where (N,) bool that is.
 
-    Args:
-        toward: (3, N) unit directions.
-        normal: (3, N) unit normals on the side that the rays come from.
-        ratio: IOR before the surface over IOR behind it.
-
-    Returns:
-        Unit directions (3, N), reflected where all light is, and where (N,) bool that is.
+    Normals (3, N) are on the side that the rays come from; the ratio is the IOR before the surface over that behind it.
     """
     cosine = -dot(toward, normal)
     squared = 1 - ratio * ratio * (1 - cosine * cosine)
@@ -270,17 +250,7 @@ def through(
     lamps: int,
     maps: MaterialTextures,
 ) -> tuple[SecondaryHits, Tensor]:
-    """Follows rays that enter a surface through all walls of the same glass.
-
-    Args:
-        toward: (3, N) their unit directions.
-        metals: As for `SecondaryHits`.
-        lamps: As for `SecondaryHits`.
-        maps: As for `SecondaryHits`.
-
-    Returns:
-        The hits behind the glass, and the rays' final directions (3, N).
-    """
+    """Hits behind a glass of rays (3, N) that enter its surface, followed through all its walls; and their final directions (3, N)."""
     direction, _ = refract(toward, surface.normal, 1.0 / ior)
     direction = -above(-direction, surface.facet)
     origin = _across(geometry, surface)
