@@ -48,7 +48,7 @@ class Correction:
     """The constants of one anchor."""
 
     view: View  # the camera of the anchor
-    guide: GuideImage  # what its pixels show
+    guide: Tensor  # (H, W) int64, equal where its pixels show the same object and material; -1 for nothing
     colors: Mapping[str, Tensor]  # owner to s_g(θ₀), (3,)
     values: Mapping[str, Tensor]  # θ₀
     dark: float  # radiance below which all is equally dark
@@ -72,22 +72,24 @@ class Correction:
 
         `whole` (3, P) is the proxy's, `parts` its pictures (3, P) of each owner's light alone, `colors` those lights' (3,).
         """
-        guide = GuideImage(_names(cache.samples.center_hits, cache.geometry).view(cache.depth.shape))
-        shared_owners = [owner for owner in picture.parts if owner in parts]
+        guide = _names(cache.samples.center_hits, cache.geometry).view(cache.depth.shape)
+        known_owners = [owner for owner in picture.parts if owner in parts]
         reference = _flat(picture.whole).to(whole)
-        if not picture.denoised:
-            reference = _calmed(reference, whole, guide)
-        ratio = _ratio(reference, whole, guide)
-        alone = [parts[owner] for owner in shared_owners]
+        if not picture.denoised:  # take the proxy's detail instead of the noise
+            above, below, faint = _compared(reference, whole, guide)
+            reference = (whole.clamp_min(0.0) + faint) * above / (below + faint)
+        above, below, faint = _compared(reference, whole, guide)
+        ratio = ((above + faint) / (below + faint)).clamp(1 / _RATIO, _RATIO)  # c
+        # What every owner's light adds to c times its part of the proxy's picture.
+        alone = [parts[owner] for owner in known_owners]
         proxy = torch.stack([*alone, whole - sum(alone, torch.zeros_like(whole))])  # (G, 3, P)
-        residuals = _shares(picture, shared_owners, proxy, guide) * reference - ratio * proxy
-        tiny = 1e-6 + _FAINT * reference.mean()
-        least = torch.minimum(_LEAST * ratio, reference / whole.clamp_min(tiny))
+        residuals = _shares(picture, known_owners, proxy, guide) * reference - ratio * proxy
+        least = torch.minimum(_LEAST * ratio, reference / whole.clamp_min(faint))
         fields = torch.cat((ratio, least, residuals.flatten(0, 1)))
         values = {key: value.detach() for key, value in values.items()}
         dark = 1e-6 + _DARK * float(whole.mean())
         kept = view.detached(), guide, colors, values, dark, _stops(whole, dark)
-        return Correction(*kept, fields, (*shared_owners, REST))
+        return Correction(*kept, fields, (*known_owners, REST))
 
     def fits(self, view: View) -> bool:
         """Whether a view's pixels are those of the anchor."""
@@ -158,31 +160,19 @@ def _flat(picture: Tensor) -> Tensor:
     return picture.flatten(-3, -2).transpose(-1, -2)
 
 
-def _ratio(reference: Tensor, whole: Tensor, guide: GuideImage) -> Tensor:
-    """c (3, P)."""
-    above, below, faint = _compared(reference, whole, guide)
-    return ((above + faint) / (below + faint)).clamp(1 / _RATIO, _RATIO)
-
-
-def _calmed(reference: Tensor, whole: Tensor, guide: GuideImage) -> Tensor:
-    """A noisy picture (3, P) with the proxy's detail instead of its noise."""
-    above, below, faint = _compared(reference, whole, guide)
-    return (whole.clamp_min(0.0) + faint) * above / (below + faint)
-
-
-def _compared(reference: Tensor, whole: Tensor, guide: GuideImage) -> tuple[Tensor, Tensor, Tensor]:
+def _compared(reference: Tensor, whole: Tensor, guide: Tensor) -> tuple[Tensor, Tensor, Tensor]:
     """Both pictures (3, P), smoothed, and a faint radiance () below which ratios say nothing."""
     above, below = blur(torch.cat((reference, whole)), guide, _RADIUS, _SIGMA).split(3)
     return above, below.clamp_min(0.0), 1e-6 + _FAINT * reference.mean()
 
 
-def _shares(picture: CyclesPicture, shared_owners: list[str], proxy: Tensor, guide: GuideImage) -> Tensor:
+def _shares(picture: CyclesPicture, known_owners: list[str], proxy: Tensor, guide: Tensor) -> Tensor:
     """Shares (G, 3, P) that the known owners and the rest have in the picture; they add up to 1.
 
     The noisy parts are smoothed relative to the proxy's, whose shadows have sharp edges.
     """
-    other = sum((p for o, p in picture.parts.items() if o not in shared_owners), picture.rest)
-    noisy = _flat(torch.stack([*(picture.parts[owner] for owner in shared_owners), other])).to(proxy)
+    other = sum((p for o, p in picture.parts.items() if o not in known_owners), picture.rest)
+    noisy = _flat(torch.stack([*(picture.parts[owner] for owner in known_owners), other])).to(proxy)
     model = proxy.clamp_min(0.0) + _HAZY * proxy.abs().mean()
     above, below = (blur(p.flatten(0, 1), guide, _RADIUS, _SIGMA) for p in (noisy, model))
     parts = model * (above / below.clamp_min(1e-20)).view_as(model)
@@ -198,37 +188,16 @@ _LEAST_WEIGHT = 1e-3  # weight of all pixels together, of which one at the place
 _OUTLINE = 0.2  # weight of pixels beside an outline, which show two things
 
 
-@dataclass(frozen=True)
-class GuideImage:
-    """What the pixels of a picture show."""
-
-    # (H, W) int64, equal where pixels show the same object and material; negative for the background
-    names: Tensor
-
-    @property
-    def device(self) -> torch.device:
-        """Where the picture is."""
-        return self.names.device
-
-    @property
-    def inner(self) -> Tensor:
-        """(H, W) weight of a pixel: little where its neighbors show something else."""
-        wide = torch.cat((self.names, -self.names)).view(2, *self.names.shape).double()
-        high, low = max_pool2d(wide[None], 3, 1, 1)[0]
-        return torch.where(high == -low, 1.0, _OUTLINE).float()
-
-
-def blur(fields: Tensor, guide: GuideImage, radius: int, sigma: float) -> Tensor:
-    """Gaussian averages (C, P) of fields (C, P) over each pixel's neighbors of the same name."""
-    height, width = guide.names.shape
+def blur(fields: Tensor, guide: Tensor, radius: int, sigma: float) -> Tensor:
+    """Gaussian averages (C, P) of fields (C, P) over each pixel's neighbors that have the same name in the guide (H, W)."""
+    height, width = guide.shape
     picture = fields.view(-1, height, width)
     total, weights = torch.zeros_like(picture), torch.zeros_like(picture[0])
     for dy in range(-radius, radius + 1):
         for dx in range(-radius, radius + 1):
-            here, there = _overlap(dy, height), _overlap(dx, width)
-            (y, from_y), (x, from_x) = here, there
+            (y, from_y), (x, from_x) = _overlap(dy, height), _overlap(dx, width)
             weight = torch.exp(torch.tensor(-(dx * dx + dy * dy) / (2 * sigma * sigma))).to(fields)
-            same = weight * (guide.names[y, x] == guide.names[from_y, from_x])
+            same = weight * (guide[y, x] == guide[from_y, from_x])
             total[:, y, x] += same * picture[:, from_y, from_x]
             weights[y, x] += same
     return (total / weights).view_as(fields)
@@ -241,22 +210,25 @@ def _overlap(shift: int, size: int) -> tuple[slice, slice]:
 
 def look_up(
     fields: Tensor,
-    guide: GuideImage,
+    guide: Tensor,
     place: Tensor,
     names: Tensor,
     neutral: Tensor,
     stops: tuple[Tensor, Tensor] | None = None,
 ) -> Tensor:
-    """Averages (C, N) of a picture's fields (C, P) around places (2, N) in pixels, over pixels that show the names (N,) asked for.
+    """Averages (C, N) of a picture's fields (C, P) around places (2, N) in pixels, over pixels of the given names (N,).
 
-    Where nothing near shows them, the neutral values (C,) are taken.
+    The guide (H, W) has the pixels' names. Where nothing near has the name, the neutral values (C,) are taken.
 
     Args:
-        stops: (P,) brightness of the pixels and (N,) the one asked for, in stops: only pixels about as bright
+        stops: (P,) brightness of the pixels and (N,) the one to look for, in stops: only pixels about as bright
             count, so that what belongs to a highlight stays with it. None to average over all.
     """
-    height, width = guide.names.shape
-    flat, inner = guide.names.flatten(), guide.inner.flatten()
+    height, width = guide.shape
+    # Pixels whose neighbors show something else weigh little.
+    wide = torch.cat((guide, -guide)).view(2, height, width).double()
+    high, low = max_pool2d(wide[None], 3, 1, 1)[0]
+    flat, inner = guide.flatten(), torch.where(high == -low, 1.0, _OUTLINE).float().flatten()
     rows = fields.T.contiguous()  # what a pixel has lies together
     total = torch.zeros((place.shape[1], len(fields)), device=fields.device)
     weights = torch.zeros_like(total[:, 0])

@@ -74,12 +74,8 @@ class EmitterLight(PointLight):
         return clipped_sphere(cosine, share)
 
 
-@dataclass(frozen=True)
-class EmitterCluster:
-    """A part of a glowing surface: as a light of color 1, and the power of one of radiance 1."""
-
-    lamp: EmitterLight
-    power: float
+EmitterCluster = tuple[EmitterLight, float]
+"""A part of a glowing surface: as a light of color 1, and the power of one of radiance 1."""
 
 
 class Emitters:
@@ -118,9 +114,9 @@ class Emitters:
     def lamps(self, shading_inputs: Sequence[ShadingInputs]) -> list[EmitterLight]:
         """All clusters as lamps, differentiable in emission."""
         return [
-            replace(cluster.lamp, color=shading_inputs[material].emission * cluster.power)
+            replace(lamp, color=shading_inputs[material].emission * power)
             for material, clusters in self._clusters.items()
-            for cluster in clusters
+            for lamp, power in clusters
         ]
 
 
@@ -146,7 +142,7 @@ def clusters_of(geometry: RayGeometry, material: int, near: float) -> list[Emitt
     share = area / place.shape[1]
     parts = [(place[:, g], normal[:, g], outside[g], inside[g]) for g in groups]
     clusters = [_cluster(*p, share, material, k) for k, p in enumerate(parts)]
-    return [cluster for cluster in clusters if cluster.power > 0]
+    return [(lamp, power) for lamp, power in clusters if power > 0]
 
 
 def _points(geometry: RayGeometry, triangles: Tensor) -> tuple[Tensor, Tensor, float]:
@@ -204,16 +200,11 @@ def _cluster(
     form = form / root.mean().clamp_min(1e-6).square()
     lean = 2 * (normal * odd).sum(1) / max(area, 1e-20)
     axes = torch.eye(3, device=place.device)
-    light = Light(
-        f"emitter/{material}/{number}",
-        "POINT",
-        ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
-        (0.0,) * 3,
-    )
-    light = replace(light, soft_falloff=False)
+    turn = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    light = Light(f"emitter/{material}/{number}", "POINT", turn, (0.0, 0.0, 0.0), soft_falloff=False)
     ones, middle = torch.ones(3, device=place.device), place.mean(1)
     lamp = EmitterLight(light, ones, middle, axes, _radius(place), form, lean, material)
-    return EmitterCluster(lamp, 2 * math.pi * area)
+    return lamp, 2 * math.pi * area
 
 
 def _sphere(count: int = 2048) -> Tensor:

@@ -57,15 +57,14 @@ class Environment:
             self.harmonics = torch.cat((white, torch.zeros((8, 3), device=device)))
             return
         sharp = _sharp(image, device)
-        parts = split(sharp)
-        self.suns = parts.suns
-        small = interpolate(parts.rest, (_ROUGH_HEIGHT, 2 * _ROUGH_HEIGHT), mode="area")[0]
+        shown, rest, self.suns = split(sharp)
+        small = interpolate(rest, (_ROUGH_HEIGHT, 2 * _ROUGH_HEIGHT), mode="area")[0]
         grid, solid = texels(_ROUGH_HEIGHT, 2 * _ROUGH_HEIGHT, device)
         self.harmonics = harmonics(grid).mul(solid) @ small.flatten(1).T
-        self.whole, self.sharp = _padded(sharp), _padded(parts.shown)
+        self.whole, self.sharp = _padded(sharp), _padded(shown)
         if self.backdrop is None and _shares_picture(scene):
             self.backdrop = self.whole
-        self.blurred = blurred_stack(parts.shown)
+        self.blurred = blurred_stack(shown)
         self.soft = _padded(blurred(small, _SOFT)[None])
 
 

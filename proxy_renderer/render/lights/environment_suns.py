@@ -77,17 +77,12 @@ class EnvironmentSun:
         return EnvironmentSunLight(light, self.color * tint, place, axes, size, wide=self.wide)
 
 
-@dataclass(frozen=True)
-class SunSplit:
-    """A picture of the world, equirectangular and bottom row first, in parts."""
+def split(picture: Tensor) -> tuple[Tensor, Tensor, list[EnvironmentSun]]:
+    """Separates the suns from an equirectangular picture (1, 3, H, W), bottom row first.
 
-    shown: Tensor  # (1, 3, H, W) without the suns that are not wide: what is reflected
-    rest: Tensor  # (1, 3, H, W) without any sun
-    suns: list[EnvironmentSun]  # the wide ones last
-
-
-def split(picture: Tensor) -> SunSplit:
-    """Separates the suns from an equirectangular picture (1, 3, H, W)."""
+    Returns the picture without the suns that are not wide, which is reflected; the picture without any sun; and the
+    suns, the wide ones last.
+    """
     height = min(_SEARCH_HEIGHT, picture.shape[2])
     small = interpolate(picture, (height, 2 * height), mode="area")[0].flatten(1)
     toward, solid = texels(height, 2 * height, picture.device)
@@ -110,9 +105,7 @@ def split(picture: Tensor) -> SunSplit:
     nothing = torch.zeros_like(picture)
     rest = sum((part.view_as(picture) for _, part in kept), nothing)
     discs = sum((part.view_as(picture) for sun, part in kept if not sun.wide), nothing)
-    return SunSplit(
-        picture - discs, picture - rest, sorted((sun for sun, _ in kept), key=lambda sun: sun.wide)
-    )
+    return picture - discs, picture - rest, sorted((sun for sun, _ in kept), key=lambda sun: sun.wide)
 
 
 def _counts(sun: EnvironmentSun, light: float, mean: float) -> bool:

@@ -37,6 +37,11 @@ class DirectIrradiance:
     frontal: Float[Tensor, " n"]  # (N,) on a surface that faces the light: radiance times solid angle
     solid_angle: Float[Tensor, " n"]  # (N,) that the light fills, steradians
 
+    def pick(self, index: Tensor) -> DirectIrradiance:
+        """The points at an index."""
+        fields = self.toward, self.distance, self.irradiance, self.frontal, self.solid_angle
+        return DirectIrradiance(*(field[..., index] for field in fields))
+
 
 @dataclass(frozen=True)
 class SegmentLight:
@@ -50,7 +55,7 @@ class SegmentLight:
 
 @dataclass(frozen=True)
 class LightSource(ABC):
-    """A light in one render. A type of light is a subclass; what it does not define cannot be left out unnoticed."""
+    """A light in one render. A type of light is a subclass; by default it is round and has a position and a power."""
 
     light: Light  # the scene's record
     color: Float[Tensor, " 3"]  # (3,) power or strength times color, temperature and exposure
@@ -58,9 +63,9 @@ class LightSource(ABC):
     axes: Float[Tensor, "3 3"]  # (3, 3) columns x, y, z of the light; it shines along -z
     size: Float[Tensor, ""]  # () as `read_size` has it
 
-    energy_name: ClassVar[str]  # the parameter of its energy, "power" in watts or "strength" in W/m²
-    at_infinity: ClassVar[bool]  # whether all its light comes from one direction, with no distance
-    segment_parts: ClassVar[int]  # in how many parts a segment of fog in its light is looked at
+    energy_name: ClassVar[str] = "power"  # the parameter of its energy: "power" in watts, "strength" in W/m²
+    at_infinity: ClassVar[bool] = False  # whether all its light comes from one direction, with no distance
+    segment_parts: ClassVar[int] = 1  # in how many parts a segment of fog in its light is looked at
 
     @classmethod
     def of(cls, light: Light, scene: SceneData, values: RenderValues) -> Self:
@@ -86,13 +91,13 @@ class LightSource(ABC):
         return cls(light, color, position, axes, within(size, 0.0, math.inf))
 
     @staticmethod
-    @abstractmethod
     def read_size(light: Light, values: RenderValues) -> Float[Tensor, ""]:
         """Radius of a point or spot and width of an area light in meters, angular diameter of a sun in radians: ()."""
+        return values.scalar(f"light/{light.name}/size") * light.scale
 
-    @abstractmethod
     def toward(self, points: Float[Tensor, "3 n"]) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
         """Unit vectors (3, N) from points (3, N) to the light's center, and distances (N,) in meters."""
+        return offsets(self.position, points)[:2]
 
     @abstractmethod
     def irradiance(self, points: Float[Tensor, "3 n"], normals: Float[Tensor, "3 n"]) -> DirectIrradiance:
@@ -100,36 +105,17 @@ class LightSource(ABC):
 
     @abstractmethod
     def shadow_targets(
-        self,
-        toward: Float[Tensor, "3 n"],
-        distance: Float[Tensor, " n"],
-        solid_angle: Float[Tensor, " n"],
-        uv: Float[Tensor, "2 n"],
+        self, direct: DirectIrradiance, uv: Float[Tensor, "2 n"]
     ) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
-        """Points on the light to which shadow rays go.
-
-        Args:
-            toward: As in `DirectIrradiance`.
-            distance: As in `DirectIrradiance`.
-            solid_angle: As in `DirectIrradiance`.
-            uv: (2, N) in [0, 1), stratified.
-
-        Returns:
-            Unit directions (3, N) and distances (N,).
-        """
-
-    @abstractmethod
-    def half_sides(self) -> tuple[Float[Tensor, "3 1"], Float[Tensor, "3 1"]] | None:
-        """Half the sides, (3, 1) each, of a rectangular outline; None for a round one."""
+        """Unit directions (3, N) and distances (N,) of shadow rays to points on the light, from uv (2, N) in [0, 1)."""
 
     @abstractmethod
     def in_scattering(self, segments: RaySegments, parts: int) -> SegmentLight:
-        """Unshadowed light that fog gets along rays.
+        """Unshadowed light that fog gets along rays, each segment looked at in some parts, where it matters."""
 
-        Args:
-            segments: The rays and where they are cut.
-            parts: In how many parts each segment is looked at, where it matters.
-        """
+    def half_sides(self) -> tuple[Float[Tensor, "3 1"], Float[Tensor, "3 1"]] | None:
+        """Half the sides, (3, 1) each, of a rectangular outline; None for a round one."""
+        return None
 
     def lights(self, objects: Int[Tensor, " n"]) -> Bool[Tensor, " n"]:
         """Whether surfaces of objects (N,) get its light: light linking may leave some out."""

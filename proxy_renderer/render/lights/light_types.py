@@ -32,19 +32,6 @@ from .light_source import (
 class PointLight(LightSource):
     """A sphere of some radius; its energy is its power in watts."""
 
-    energy_name: ClassVar[str] = "power"
-    at_infinity: ClassVar[bool] = False
-    segment_parts: ClassVar[int] = 1
-
-    @staticmethod
-    def read_size(light: Light, values: RenderValues) -> Float[Tensor, ""]:
-        """Its radius () in meters."""
-        return values.scalar(f"light/{light.name}/size") * light.scale
-
-    def toward(self, points: Float[Tensor, "3 n"]) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
-        """See `LightSource.toward`."""
-        return offsets(self.position, points)[:2]
-
     def irradiance(self, points: Float[Tensor, "3 n"], normals: Float[Tensor, "3 n"]) -> DirectIrradiance:
         """Power / (4 pi d^2), which Blender's soft falloff (its default) lowers near large lights.
 
@@ -78,20 +65,13 @@ class PointLight(LightSource):
         return cosine
 
     def shadow_targets(
-        self,
-        toward: Float[Tensor, "3 n"],
-        distance: Float[Tensor, " n"],
-        solid_angle: Float[Tensor, " n"],
-        uv: Float[Tensor, "2 n"],
+        self, direct: DirectIrradiance, uv: Float[Tensor, "2 n"]
     ) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
         """See `LightSource.shadow_targets`: points of the disc that faces the shaded point."""
-        target = toward * distance + disc_offsets(toward, solid_angle, uv) * distance
+        offset = disc_offsets(direct.toward, direct.solid_angle, uv) * direct.distance
+        target = direct.toward * direct.distance + offset
         away = length(target)
         return target / away, away
-
-    def half_sides(self) -> None:
-        """It is round."""
-        return
 
     def in_scattering(self, segments: RaySegments, parts: int) -> SegmentLight:
         """See `LightSource.in_scattering`."""
@@ -179,15 +159,6 @@ _GAUSS = ((-0.861136, 0.173927), (-0.339981, 0.326073), (0.339981, 0.326073), (0
 class AreaLight(LightSource):
     """A flat light; its energy is its power in watts, its radiance power / (pi area)."""
 
-    energy_name: ClassVar[str] = "power"
-    at_infinity: ClassVar[bool] = False
-    segment_parts: ClassVar[int] = 1
-
-    @staticmethod
-    def read_size(light: Light, values: RenderValues) -> Float[Tensor, ""]:
-        """Its width () in meters."""
-        return values.scalar(f"light/{light.name}/size") * light.scale
-
     @property
     def round(self) -> bool:
         """Whether its outline is an ellipse rather than a rectangle."""
@@ -213,10 +184,6 @@ class AreaLight(LightSource):
         """See `LightSource.half_sides`."""
         return None if self.round else self.half_axes()
 
-    def toward(self, points: Float[Tensor, "3 n"]) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
-        """See `LightSource.toward`."""
-        return offsets(self.position, points)[:2]
-
     def irradiance(self, points: Float[Tensor, "3 n"], normals: Float[Tensor, "3 n"]) -> DirectIrradiance:
         """See `LightSource.irradiance`."""
         toward, distance, squared = offsets(self.position, points)
@@ -224,19 +191,14 @@ class AreaLight(LightSource):
         radiance = 1.0 / (math.pi * (self.area if self.light.normalize else 1.0))
         solid = (self.area * facing / (squared + self.area / math.pi)).clamp_min(1e-7)
         front = (facing > 0).to(facing.dtype)
-        if not self.focused:
-            irradiance = radiance * front * self._polygon(points, normals)
-            return DirectIrradiance(toward, distance, irradiance, radiance * front * solid, solid)
-        spread = self._mean_spread(points)
-        irradiance = radiance * front * self._polygon(points, normals) * spread
-        return DirectIrradiance(toward, distance, irradiance, radiance * front * solid * spread, solid)
+        irradiance, frontal = radiance * front * self._polygon(points, normals), radiance * front * solid
+        if self.focused:
+            spread = self._mean_spread(points)
+            irradiance, frontal = irradiance * spread, frontal * spread
+        return DirectIrradiance(toward, distance, irradiance, frontal, solid)
 
     def shadow_targets(
-        self,
-        toward: Float[Tensor, "3 n"],
-        distance: Float[Tensor, " n"],
-        solid_angle: Float[Tensor, " n"],
-        uv: Float[Tensor, "2 n"],
+        self, direct: DirectIrradiance, uv: Float[Tensor, "2 n"]
     ) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
         """See `LightSource.shadow_targets`."""
         if self.round:
@@ -246,7 +208,7 @@ class AreaLight(LightSource):
         else:
             u, v = self.half_axes()
             offset = u * (2 * uv[0] - 1) + v * (2 * uv[1] - 1)
-        target = toward * distance + offset
+        target = direct.toward * direct.distance + offset
         away = length(target)
         return target / away, away
 
@@ -306,7 +268,6 @@ class SunLight(LightSource):
 
     energy_name: ClassVar[str] = "strength"
     at_infinity: ClassVar[bool] = True
-    segment_parts: ClassVar[int] = 1
 
     @staticmethod
     def read_size(light: Light, values: RenderValues) -> Float[Tensor, ""]:
@@ -327,19 +288,11 @@ class SunLight(LightSource):
         return DirectIrradiance(toward.expand_as(normals), one * math.inf, cosine, one, one * solid)
 
     def shadow_targets(
-        self,
-        toward: Float[Tensor, "3 n"],
-        distance: Float[Tensor, " n"],
-        solid_angle: Float[Tensor, " n"],
-        uv: Float[Tensor, "2 n"],
+        self, direct: DirectIrradiance, uv: Float[Tensor, "2 n"]
     ) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
         """See `LightSource.shadow_targets`."""
-        target = toward + disc_offsets(toward, solid_angle, uv)
-        return target / length(target), distance
-
-    def half_sides(self) -> None:
-        """It is round."""
-        return
+        target = direct.toward + disc_offsets(direct.toward, direct.solid_angle, uv)
+        return target / length(target), direct.distance
 
     def in_scattering(self, segments: RaySegments, parts: int) -> SegmentLight:
         """The same everywhere, so that one part of a segment says all."""

@@ -45,10 +45,10 @@ def shadow(
     index = lit.nonzero()[:, 0]
     origin = geometry.lifted(surface)[:, index]
     spots = sphere_points(rays, count, torch.Generator().manual_seed(11)).to(visible.device)[:, index]
-    part = direct.toward[:, index], direct.distance[index], direct.solid_angle[index]
+    part = direct.pick(index)
     total = torch.zeros(len(index), device=visible.device)
     for k in range(rays):
-        toward, distance = lamp.shadow_targets(*part, spots[:, :, k])
+        toward, distance = lamp.shadow_targets(part, spots[:, :, k])
         total += geometry.clear(origin, toward, distance * (1 - 1e-4), lamp.shadowless)
     visible[index] = total / rays
     return smoothing(visible, radius=1 if rays == 1 else 2) * linked
@@ -168,10 +168,10 @@ def _shadow(
         brought = direct.irradiance * luminance(lamp.color) / chance[number]
         lit = (brought > 0).nonzero()[:, 0]
         sample, ray, part, brought = sample[lit], ray[lit], part.pick(lit), brought[lit]
-        ways = direct.toward[:, lit], direct.distance[lit], direct.solid_angle[lit]
-        toward, distance = lamp.shadow_targets(*ways, spots[:, sample, ray])
+        direct = direct.pick(lit)
+        toward, distance = lamp.shadow_targets(direct, spots[:, sample, ray])
         clear = geometry.clear(geometry.lifted(part), toward, distance * (1 - 1e-4), lamp.shadowless)
-        facing = dot(part.facet, direct.toward[:, lit]) > 0
+        facing = dot(part.facet, direct.toward) > 0
         whole.index_add_(0, sample, brought)
         seen.index_add_(0, sample, brought * clear * facing)
     seen, whole = smoothing(seen, radius=2), smoothing(whole, radius=2)

@@ -59,7 +59,7 @@ class ShadowEdges:
         edges = []
         for point in spots.unbind(1):
             spot = point[:, None].expand(2, len(pixel_index))
-            toward, distance = lamp.shadow_targets(direct.toward, direct.distance, direct.solid_angle, spot)
+            toward, distance = lamp.shadow_targets(direct, spot)
             clear = torch.zeros(len(pixel_index), device=origin.device)
             clear[lit] = geometry.clear(origin[:, lit], toward[:, lit], distance[lit] * (1 - 1e-4))
             dark, bright = _split(neighbors, clear)
@@ -76,7 +76,7 @@ class ShadowEdges:
     def term(self, view: View, lamp: LightSource, pixels: int) -> Tensor:
         """The zero-valued picture (P,) whose gradient is that of the lamp's visible share."""
         direct = lamp.irradiance(self.surface.position, self.surface.normal)
-        toward, distance = lamp.shadow_targets(direct.toward, direct.distance, direct.solid_angle, self.spot)
+        toward, distance = lamp.shadow_targets(direct, self.spot)
         if not lamp.at_infinity:
             toward = self.surface.position + toward * distance - self.blocker
             toward = toward / toward.detach().norm(dim=0)
