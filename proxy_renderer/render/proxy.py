@@ -86,25 +86,22 @@ class Proxy:
 
     def render(self, values: Mapping[str, Tensor]) -> Render:
         """Renders the scene, differentiable in all values (C,) by key; missing ones take the scene's."""
-        lit = {key: value for key, value in values.items() if key not in _FILM_KEYS}
-        latent = self._same_light(lit)
-        if latent is None:
-            latent = self.expose(values)
-            if not torch.is_grad_enabled():
-                self._undeveloped = latent, lit, self.correction
+        if torch.is_grad_enabled():
+            return self.develop(self.expose(values), values)
+        # The last latent image is developed again if only values of the film differ.
+        scene_values = {key: value for key, value in values.items() if key not in _FILM_KEYS}
+        if self._undeveloped is not None:
+            latent, earlier, correction = self._undeveloped
+            alike = scene_values.keys() == earlier.keys() and correction is self.correction
+            if alike and all(torch.equal(v, earlier[k]) for k, v in scene_values.items()):
+                return self.develop(latent, values)
+        latent = self.expose(values)
+        self._undeveloped = latent, scene_values, self.correction
         return self.develop(latent, values)
 
-    def _same_light(self, lit: Mapping[str, Tensor]) -> LatentImage | None:
-        """The last picture without gradients, undeveloped, if it had the very values (by key) that come before the film."""
-        if self._undeveloped is None or torch.is_grad_enabled():
-            return None
-        latent, earlier, correction = self._undeveloped
-        alike = lit.keys() == earlier.keys() and correction is self.correction
-        return latent if alike and all(torch.equal(v, earlier[k]) for k, v in lit.items()) else None
-
     def traced(self, values: Mapping[str, Tensor]) -> ViewCache:
-        """What rays find at these values; for `expose`, which takes it, or what is `aside` of it, for values nearby."""
-        return self._frame(values)[0].cache
+        """The hits of rays at these values; for `expose`, which takes it, or its copy by `aside`, for values nearby."""
+        return self._frame(values).cache
 
     def develop(self, latent: LatentImage, values: Mapping[str, Tensor]) -> Render:
         """Grade and view transform of what `expose` returned; only values of the film count."""
@@ -119,14 +116,13 @@ class Proxy:
         With a `cache`, nothing is traced again except for a lamp that has moved: mirrors and glasses then stay what they
         were, as they do for gradients.
         """
-        frame, _ = self._frame(values, cache)
+        frame = self._frame(values, cache)
         radiance, passing = self._light(frame)
+        # A correction of another camera is looked up by sample, so that outlines stay smooth.
         fits = self.correction is not None and self.correction.fits(frame.view)
         if self.correction and not fits:
-            current = frame.owners, frame.view, frame.cache
-            corrected = self.correction.samples(
-                radiance[:3], *current, lambda: self._before(values, frame.cache)
-            )
+            current = frame.owners, frame.view, frame.cache, lambda: self._before(values, frame.cache)
+            corrected = self.correction.samples(radiance[:3], *current)
             radiance = torch.cat((corrected, radiance[3:]))
         picture, mask = _resolve(frame, radiance)
         if self.correction and fits:
@@ -139,7 +135,7 @@ class Proxy:
     def gbuffer(self, values: Mapping[str, Tensor]) -> GBuffer:
         """The G-buffer at these values: what the camera sees, and through how much fog."""
         with torch.no_grad():
-            frame, _ = self._frame(values)
+            frame = self._frame(values)
             clear = _transmittance(frame, self._through_fog(frame)[1] if frame.fog.active else None)
             return gbuffer_of(self.scene, self.geometry, frame.view, frame.cache, clear)
 
@@ -153,7 +149,7 @@ class Proxy:
                 f"Cycles' picture has {picture.size} pixels instead of {self.size}.", "Ask for that size."
             )
         with torch.no_grad():
-            frame, _ = self._frame(values)
+            frame = self._frame(values)
             whole, colors = self._picture(frame), frame.owners
             emission = self._picture(frame.only(""))
             parts = {owner: self._picture(frame.only(owner)) - emission for owner in colors}
@@ -163,13 +159,11 @@ class Proxy:
     def _before(self, values: Mapping[str, Tensor], cache: ViewCache) -> Tensor:
         """Radiance (3, N) of the anchor's values at the samples of the current camera."""
         assert self.correction is not None
-        lit = {k: v for k, v in self.correction.values.items() if not k.startswith("camera/")}
+        others = {k: v for k, v in self.correction.values.items() if not k.startswith("camera/")}
         camera = {k: v.detach() for k, v in values.items() if k.startswith("camera/")}
-        return self._light(self._frame({**lit, **camera}, cache)[0])[0][:3]
+        return self._light(self._frame({**others, **camera}, cache))[0][:3]
 
-    def _frame(
-        self, values: Mapping[str, Tensor], cache: ViewCache | None = None
-    ) -> tuple[RenderState, RenderValues]:
+    def _frame(self, values: Mapping[str, Tensor], cache: ViewCache | None = None) -> RenderState:
         """The state of a render at these values; with the samples of another render, if given."""
         settings = RenderValues(self.scene, values, self.device)
         view = view_of(self.scene, settings, self.size)
@@ -179,7 +173,7 @@ class Proxy:
         sky = sky_of(self.environment, settings)
         lamps = [*light_sources(self.scene, settings), *sky.lamps, *self.emitters.lamps(shading_inputs)]
         cache = cache or self._cache_of(view, shading_inputs, lamps)
-        frame = RenderState(
+        return RenderState(
             view=view,
             cache=cache,
             view_samples=cache.view_samples(view),
@@ -188,7 +182,6 @@ class Proxy:
             shading_inputs=shading_inputs,
             fog=FogMedium(self.scene, settings),
         )
-        return frame, settings
 
     def _notice(self, shading_inputs: list[ShadingInputs]) -> None:
         """Forgets what was traced if a glass has changed, or a surface has begun to glow."""

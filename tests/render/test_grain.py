@@ -25,7 +25,7 @@ def beside_many_rays(scene, roughness):
     """Indirect light, which samples are the floor's, and the share (n,) of many rays of their lobes that hit anything."""
     proxy = Proxy(scene, (192, 192))
     with torch.no_grad():
-        frame, _ = proxy._frame({})
+        frame = proxy._frame({})
         direct_lights_of(frame)
         gathered = proxy._gather(frame, table_of(frame))
         cache, geometry = frame.cache, proxy.geometry

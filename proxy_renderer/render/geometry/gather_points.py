@@ -91,14 +91,9 @@ class GatherPoints:
         self._lists = _cell_lists(own, columns, rows, min(most, 9))
         points = _Places(place, surface, samples.hits.distance[:n] * (2.0 / max(columns, rows)))
         self._gather_points = points.pick(self.index)
-        near = range(-3, 4)
-        self.smooth = _spread(
-            self._gather_points, self._gather_points, self._lists, near, nearest=40, width=3.5
-        )
-        near = range(-1, 2)
-        self.smooth_glossy = _spread(
-            self._gather_points, self._gather_points, self._lists, near, nearest=9, width=1.6
-        )
+        pairs = self._gather_points, self._gather_points, self._lists
+        self.smooth = _spread(*pairs, range(-3, 4), nearest=40, width=3.5)
+        self.smooth_glossy = _spread(*pairs, range(-1, 2), nearest=9, width=1.6)
         self.spread = _spread(self._gather_points, points, self._lists, (0, 1), nearest=4, width=1.0)
 
     def turns(self, side: int) -> Tensor:
@@ -182,11 +177,9 @@ def _spread(
         group = (most == n).nonzero()[:, 0]
         if len(group):
             cells = near[:, group].flatten()
-            candidates = [
-                lists[:, :, i].flatten().index_select(0, cells).view(len(near), -1) for i in range(n)
-            ]
-            index, fit = _best(gather_points, points.pick(group), torch.cat(candidates), nearest, width)
-            best[group], weight[group] = index, fit
+            columns = (lists[:, :, i].flatten() for i in range(n))
+            candidates = torch.cat([c.index_select(0, cells).view(len(near), -1) for c in columns])
+            best[group], weight[group] = _best(gather_points, points.pick(group), candidates, nearest, width)
     return SparseWeights(rows, best, weight / weight.sum(1, keepdim=True).clamp_min(1e-20), shape)
 
 

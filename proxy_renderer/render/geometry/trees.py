@@ -18,14 +18,8 @@ RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
 """Kinds of rays that an object may be hidden from, by Blender's names."""
 
 
-@dataclass(frozen=True)
-class TraceResult:
-    """Where N rays end: `triangle` (N,) is -1 for a miss; the weights u and v, and the distance, float32."""
-
-    triangle: np.ndarray
-    u: np.ndarray
-    v: np.ndarray
-    distance: np.ndarray
+TraceResult = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+"""Ends of N rays: triangles (N,), -1 for a miss; the weights u and v, and distances, float32."""
 
 
 class TriangleTree:
@@ -54,19 +48,16 @@ class TriangleTree:
         if before is None:
             answer = self._embree.run(origin, toward, output=1)
         else:
-            answer = self._embree.run(origin, toward, before.distance, query="INTERSECT", output=1)
+            answer = self._embree.run(origin, toward, before[3], query="INTERSECT", output=1)
         met = answer["primID"] >= 0
         triangle = self._members[answer["primID"].clip(0)]
+        u, v, distance = answer["u"], answer["v"], answer["tfar"]
         if before is None:
-            distance = np.where(met, answer["tfar"], np.float32(1e30))
-            return TraceResult(np.where(met, triangle, -1), answer["u"], answer["v"], distance)
-        pairs = (
-            (triangle, before.triangle),
-            (answer["u"], before.u),
-            (answer["v"], before.v),
-            (answer["tfar"], before.distance),
+            return np.where(met, triangle, -1), u, v, np.where(met, distance, np.float32(1e30))
+        triangle, u, v, distance = (
+            np.where(met, new, old) for new, old in zip((triangle, u, v, distance), before, strict=True)
         )
-        return TraceResult(*(np.where(met, new, old) for new, old in pairs))
+        return triangle, u, v, distance
 
     def blocks(self, origin: np.ndarray, toward: np.ndarray, distance: np.ndarray) -> np.ndarray:
         """(N,) bool: rays (N, 3) that meet a triangle before a distance (N,)."""

@@ -154,8 +154,8 @@ class RayGeometry:
         if met is None:
             none = torch.zeros(origin.shape[1], device=self.device)
             return Hits(torch.full_like(none, -1, dtype=torch.int64), none, none, none + torch.inf)
-        triangle = torch.from_numpy(met.triangle).to(self.device, torch.int64)
-        u, v, distance = (torch.from_numpy(p).to(self.device) for p in (met.u, met.v, met.distance))
+        triangle = torch.from_numpy(met[0]).to(self.device, torch.int64)
+        u, v, distance = (torch.from_numpy(p).to(self.device) for p in met[1:])
         return Hits(triangle, u, v, torch.where(triangle >= 0, distance, torch.inf))
 
     def clear(

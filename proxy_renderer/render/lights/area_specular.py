@@ -42,17 +42,8 @@ class AreaSpecular:
 
     def pick(self, index: slice) -> AreaSpecular:
         """The points at an index."""
-        parts = self.strength, self.curve, self.slope_in, self.slope_out, self.outline
-        strength, curve, slope_in, slope_out, outline = (p[..., index] for p in parts)
-        return replace(
-            self,
-            strength=strength,
-            curve=curve,
-            slope_in=slope_in,
-            slope_out=slope_out,
-            outline=outline,
-            _lobes={},
-        )
+        fields = self.strength, self.curve, self.slope_in, self.slope_out, self.outline
+        return AreaSpecular(*(values[..., index] for values in fields))
 
     def times(self, visible: Float[Tensor, " n"]) -> AreaSpecular:
         """The same, shadowed by visible shares (N,)."""

@@ -48,7 +48,14 @@ class LightClusters:
 
     def sources(self, lamps: Sequence[LightSource]) -> list[LightSource]:
         """The light that stands for each cluster, in the color of all."""
-        return [_source(cluster, lamps) for cluster in self.clusters]
+        sources = []
+        for cluster in self.clusters:
+            first = lamps[cluster.members[0]]
+            if len(cluster.members) > 1:
+                colors = torch.stack([lamps[i].color for i in cluster.members])
+                first = replace(first, color=colors.new_tensor(cluster.shares) @ colors)
+            sources.append(first)
+        return sources
 
     @staticmethod
     def of(lamps: Sequence[LightSource], moving: Sequence[bool], surface: Surface) -> LightClusters:
@@ -57,9 +64,8 @@ class LightClusters:
             return LightClusters([LightCluster((i,), (1.0,)) for i in range(len(lamps))])
         chosen = torch.linspace(0, len(surface.material) - 1, _POINTS).long()
         some = surface.pick(chosen.to(surface.material.device))
-        sent = torch.stack(
-            [lamp.detached().irradiance(some.position, some.normal).irradiance for lamp in lamps]
-        )
+        still = [lamp.detached() for lamp in lamps]
+        sent = torch.stack([lamp.irradiance(some.position, some.normal).irradiance for lamp in still])
         colors = torch.stack([lamp.color.detach() for lamp in lamps])
         matrix = (sent[:, :, None] * colors[:, None]).flatten(1)  # (L, 3 P)
         strength = matrix.norm(dim=1)
@@ -68,14 +74,11 @@ class LightClusters:
         groups = [(i,) for i in order if i not in set(shared)]
         if shared:
             unit = matrix[shared] / strength[shared].clamp_min(1e-20)[:, None]
-            label = k_means(unit.T, min(EXACT // 2, len(shared))).tolist()
-            alike = [
-                tuple(i for i, k in zip(shared, label, strict=True) if k == n) for n in sorted(set(label))
-            ]
-            groups += alike
+            labels = k_means(unit.T, min(EXACT // 2, len(shared))).tolist()
+            for label in sorted(set(labels)):
+                groups.append(tuple(i for i, k in zip(shared, labels, strict=True) if k == label))
         mean = sent.mean(1).clamp_min(1e-20)
-        rows = [(g, tuple((mean[list(g)] / mean[g[0]]).tolist())) for g in groups]
-        return LightClusters([LightCluster(*row) for row in rows])
+        return LightClusters([LightCluster(g, tuple((mean[list(g)] / mean[g[0]]).tolist())) for g in groups])
 
 
 def weights(cluster: LightCluster, lamps: Sequence[LightSource]) -> Tensor:
@@ -88,14 +91,6 @@ def weights(cluster: LightCluster, lamps: Sequence[LightSource]) -> Tensor:
 def _shares(lamp: LightSource) -> bool:
     """Whether a light may be in a cluster: one that lights some things only has shadows of its own."""
     return lamp.light.shadow and not lamp.light.unlit and lamp.shadowless < 0 and not lamp.pictured
-
-
-def _source(cluster: LightCluster, lamps: Sequence[LightSource]) -> LightSource:
-    first = lamps[cluster.members[0]]
-    if len(cluster.members) == 1:
-        return first
-    colors = torch.stack([lamps[i].color for i in cluster.members])
-    return replace(first, color=colors.new_tensor(cluster.shares) @ colors)
 
 
 _ROUNDS = 12

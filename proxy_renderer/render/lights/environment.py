@@ -94,19 +94,11 @@ class Sky:
 
     def mirror(self, toward: Tensor) -> Tensor:
         """Uncolored radiance (3, N) in unit directions (3, N), as mirrors show it beside highlights."""
-        return (
-            torch.ones_like(toward)
-            if self.plain
-            else _look_up(self.environment.sharp, _place(toward, self.turn))
-        )
+        return self._radiance(self.environment.sharp, toward, self.turn)
 
     def soft(self, toward: Tensor) -> Tensor:
         """Uncolored, blurred radiance (3, N) around unit directions (3, N), without suns."""
-        return (
-            torch.ones_like(toward)
-            if self.plain
-            else _look_up(self.environment.soft, _place(toward, self.turn))
-        )
+        return self._radiance(self.environment.soft, toward, self.turn)
 
     def reflected(self, mirrored: Tensor, normal: Tensor, view: Tensor, roughness: float) -> Tensor:
         """Uncolored radiance (3, N) that a rough surface reflects of the world, without highlights.
@@ -121,25 +113,28 @@ class Sky:
             return torch.ones_like(mirrored)
         leans, widths = torch.einsum("pkb,bn->pkn", taps(roughness).to(view), view)
         upwards = normal - mirrored * dot(normal, mirrored)
-        parts = [
-            look_up_blurred(
-                self.environment.blurred, _place(unit(mirrored + upwards * lean), self.turn)[0, 0], width
-            )
-            for lean, width in zip(leans, widths, strict=True)
-        ]
+        parts = []
+        for lean, width in zip(leans, widths, strict=True):
+            place = _place(unit(mirrored + upwards * lean), self.turn)[0, 0]
+            parts.append(look_up_blurred(self.environment.blurred, place, width))
         return torch.stack(parts).mean(0)
 
     def seen(self, toward: Tensor) -> Tensor:
         """Uncolored radiance (3, N) of the world itself in unit directions (3, N), suns included."""
-        whole = self.environment.whole
-        return torch.ones_like(toward) if whole is None else _look_up(whole, _place(toward, self.turn))
+        return self._radiance(self.environment.whole, toward, self.turn)
 
     def backdrop(self, toward: Tensor) -> Tensor:
         """Uncolored radiance (3, N) that the camera sees behind everything, in unit directions (3, N)."""
-        picture = self.environment.backdrop
-        if picture is None:
+        return self._radiance(self.environment.backdrop, toward, self.backdrop_turn)
+
+    def _radiance(self, picture: Tensor | None, toward: Tensor, turn: Tensor) -> Tensor:
+        """Radiance (3, N) of a turned picture in directions (3, N); 1 where there is none."""
+        if picture is None or not picture.numel():
             return torch.ones_like(toward)
-        return _look_up(picture, _place(toward, self.backdrop_turn))
+        width = picture.shape[-1] - 2
+        place = _place(toward, turn)
+        place = place * place.new_tensor((width / (width + 2), 1.0))
+        return grid_sample(picture, place, padding_mode="border", align_corners=False)[0, :, 0]
 
     @property
     def lamps(self) -> list[EnvironmentSunLight]:
@@ -228,12 +223,6 @@ def _sharp(image: np.ndarray, device: torch.device) -> Tensor:
 def _padded(picture: Tensor) -> Tensor:
     """Adds a wrapped column on both sides, so that bilinear look-ups are seamless."""
     return torch.cat((picture[..., -1:], picture, picture[..., :1]), -1).contiguous()
-
-
-def _look_up(picture: Tensor, place: Tensor) -> Tensor:
-    width = picture.shape[-1] - 2
-    place = place * place.new_tensor((width / (width + 2), 1.0))
-    return grid_sample(picture, place, padding_mode="border", align_corners=False)[0, :, 0]
 
 
 SATIN, GLOSSY = 0.2, 0.4

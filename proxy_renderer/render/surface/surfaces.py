@@ -33,15 +33,11 @@ _BENT = 0.02
 
 def direct_lights_of(frame: RenderState) -> list[DirectLight]:
     """Direct light of each light, behind fog; lights that have moved renew the bounced light as well."""
-    direct_lights = [
-        frame.cache.direct_light(i, frame.lamps, frame.view_samples, frame.view)
-        for i in range(len(frame.lamps))
-    ]
-    return (
-        [direct_light.through(frame.fog) for direct_light in direct_lights]
-        if frame.fog.active
-        else direct_lights
-    )
+    state = frame.lamps, frame.view_samples, frame.view
+    direct_lights = [frame.cache.direct_light(i, *state) for i in range(len(frame.lamps))]
+    if frame.fog.active:
+        return [direct_light.through(frame.fog) for direct_light in direct_lights]
+    return direct_lights
 
 
 def radiance(
@@ -185,11 +181,9 @@ class RenderState:
     @functools.cached_property
     def colors(self) -> Tensor:
         """(L, 3) colors of the lamps."""
-        return (
-            torch.stack([lamp.color for lamp in self.lamps])
-            if self.lamps
-            else self.sky.color.new_zeros((0, 3))
-        )
+        if not self.lamps:
+            return self.sky.color.new_zeros((0, 3))
+        return torch.stack([lamp.color for lamp in self.lamps])
 
     @functools.cached_property
     def sources(self) -> list[LightSource]:

@@ -8,11 +8,12 @@ from copy import copy
 from dataclasses import dataclass, replace
 from typing import Self
 
+import numpy as np
 import torch
 from torch import Tensor
 
 from ...color.tensors import luminance
-from ...scene import Material, SceneData
+from ...scene import SceneData
 from ...scene.values import wanted
 from ..geometry.camera import View
 from ..geometry.gather_points import SparseWeights
@@ -87,9 +88,19 @@ class ViewCache:
             generator = torch.Generator().manual_seed(seed)
             shape = metals, len(self.clusters), emissive, glowing, self._maps, generator
             self.indirect = FinalGather(geometry, samples, surface, self._view, *shape)
-            self.mean_texture = [_mean(m, geometry.device) for m in scene.materials]
-            self.inside, self.depth = self._inside(), self._depth()
+            # (3,) average of every material's linked base color; 1 where none is linked
+            self.mean_texture = [
+                torch.from_numpy(m.texture.image.mean((0, 1)) if m.texture else np.ones(3, np.float32)).to(
+                    geometry.device
+                )
+                for m in scene.materials
+            ]
+            # (1, N + B) 1 for samples of the subject and of any surface, else 0; (H, W) distance at the centers
+            subject = torch.tensor([o.subject for o in scene.objects], device=geometry.device)
+            owner = geometry.object[samples.hits.triangle.clamp_min(0)]
+            self.inside = (subject[owner] & samples.hits.hit).to(torch.float32)[None]
             self.covered = samples.hits.hit.to(torch.float32)[None]
+            self.depth = samples.center_hits.distance.view(view.size[::-1])
             self.defocus = Defocus.of(scene.camera, view.detached(), self.depth)
             self.mask = samples.resolve(self.inside).view(self.depth.shape)
         self._varying: dict[int, dict[str, Tensor]] = {}
@@ -142,20 +153,16 @@ class ViewCache:
 
     def textured_inputs(self, material: int, part: slice, view_samples: ViewSamples) -> dict[str, Tensor]:
         """What varies of a material's inputs (C, n) at its samples: "base_color", and parameters by name."""
-        if view_samples.moving:
-            return self._textured_inputs(material, view_samples.surface.pick(part))
-        if material not in self._varying:
-            with torch.no_grad():
-                self._varying[material] = self._textured_inputs(
-                    material, self._view_samples.surface.pick(part)
-                )
-        return self._varying[material]
-
-    def _textured_inputs(self, material: int, surface: Surface) -> dict[str, Tensor]:
+        if material in self._varying and not view_samples.moving:
+            return self._varying[material]
+        surface = (view_samples if view_samples.moving else self._view_samples).surface.pick(part)
         names = ["base_color", *(n for n in self.scene.materials[material].maps if n not in _GEOMETRIC)]
-        return {
-            name: self._maps.at(material, name, surface) for name in names if self._maps.has(material, name)
-        }
+        names = [name for name in names if self._maps.has(material, name)]
+        if view_samples.moving:
+            return {name: self._maps.at(material, name, surface) for name in names}
+        with torch.no_grad():
+            self._varying[material] = {name: self._maps.at(material, name, surface) for name in names}
+        return self._varying[material]
 
     def pattern(self) -> Tensor:
         """(H, W) luminance of textured base colors relative to their mean over what is seen; 1 where none is linked."""
@@ -216,14 +223,8 @@ class ViewCache:
         """The rays along which fog acts between surfaces; `near` is a typical distance of what is seen, meters."""
         if self._indirect_fog is None:
             with torch.no_grad():
-                self._indirect_fog = IndirectFogRays(
-                    self.geometry,
-                    self.samples,
-                    self._view_samples.surface,
-                    self._view,
-                    self.indirect.gather_points,
-                    near,
-                )
+                points = self._view_samples.surface, self._view, self.indirect.gather_points
+                self._indirect_fog = IndirectFogRays(self.geometry, self.samples, *points, near)
         return self._indirect_fog
 
     def outlines(self) -> Silhouettes:
@@ -245,29 +246,9 @@ class ViewCache:
                 self._worlds = sky.signature(), _worlds(sky, self._view_samples)
         return self._worlds[1]
 
-    def _inside(self) -> Tensor:
-        """(1, N + B) 1 for samples of the subject, else 0."""
-        subject = torch.tensor([o.subject for o in self.scene.objects], device=self.geometry.device)
-        owner = self.geometry.object[self.samples.hits.triangle.clamp_min(0)]
-        return (subject[owner] & self.samples.hits.hit).to(torch.float32)[None]
-
-    def _depth(self) -> Tensor:
-        """(H, W) distance along the rays through the pixels' centers."""
-        width, height = self.samples.size
-        return self.samples.center_hits.distance.view(height, width)
-
 
 def _worlds(sky: Sky, view_samples: ViewSamples) -> tuple[Tensor, ...]:
+    mirrored, normal = view_samples.mirrored, view_samples.surface.normal
     rough = (GLOSSY,) if sky.plain else (SATIN, GLOSSY)
-    lobes = [
-        sky.reflected(view_samples.mirrored, view_samples.surface.normal, view_samples.basis, r)
-        for r in rough
-    ]
-    return sky.mirror(view_samples.mirrored), *lobes, sky.backdrop(view_samples.beyond)
-
-
-def _mean(material: Material, device: torch.device) -> Tensor:
-    """(3,) average of a linked base color; 1 where none is linked."""
-    if material.texture is None:
-        return torch.ones(3, device=device)
-    return torch.from_numpy(material.texture.image.mean((0, 1))).to(device)
+    lobes = [sky.reflected(mirrored, normal, view_samples.basis, r) for r in rough]
+    return sky.mirror(mirrored), *lobes, sky.backdrop(view_samples.beyond)
