@@ -38,7 +38,7 @@ class Light:
     """The constant part of a light; its power, color, size and orbit are parameters."""
 
     name: str
-    type: str  # Blender's name of its type, of those in `render.lights.types`
+    type: str  # Blender's name of its type, of those in `render.lights.light_types`
     residual: Matrix
     position: Vector
     shape: str = "SQUARE"  # for area lights "SQUARE", "RECTANGLE", "DISK" or "ELLIPSE"

@@ -37,6 +37,6 @@ class RenderValues:
         return key in self.given or key in self.scene.instances
 
 
-def wanted(*tensors: Tensor) -> bool:
+def needs_gradient(*tensors: Tensor) -> bool:
     """Whether gradients are being recorded for any of these."""
     return torch.is_grad_enabled() and any(t.requires_grad for t in tensors)

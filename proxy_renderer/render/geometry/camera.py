@@ -15,7 +15,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from ...scene import SceneData
-from ...scene.values import RenderValues, wanted
+from ...scene.values import RenderValues, needs_gradient
 from .vectors import dot, unit
 
 
@@ -51,7 +51,7 @@ class View:
     @property
     def moving(self) -> bool:
         """Whether gradients with respect to the camera are wanted."""
-        return wanted(self.position, self.rotation, self.scale)
+        return needs_gradient(self.position, self.rotation, self.scale)
 
     def detached(self) -> View:
         """The same view without gradients."""

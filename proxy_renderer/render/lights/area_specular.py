@@ -16,7 +16,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from ...scene.values import wanted
+from ...scene.values import needs_gradient
 from ..geometry.vectors import dot, tangents, unit
 from ..material.albedo import basis
 from .light_source import DirectIrradiance, LightSource
@@ -54,7 +54,7 @@ class AreaSpecular:
 
         Kept until the roughness changes, unless gradients are wanted.
         """
-        if wanted(roughness, self.strength, self.outline):
+        if needs_gradient(roughness, self.strength, self.outline):
             return self._lobe(roughness)
         key = id(roughness) if roughness.dim() else float(roughness)
         if key not in self._lobes:

@@ -19,7 +19,7 @@ from torch import Tensor
 
 from ...color.tensors import blackbody
 from ...scene import Light, SceneData
-from ...scene.values import RenderValues, wanted
+from ...scene.values import RenderValues, needs_gradient
 from ..geometry.camera import RaySegments, direction, frame
 from ..geometry.vectors import dot, tangents, within
 
@@ -75,7 +75,7 @@ class LightSource(ABC):
         energy = values.scalar(key + cls.energy_name, 1.0)
         color = values.color(key + "color", 1.0) * (energy * 2.0**light.exposure)
         temperature = values.scalar(key + "temperature", 6500.0)
-        if light.use_temperature or wanted(temperature) or float(temperature.detach()) != 6500.0:
+        if light.use_temperature or needs_gradient(temperature) or float(temperature.detach()) != 6500.0:
             color = color * blackbody(temperature)
         if light.tint != (1.0, 1.0, 1.0):
             color = color * torch.tensor(light.tint, device=values.device)
@@ -144,7 +144,7 @@ class LightSource(ABC):
     @property
     def moving(self) -> bool:
         """Whether gradients with respect to its place, direction or size are wanted."""
-        return wanted(self.position, self.axes, self.size)
+        return needs_gradient(self.position, self.axes, self.size)
 
     def signature(self) -> tuple[float, ...]:
         """Numbers that change when anything that shadows depend on does."""

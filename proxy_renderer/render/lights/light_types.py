@@ -12,7 +12,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from ...scene import Light, SceneData
-from ...scene.values import RenderValues, wanted
+from ...scene.values import RenderValues, needs_gradient
 from ...schema import VibeError
 from ..geometry.camera import RaySegments
 from ..geometry.vectors import cross, dot, length, unit, within
@@ -109,7 +109,7 @@ class SpotLight(PointLight):
     @property
     def moving(self) -> bool:
         """Whether gradients with respect to its place, direction, size or cone are wanted."""
-        return super().moving or wanted(self.cone)
+        return super().moving or needs_gradient(self.cone)
 
     def signature(self) -> tuple[float, ...]:
         """See `LightSource.signature`."""

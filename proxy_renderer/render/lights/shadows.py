@@ -16,7 +16,6 @@ from ...color.tensors import luminance
 from ..geometry.samples import Samples
 from ..geometry.vectors import dot
 from ..geometry.visibility import RayGeometry, Surface, sphere_points
-from .clusters import LightClusters, weights
 from .light_source import DirectIrradiance, LightSource
 
 _MOST_RAYS = 4
@@ -123,26 +122,7 @@ def _steps(radius: int) -> list[tuple[int, int]]:
 _RAYS = 4
 
 
-class ClusterShadows:
-    """Shadows of the clusters, traced again where one of their lights has moved."""
-
-    def __init__(
-        self, geometry: RayGeometry, smoothing: ShadowFilter, surface: Surface, clusters: LightClusters
-    ) -> None:
-        self._view, self._clusters = (geometry, smoothing, surface), clusters
-        self._kept: dict[int, tuple[tuple[float, ...], Tensor]] = {}
-
-    def of(self, row: int, lamps: Sequence[LightSource], signature: tuple[float, ...]) -> Tensor:
-        """Share (N,) of a cluster's light that every surface sample sees."""
-        kept = self._kept.get(row)
-        if kept is None or kept[0] != signature:
-            cluster = self._clusters.clusters[row]
-            members = [lamps[i].detached() for i in cluster.members]
-            kept = self._kept[row] = signature, _shadow(*self._view, members, weights(cluster, lamps))
-        return kept[1]
-
-
-def _shadow(
+def cluster_shadow(
     geometry: RayGeometry,
     smoothing: ShadowFilter,
     surface: Surface,

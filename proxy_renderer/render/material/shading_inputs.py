@@ -12,7 +12,7 @@ from torch import Tensor
 
 from ...color.tensors import luminance
 from ...scene import Material
-from ...scene.values import RenderValues, wanted
+from ...scene.values import RenderValues, needs_gradient
 from ..geometry.vectors import within
 
 _SHARES = ("metallic", "roughness", "coat", "transmission")
@@ -127,4 +127,4 @@ def shading_inputs_of(material: Material, settings: RenderValues) -> ShadingInpu
 
 def used(weight: Tensor) -> bool:
     """Whether a lobe can matter: its weight is not zero, or somebody wants its gradient."""
-    return wanted(weight) or bool((weight != 0).any())
+    return needs_gradient(weight) or bool((weight != 0).any())

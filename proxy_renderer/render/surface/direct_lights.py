@@ -14,15 +14,15 @@ from typing import Self
 import torch
 from torch import Tensor
 
-from ...scene.values import wanted
+from ...scene.values import needs_gradient
 from ..geometry.camera import View
 from ..geometry.samples import Samples
 from ..geometry.vectors import above, dot, reflect
 from ..geometry.visibility import RayGeometry, Surface
 from ..lights.area_specular import AreaSpecular, area_specular
-from ..lights.clusters import LightClusters
+from ..lights.clusters import LightClusters, weights
 from ..lights.light_source import DirectIrradiance, LightSource
-from ..lights.shadows import ClusterShadows, ShadowFilter, shadow
+from ..lights.shadows import ShadowFilter, cluster_shadow, shadow
 from ..material import albedo
 from ..transport.fog import FogMedium, LightPaths
 from .edges import ShadowEdges
@@ -46,11 +46,11 @@ class DirectLights:
     ) -> None:
         self._geometry, self._samples, self._seen, self._clusters = geometry, samples, seen, clusters
         self._smoothing = ShadowFilter(samples, seen.surface)
-        self._shared = ClusterShadows(geometry, self._smoothing, seen.surface, clusters)
         self._pixel = samples.pixel[: samples.surfaces]
         owner = geometry.object[samples.hits.triangle[: samples.surfaces]]
         self._on_center = owner == samples.owner[self._pixel]
         self._kept: dict[int, _Shadowed] = {}
+        self._shared: dict[int, tuple[tuple[float, ...], Tensor]] = {}  # shadows of clusters, by row
 
     def aside(self) -> Self:
         """A copy for one picture, whose moved lights leave nothing behind in this one."""
@@ -77,9 +77,8 @@ class DirectLights:
         direct = lamp.irradiance(view_samples.surface.position, view_samples.surface.normal)
         if kept is None:
             with torch.no_grad():
-                kept = self._kept[index] = self._shadowed(
-                    index, lamps, None if view_samples.moving else direct
-                )
+                known = None if view_samples.moving else direct
+                kept = self._kept[index] = self._shadowed(index, lamps, known)
         if moving:
             visible = kept.visible + self._moving_shadow(kept, lamp, view)
             return DirectLight.of(lamp, view_samples, direct, visible)
@@ -96,12 +95,16 @@ class DirectLights:
     ) -> _Shadowed:
         """Traces a light's shadows; its unshadowed irradiance is computed where the caller has none."""
         lamp, row, signature = lamps[index], self._clusters.row[index], self._signature(index, lamps)
-        if len(self._clusters.clusters[row].members) > 1:
-            return _Shadowed(signature, self._shared.of(row, lamps, signature))
-        surface, still = self._seen.surface, lamp.detached()
-        direct = direct or still.irradiance(surface.position, surface.normal)
-        visible = shadow(self._geometry, self._smoothing, surface, still, direct, lamp.moving)
-        return _Shadowed(signature, visible)
+        view = self._geometry, self._smoothing, self._seen.surface
+        cluster = self._clusters.clusters[row]
+        if len(cluster.members) > 1:
+            if row not in self._shared or self._shared[row][0] != signature:
+                members = [lamps[i].detached() for i in cluster.members]
+                self._shared[row] = signature, cluster_shadow(*view, members, weights(cluster, lamps))
+            return _Shadowed(signature, self._shared[row][1])
+        still = lamp.detached()
+        direct = direct or still.irradiance(self._seen.surface.position, self._seen.surface.normal)
+        return _Shadowed(signature, shadow(*view, still, direct, lamp.moving))
 
     def _moving_shadow(self, kept: _Shadowed, lamp: LightSource, view: View) -> Tensor:
         """Zeros (N,) with the gradient of a light's shadows, which move with light and camera."""
@@ -132,15 +135,14 @@ class ViewSamples:
         n = surface.position.shape[1]
         cosine = -dot(surface.normal, toward[:, :n])
         mirrored = above(reflect(toward[:, :n], surface.normal), surface.facet)
-        return ViewSamples(
-            surface, -toward[:, :n], albedo.basis(cosine.clamp(1e-3, 1.0)), mirrored, toward[:, n:]
-        )
+        basis = albedo.basis(cosine.clamp(1e-3, 1.0))
+        return ViewSamples(surface, -toward[:, :n], basis, mirrored, toward[:, n:])
 
     @property
     def moving(self) -> bool:
         """Whether gradients with respect to the camera are wanted."""
         # A camera that only comes nearer turns no ray.
-        return wanted(self.toward_eye, self.surface.position)
+        return needs_gradient(self.toward_eye, self.surface.position)
 
 
 @dataclass(frozen=True)

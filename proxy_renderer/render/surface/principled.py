@@ -15,7 +15,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from ...scene.values import wanted
+from ...scene.values import needs_gradient
 from ..geometry.vectors import within
 from ..lights.area_specular import AreaSpecular
 from ..material import albedo
@@ -47,13 +47,11 @@ def shade(
     if used(inputs.metallic):
         metal = _metal(inputs, light, clamped, lobes, reflections, single)
         result, weight = result + metal * (weight * inputs.metallic), weight * (1 - inputs.metallic)
-    if wanted(inputs.metallic) or bool((inputs.metallic < 1).any()):
+    if needs_gradient(inputs.metallic) or bool((inputs.metallic < 1).any()):
         if used(inputs.transmission):
             glass = _glass(inputs, light, clamped, lobes, reflections, single)
-            result, weight = (
-                result + glass * (weight * inputs.transmission),
-                weight * (1 - inputs.transmission),
-            )
+            result = result + glass * (weight * inputs.transmission)
+            weight = weight * (1 - inputs.transmission)
         dielectric, left = _dielectric(inputs, light, lobes, reflections, single)
         diffuse = base * light.irradiance * (left / math.pi)
         result = result + (dielectric + diffuse) * weight
@@ -264,8 +262,6 @@ def specular(
     f90: Tensor | float,
 ) -> Float[Tensor, "3 n"]:
     """Highlights (3, N) with Fresnel mix(f0, f90, curve at the half vector); f0 is (3, 1) or (3, N)."""
-    plain = summed(lamps, lobes)
-    bent = summed(
-        lamps, [lobe * (curve @ h.curve).clamp_min(0.0) for lobe, h in zip(lobes, highlights, strict=True)]
-    )
+    plain, pairs = summed(lamps, lobes), zip(lobes, highlights, strict=True)
+    bent = summed(lamps, [lobe * (curve @ h.curve).clamp_min(0.0) for lobe, h in pairs])
     return f0 * plain + (f90 - f0) * bent

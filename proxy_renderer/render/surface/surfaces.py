@@ -12,7 +12,7 @@ import torch
 from torch import Tensor
 
 from ...color.tensors import luminance
-from ...scene.values import wanted
+from ...scene.values import needs_gradient
 from ..geometry.camera import View
 from ..geometry.vectors import within
 from ..lights.environment import GLOSSY, SATIN, Sky
@@ -150,7 +150,7 @@ def _behind(
         return behind.hits.image(table, behind.ambient(gathered.gather_points).T) + world * behind.hits.open
 
     straight = picture_at(0)
-    if not wanted(ior):
+    if not needs_gradient(ior):
         return straight
     with torch.no_grad():
         # Where a bright lamp comes into view, the picture saturates: the slope is that of x / (1 + x).

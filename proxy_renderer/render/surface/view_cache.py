@@ -14,7 +14,7 @@ from torch import Tensor
 
 from ...color.tensors import luminance
 from ...scene import SceneData
-from ...scene.values import wanted
+from ...scene.values import needs_gradient
 from ..geometry.camera import View
 from ..geometry.gather_points import SparseWeights
 from ..geometry.samples import take
@@ -239,7 +239,7 @@ class ViewCache:
 
         A picture has a third level between the two.
         """
-        if wanted(sky.turn) or (view_samples.moving and sky.pictured):
+        if needs_gradient(sky.turn) or (view_samples.moving and sky.pictured):
             return _worlds(sky, view_samples)
         if self._worlds is None or self._worlds[0] != sky.signature():
             with torch.no_grad():

@@ -24,7 +24,7 @@ from torch.nn import functional
 
 from ...color.tensors import trilinear
 from ...scene import SceneData
-from ...scene.values import RenderValues, wanted
+from ...scene.values import RenderValues, needs_gradient
 from ..geometry.camera import RaySegments, View
 from ..geometry.vectors import length
 from ..lights.light_source import LightSource
@@ -65,7 +65,7 @@ class FogMedium:
         """Numbers that `thickness` depends on; None while they are learned."""
         if not self._thins:
             return ()
-        return None if wanted(self._falloff, self._top) else (float(self._falloff), float(self._top))
+        return None if needs_gradient(self._falloff, self._top) else (float(self._falloff), float(self._top))
 
     def reach(self, origin: Tensor) -> float:
         """Distance in meters from `origin` (3,) beyond which fog is ignored."""
@@ -141,7 +141,7 @@ class LightPaths:
     def transmittance(self, fog: FogMedium) -> Float[Tensor, "*n"]:
         """Share of light (…) that gets through."""
         shape = fog.shape
-        if shape is None or wanted(self.start, self.toward, self.distance):
+        if shape is None or needs_gradient(self.start, self.toward, self.distance):
             return fog.transmittance(self.start, self.toward, self.distance)
         if shape not in self._measured:
             self._measured.clear()

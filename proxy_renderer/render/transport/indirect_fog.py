@@ -22,7 +22,7 @@ from ..geometry.visibility import RayGeometry, Surface, sphere_points
 from ..lights.environment import Sky
 from ..lights.light_source import LightSource
 from .fog import DIRECTIONS, WEIGHTS, FogMedium, SingleScattering, phase
-from .secondary_hits import lit
+from .secondary_hits import shadowed_irradiance
 
 _ACROSS = 24
 _DIFFUSE_RAYS = 6
@@ -83,7 +83,7 @@ class IndirectFogRays:
         far = torch.full_like(ways[0], math.inf)
         clear = geometry.clear(begin.flatten(1), ways.flatten(1), far.flatten())
         self._open = clear.view(far.shape)  # (14, P)
-        self._lit: dict[int, tuple[object, Tensor]] = {}
+        self._irradiance: dict[int, tuple[object, Tensor]] = {}
 
     def gather(self, fog: FogMedium, lamps: Sequence[LightSource], sky: Sky) -> IndirectFog:
         """Sums the fog's effects at the values of one render."""
@@ -98,24 +98,16 @@ class IndirectFogRays:
         light = self._light(fog, lamps, sky, passing)  # (3, P, rays)
         scattered = light[:, :, :-1].mean(2) * math.pi
         haze = light[:, :, -1] / (1 - mirrored).clamp_min(1e-4)
-        one = (ambient, kept)
-        rows = (torch.stack(one), path_transmittance.T, light_transmittance.T, scattered)
-        even = self._smooth(torch.cat(rows).T)  # a few rays are noisy
+        # A few rays are noisy: what they bring is averaged, then interpolated to the gather points.
+        rows = (torch.stack((ambient, kept)), path_transmittance.T, light_transmittance.T, scattered)
+        even = self._smooth(torch.cat(rows).T)
         carried = self._to_gather_points(torch.cat((even, haze.T, mirrored[:, None]), 1))
         count = path_transmittance.shape[1]
-        single, path_transmittance, light_transmittance, scattered, haze, mirrored = carried.split(
-            (2, count, count, 3, 3, 1), 1
-        )
-        again = torch.cat((path_transmittance, path_transmittance * single[:, 1:2]), 1)
-        return IndirectFog(
-            ambient=single[:, 0],
-            passing=single[:, 1],
-            path_transmittance=again,
-            light_transmittance=torch.cat((light_transmittance, light_transmittance * single[:, 1:2]), 1),
-            scattered=scattered,
-            haze=haze,
-            mirrored=mirrored[:, 0],
-        )
+        single, path, light, scattered, haze, mirrored = carried.split((2, count, count, 3, 3, 1), 1)
+        # Light scattered twice crosses the way between surfaces once more.
+        ambient, again = single[:, 0], single[:, 1:2]
+        path, light = torch.cat((path, path * again), 1), torch.cat((light, light * again), 1)
+        return IndirectFog(ambient, single[:, 1], path, light, scattered, haze, mirrored[:, 0])
 
     def _ambient(self, fog: FogMedium) -> Tensor:
         """Transmittance (P,) of the world's light, cosine-weighted."""
@@ -130,32 +122,25 @@ class IndirectFogRays:
         self, fog: FogMedium, lamps: Sequence[LightSource], passing: Tensor
     ) -> tuple[Tensor, Tensor]:
         """Transmittance (P, L) from the lights to the hits of diffuse rays, and from there on (P, rays) to the points."""
-        light_transmittance, path_transmittance = [], []
+        position = self._surface.position
+        light_transmittance = [passing.new_zeros((len(passing), 0))]
+        path_transmittance = [light_transmittance[0]]
         for i, lamp in enumerate(lamps):
-            weight = self._irradiance_at_hits(i, lamp)
-            position = self._surface.position
-            share = fog.transmittance(position, *lamp.detached().toward(position)).view(self._hit.shape)[
-                :, :-1
-            ]
-            total = weight.sum(1)
-            light_transmittance.append((weight * share).sum(1) / total)
-            path_transmittance.append((weight * share * passing).sum(1) / total)
-        empty = passing.new_zeros((len(passing), 0))
-        return (
-            (torch.stack(light_transmittance, 1), torch.stack(path_transmittance, 1))
-            if light_transmittance
-            else (empty, empty)
-        )
-
-    def _irradiance_at_hits(self, index: int, lamp: LightSource) -> Tensor:
-        """A light's irradiance (P, rays) where the diffuse rays end; never 0, to divide by."""
-        kept = self._lit.get(index)
-        if kept is None or kept[0] != lamp.signature():
-            with torch.no_grad():
-                irradiance = lit(self._geometry, lamp.detached(), self._surface).view(self._hit.shape)
-                irradiance = (irradiance * self._hit)[:, :-1]
-            kept = self._lit[index] = (lamp.signature(), irradiance + 1e-3 * irradiance.mean() + 1e-12)
-        return kept[1]
+            # The light's irradiance (P, rays) where the diffuse rays end, never 0: it is divided by.
+            kept = self._irradiance.get(i)
+            if kept is None or kept[0] != lamp.signature():
+                with torch.no_grad():
+                    irradiance = shadowed_irradiance(self._geometry, lamp.detached(), self._surface)
+                    irradiance = (irradiance.view(self._hit.shape) * self._hit)[:, :-1]
+                kept = lamp.signature(), irradiance + 1e-3 * irradiance.mean() + 1e-12
+                self._irradiance[i] = kept
+            weight = kept[1]
+            share = fog.transmittance(position, *lamp.detached().toward(position))
+            share = share.view(self._hit.shape)[:, :-1]
+            total = weight.sum(1, keepdim=True)
+            light_transmittance.append((weight * share).sum(1, keepdim=True) / total)
+            path_transmittance.append((weight * share * passing).sum(1, keepdim=True) / total)
+        return torch.cat(light_transmittance, 1), torch.cat(path_transmittance, 1)
 
     def _light(self, fog: FogMedium, lamps: Sequence[LightSource], sky: Sky, passing: Tensor) -> Tensor:
         """Radiance (3, P, rays) that the fog sends back along the rays."""

@@ -207,7 +207,7 @@ def _among(bounce: _Bounce, rays: Tensor) -> _Bounce:
     return row, own[some], surface.pick(some), share[some]
 
 
-def lit(geometry: RayGeometry, lamp: LightSource, surface: Surface) -> Tensor:
+def shadowed_irradiance(geometry: RayGeometry, lamp: LightSource, surface: Surface) -> Tensor:
     """Irradiance (N,) of a lamp on a surface, shadowed by one ray to its middle."""
     direct = lamp.irradiance(surface.position, surface.normal)
     return direct.irradiance * _clear(geometry, lamp, direct, surface)
