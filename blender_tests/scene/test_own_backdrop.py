@@ -179,7 +179,7 @@ def test_the_proxy_sees_what_cycles_renders(studio, tmp_path, again):
         bindings.write(studio, values, *place)
         exported(studio, tmp_path)
     data = load_scene(tmp_path)
-    data = data if again else data.parted()
+    data = data if again else data.with_backdrop()
     steps = [values, {**values, "world/strength": (1.5,)}]
     if "world/rotation" in data.instances:
         steps.append({**values, "world/rotation": (120.0,)})

@@ -100,6 +100,6 @@ def _with_standby(scenes: Sequence[SceneData], goals: Goals, new_lights: bool) -
     instances = dict(first.instances)
     names = lacking(goals, instances, context, roles, vocabulary) if new_lights else []
     parts = asks_for_backdrop(goals, instances, context, vocabulary)
-    if parts and all(scene.may_be_parted for scene in scenes):
-        scenes = [scene.parted() for scene in scenes]
+    if parts and all(scene.may_have_backdrop for scene in scenes):
+        scenes = [scene.with_backdrop() for scene in scenes]
     return [scene.with_lights(names) for scene in scenes] if names else list(scenes)

@@ -80,8 +80,8 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     lights = placed(rig.lights, stage, add)
     scenes = [_with_cards(_with_lights(scene, lights, stage), lights) for scene in scenes]
     # a world that the camera sees would become as bright as the fill that it gives
-    if (rig.sky, rig.world) != (None, None) and all(scene.may_be_parted for scene in scenes):
-        scenes = [scene.parted() for scene in scenes]
+    if (rig.sky, rig.world) != (None, None) and all(scene.may_have_backdrop for scene in scenes):
+        scenes = [scene.with_backdrop() for scene in scenes]
     scene = scenes[0]
     values = _trial(scene, lights, stage, rig.world_color if rig.world is not None else "")
     ambient = scene.value("world/strength", (0.0,))[0] * _world_luminance(scene, {})

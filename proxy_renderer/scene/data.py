@@ -185,11 +185,11 @@ class SceneData:
         return replace(self, lights=(*self.lights, *lights), instances={**self.instances, **theirs})
 
     @property
-    def may_be_parted(self) -> bool:
+    def may_have_backdrop(self) -> bool:
         """Whether what the camera sees of the world may get a color and a strength of its own."""
         return any(i.parameter.group == "world" for i in self.standby.instances.values())
 
-    def parted(self) -> SceneData:
+    def with_backdrop(self) -> SceneData:
         """The scene with a backdrop on standby in it; a backdrop starts as the world is."""
         theirs = {key: i for key, i in self.standby.instances.items() if i.parameter.group == "world"}
         return replace(self, instances={**self.instances, **theirs})

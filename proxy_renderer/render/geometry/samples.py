@@ -84,6 +84,7 @@ def take(geometry: RayGeometry, view: View, smooth: Tensor) -> Samples:
     Smooth materials (M,) bool show pictures of others, whose edges may pass anywhere: they get several as well.
     Where surfaces are transparent, a ray makes a sample of each, weighted by what it adds.
     """
+    # Rays through the centers show where edges pass.
     width, height = view.size
     centers = pixel_centers(view.size).to(geometry.device)
     origin, toward = view.rays(centers)
@@ -93,6 +94,7 @@ def take(geometry: RayGeometry, view: View, smooth: Tensor) -> Samples:
     if geometry.opacity is not None:
         edge |= _edges(geometry, layers.nearest(len(origin[0])), toward, width, height)
     edge |= smooth[geometry.material[center_hits.triangle.clamp_min(0)]] & center_hits.hit
+    # More rays for these pixels.
     busy = edge.nonzero()[:, 0]
     jitter = _filter_points(geometry.device)
     places = (centers[:, busy, None] + jitter[:, None, :]).flatten(1)
@@ -100,22 +102,36 @@ def take(geometry: RayGeometry, view: View, smooth: Tensor) -> Samples:
     more = follow(geometry, view, more_origin, more_toward)
     kept = (~edge)[layers.ray]
     few = HitLayers(layers.ray[kept], layers.number[kept], layers.hits.pick(kept), layers.weight[kept])
-    owner = busy.repeat_interleave(EDGE_SAMPLES)
-    parts = zip(few.hits.parts, more.hits.parts, strict=True)
-    return _sorted(
-        geometry,
-        view.size,
-        pixel=torch.cat((few.ray, owner[more.ray])),
-        weight=torch.cat((few.weight, more.weight / EDGE_SAMPLES)),
-        place=torch.cat((centers[:, few.ray], places[:, more.ray]), 1),
-        layer=torch.cat((few.number, more.number)),
-        hits=Hits(*(torch.cat(pair) for pair in parts)),
-        center_hits=center_hits,
+    pixel = torch.cat((few.ray, busy.repeat_interleave(EDGE_SAMPLES)[more.ray]))
+    hits = Hits(*(torch.cat(pair) for pair in zip(few.hits.parts, more.hits.parts, strict=True)))
+    # All are sorted by material, those of the background last.
+    materials = int(geometry.material.max()) + 1
+    owner = torch.where(hits.hit, geometry.material[hits.triangle.clamp_min(0)], materials)
+    owner, order = torch.sort(owner, stable=True)
+    slices, start = [], 0
+    for material, count in enumerate(torch.bincount(owner, minlength=materials + 1).tolist()[:-1]):
+        if count:
+            slices.append((material, start, start + count))
+        start += count
+    pixel = pixel[order]
+    index = torch.arange(len(pixel), device=pixel.device)
+    first = last_of(pixel, index, int(pixel.max()) + 1)
+    return Samples(
+        size=view.size,
+        pixel=pixel,
+        weight=torch.cat((few.weight, more.weight / EDGE_SAMPLES))[order],
+        place=torch.cat((centers[:, few.ray], places[:, more.ray]), 1)[:, order],
+        layer=torch.cat((few.number, more.number))[order],
+        hits=hits.pick(order),
+        slices=tuple(slices),
+        surfaces=start,
+        first=first,
+        others=index[first[pixel] != index],
         plain=~edge,
-        rays=(
-            torch.cat((origin[:, few.ray], more_origin[:, more.ray]), 1),
-            torch.cat((toward[:, few.ray], more_toward[:, more.ray]), 1),
-        ),
+        owner=torch.where(center_hits.hit, geometry.object[center_hits.triangle.clamp_min(0)], -1),
+        center_hits=center_hits,
+        origin=torch.cat((origin[:, few.ray], more_origin[:, more.ray]), 1)[:, order],
+        toward=torch.cat((toward[:, few.ray], more_toward[:, more.ray]), 1)[:, order],
     )
 
 
@@ -123,50 +139,6 @@ def pixel_centers(size: tuple[int, int]) -> Tensor:
     """(2, P) picture positions of the middles of all pixels of a size (width, height), row by row."""
     y, x = torch.meshgrid(torch.arange(size[1]), torch.arange(size[0]), indexing="ij")
     return torch.stack((x.flatten(), y.flatten())).to(torch.float32) + 0.5
-
-
-def _sorted(
-    geometry: RayGeometry,
-    size: tuple[int, int],
-    pixel: Tensor,
-    weight: Tensor,
-    place: Tensor,
-    layer: Tensor,
-    hits: Hits,
-    center_hits: Hits,
-    plain: Tensor,
-    rays: tuple[Tensor, Tensor],
-) -> Samples:
-    materials = int(geometry.material.max()) + 1
-    owner = torch.where(hits.hit, geometry.material[hits.triangle.clamp_min(0)], materials)
-    owner, order = torch.sort(owner, stable=True)
-    counts = torch.bincount(owner, minlength=materials + 1).tolist()
-    slices, start = [], 0
-    for material, count in enumerate(counts[:-1]):
-        if count:
-            slices.append((material, start, start + count))
-        start += count
-    pixel = pixel[order]
-    index = torch.arange(len(pixel), device=pixel.device)
-    first = last_of(pixel, index, int(pixel.max()) + 1)
-    others = index[first[pixel] != index]
-    return Samples(
-        size=size,
-        pixel=pixel,
-        weight=weight[order],
-        place=place[:, order],
-        layer=layer[order],
-        hits=hits.pick(order),
-        slices=tuple(slices),
-        surfaces=start,
-        first=first,
-        others=others,
-        plain=plain,
-        owner=torch.where(center_hits.hit, geometry.object[center_hits.triangle.clamp_min(0)], -1),
-        center_hits=center_hits,
-        origin=rays[0][:, order],
-        toward=rays[1][:, order],
-    )
 
 
 def _edges(geometry: RayGeometry, hits: Hits, toward: Tensor, width: int, height: int) -> Tensor:

@@ -42,8 +42,8 @@ class AreaSpecular:
 
     def pick(self, index: slice) -> AreaSpecular:
         """The points at an index."""
-        fields = self.strength, self.curve, self.slope_in, self.slope_out, self.outline
-        return AreaSpecular(*(values[..., index] for values in fields))
+        slopes = self.slope_in[index], self.slope_out[index]
+        return AreaSpecular(self.strength[index], self.curve[:, index], *slopes, self.outline[:, index])
 
     def times(self, visible: Float[Tensor, " n"]) -> AreaSpecular:
         """The same, shadowed by visible shares (N,)."""

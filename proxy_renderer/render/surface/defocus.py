@@ -14,6 +14,7 @@ from torch import Tensor
 
 from ...scene import Camera
 from ..geometry.camera import View
+from ..geometry.samples import pixel_centers
 from ..geometry.vectors import dot
 
 _FIRST, _GROWTH = 0.75, 1.5
@@ -71,9 +72,7 @@ def _radii(camera: Camera, view: View, distance: Tensor) -> Tensor:
     A thin lens, as Cycles has it: all rays through a pixel meet where the one through the lens' middle is in focus.
     """
     height, width = distance.shape
-    y, x = torch.meshgrid(torch.arange(height), torch.arange(width), indexing="ij")
-    places = torch.stack((x, y)).flatten(1).to(distance.device) + 0.5
-    toward = view.rays(places)[1]
+    toward = view.rays(pixel_centers((width, height)).to(distance.device))[1]
     ahead = -view.rotation[:, 2:3]
     depth = (distance.flatten() * dot(ahead, toward)).view(height, width)
     focus = camera.focus_distance

@@ -100,7 +100,11 @@ class SecondaryHits:
             other._seconds.append((rays[same], surface.pick(same)))
         other._look_around(changed)
         for index, lamp in lamps.items():
-            other._trace(lamp, [_among(bounce, changed) for bounce in other._bounces(index)])
+            bounces = []
+            for row, rays, surface, share in other._bounces(index):
+                some = changed[rays].nonzero()[:, 0]
+                bounces.append((row, rays[some], surface.pick(some), share[some]))
+            other._trace(lamp, bounces)
         return other
 
     def _look_around(self, among: Tensor) -> None:
@@ -198,13 +202,6 @@ class SecondaryHits:
         summed = torch.einsum("arm,ars->ams", one_hot, slots) / self.count
         scattered, emission = summed[..., :-1].flatten(1), summed[..., -1]
         return torch.cat((scattered, emission, self.harmonics.T), 1)
-
-
-def _among(bounce: _Bounce, rays: Tensor) -> _Bounce:
-    """The part of a bounce that belongs to some of the rays (R,) bool."""
-    row, own, surface, share = bounce
-    some = rays[own].nonzero()[:, 0]
-    return row, own[some], surface.pick(some), share[some]
 
 
 def shadowed_irradiance(geometry: RayGeometry, lamp: LightSource, surface: Surface) -> Tensor:
