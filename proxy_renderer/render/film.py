@@ -141,13 +141,11 @@ def turn_hue(
     chroma = brightest - darkest
     r, g, b = ((brightest - picture) / chroma.clamp_min(_BLACK)).unbind(-1)
     red, green, blue = picture.unbind(-1)
-    sixth = torch.where(
-        (red >= green) & (red >= blue), b - g, torch.where(green >= blue, 2 + r - b, 4 + g - r)
-    )
+    sixth = torch.where(green >= blue, 2 + r - b, 4 + g - r)
+    sixth = torch.where((red >= green) & (red >= blue), b - g, sixth)
     sixth = sixth[..., None] + degrees / 60 - picture.new_tensor((0.0, 2.0, 4.0))
-    away = (
-        torch.remainder(sixth + 3, 6) - 3
-    ).abs()  # of each primary from the new hue, in sixths of the circle
+    # Distance of each primary from the new hue, in sixths of the circle.
+    away = (torch.remainder(sixth + 3, 6) - 3).abs()
     return brightest - chroma * (away - 1).clamp(0, 1)
 
 

@@ -166,9 +166,9 @@ class RayGeometry:
         A material `without` that was set apart does not block them.
         """
         passing = torch.ones(origin.shape[1], device=self.device)
-        blocking = [
-            c for c in self._classes if ray not in c.hidden and (c.material < 0 or c.material != without)
-        ]
+        blocking = [c for c in self._classes if ray not in c.hidden]
+        if without >= 0:
+            blocking = [c for c in blocking if c.material != without]
         limit = distance.clamp_max(1e30).cpu().numpy().astype(np.float32)
         rays = _rows(origin), _rows(toward)
         for solid in (c.tree for c in blocking if not c.clear):

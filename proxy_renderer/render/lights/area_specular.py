@@ -126,9 +126,8 @@ def _round_place(
     head_on = length2 < 1e-8
     x, y = torch.where(head_on, slope, x), torch.where(head_on, 0.0, y)
     radius = product * slope * (yy * x * x - 2 * xy * x * y + xx * y * y).clamp_min(1e-20).rsqrt()
-    radius = radius / (
-        1 + radius * slope / (1 + squared)
-    )  # slopes are tangents: towards the normal they shrink
+    # Slopes are tangents: towards the normal they shrink.
+    radius = radius / (1 + radius * slope / (1 + squared))
     radius2 = radius * radius
     nearest = (slope - radius).clamp_min(0.0)
     along = (aside / up - out) / slope  # the view's component along the lamp's slope

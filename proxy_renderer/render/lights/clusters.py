@@ -70,7 +70,7 @@ class LightClusters:
         matrix = (sent[:, :, None] * colors[:, None]).flatten(1)  # (L, 3 P)
         strength = matrix.norm(dim=1)
         order = strength.argsort(descending=True).tolist()
-        shared = [i for i in order if _shares(lamps[i]) and not moving[i]][EXACT // 2 :]
+        shared = [i for i in order if _may_join(lamps[i]) and not moving[i]][EXACT // 2 :]
         groups = [(i,) for i in order if i not in set(shared)]
         if shared:
             unit = matrix[shared] / strength[shared].clamp_min(1e-20)[:, None]
@@ -88,8 +88,8 @@ def weights(cluster: LightCluster, lamps: Sequence[LightSource]) -> Tensor:
     return power + 0.1 * power.mean() + 1e-12
 
 
-def _shares(lamp: LightSource) -> bool:
-    """Whether a light may be in a cluster: one that lights some things only has shadows of its own."""
+def _may_join(lamp: LightSource) -> bool:
+    """Whether a light may be in a cluster: one that lights some objects only has shadows of its own."""
     return lamp.light.shadow and not lamp.light.unlit and lamp.shadowless < 0 and not lamp.pictured
 
 

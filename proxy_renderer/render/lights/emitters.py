@@ -100,11 +100,8 @@ class Emitters:
 
     def notice(self, shading_inputs: Sequence[ShadingInputs]) -> bool:
         """Makes lights of materials that have begun to glow; returns whether there are new ones."""
-        new = {
-            material
-            for material, inputs in enumerate(shading_inputs)
-            if material not in self._clusters and float(luminance(inputs.emission.detach())) > _LEAST
-        }
+        others = [m for m in range(len(shading_inputs)) if m not in self._clusters]
+        new = {m for m in others if float(luminance(shading_inputs[m].emission.detach())) > _LEAST}
         self._geometry.set_apart(new)
         for material in sorted(new):
             with torch.no_grad():
@@ -139,9 +136,9 @@ def clusters_of(geometry: RayGeometry, material: int, near: float) -> list[Emitt
     else:
         if float(size.max()) > _COARSE * near:
             return []
-    share = area / place.shape[1]
+    point_area = area / place.shape[1]
     parts = [(place[:, g], normal[:, g], outside[g], inside[g]) for g in groups]
-    clusters = [_cluster(*p, share, material, k) for k, p in enumerate(parts)]
+    clusters = [_cluster(*p, point_area, material, k) for k, p in enumerate(parts)]
     return [(lamp, power) for lamp, power in clusters if power > 0]
 
 
@@ -187,12 +184,12 @@ def _cluster(
     normal: Tensor,
     outside: Tensor,
     inside: Tensor,
-    share: float,
+    point_area: float,
     material: int,
     number: int,
 ) -> EmitterCluster:
     """From points (3, n) with normals, seen from outside and inside (n,), that stand for an area each."""
-    even, odd = (outside + inside) / 2 * share, (outside - inside) / 2 * share
+    even, odd = (outside + inside) / 2 * point_area, (outside - inside) / 2 * point_area
     area = float(even.sum())
     form = (normal * even) @ normal.T / max(area, 1e-20)
     around = _sphere().to(place)

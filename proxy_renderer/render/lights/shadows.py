@@ -82,18 +82,13 @@ class ShadowFilter:
         for step in _steps(radius):
             to, of = self._shifted(*step)
             total[to] += value[of] * self._alike(*step)
-        if radius not in self._weight:
-            self._weight[radius] = self._count(radius)
+        if radius not in self._weight:  # how many pixels (H, W) are averaged
+            weight = self._weight[radius] = torch.ones(self._size, device=self._grid.device)
+            for step in _steps(radius):
+                weight[self._shifted(*step)[0]] += self._alike(*step)
         smooth = visible.clone()
         smooth[self._plain] = (total / self._weight[radius]).flatten()[self._plain_pixel]
         return smooth
-
-    def _count(self, radius: int) -> Tensor:
-        """How many pixels (H, W) are averaged."""
-        weight = torch.ones(self._size, device=self._grid.device)
-        for step in _steps(radius):
-            weight[self._shifted(*step)[0]] += self._alike(*step)
-        return weight
 
     def _alike(self, dy: int, dx: int) -> Tensor:
         """(h, w) bool: pixels, those at the border aside, whose neighbor shares rays with them."""

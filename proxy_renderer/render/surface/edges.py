@@ -50,11 +50,17 @@ class ShadowEdges:
     ) -> ShadowEdges:
         """Traces shadows of a lamp, detached, where a view, detached, shows its penumbra: `visible` (N,) is the share of it that samples see."""
         pixel_index = (samples.center_hits.hit & _penumbra(samples, visible)).nonzero()[:, 0]
-        surface = _centers(geometry, samples, view, pixel_index)
+        width = samples.size[0]
+        centers = torch.stack((pixel_index % width, pixel_index // width)).to(torch.float32) + 0.5
+        surface = geometry.surface(samples.center_hits.pick(pixel_index), view.rays(centers)[1])
         direct = lamp.irradiance(surface.position, surface.normal)
         lit = (dot(surface.facet, direct.toward) > 0) & (direct.irradiance > 0)
         origin = geometry.lifted(surface)
-        spots = _spots(lamp).to(origin.device)
+        # Four points stand for the whole lamp: their second moments are its own.
+        low, high = 0.5 - 12**-0.5, 0.5 + 12**-0.5
+        spots = torch.tensor([[low, low, high, high], [low, high, low, high]], device=origin.device)
+        if lamp.half_sides() is None:
+            spots = spots.new_tensor([[0.5, 0.5, 0.5, 0.5], [0.125, 0.375, 0.625, 0.875]])
         neighbors = _neighbors(samples, surface, pixel_index, lit)
         edges = []
         for point in spots.unbind(1):
@@ -62,14 +68,16 @@ class ShadowEdges:
             toward, distance = lamp.shadow_targets(direct, spot)
             clear = torch.zeros(len(pixel_index), device=origin.device)
             clear[lit] = geometry.clear(origin[:, lit], toward[:, lit], distance[lit] * (1 - 1e-4))
-            dark, bright = _split(neighbors, clear)
+            # Pairs of neighbors that the shadow's edge divides.
+            difference = clear[neighbors[0]] - clear[neighbors[1]]
+            up, down = neighbors[:, difference < 0], neighbors[:, difference > 0].flip(0)
+            dark, bright = torch.cat((up, down), 1)
             keep = dot(surface.facet[:, dark], toward[:, dark]) > _GRAZING
             dark, bright = dark[keep], bright[keep]
             blocker = _contour(geometry, origin[:, dark], toward[:, dark], distance[dark])
             edges.append((dark, bright, spot[:, dark], blocker))
         dark, bright, spot, blocker = (torch.cat(parts, -1) for parts in zip(*edges, strict=True))
         pixel = torch.stack((pixel_index[dark], pixel_index[bright]))
-        width = samples.size[0]
         step = torch.stack((pixel[1] % width - pixel[0] % width, pixel[1] // width - pixel[0] // width))
         return ShadowEdges(pixel, step / spots.shape[1], spot, surface.pick(dark), blocker)
 
@@ -89,14 +97,6 @@ class ShadowEdges:
         return zero.index_add(0, self.pixel[0], darker).index_add(0, self.pixel[1], darker)
 
 
-def _spots(lamp: LightSource) -> Tensor:
-    """(2, 4) points that stand for a whole lamp, as `LightSource.shadow_targets` takes them: their second moments are its own."""
-    if lamp.half_sides() is None:
-        return torch.tensor([[0.5, 0.5, 0.5, 0.5], [0.125, 0.375, 0.625, 0.875]])
-    low, high = 0.5 - 12**-0.5, 0.5 + 12**-0.5
-    return torch.tensor([[low, low, high, high], [low, high, low, high]])
-
-
 def _penumbra(samples: Samples, visible: Tensor) -> Tensor:
     """(P,) bool: pixels near which a lamp is seen (N,) here and not there."""
     width, height = samples.size
@@ -107,13 +107,6 @@ def _penumbra(samples: Samples, visible: Tensor) -> Tensor:
     across = max_pool2d(most, (1, 2 * _PENUMBRA + 1), 1, (0, _PENUMBRA))
     near = max_pool2d(across, (2 * _PENUMBRA + 1, 1), 1, (_PENUMBRA, 0)).flatten(2)[0]
     return (near[0] > _LEAST_SHARE) & (near[1] > _LEAST_SHARE - 1)
-
-
-def _centers(geometry: RayGeometry, samples: Samples, view: View, pixel_index: Tensor) -> Surface:
-    """The surface at the centers of the pixels (N,) that see one."""
-    width = samples.size[0]
-    _, toward = view.rays(torch.stack((pixel_index % width, pixel_index // width)).to(torch.float32) + 0.5)
-    return geometry.surface(samples.center_hits.pick(pixel_index), toward)
 
 
 def _neighbors(samples: Samples, surface: Surface, pixel_index: Tensor, lit: Tensor) -> Tensor:
@@ -129,14 +122,6 @@ def _neighbors(samples: Samples, surface: Surface, pixel_index: Tensor, lit: Ten
     flat = dot(apart, surface.facet[:, a]).abs() < 0.5 * apart.norm(dim=0)
     same = samples.owner[pixel_index[a]] == samples.owner[pixel_index[b]]
     return torch.stack((a, b))[:, same & flat & (dot(surface.normal[:, a], surface.normal[:, b]) > 0.9)]
-
-
-def _split(neighbors: Tensor, clear: Tensor) -> tuple[Tensor, Tensor]:
-    """Of the pairs (2, E) those that a shadow's edge divides: the dark and the bright ones."""
-    difference = clear[neighbors[0]] - clear[neighbors[1]]
-    up, down = neighbors[:, difference < 0], neighbors[:, difference > 0].flip(0)
-    dark, bright = torch.cat((up, down), 1)
-    return dark, bright
 
 
 def _contour(geometry: RayGeometry, origin: Tensor, toward: Tensor, distance: Tensor) -> Tensor:
@@ -167,14 +152,14 @@ class Silhouettes:
         owner = samples.owner.view(height, width)
         pairs = [_pairs(depth, owner, axis) for axis in (0, 1)]
         near, far = (torch.cat([p[i] for p in pairs]) for i in (0, 1))
-        nearest, farthest = _extreme_samples(samples)
-        sample = torch.stack((nearest[near], farthest[far]))
+        # The nearest sample of the one pixel, the farthest of the other.
+        order, pixels = torch.argsort(samples.hits.distance, descending=True, stable=True), len(samples.first)
+        nearest = last_of(samples.pixel, order, pixels)[near]
+        sample = torch.stack((nearest, last_of(samples.pixel, order.flip(0), pixels)[far]))
         keep = sample[0] < samples.surfaces
         near, far, sample = near[keep], far[keep], sample[:, keep]
         normal = _contour_normals(depth, near, far)
-        step = torch.stack(((far % width) - (near % width), (far // width) - (near // width))).to(
-            normal.dtype
-        )
+        step = torch.stack((far % width - near % width, far // width - near // width)).to(normal.dtype)
         motion = normal * (normal * step).sum(0).clamp_min(0.0)
         return Silhouettes(torch.stack((near, far)), sample, surface.position[:, sample[0]], motion)
 
@@ -210,13 +195,6 @@ def _pairs(depth: Tensor, owner: Tensor, axis: int) -> tuple[Tensor, Tensor]:
 def _shifted(depth: Tensor, axis: int, by: int, count: int) -> Tensor:
     index = (torch.arange(count, device=depth.device) + by).clamp(0, depth.shape[axis] - 1)
     return depth.index_select(axis, index)
-
-
-def _extreme_samples(samples: Samples) -> tuple[Tensor, Tensor]:
-    """For every pixel the index (P,) of its nearest and of its farthest sample."""
-    order = torch.argsort(samples.hits.distance, descending=True, stable=True)
-    pixels = len(samples.first)
-    return last_of(samples.pixel, order, pixels), last_of(samples.pixel, order.flip(0), pixels)
 
 
 def _contour_normals(depth: Tensor, near: Tensor, far: Tensor) -> Tensor:

@@ -129,9 +129,8 @@ def table_of(frame: RenderState) -> RadianceTable:
     sky = frame.sky
     colors = torch.stack([s.color for s in frame.sources]) if frame.sources else frame.colors
     metallic = torch.stack([p.metallic for p in frame.shading_inputs])
-    return RadianceTable.of(
-        within(albedos, 0.0, 1.0), metallic, emission, colors, sky.hemispheres, sky.coefficients()
-    )
+    albedos = within(albedos, 0.0, 1.0)
+    return RadianceTable.of(albedos, metallic, emission, colors, sky.hemispheres, sky.coefficients())
 
 
 def _behind(
@@ -198,11 +197,9 @@ class RenderState:
     def only(self, owner: str) -> RenderState:
         """The same with one owner's light only ("" for no owner's), and with what surfaces emit."""
         dark = torch.zeros_like(self.sky.color)
-        return replace(
-            self,
-            lamps=[lamp if lamp.owner in (owner, "") else replace(lamp, color=dark) for lamp in self.lamps],
-            sky=self.sky if owner == "world" else replace(self.sky, color=dark, backdrop_color=dark),
-        )
+        lamps = [lamp if lamp.owner in (owner, "") else replace(lamp, color=dark) for lamp in self.lamps]
+        sky = self.sky if owner == "world" else replace(self.sky, color=dark, backdrop_color=dark)
+        return replace(self, lamps=lamps, sky=sky)
 
 
 def mirror_weight(inputs: ShadingInputs) -> Tensor:

@@ -194,9 +194,8 @@ class FroxelGrid:
         segments, rows, columns = self._sums.shape[2] - 1, *self._sums.shape[3:]
         cut = (torch.log1p(distance / self._near) / math.log(self._growth)).clamp(0, segments - 1)
         whole = cut.detach().floor().clamp_max(segments - 2)
-        cut = whole + (self._growth ** (cut - whole) - 1) / (
-            self._growth - 1
-        )  # linear in meters between cuts
+        # Linear in meters between cuts.
+        cut = whole + (self._growth ** (cut - whole) - 1) / (self._growth - 1)
         cut = cut + ((distance - self._bulk) / (self._end - self._bulk)).clamp(0, 1)
         # grid_sample's corners are the centers of the outer cells
         cells = [

@@ -59,14 +59,11 @@ def glow_of(
     diffuse = _Search(geometry, points, wide, sorted(set(glowing) - set(emissive)), "diffuse", generator)
     glossy = _Search(geometry, points, near, sorted(glowing), "glossy", generator)
     hemisphere = diffuse.shares(materials, lobes.hemisphere, lobes.hemisphere_density)
-    blurred = [
-        glossy.shares(
-            materials,
-            partial(lobes.reflections, alpha=r * r),
-            partial(lobes.reflections_density, alpha=r * r),
-        )
-        for r in BLURS
-    ]
+    blurred = []
+    for roughness in BLURS:
+        alpha = roughness * roughness
+        lobe = partial(lobes.reflections, alpha=alpha), partial(lobes.reflections_density, alpha=alpha)
+        blurred.append(glossy.shares(materials, *lobe))
     return GlowShares(hemisphere, tuple(blurred))
 
 
@@ -88,26 +85,22 @@ class _Search:
         self._geometry, self._points, self._ray, self._generator = geometry, points, ray, generator
         self._turn = turn
         self._origin = geometry.lifted(points)
-        self._density = self._densities(glowing)
         self._targets: Hits | None = None
+        # (F,) chosen points per square meter on each triangle; 0 where these rays see no glow.
+        a, b, c = geometry.corners.permute(0, 2, 1)
+        self._areas = cross(b - a, c - a).norm(dim=0) / 2
+        self._density = torch.zeros_like(self._areas)
+        visible = geometry.visible_to(ray)
+        for material in glowing:
+            own = (geometry.material == material) & visible
+            self._density[own] = 1 / (self._areas[own].sum().clamp_min(1e-12) * len(glowing))
         lamps = (self._density > 0).nonzero()[:, 0]
         if len(lamps):
             self._aim(lamps)
 
-    def _densities(self, glowing: Sequence[int]) -> Tensor:
-        """(F,) chosen points per square meter on each triangle; 0 where these rays see no glow."""
-        geometry = self._geometry
-        a, b, c = geometry.corners.permute(0, 2, 1)
-        self._areas = cross(b - a, c - a).norm(dim=0) / 2
-        seen = geometry.visible_to(self._ray)
-        density = torch.zeros_like(self._areas)
-        for material in glowing:
-            own = (geometry.material == material) & seen
-            density[own] = 1 / (self._areas[own].sum().clamp_min(1e-12) * len(glowing))
-        return density
-
     def _aim(self, lamps: Tensor) -> None:
         """Chooses points on triangles, and finds which of them can be seen from where, and how densely they lie."""
+        # Points that are spread evenly over the lamps' areas; those who share them take turns.
         chance = (self._density * self._areas)[lamps].cumsum(0)
         spots = shared_points(_LAMP_RAYS, self._turn, self._generator)
         order = torch.arange(_LAMP_RAYS, device=chance.device) / _LAMP_RAYS
@@ -118,6 +111,7 @@ class _Search:
         root, second = spots[0].flatten().sqrt(), spots[1].flatten()
         weights = torch.stack((1 - root, root * (1 - second), root * second))
         place = sum(w * c[triangle].T for w, c in zip(weights, self._geometry.corners, strict=True))
+        # Directions to them, and the share of their light that arrives.
         start = self._origin.repeat_interleave(_LAMP_RAYS, 1)
         offset = place - start
         distance = dot(offset, offset).clamp_min(1e-12).sqrt()

@@ -53,12 +53,9 @@ class RadianceTable:
 
     def without(self, rows: slice) -> RadianceTable:
         """The table with some of its rows dark."""
-        parts = (
-            self.radiances[: rows.start],
-            torch.zeros_like(self.radiances[rows]),
-            self.radiances[rows.stop :],
-        )
-        return RadianceTable(torch.cat(parts), self.albedo)
+        dark = torch.zeros_like(self.radiances[rows])
+        rest = self.radiances[: rows.start], dark, self.radiances[rows.stop :]
+        return RadianceTable(torch.cat(rest), self.albedo)
 
     def dimmed(self, shares: Tensor) -> RadianceTable:
         """The table behind fog: transmittance (S,) of the L + 2 sources, and again for light scattered twice."""
