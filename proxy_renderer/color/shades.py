@@ -11,7 +11,7 @@ from ..schema import Values
 from .floats import chroma, lab_from_srgb, oklab_from_srgb, srgb_from_hex, srgb_from_oklab
 
 WARM = (0.5, 1.0)
-"""What counts as warm of a* and b*, see `claims.measures.color.warmth`."""
+"""Weights of a* and b* in warmth, see `claims.measures.color.warmth`."""
 
 _GRAYISH_LAB = 20.0  # chroma below which a hue says little
 
@@ -115,7 +115,7 @@ def tinged(base: Values, tinge: Values, share: float) -> Values:
 
 
 def mixable(one: Values, other: Values) -> bool:
-    """Whether one color can have something of both sRGB colors: a teal can, nothing is both red and green."""
+    """True if one color can have something of both sRGB colors: a teal can, nothing is both red and green."""
     (_, chroma, hue), (_, chroma2, hue2) = _polar(one), _polar(other)
     if min(chroma, chroma2) < _GRAYISH_OKLAB:
         return True
@@ -146,7 +146,7 @@ _CIRCLE = [*_HUES, _HUES[0] + 360]
 
 
 def _step(hue: float) -> float:
-    """Where a hue (degrees) lies on the circle of elementary colors: 0 red, 1 yellow, 2 green, 3 blue, 4 red again."""
+    """Place of a hue (degrees) on the circle of elementary colors: 0 red, 1 yellow, 2 green, 3 blue, 4 red again."""
     hue = (hue - _CIRCLE[0]) % 360 + _CIRCLE[0]
     arc = next(i for i in range(4) if hue <= _CIRCLE[i + 1])
     return arc + (hue - _CIRCLE[arc]) / (_CIRCLE[arc + 1] - _CIRCLE[arc])

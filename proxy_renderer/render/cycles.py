@@ -92,7 +92,7 @@ class Correction:
         return Correction(*kept, fields, (*known_owners, REST))
 
     def fits(self, view: View) -> bool:
-        """Whether a view's pixels are those of the anchor."""
+        """True if a view's pixels are those of the anchor."""
         return view.signature() == self.view.signature()
 
     def pixels(self, linear: Tensor, colors: Mapping[str, Tensor]) -> Tensor:
@@ -204,7 +204,7 @@ def blur(fields: Tensor, guide: Tensor, radius: int, sigma: float) -> Tensor:
 
 
 def _overlap(shift: int, size: int) -> tuple[slice, slice]:
-    """Where a picture and itself, shifted, overlap: there, and what lies there in the shifted one."""
+    """The part of a picture's axis that a shifted copy overlaps, and the same part in the copy."""
     return slice(max(0, -shift), size - max(0, shift)), slice(max(0, shift), size - max(0, -shift))
 
 

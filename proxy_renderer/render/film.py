@@ -91,7 +91,7 @@ class _Settings:
         return value if value is not None else self._like.new_full((1,), FAMILIES[key].default)
 
     def moves(self, *names: str) -> bool:
-        """Whether any of them changes the picture, or could: it is being learned."""
+        """True if any of them changes the picture, or could: it is being learned."""
         return any(
             self[n].requires_grad or bool((self[n] != FAMILIES[f"film/{n}"].default).any()) for n in names
         )
@@ -150,7 +150,7 @@ def turn_hue(
 
 
 def falloff(width: int, height: int) -> Float[Tensor, "{height} {width} 1"]:
-    """What a full vignette takes from each pixel (H, W, 1): 0 in the middle, 1 in the corners."""
+    """Share that a full vignette takes from each pixel (H, W, 1): 0 in the middle, 1 in the corners."""
     x, y = ((torch.arange(n) + 0.5) / n * 2 - 1 for n in (width, height))
     radius = ((x[None, :] ** 2 + y[:, None] ** 2) / 2).sqrt()
     t = ((radius - 0.3) / 0.7).clamp(0, 1)
@@ -158,11 +158,11 @@ def falloff(width: int, height: int) -> Float[Tensor, "{height} {width} 1"]:
 
 
 THRESHOLD, SMOOTHNESS, SIZE = 1.0, 0.1, 0.5
-"""What the add-on's grade sets the node to: brightness from which pixels glow, its softness, and the reach."""
+"""Settings of the node in the add-on's grade: brightness from which pixels glow, its softness, and the reach."""
 
 
 def bloom(picture: Tensor) -> Tensor:
-    """What the node would add at strength 1 to a linear picture (H, W, 3); an even glow is as bright as its source."""
+    """Light that the node would add at strength 1 to a linear picture (H, W, 3); an even glow is as bright as its source."""
     layers = [_highlights(picture).permute(2, 0, 1)[None]]
     length = int(math.log2(max(min(picture.shape[:2]) * SIZE, 1)))
     for level in range(length - 1):

@@ -17,7 +17,7 @@ from .surface.view_cache import ViewCache
 
 @dataclass(frozen=True)
 class GBuffer:
-    """What the camera sees."""
+    """Surfaces that the camera sees."""
 
     subject: Tensor  # (H, W) share of each pixel that the subject covers
     material: Tensor  # (H, W) int64, number of the material in the pixel's middle; -1 for the world

@@ -41,7 +41,7 @@ _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")
 
 @dataclass(frozen=True, kw_only=True)
 class LatentImage:
-    """What the film has received, before it is developed."""
+    """Light on the film, before it is developed."""
 
     linear: Tensor  # (H, W, 3) scene-linear Rec.709 before grade and view transform
     mask: Tensor  # (H, W) share of each pixel that the subject covers
@@ -193,7 +193,7 @@ class Proxy:
     def _cache_of(
         self, view: View, shading_inputs: list[ShadingInputs], lamps: list[LightSource]
     ) -> ViewCache:
-        """What is traced for a view; again if it has changed or a light of a cluster begins to move, or a mirror has."""
+        """The traced view; traced again if the view or a mirror has changed, or a light of a cluster begins to move."""
         metals = torch.stack([mirror_weight(p) for p in shading_inputs])
         kept = self._cache
         if kept is not None and kept.signature == view.signature() and kept.clusters.hold(lamps):

@@ -124,7 +124,7 @@ class FogBounds:
 
 @dataclass(frozen=True)
 class FilmSettings:
-    """How Blender shows the picture: its OCIO configuration, display, view and look; and the folder of its fonts, "" if not known."""
+    """Blender's display of the picture: its OCIO configuration, display, view and look; and the folder of its fonts, "" if not known."""
 
     ocio: str
     display: str
@@ -149,7 +149,7 @@ class SceneMesh:
 
 @dataclass(frozen=True)
 class Standby:
-    """What the scene gets if the words ask for it: lights that it lacks, a backdrop of its own."""
+    """Additions that the words may ask for: lights that the scene lacks, a backdrop of its own."""
 
     lights: tuple[Light, ...] = ()  # the lights
     # the parameters of the lights and of the backdrop, by key
@@ -186,7 +186,7 @@ class SceneData:
 
     @property
     def may_have_backdrop(self) -> bool:
-        """Whether what the camera sees of the world may get a color and a strength of its own."""
+        """True if what the camera sees of the world may get a color and a strength of its own."""
         return any(i.parameter.group == "world" for i in self.standby.instances.values())
 
     def with_backdrop(self) -> SceneData:

@@ -33,10 +33,10 @@ class RenderValues:
         return torch.tensor(self.scene.value(key, default)[0], dtype=torch.float32, device=self.device)
 
     def has(self, key: str) -> bool:
-        """Whether the scene or the caller knows the parameter."""
+        """True if the scene or the caller knows the parameter."""
         return key in self.given or key in self.scene.instances
 
 
 def needs_gradient(*tensors: Tensor) -> bool:
-    """Whether gradients are being recorded for any of these."""
+    """True if gradients are being recorded for any of these."""
     return torch.is_grad_enabled() and any(t.requires_grad for t in tensors)

@@ -50,7 +50,7 @@ class View:
 
     @property
     def moving(self) -> bool:
-        """Whether gradients with respect to the camera are wanted."""
+        """True if gradients with respect to the camera are wanted."""
         return needs_gradient(self.position, self.rotation, self.scale)
 
     def detached(self) -> View:

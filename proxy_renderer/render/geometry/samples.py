@@ -14,7 +14,7 @@ from .visibility import Hits, RayGeometry, Surface
 
 EDGE_SAMPLES = 5
 _NEIGHBOR = 0.084
-"""What a pixel of one sample takes from each neighbor along an axis: the filter's variance of 0.17 square pixels."""
+"""Share that a pixel of one sample takes from each neighbor along an axis: the filter's variance of 0.17 square pixels."""
 _FILTER_WIDTH = 3.0  # pixels: twice what Blender says (1.5 by default), for Cycles takes it for a radius
 
 
@@ -183,7 +183,7 @@ _MOST_LAYERS = 8
 
 @dataclass(frozen=True)
 class HitLayers:
-    """What rays pass through and end on, nearest first."""
+    """Surfaces that rays pass through and end on, nearest first."""
 
     ray: Tensor  # (N,) index of the ray
     number: Tensor  # (N,) how many surfaces it has met before

@@ -30,7 +30,7 @@ class TriangleTree:
 
     @property
     def count(self) -> int:
-        """How many triangles it has."""
+        """Number of triangles."""
         return len(self._members)
 
     @functools.cached_property

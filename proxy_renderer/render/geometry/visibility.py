@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What rays meet, by Embree. Everything here is a constant of one camera or one light: no gradients."""
+"""Intersections of rays, by Embree. Everything here is a constant of one camera or one light: no gradients."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _LAYERS = 8
 
 @dataclass(frozen=True)
 class Hits:
-    """Where N rays end."""
+    """Ends of N rays."""
 
     triangle: Tensor  # (N,) int64, -1 for a miss
     u: Tensor  # (N,) barycentric weights of the triangle's second and third corner
@@ -114,9 +114,9 @@ class RayGeometry:
         return met[self.object]
 
     def first_hits(self, origin: Tensor, toward: Tensor, ray: str, numbers: Tensor | None = None) -> Hits:
-        """Where rays (3, N) of a kind with unit directions (3, N) end; a transparent surface stops a share of them.
+        """Ends of rays (3, N) of a kind with unit directions (3, N); a transparent surface stops a share of them.
 
-        Which ones is told by their `numbers` (N,), by default from 0 on: the same rays among others end in the same places.
+        Which ones depends on their `numbers` (N,), by default from 0 on: the same rays among others end in the same places.
         """
         hits = self.nearest(origin, toward, ray)
         if not self._filter:
@@ -137,7 +137,7 @@ class RayGeometry:
         return Hits(*parts)
 
     def onward(self, hits: Hits, origin: Tensor, toward: Tensor, ray: str) -> Hits:
-        """What rays meet after their hits; distances still count from the origin."""
+        """Next surfaces that rays meet after their hits; distances still count from the origin."""
         gap = 1e-5 * (self.size + hits.distance)
         start = hits.distance + gap
         further = self.nearest(origin + toward * start, toward, ray)

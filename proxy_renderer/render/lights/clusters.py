@@ -42,7 +42,7 @@ class LightClusters:
         return len(self.clusters)
 
     def hold(self, lamps: Sequence[LightSource]) -> bool:
-        """Whether they are of as many lights, and none that moves shares its shadows with others."""
+        """True if they are of as many lights, and none that moves shares its shadows with others."""
         alone = (len(self.clusters[self.row[i]].members) == 1 for i, lamp in enumerate(lamps) if lamp.moving)
         return len(lamps) == len(self.row) and all(alone)
 
@@ -82,14 +82,14 @@ class LightClusters:
 
 
 def weights(cluster: LightCluster, lamps: Sequence[LightSource]) -> Tensor:
-    """How often (C,) shadow rays go to each member: as it lights what is seen, but none never."""
+    """Relative number (C,) of shadow rays to each member: by its light on visible points, above 0 for all."""
     bright = luminance(torch.stack([lamps[i].color.detach() for i in cluster.members]))[:, 0]
     power = (bright * bright.new_tensor(cluster.shares)).clamp_min(0.0)
     return power + 0.1 * power.mean() + 1e-12
 
 
 def _may_join(lamp: LightSource) -> bool:
-    """Whether a light may be in a cluster: one that lights some objects only has shadows of its own."""
+    """True if a light may be in a cluster: one that lights some objects only has shadows of its own."""
     return lamp.light.shadow and not lamp.light.unlit and lamp.shadowless < 0 and not lamp.pictured
 
 

@@ -70,7 +70,7 @@ class EmitterLight(PointLight):
         return (even + self.lean @ way).clamp_min(0.0)
 
     def surface_cosine(self, cosine: Tensor, share: Tensor) -> Tensor:
-        """What of it is above the horizon counts."""
+        """Only its part above the horizon counts."""
         return clipped_sphere(cosine, share)
 
 
@@ -158,7 +158,7 @@ def _points(geometry: RayGeometry, triangles: Tensor) -> tuple[Tensor, Tensor, f
 
 
 def _open(geometry: RayGeometry, material: int, place: Tensor, side: Tensor) -> Tensor:
-    """Where (P,) light that leaves to a side does not meet the same material, as 0 or 1."""
+    """(P,) 1 where light that leaves to a side does not meet the same material, else 0."""
     uv = torch.rand((2, place.shape[1]), generator=torch.Generator().manual_seed(4)).to(place.device)
     toward = cosine_directions(side, uv)
     hits = geometry.nearest(place + side * (1e-5 * geometry.size), toward, "diffuse")
@@ -172,7 +172,7 @@ def _radius(place: Tensor) -> Tensor:
 
 
 def _blob(place: Tensor, sides: Tensor) -> Tensor:
-    """Whether points (3, n) are a round and closed surface: as good as a sphere at any distance."""
+    """True if points (3, n) are a round and closed surface: as good as a sphere at any distance."""
     if place.shape[1] < 4:
         return torch.tensor(False, device=place.device)
     spread = torch.linalg.eigvalsh(torch.cov(place))

@@ -80,12 +80,12 @@ class Sky:
 
     @property
     def plain(self) -> bool:
-        """Whether it looks the same everywhere."""
+        """True if it looks the same everywhere."""
         return self.environment.whole is None
 
     @property
     def pictured(self) -> bool:
-        """Whether what a direction sees, or the camera there, depends on the direction."""
+        """True if what a direction sees, or the camera there, depends on the direction."""
         return not self.plain or self.environment.backdrop is not None
 
     def signature(self) -> tuple[float, ...]:
@@ -164,12 +164,12 @@ class Sky:
 
 
 def _has_own_backdrop(scene: SceneData) -> bool:
-    """Whether what the camera sees of the world has a color and a strength of its own."""
+    """True if what the camera sees of the world has a color and a strength of its own."""
     return "world/backdrop_strength" in scene.instances
 
 
 def _shares_picture(scene: SceneData) -> bool:
-    """Whether the camera sees the picture that lights, turned as it is."""
+    """True if the camera sees the picture that lights, turned as it is."""
     tinted = not _has_own_backdrop(scene) or "world/backdrop_tint" in scene.instances
     return scene.world.backdrop is None and tinted
 

@@ -61,7 +61,7 @@ class EnvironmentSun:
 
     @property
     def wide(self) -> bool:
-        """Whether reflections show its picture, not the highlight of a disc."""
+        """True if reflections show its picture, not the highlight of a disc."""
         return self.angle > _WIDE
 
     def lamp(self, number: int, tint: Tensor, turn: Tensor) -> EnvironmentSunLight:
@@ -109,7 +109,7 @@ def split(picture: Tensor) -> tuple[Tensor, Tensor, list[EnvironmentSun]]:
 
 
 def _counts(sun: EnvironmentSun, light: float, mean: float) -> bool:
-    """Whether a sun's irradiance is worth a lamp in a world of this mean radiance."""
+    """True if a sun's irradiance is worth a lamp in a world of this mean radiance."""
     radiance = light / (math.pi * max(sun.angle / 2, 1e-4) ** 2)
     return light > _LEAST_SHARE * math.pi * mean and radiance > _LEAST_CONTRAST * mean
 
@@ -150,7 +150,7 @@ def _extent(
 
 
 def _excess(picture: Tensor, toward: Tensor, peak: Tensor, radius: float, level: Tensor) -> Tensor:
-    """What is brighter than a level (3,) close to a peak: (3, T)."""
+    """Light (3, T) above a level (3,) close to a peak."""
     near = (peak @ toward > radius).to(picture.dtype)
     return (picture - level[:, None]).clamp_min(0.0) * near
 

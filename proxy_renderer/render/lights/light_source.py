@@ -29,7 +29,7 @@ POINT_RADIUS = 1e-3
 
 @dataclass(frozen=True)
 class DirectIrradiance:
-    """What reaches N points from one light, unshadowed, per unit of its color."""
+    """Light that reaches N points from one light, unshadowed, per unit of its color."""
 
     toward: Float[Tensor, "3 n"]  # (3, N) unit vectors to the light's center
     distance: Float[Tensor, " n"]  # (N,) to the light's center in meters; infinite for suns
@@ -45,7 +45,7 @@ class DirectIrradiance:
 
 @dataclass(frozen=True)
 class SegmentLight:
-    """What reaches the S segments of rays from one light, unshadowed, per unit of its color."""
+    """Light that reaches the S segments of rays from one light, unshadowed, per unit of its color."""
 
     points: Float[Tensor, "3 ..."]  # (3, S · parts, …) where the middle of the light arrives
     toward: Float[Tensor, "3 ..."]  # (3, S · parts, …) unit vectors from there to the light
@@ -118,7 +118,7 @@ class LightSource(ABC):
         return None
 
     def lights(self, objects: Int[Tensor, " n"]) -> Bool[Tensor, " n"]:
-        """Whether surfaces of objects (N,) get its light: light linking may leave some out."""
+        """(N,) bool: surfaces of objects (N,) that get its light; light linking may leave some out."""
         return ~torch.isin(objects, objects.new_tensor(self.light.unlit))
 
     @property
@@ -128,7 +128,7 @@ class LightSource(ABC):
 
     @property
     def pictured(self) -> bool:
-        """Whether reflections show its image, so that it has no highlight."""
+        """True if reflections show its image, so that it has no highlight."""
         return False
 
     @property
@@ -138,12 +138,12 @@ class LightSource(ABC):
 
     @property
     def has_shadow_edges(self) -> bool:
-        """Whether its shadows' edges have gradients."""
+        """True if its shadows' edges have gradients."""
         return self.light.shadow
 
     @property
     def moving(self) -> bool:
-        """Whether gradients with respect to its place, direction or size are wanted."""
+        """True if gradients with respect to its place, direction or size are wanted."""
         return needs_gradient(self.position, self.axes, self.size)
 
     def signature(self) -> tuple[float, ...]:

@@ -108,7 +108,7 @@ class SpotLight(PointLight):
 
     @property
     def moving(self) -> bool:
-        """Whether gradients with respect to its place, direction, size or cone are wanted."""
+        """True if gradients with respect to its place, direction, size or cone are wanted."""
         return super().moving or needs_gradient(self.cone)
 
     def signature(self) -> tuple[float, ...]:
@@ -161,12 +161,12 @@ class AreaLight(LightSource):
 
     @property
     def round(self) -> bool:
-        """Whether its outline is an ellipse rather than a rectangle."""
+        """True if its outline is an ellipse rather than a rectangle."""
         return self.light.shape in ("DISK", "ELLIPSE")
 
     @property
     def focused(self) -> bool:
-        """Whether it shines into a narrower cone than a plain one."""
+        """True if it shines into a narrower cone than a plain one."""
         return self.light.spread / 2 <= math.pi / 2 - 1e-3
 
     @property

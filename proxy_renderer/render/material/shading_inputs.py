@@ -126,5 +126,5 @@ def shading_inputs_of(material: Material, settings: RenderValues) -> ShadingInpu
 
 
 def used(weight: Tensor) -> bool:
-    """Whether a lobe can matter: its weight is not zero, or somebody wants its gradient."""
+    """True if a lobe can matter: its weight is not zero, or somebody wants its gradient."""
     return needs_gradient(weight) or bool((weight != 0).any())

@@ -31,7 +31,7 @@ class MaterialTextures:
             }
 
     def has(self, material: int, name: str) -> bool:
-        """Whether an input of a material varies; "base_color" is its texture."""
+        """True if an input of a material varies; "base_color" is its texture."""
         return (material, name) in self._images
 
     def at(self, material: int, name: str, surface: Surface) -> Tensor:
@@ -48,7 +48,7 @@ class MaterialTextures:
         return grid_sample(image, grid, padding_mode=padding, align_corners=False)[0, :, 0]
 
     def _place(self, texture: Texture, surface: Surface) -> Tensor:
-        """Where points lie in an image (2, N), [0, 1] from the lower left."""
+        """Places (2, N) of points in an image, [0, 1] from the lower left."""
         if texture.window is not None:
             return self._through(texture.window, surface.position)
         if texture.plane is not None:
@@ -117,7 +117,7 @@ class MaterialTextures:
         return result
 
     def _through(self, window: tuple[float, float, float, float], points: Tensor) -> Tensor:
-        """Where points (3, N) lie in a window (2, N) of the exported camera's picture, [0, 1] from the lower left."""
+        """Places (2, N) of points (3, N) in a window of the exported camera's picture, [0, 1] from the lower left."""
         pixel = self._view.project(points)
         x, y = pixel[0] / self._view.size[0], 1 - pixel[1] / self._view.size[1]
         left, bottom, right, top = window

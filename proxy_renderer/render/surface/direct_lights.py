@@ -140,7 +140,7 @@ class ViewSamples:
 
     @property
     def moving(self) -> bool:
-        """Whether gradients with respect to the camera are wanted."""
+        """True if gradients with respect to the camera are wanted."""
         # A camera that only comes nearer turns no ray.
         return needs_gradient(self.toward_eye, self.surface.position)
 

@@ -212,7 +212,7 @@ def mirror_weight(inputs: ShadingInputs) -> Tensor:
 
 
 def sharp(inputs: ShadingInputs) -> Tensor:
-    """Whether () a material shows reflections sharp enough for several samples in every pixel."""
+    """() bool: a material shows reflections sharp enough for several samples in every pixel."""
     shines = (inputs.metallic > 0) | (inputs.specular > 0) | (inputs.transmission > 0)
     coated = (inputs.coat > _LEAST_COAT) & (inputs.coat_roughness < _SMOOTH)
     return (coated | (shines & (inputs.roughness < _SMOOTH))).reshape(())

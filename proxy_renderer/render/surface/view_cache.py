@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What stays the same while the camera stands still: samples, surfaces, and the direct light of each light."""
+"""Everything that stays the same while the camera stands still: samples, surfaces, and the direct light of each light."""
 
 from __future__ import annotations
 
@@ -152,7 +152,7 @@ class ViewCache:
         return replace(surface, normal=torch.cat(normals, 1))
 
     def textured_inputs(self, material: int, part: slice, view_samples: ViewSamples) -> dict[str, Tensor]:
-        """What varies of a material's inputs (C, n) at its samples: "base_color", and parameters by name."""
+        """A material's inputs (C, n) that vary over its samples: "base_color", and parameters by name."""
         if material in self._varying and not view_samples.moving:
             return self._varying[material]
         surface = (view_samples if view_samples.moving else self._view_samples).surface.pick(part)

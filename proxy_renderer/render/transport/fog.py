@@ -57,7 +57,7 @@ class FogMedium:
 
     @property
     def active(self) -> bool:
-        """Whether there is fog, or its density is being learned."""
+        """True if there is fog, or its density is being learned."""
         return self.density.requires_grad or bool(self.density > 0)
 
     @property

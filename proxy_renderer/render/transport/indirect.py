@@ -212,7 +212,7 @@ class FinalGather:
     def _shown_glow(
         self, table: RadianceTable, blurred: Tensor, passing: Tensor | float = 1.0
     ) -> tuple[Tensor, ...]:
-        """What glows, at the samples: its mirror image, of which a share `passing` arrives, and blurred (3 K, N)."""
+        """Glow at the samples: its mirror image, of which a share `passing` arrives, and blurred (3 K, N)."""
         if self._glow is None:
             return ()
         return self.mirror.emitted(table.radiances[self._emission]) * passing, *blurred.split(3)

@@ -33,7 +33,7 @@ _NEAR = 0.1
 
 @dataclass(frozen=True)
 class IndirectFog:
-    """What fog does to indirect light at A gather points.
+    """Effects of fog on indirect light at A gather points.
 
     The S sources are those of `RadianceTable`: L lights and 2 hemispheres, then the same for light scattered twice.
     """
