@@ -171,9 +171,9 @@ _PARTS = 16
 
 
 def trilinear(table: Tensor, place: Tensor) -> Tensor:
-    """Trilinear values (C, N) of a table (1, C, D, H, W) at places (N, 3) in [-1, 1], W's coordinate first; borders go on outside.
+    """Trilinear values (C, N) of a table (1, C, D, H, W) at places (N, 3) in [-1, 1], W's coordinate first.
 
-    As a batch: torch's CPU kernel uses a core for each of its members.
+    Borders go on outside. As a batch: torch's CPU kernel uses a core for each of its members.
     """
     parts = functional.pad(place, (0, 0, 0, -len(place) % _PARTS)).view(_PARTS, -1, 1, 1, 3)
     tables = table.expand(_PARTS, -1, -1, -1, -1)

@@ -22,7 +22,7 @@ _STOPS = math.log2(1 + BRIGHTEST / _TOE)
 
 
 class ViewTransform:
-    """Scene-linear Rec.709 to display, as Blender's color management does it; arguments and errors are those of `apply_ocio`.
+    """Scene-linear Rec.709 to display, as Blender's color management does it; arguments and errors: see `apply_ocio`.
 
     The OCIO transform is sampled once, at 65³ colors that reach from black to 2⁶, about evenly spaced in stops;
     brighter light looks like 2⁶. Against OCIO itself the mean error is below 0.2/255 for every view that Blender has.

@@ -216,7 +216,7 @@ class SceneData:
         return replace(self, mesh=more, objects=(*self.objects, shade))
 
     def value(self, key: str, default: float | Values = 0.0) -> Values:
-        """The artist's value of a parameter, one number per component in its unit; the default where the scene does not have it."""
+        """The artist's value of a parameter, one number per component in its unit; the default where the scene lacks it."""
         if key in self.instances:
             return self.instances[key].value
         if key in self.unseen:

@@ -108,9 +108,9 @@ class GatherPoints:
     def spread_to(
         self, surface: Surface, place: Tensor, distance: Tensor, chosen: Tensor | None = None
     ) -> SparseWeights:
-        """Interpolates from gather points to others at places (2, N) in pixels, which may lie outside, and distances (N,) from the camera.
+        """Interpolates from gather points to others at places (2, N) in pixels, which may lie outside the picture.
 
-        Only the `chosen` (N,) get light; all if None.
+        Distances (N,) are from the camera. Only the `chosen` (N,) get light; all if None.
         """
         rows, columns = self._lists.shape[:2]
         limit = place.new_tensor([[columns], [rows]]) - 0.5

@@ -93,7 +93,7 @@ def classes_of(
 ) -> list[TriangleClass]:
     """Sorts the triangles of a mesh into classes.
 
-    Objects are `hidden` from kinds of rays; materials that are `clear` (M,) may let light through, those `apart` get own classes.
+    Objects are `hidden` from kinds of rays; `clear` (M,) materials may let light through; those `apart` get own classes.
     """
     kinds = list(dict.fromkeys(hidden))
     kind = np.array([kinds.index(h) for h in hidden])

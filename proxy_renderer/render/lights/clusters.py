@@ -32,7 +32,7 @@ class LightCluster:
 
 
 class LightClusters:
-    """All lights of a view, each in one cluster: the clusters' indices are the rows of indirect light, `row` has each light's."""
+    """All lights of a view, each in one cluster; a cluster's index is its row of indirect light, `row` has each light's."""
 
     def __init__(self, clusters: Sequence[LightCluster]) -> None:
         self.clusters = tuple(clusters)
@@ -97,7 +97,7 @@ _ROUNDS = 12
 
 
 def k_means(points: Tensor, count: int) -> Tensor:
-    """The cluster (P,) of each point of (D, P), the same every time; `count` at most, started at points far from each other."""
+    """The cluster (P,) of each point of (D, P), the same every time; at most `count`, which start far from each other."""
     centers = points[:, :1]
     for _ in range(count - 1):
         away = torch.cdist(points.T, centers.T).amin(1)

@@ -118,7 +118,7 @@ class Emitters:
 
 
 def clusters_of(geometry: RayGeometry, material: int, near: float) -> list[EmitterCluster]:
-    """Cuts a material's surface into clusters; none where it is too large for that, seen from a distance `near` in meters."""
+    """Cuts a material's surface into clusters; none where it is too large for that at a distance `near` in meters."""
     triangles = (geometry.material == material).nonzero()[:, 0]
     if not len(triangles):
         return []

@@ -124,10 +124,10 @@ def cluster_shadow(
     lamps: Sequence[LightSource],
     weights: Tensor,
 ) -> Tensor:
-    """Share (N,) of the light of several lamps together that every surface sample sees; weights (C,) > 0 say how often rays go to each.
+    """Share (N,) of the light of several lamps together that every surface sample sees.
 
-    A few rays go to as many of the lamps, chosen by their weights. What they would bring is summed over neighbors on the same
-    smooth surface, with and without shadows: the ratio of the two sums. All lamps cast shadows, and light all objects.
+    A few rays go to as many of the lamps, chosen by their weights (C,) > 0. Their light is summed over neighbors on the
+    same smooth surface, with and without shadows: the ratio of the two sums. All lamps cast shadows, and light all objects.
     """
     count, device = len(surface.material), weights.device
     chance = weights / weights.sum()

@@ -95,9 +95,9 @@ def weigh(coefficients: Tensor, basis_: Tensor) -> Tensor:
 
 
 def _between(table: Tensor, place: Tensor) -> Tensor:
-    """Cubic (Catmull-Rom) look-up, at a place () or (N,), along the first axis of a table (R, ...) over [0, 1]: smooth, so gradients are.
+    """Cubic (Catmull-Rom) look-up along the first axis of a table (R, ...) over [0, 1]: smooth, so gradients are.
 
-    With places (N,) the table has at most one more axis; N comes last in the answer.
+    With places (N,) instead of one, the table has at most one more axis, and N comes last in the answer.
     """
     last = len(table) - 1
     x = place.clamp(0.0, 1.0) * last
@@ -184,7 +184,7 @@ def mirrored(cosine: Tensor, normal: Tensor) -> tuple[Tensor, Tensor]:
 def unshadowed(cosine: Tensor, alpha: Tensor | float, leaving: Tensor) -> Tensor:
     """Share (...) of the light from visible microfacets that no other facet blocks; 0 below the horizon.
 
-    `cosine` and `leaving` are those of the viewer's and of the light's angle to the surface's normal; alpha is roughness squared.
+    Cosines (...) are those of the viewer's and of the leaving light's angle to the surface's normal; alpha is roughness².
     """
     masking = (1 + alpha**2 * (1 / (cosine * cosine) - 1)).sqrt()
     shadowing = (1 + alpha**2 * (1 / leaving.clamp(1e-4, 1.0) ** 2 - 1)).sqrt()

@@ -18,7 +18,7 @@ _LEVELS = 7
 
 
 class MaterialTextures:
-    """All pictures of a scene's materials; what the camera saw is averaged down to the size of the picture that is rendered."""
+    """All pictures of a scene's materials; those that the camera saw are averaged down to the size of the render."""
 
     def __init__(self, scene: SceneData, device: torch.device, size: tuple[int, int] | None = None) -> None:
         self._scene = scene
@@ -153,7 +153,7 @@ class MaterialOpacity:
         self.clear[self._mapped] = True
 
     def at(self, surface: Surface, by_camera: bool = False) -> Tensor:
-        """Alpha (N,) of surface points; the mean of one baked from the exported camera, unless `by_camera`: seen by it directly."""
+        """Alpha (N,) of surface points. Unless seen `by_camera` directly, one baked from the exported camera is its mean."""
         alpha = self._alpha[surface.material]
         for material in self._mapped:
             index = (surface.material == material).nonzero()[:, 0]

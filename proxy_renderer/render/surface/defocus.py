@@ -37,7 +37,7 @@ class Defocus:
 
     @staticmethod
     def of(camera: Camera, view: View, distance: Tensor) -> Defocus | None:
-        """The blur of a view, None where all of it is sharp, from distances (H, W) along the pixels' rays; infinite where nothing is met."""
+        """The blur of a view with distances (H, W) along the pixels' rays, infinite for the background; None where all is sharp."""
         if camera.aperture <= 0:
             return None
         radius = _radii(camera, view, distance)

@@ -80,7 +80,7 @@ class FogMedium:
         toward: Float[Tensor, "3 *#n"],
         distance: Float[Tensor, "*#n"] | float,
     ) -> Float[Tensor, "*n"]:
-        """Share of light (…) that gets through from starts (3, …) in unit directions (3, …), to distances (…) that may be infinite."""
+        """Share of light (…) that gets through, from starts (3, …) in unit directions (3, …) over distances (…), finite or not."""
         return torch.exp(-self.density * self.thickness(start, toward, distance))
 
     def thickness(
@@ -187,7 +187,7 @@ class FroxelGrid:
     _end: float
 
     def look_up(self, place: Tensor, distance: Tensor) -> tuple[Tensor, Tensor]:
-        """Fog between the camera and what samples see at places (2, N) in pixels and distances (N,), infinite for the background.
+        """Fog between the camera and samples at places (2, N) in pixels and distances (N,), infinite for the background.
 
         Returns scattered light (3, N), to be added, and transmittance (N,), to be multiplied with before.
         """
@@ -208,7 +208,7 @@ class FroxelGrid:
 
 
 class SingleScattering:
-    """Single scattering in the fog of one scene; its shadows, if it has visibility for them, are cached until something moves."""
+    """Single scattering in the fog of one scene; its shadows, if it is given visibility, are kept until something moves."""
 
     def __init__(self, clear: VisibilityTest | None = None) -> None:
         self._clear = clear

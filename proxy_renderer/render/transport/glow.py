@@ -133,7 +133,7 @@ class _Search:
     ) -> Tensor:
         """Shares (A, M) of a lobe that the materials' glow fills.
 
-        Directions are rays (3, A * R) of the lobe from (2, A, R) in [0, 1); density (A * R) is theirs at directions (3, A * R).
+        Directions makes rays (3, A * R) of the lobe from (2, A, R) in [0, 1); density gives theirs (A * R) at such directions.
         """
         points = self._origin.shape[1]
         if self._targets is None:
@@ -149,7 +149,7 @@ class _Search:
     def _weighed(
         self, materials: int, hits: Hits, toward: Tensor, lobe: Tensor, seen: Tensor, by_lobe: bool
     ) -> Tensor:
-        """Sums (A, M) of rays, chosen by the lobe or else by the lamps, by the power heuristic; `seen` is the share that arrives."""
+        """Sums (A, M) of rays, chosen by the lobe or else by the lamps, by the power heuristic; a share `seen` arrives."""
         index = (hits.hit & (seen > 0) & (self._density[hits.triangle.clamp_min(0)] > 0)).nonzero()[:, 0]
         triangle, distance = hits.triangle[index], hits.distance[index]
         a, b, c = (self._geometry.corners[k, triangle].T for k in range(3))

@@ -49,7 +49,7 @@ class IndirectFog:
 
 
 class IndirectFogRays:
-    """Rays of one view along which fog is integrated, and their hits; `near` is a typical distance of what is seen, meters."""
+    """Rays of one view along which fog is integrated, and their hits; `near` is a typical distance in view, meters."""
 
     def __init__(
         self,

@@ -182,7 +182,7 @@ class SecondaryHits:
         return total / self.count
 
     def image(self, table: RadianceTable, ambient: Tensor) -> Tensor:
-        """Radiance (3, A) of the hits of single rays, 0 where they leave the scene; `ambient` (3, A) is irradiance not of lamps."""
+        """Radiance (3, A) of the hits of single rays, 0 outside the scene; `ambient` (3, A) is irradiance that is not the lamps'."""
         if not self._members:
             self._members = [(self.owner == m).nonzero()[:, 0] for m in range(self.materials)]
         ambient = ambient * (1 - self.mirror_weight)
@@ -247,7 +247,7 @@ def through(
     lamps: int,
     maps: MaterialTextures,
 ) -> tuple[SecondaryHits, Tensor]:
-    """Hits behind a glass of rays (3, N) that enter its surface, followed through all its walls; and their final directions (3, N)."""
+    """Hits behind a glass of rays (3, N) that enter its surface, followed through all its walls; and their last directions."""
     direction, _ = refract(toward, surface.normal, 1.0 / ior)
     direction = -above(-direction, surface.facet)
     origin = _across(geometry, surface)
