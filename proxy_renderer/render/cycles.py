@@ -185,7 +185,7 @@ def _shares(picture: CyclesPicture, known_owners: list[str], proxy: Tensor, guid
 _REACH = 2.0  # pixels of the picture that is looked up in
 _ALIKE = 0.5  # stops
 _LEAST_WEIGHT = 1e-3  # weight of all pixels together, of which one at the place itself has 4
-_OUTLINE = 0.2  # weight of pixels beside an outline, which show two things
+_OUTLINE = 0.2  # weight of pixels next to an outline, which show two surfaces
 
 
 def blur(fields: Tensor, guide: Tensor, radius: int, sigma: float) -> Tensor:

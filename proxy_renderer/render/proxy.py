@@ -184,7 +184,7 @@ class Proxy:
         )
 
     def _notice(self, shading_inputs: list[ShadingInputs]) -> None:
-        """Forgets what was traced if a glass has changed, or a surface has begun to glow."""
+        """Forgets what was traced if a glass has changed, or a surface glows for the first time."""
         if self.geometry.let_through(torch.stack([glass_transmittance(p) for p in shading_inputs])):
             self._cache, self.volume = None, SingleScattering(self.geometry.clear)
         if self.emitters.notice(shading_inputs):
@@ -219,8 +219,9 @@ class Proxy:
         if not frame.fog.active:
             return radiance, None
         light, passing = self._through_fog(frame)
-        lit = radiance[:3] * passing + light
-        veiled = lit if len(radiance) == 3 else torch.cat((lit, 1 - passing * (1 - radiance[3:])))
+        veiled = radiance[:3] * passing + light
+        if len(radiance) > 3:
+            veiled = torch.cat((veiled, 1 - passing * (1 - radiance[3:])))
         return veiled, passing
 
     @property

@@ -142,7 +142,7 @@ def pixel_centers(size: tuple[int, int]) -> Tensor:
 
 
 def _edges(geometry: RayGeometry, hits: Hits, toward: Tensor, width: int, height: int) -> Tensor:
-    """(P,) bool: pixels beside which the object, the material, the normal or the depth jumps."""
+    """(P,) bool: pixels next to which the object, the material, the normal or the depth jumps."""
     surface: Surface = geometry.surface(hits, toward)
     index = hits.triangle.clamp_min(0)
     name = torch.where(hits.hit, geometry.object[index] * 4096 + surface.material, -1).view(height, width)

@@ -28,7 +28,7 @@ class LightCluster:
     """Lights that share their shadows."""
 
     members: tuple[int, ...]  # their indices, the strongest first, which stands for all
-    shares: tuple[float, ...]  # what each sends per unit of its color, relative to the first
+    powers: tuple[float, ...]  # what each sends per unit of its color, relative to the first
 
 
 class LightClusters:
@@ -53,7 +53,7 @@ class LightClusters:
             first = lamps[cluster.members[0]]
             if len(cluster.members) > 1:
                 colors = torch.stack([lamps[i].color for i in cluster.members])
-                first = replace(first, color=colors.new_tensor(cluster.shares) @ colors)
+                first = replace(first, color=colors.new_tensor(cluster.powers) @ colors)
             sources.append(first)
         return sources
 
@@ -84,7 +84,7 @@ class LightClusters:
 def weights(cluster: LightCluster, lamps: Sequence[LightSource]) -> Tensor:
     """Relative number (C,) of shadow rays to each member: by its light on visible points, above 0 for all."""
     bright = luminance(torch.stack([lamps[i].color.detach() for i in cluster.members]))[:, 0]
-    power = (bright * bright.new_tensor(cluster.shares)).clamp_min(0.0)
+    power = (bright * bright.new_tensor(cluster.powers)).clamp_min(0.0)
     return power + 0.1 * power.mean() + 1e-12
 
 

@@ -69,9 +69,9 @@ class EmitterLight(PointLight):
         even = dot(way, self.form @ way).clamp_min(1e-12).sqrt()
         return (even + self.lean @ way).clamp_min(0.0)
 
-    def surface_cosine(self, cosine: Tensor, share: Tensor) -> Tensor:
+    def surface_cosine(self, cosine: Tensor, sine2: Tensor) -> Tensor:
         """Only its part above the horizon counts."""
-        return clipped_sphere(cosine, share)
+        return clipped_sphere(cosine, sine2)
 
 
 EmitterCluster = tuple[EmitterLight, float]
@@ -99,7 +99,7 @@ class Emitters:
         return tuple(self._clusters)
 
     def notice(self, shading_inputs: Sequence[ShadingInputs]) -> bool:
-        """Makes lights of materials that have begun to glow; returns whether there are new ones."""
+        """Makes lights of materials that glow for the first time; returns whether there are new ones."""
         others = [m for m in range(len(shading_inputs)) if m not in self._clusters]
         new = {m for m in others if float(luminance(shading_inputs[m].emission.detach())) > _LEAST}
         self._geometry.set_apart(new)

@@ -93,7 +93,7 @@ class Sky:
         return () if self.plain else (float(self.turn.detach()),)
 
     def mirror(self, toward: Tensor) -> Tensor:
-        """Uncolored radiance (3, N) in unit directions (3, N), as mirrors show it beside highlights."""
+        """Uncolored radiance (3, N) in unit directions (3, N), as mirrors show it next to highlights."""
         return self._radiance(self.environment.sharp, toward, self.turn)
 
     def soft(self, toward: Tensor) -> Tensor:

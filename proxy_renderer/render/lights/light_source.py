@@ -178,18 +178,18 @@ def disc_offsets(toward: Tensor, solid_angle: Tensor, uv: Tensor) -> Tensor:
     return (across * x + up * y) * (solid_angle / math.pi).sqrt()
 
 
-def clipped_sphere(cosine: Tensor, share: Tensor) -> Tensor:
+def clipped_sphere(cosine: Tensor, sine2: Tensor) -> Tensor:
     """Cosine-weighted part of a sphere above the horizon, relative to the unclipped vector flux.
 
     Args:
         cosine: (N,) of the angle between the normal and the sphere's middle.
-        share: (N,) squared sine of the sphere's angular radius.
+        sine2: (N,) squared sine of the sphere's angular radius.
 
     Returns:
         (N,) the cosine where the sphere is fully above the horizon, 0 where it is below, in between a smooth blend
         that meets both ends with the right slope (Hill and Heitz, "Real-Time Area Lighting", 2016).
     """
-    sine = share.clamp_min(1e-8).sqrt()
+    sine = sine2.clamp_min(1e-8).sqrt()
     t = (cosine / sine).clamp(-1.0, 1.0)
     partial = sine * (1 + t) * (1 + t) / 4
     return torch.where(cosine > sine, cosine, partial)

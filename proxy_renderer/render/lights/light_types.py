@@ -60,8 +60,8 @@ class PointLight(LightSource):
         """
         return torch.ones_like(toward[0])
 
-    def surface_cosine(self, cosine: Float[Tensor, " n"], share: Float[Tensor, " n"]) -> Float[Tensor, " n"]:
-        """Cosine (N,) by which a surface is lit, from that of its center and its squared angular radius (N,)."""
+    def surface_cosine(self, cosine: Float[Tensor, " n"], sine2: Float[Tensor, " n"]) -> Float[Tensor, " n"]:
+        """Cosine (N,) by which a surface is lit, from that of its center and its squared angular radius `sine2` (N,)."""
         return cosine
 
     def shadow_targets(

@@ -40,8 +40,8 @@ def shadow(
     rays = 1 if solid < _SHARP else (2 if moving else _MOST_RAYS)
     facing, reached = dot(surface.facet, direct.toward) > 0, direct.frontal > 0
     # Out of a spot's cone nothing is in shadow: smoothing would carry that over the cone's rim.
-    visible, lit = (facing & ~reached).to(torch.float32), facing & reached & linked
-    index = lit.nonzero()[:, 0]
+    visible = (facing & ~reached).to(torch.float32)
+    index = (facing & reached & linked).nonzero()[:, 0]
     origin = geometry.lifted(surface)[:, index]
     spots = sphere_points(rays, count, torch.Generator().manual_seed(11)).to(visible.device)[:, index]
     part = direct.pick(index)
@@ -141,9 +141,9 @@ def cluster_shadow(
         part = surface.pick(sample)
         direct = lamp.irradiance(part.position, part.normal)
         brought = direct.irradiance * luminance(lamp.color) / chance[number]
-        lit = (brought > 0).nonzero()[:, 0]
-        sample, ray, part, brought = sample[lit], ray[lit], part.pick(lit), brought[lit]
-        direct = direct.pick(lit)
+        index = (brought > 0).nonzero()[:, 0]
+        sample, ray, part, brought = sample[index], ray[index], part.pick(index), brought[index]
+        direct = direct.pick(index)
         toward, distance = lamp.shadow_targets(direct, spots[:, sample, ray])
         clear = geometry.clear(geometry.lifted(part), toward, distance * (1 - 1e-4), lamp.shadowless)
         facing = dot(part.facet, direct.toward) > 0

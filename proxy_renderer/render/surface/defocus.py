@@ -2,7 +2,7 @@
 """Depth of field: what lies out of focus is blurred over the circle of confusion of its depth.
 
 The picture is cut into layers of about the same blur, each is blurred by a disc, and they are laid over each other from
-far to near. What a near thing hides of the layers behind it is filled from what they show beside it.
+far to near. Parts of layers that a near object hides are filled from what they show around it.
 """
 
 from __future__ import annotations

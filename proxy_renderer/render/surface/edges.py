@@ -57,20 +57,22 @@ class ShadowEdges:
         centers = torch.stack((pixel_index % width, pixel_index // width)).to(torch.float32) + 0.5
         surface = geometry.surface(samples.center_hits.pick(pixel_index), view.rays(centers)[1])
         direct = lamp.irradiance(surface.position, surface.normal)
-        lit = (dot(surface.facet, direct.toward) > 0) & (direct.irradiance > 0)
+        facing_lamp = (dot(surface.facet, direct.toward) > 0) & (direct.irradiance > 0)
         origin = geometry.lifted(surface)
         # Four points stand for the whole lamp: their second moments are its own.
         low, high = 0.5 - 12**-0.5, 0.5 + 12**-0.5
         spots = torch.tensor([[low, low, high, high], [low, high, low, high]], device=origin.device)
         if lamp.half_sides() is None:
             spots = spots.new_tensor([[0.5, 0.5, 0.5, 0.5], [0.125, 0.375, 0.625, 0.875]])
-        neighbors = _neighbors(samples, surface, pixel_index, lit)
+        neighbors = _neighbors(samples, surface, pixel_index, facing_lamp)
         edges = []
         for point in spots.unbind(1):
             spot = point[:, None].expand(2, len(pixel_index))
             toward, distance = lamp.shadow_targets(direct, spot)
             clear = torch.zeros(len(pixel_index), device=origin.device)
-            clear[lit] = geometry.clear(origin[:, lit], toward[:, lit], distance[lit] * (1 - 1e-4))
+            clear[facing_lamp] = geometry.clear(
+                origin[:, facing_lamp], toward[:, facing_lamp], distance[facing_lamp] * (1 - 1e-4)
+            )
             # Pairs of neighbors that the shadow's edge divides.
             difference = clear[neighbors[0]] - clear[neighbors[1]]
             up, down = neighbors[:, difference < 0], neighbors[:, difference > 0].flip(0)
@@ -112,11 +114,11 @@ def _penumbra(samples: Samples, visible: Tensor) -> Tensor:
     return (near[0] > _LEAST_SHARE) & (near[1] > _LEAST_SHARE - 1)
 
 
-def _neighbors(samples: Samples, surface: Surface, pixel_index: Tensor, lit: Tensor) -> Tensor:
+def _neighbors(samples: Samples, surface: Surface, pixel_index: Tensor, facing_lamp: Tensor) -> Tensor:
     """(2, E) neighboring pixels on one smooth surface that both face the lamp, as indices into `pixel_index`."""
     width, height = samples.size
     index = torch.full((height * width,), -1, device=pixel_index.device)
-    index[pixel_index[lit]] = lit.nonzero()[:, 0]
+    index[pixel_index[facing_lamp]] = facing_lamp.nonzero()[:, 0]
     index = index.view(height, width)
     pairs = [(index[:, :-1], index[:, 1:]), (index[:-1], index[1:])]
     a, b = (torch.cat([pair[i].flatten() for pair in pairs]) for i in (0, 1))
@@ -172,9 +174,9 @@ class Silhouettes:
         moved = ((place - place.detach()) * self.motion).sum(0)
         values = values.detach()
         contrast = values[:, self.sample[0]] - values[:, self.sample[1]]
-        share = contrast * (moved * 0.5)
+        change = contrast * (moved * 0.5)
         zero = torch.zeros((len(values), pixels), device=values.device)
-        return zero.index_add(1, self.pixel[0], share).index_add(1, self.pixel[1], share)
+        return zero.index_add(1, self.pixel[0], change).index_add(1, self.pixel[1], change)
 
 
 def _pairs(depth: Tensor, owner: Tensor, axis: int) -> tuple[Tensor, Tensor]:

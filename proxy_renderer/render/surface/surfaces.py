@@ -67,12 +67,12 @@ def radiance(
     knots, images = _images(gathered, [level * tint for level in levels], around)
     # The gradient of one split is one concatenation; that of a slice per material is a picture of zeros for each.
     sizes = [stop - start for _, start, stop in cache.samples.slices]
-    shares = zip(*(field.split(sizes, 1) for field in (irradiance, *images, *gathered.glow)), strict=True)
+    parts = zip(*(field.split(sizes, 1) for field in (irradiance, *images, *gathered.glow)), strict=True)
     pieces = []
-    for (material, start, stop), (lit, *reflections) in zip(cache.samples.slices, shares, strict=True):
+    for (material, start, stop), (received, *reflections) in zip(cache.samples.slices, parts, strict=True):
         part, inputs = slice(start, stop), frame.shading_inputs[material]
         incoming = IncidentLight(
-            irradiance=lit,
+            irradiance=received,
             lamps=frame.colors[:bare],
             highlights=[direct_light.part(part) for direct_light in direct_lights],
             view=view_samples.basis[:, part],

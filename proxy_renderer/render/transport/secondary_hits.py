@@ -80,8 +80,10 @@ class SecondaryHits:
     def _weigh(self, metals: Tensor) -> None:
         """Takes on mirrors (M,)."""
         self.mirror_weight = metals[self.surface.material] * self.hit
-        self._lit = (self.hit > self.mirror_weight).nonzero()[:, 0]  # mirrors do not scatter what lights them
-        self._first = self.surface.pick(self._lit)
+        self._matte = (self.hit > self.mirror_weight).nonzero()[
+            :, 0
+        ]  # mirrors do not scatter what lights them
+        self._first = self.surface.pick(self._matte)
         # Without it, the light that lies about counts where a metal is rough, and what it mirrors otherwise.
         self._share = torch.ones_like(self.hit) if self._deep else self.mirror_weight
 
@@ -160,7 +162,7 @@ class SecondaryHits:
 
     def _bounces(self, index: int) -> list[_Bounce]:
         """Those that belong to a light."""
-        first = index, self._lit, self._first, 1 - self.mirror_weight[self._lit]
+        first = index, self._matte, self._first, 1 - self.mirror_weight[self._matte]
         second = self.lamps + 2 + index
         return [first, *((second, rays, surface, self._share[rays]) for rays, surface in self._seconds)]
 
@@ -174,9 +176,9 @@ class SecondaryHits:
         total = torch.zeros((len(self.owner) // self.count, 3), device=rows.device)
         for row, rays, surface, _ in self._bounces(index):
             clear = self._clear[row, rays]
-            lit = clear.nonzero()[:, 0]
-            rays, clear = rays[lit], clear[lit]
-            irradiance = lamp.irradiance(surface.position[:, lit], surface.normal[:, lit]).irradiance
+            reached = clear.nonzero()[:, 0]
+            rays, clear = rays[reached], clear[reached]
+            irradiance = lamp.irradiance(surface.position[:, reached], surface.normal[:, reached]).irradiance
             light = (irradiance - irradiance.detach()) * clear
             total = total.index_add(0, rays // self.count, rows[self.owner[rays], row] * light[:, None])
         return total / self.count
