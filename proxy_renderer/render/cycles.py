@@ -41,6 +41,14 @@ _LEAST = 0.05  # of the corrected proxy: what residuals must leave of a pixel
 _HAZY = 0.05  # of the mean: a part that the proxy takes for darker is smoothed as if even
 _FAR = 1e4  # sizes of the scene
 _RADIUS, _SIGMA = 2, 1.0  # pixels, of the smoothing of ratios and shares
+_REACH = 2.0  # pixels of the picture that is looked up in
+_ALIKE = 0.5  # stops
+_LEAST_WEIGHT = 1e-3  # weight of all pixels together, of which one at the place itself has 4
+_OUTLINE = 0.2  # weight of pixels next to an outline, which show two surfaces
+_REC709 = "Linear Rec.709"
+_BRIGHTEST = 1e4
+_ROUNDING = 1e-3
+"""Share of a pixel below which what no group accounts for is taken for rounding."""
 
 
 @dataclass
@@ -182,12 +190,6 @@ def _shares(picture: CyclesPicture, known_owners: list[str], proxy: Tensor, guid
     return shares
 
 
-_REACH = 2.0  # pixels of the picture that is looked up in
-_ALIKE = 0.5  # stops
-_LEAST_WEIGHT = 1e-3  # weight of all pixels together, of which one at the place itself has 4
-_OUTLINE = 0.2  # weight of pixels next to an outline, which show two surfaces
-
-
 def blur(fields: Tensor, guide: Tensor, radius: int, sigma: float) -> Tensor:
     """Gaussian averages (C, P) of fields (C, P) over each pixel's neighbors that have the same name in the guide (H, W)."""
     height, width = guide.shape
@@ -247,12 +249,6 @@ def look_up(
         weights += weight.sum(0)
     covered = weights > _LEAST_WEIGHT
     return torch.where(covered, total.T / torch.where(covered, weights, 1.0), neutral[:, None])
-
-
-_REC709 = "Linear Rec.709"
-_BRIGHTEST = 1e4
-_ROUNDING = 1e-3
-"""Share of a pixel below which what no group accounts for is taken for rounding."""
 
 
 @dataclass(frozen=True)

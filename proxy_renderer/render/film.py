@@ -22,6 +22,10 @@ from ..scene import FilmSettings
 from ..schema import FAMILIES
 
 _CLEAR = 1e-3  # coverage below which colors are too uncertain to be divided by it
+MIDDLE_GRAY = 0.18
+_BLACK = 1e-6  # stands in for 0 under a power, whose gradient there may be infinite
+BLOOM_THRESHOLD, BLOOM_SMOOTHNESS, BLOOM_SIZE = 1.0, 0.1, 0.5
+"""Settings of the node in the add-on's grade: brightness from which pixels glow, its softness, and the reach."""
 
 
 class Film:
@@ -97,10 +101,6 @@ class _Settings:
         )
 
 
-MIDDLE_GRAY = 0.18
-_BLACK = 1e-6  # stands in for 0 under a power, whose gradient there may be infinite
-
-
 def power(picture: Float[Tensor, "*pixels 3"], exponent: Float[Tensor, "*one"]) -> Float[Tensor, "*pixels 3"]:
     """Blender's Gamma node: picture ** exponent where it is positive; the rest stays as it is."""
     return torch.where(picture > _BLACK, picture.clamp_min(_BLACK) ** exponent, picture)
@@ -157,14 +157,10 @@ def falloff(width: int, height: int) -> Float[Tensor, "{height} {width} 1"]:
     return (t * t * (3 - 2 * t))[..., None]
 
 
-THRESHOLD, SMOOTHNESS, SIZE = 1.0, 0.1, 0.5
-"""Settings of the node in the add-on's grade: brightness from which pixels glow, its softness, and the reach."""
-
-
 def bloom(picture: Tensor) -> Tensor:
     """Light that the node would add at strength 1 to a linear picture (H, W, 3); an even glow is as bright as its source."""
     layers = [_highlights(picture).permute(2, 0, 1)[None]]
-    length = int(math.log2(max(min(picture.shape[:2]) * SIZE, 1)))
+    length = int(math.log2(max(min(picture.shape[:2]) * BLOOM_SIZE, 1)))
     for level in range(length - 1):
         layers.append(_halve(layers[-1], calm=level == 0))
     total = layers[-1]
@@ -176,8 +172,8 @@ def bloom(picture: Tensor) -> Tensor:
 def _highlights(picture: Tensor) -> Tensor:
     """Colors with their HSV value lowered by the threshold, smoothly."""
     value = picture.amax(-1, keepdim=True)
-    near = (SMOOTHNESS - (value - THRESHOLD).abs()).clamp_min(0) / SMOOTHNESS
-    above = (value - THRESHOLD).clamp_min(0) + near * near * (SMOOTHNESS / 4)
+    near = (BLOOM_SMOOTHNESS - (value - BLOOM_THRESHOLD).abs()).clamp_min(0) / BLOOM_SMOOTHNESS
+    above = (value - BLOOM_THRESHOLD).clamp_min(0) + near * near * (BLOOM_SMOOTHNESS / 4)
     return picture.clamp_min(0) * (above / value.clamp_min(1e-6))
 
 

@@ -16,6 +16,9 @@ EDGE_SAMPLES = 5
 _NEIGHBOR = 0.084
 """Share that a pixel of one sample takes from each neighbor along an axis: the filter's variance of 0.17 square pixels."""
 _FILTER_WIDTH = 3.0  # pixels: twice what Blender says (1.5 by default), for Cycles takes it for a radius
+_FAINT = 0.004
+"""Share of a ray below which it is not followed, and a hit does not count."""
+_MOST_LAYERS = 8
 
 
 @dataclass(frozen=True)
@@ -174,11 +177,6 @@ def _filter_points(device: torch.device) -> Tensor:
     rows = ((index * 2 + 1) % EDGE_SAMPLES + 0.5) / EDGE_SAMPLES  # five rooks that do not attack each other
     offsets = [x[torch.searchsorted(total, c).clamp_max(512)] - 0.5 for c in (columns, rows)]
     return (torch.stack(offsets) * _FILTER_WIDTH).to(device, torch.float32)
-
-
-_FAINT = 0.004
-"""Share of a ray below which it is not followed, and a hit does not count."""
-_MOST_LAYERS = 8
 
 
 @dataclass(frozen=True)

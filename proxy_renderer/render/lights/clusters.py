@@ -21,6 +21,7 @@ from .light_source import LightSource
 EXACT = 16
 """So many lights are traced each: half the strongest and as many clusters, where there are more."""
 _POINTS = 256
+_K_MEANS_ROUNDS = 12
 
 
 @dataclass(frozen=True)
@@ -93,9 +94,6 @@ def _may_join(lamp: LightSource) -> bool:
     return lamp.light.shadow and not lamp.light.unlit and lamp.shadowless < 0 and not lamp.pictured
 
 
-_ROUNDS = 12
-
-
 def k_means(points: Tensor, count: int) -> Tensor:
     """The cluster (P,) of each point of (D, P), the same every time; at most `count`, which start far from each other."""
     centers = points[:, :1]
@@ -103,7 +101,7 @@ def k_means(points: Tensor, count: int) -> Tensor:
         away = torch.cdist(points.T, centers.T).amin(1)
         centers = torch.cat((centers, points[:, away.argmax()][:, None]), 1)
     label = torch.zeros(points.shape[1], dtype=torch.int64, device=points.device)
-    for _ in range(_ROUNDS if count > 1 else 0):
+    for _ in range(_K_MEANS_ROUNDS if count > 1 else 0):
         label = torch.cdist(points.T, centers.T).argmin(1)
         member = torch.nn.functional.one_hot(label, count).to(points.dtype)
         centers = (points @ member) / member.sum(0).clamp_min(1.0)

@@ -30,6 +30,16 @@ _ROUGH_HEIGHT = 48
 _SHARP_HEIGHT = 512
 _SOFT = 0.5
 """Roughness that the world is blurred by where a few directions stand for all."""
+SATIN, GLOSSY = 0.2, 0.4
+"""Roughness of the blurred reflections between the mirror image and the diffuse light."""
+_FIRST_BLUR, _BLUR_STEP, _BLURS = 0.1, 0.1, 6
+"""Roughness of the blurred pictures."""
+_BLURRED_HEIGHT = 96
+_ROUGH = 0.3
+"""Roughness from which lobes are so long that they need more parts."""
+_TAP_SIDE = 64
+_NARROWEST = 0.25
+"""Least width of a round lobe relative to the length of what it is a part of: narrower ones would show singly."""
 
 
 class Environment:
@@ -224,23 +234,11 @@ def _padded(picture: Tensor) -> Tensor:
     return torch.cat((picture[..., -1:], picture, picture[..., :1]), -1).contiguous()
 
 
-SATIN, GLOSSY = 0.2, 0.4
-"""Roughness of the blurred reflections between the mirror image and the diffuse light."""
-_FIRST, _STEP, _LEVELS = 0.1, 0.1, 6
-"""Roughness of the blurred pictures."""
-_HEIGHT = 96
-_ROUGH = 0.3
-"""Roughness from which lobes are so long that they need more parts."""
-_SIDE = 64
-_NARROWEST = 0.25
-"""Least width of a round lobe relative to the length of what it is a part of: narrower ones would show singly."""
-
-
 def blurred_stack(picture: Tensor) -> Tensor:
     """Blurred pictures (1, 3, L, H, W + 2), wrapped at both sides, of an equirectangular one (1, 3, H, W)."""
-    height = min(_HEIGHT, picture.shape[2])
+    height = min(_BLURRED_HEIGHT, picture.shape[2])
     small = interpolate(picture, (height, 2 * height), mode="area")[0]
-    levels = torch.stack([blurred(small, _FIRST + _STEP * level) for level in range(_LEVELS)], 1)
+    levels = torch.stack([blurred(small, _FIRST_BLUR + _BLUR_STEP * level) for level in range(_BLURS)], 1)
     return torch.cat((levels[..., -1:], levels, levels[..., :1]), -1)[None]
 
 
@@ -271,7 +269,7 @@ def look_up_blurred(stack_: Tensor, place: Tensor, roughness: Tensor) -> Tensor:
         roughness: (N,) of the round lobe.
     """
     height, width = stack_.shape[3], stack_.shape[4] - 2
-    level = (roughness - _FIRST) / (_STEP * (_LEVELS - 1) / 2) - 1
+    level = (roughness - _FIRST_BLUR) / (_BLUR_STEP * (_BLURS - 1) / 2) - 1
     x, y = place.unbind(1)
     # `trilinear` counts from the middles of the outermost texels.
     where = torch.stack((x * (width / (width + 1)), y * (height / max(height - 1, 1)), level), 1)
@@ -293,7 +291,7 @@ def taps(roughness: float) -> Tensor:
 
 def _taps(cosine: float, alpha: float, count: int) -> Tensor:
     """The same for one angle: (2, K)."""
-    grid = (torch.arange(_SIDE) + 0.5) / _SIDE
+    grid = (torch.arange(_TAP_SIDE) + 0.5) / _TAP_SIDE
     uv = torch.stack(torch.meshgrid(grid, grid, indexing="ij")).flatten(1)
     viewer = torch.full_like(uv[0], min(cosine, 0.999))
     toward, _ = mirrored(viewer, visible_normals(viewer, alpha, uv))

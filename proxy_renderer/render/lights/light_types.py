@@ -27,6 +27,13 @@ from .light_source import (
     offsets,
 )
 
+_SOFT_RIM = 0.01
+"""Radius of a spot, seen from a point, above which the rim of its cone is averaged over the light."""
+_RIM_POINTS = 9
+_CORNERS = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
+_GAUSS = ((-0.861136, 0.173927), (-0.339981, 0.326073), (0.339981, 0.326073), (0.861136, 0.173927))
+"""Places in [-1, 1] and weights of Gauss and Legendre's rule."""
+
 
 @dataclass(frozen=True)
 class PointLight(LightSource):
@@ -81,11 +88,6 @@ class PointLight(LightSource):
         radius2 = self.size * self.size
         even = (1.0 if self.light.normalize else 4 * math.pi * radius2) / (4 * math.pi)
         return even * torch.ones_like(toward[0]) * self.directivity(toward)
-
-
-_SOFT_RIM = 0.01
-"""Radius of a spot, seen from a point, above which the rim of its cone is averaged over the light."""
-_RIM_POINTS = 9
 
 
 @dataclass(frozen=True)
@@ -148,11 +150,6 @@ class SpotLight(PointLight):
 def _smoothstep(t: Tensor) -> Tensor:
     t = t.clamp(0.0, 1.0)
     return t * t * (3 - 2 * t)
-
-
-_CORNERS = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
-_GAUSS = ((-0.861136, 0.173927), (-0.339981, 0.326073), (0.339981, 0.326073), (0.861136, 0.173927))
-"""Places in [-1, 1] and weights of Gauss and Legendre's rule."""
 
 
 @dataclass(frozen=True)

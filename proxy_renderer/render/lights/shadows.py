@@ -21,6 +21,7 @@ from .light_source import DirectIrradiance, LightSource
 _MOST_RAYS = 4
 _SHARP = 1e-3
 """Solid angle below which one ray is enough."""
+_CLUSTER_RAYS = 4
 
 
 def shadow(
@@ -114,9 +115,6 @@ def _steps(radius: int) -> list[tuple[int, int]]:
     return [(dy, dx) for dy in side for dx in side if dx or dy]
 
 
-_RAYS = 4
-
-
 def cluster_shadow(
     geometry: RayGeometry,
     smoothing: ShadowFilter,
@@ -132,9 +130,10 @@ def cluster_shadow(
     count, device = len(surface.material), weights.device
     chance = weights / weights.sum()
     generator = torch.Generator().manual_seed(12)
-    strata = (torch.arange(_RAYS) + torch.rand((count, _RAYS), generator=generator)) / _RAYS
+    jitter = torch.rand((count, _CLUSTER_RAYS), generator=generator)
+    strata = (torch.arange(_CLUSTER_RAYS) + jitter) / _CLUSTER_RAYS
     chosen = torch.searchsorted(chance.cumsum(0), strata.to(device)).clamp_max(len(lamps) - 1)
-    spots = sphere_points(_RAYS, count, generator).to(device)
+    spots = sphere_points(_CLUSTER_RAYS, count, generator).to(device)
     seen, whole = torch.zeros((2, count), device=device)
     for number, lamp in enumerate(lamps):
         sample, ray = (chosen == number).nonzero().T

@@ -32,6 +32,7 @@ _PENUMBRA = 2
 _LEAST_SHARE = 1e-3
 _GRAZING = 0.1
 """Least cosine between light and surface: at less, shadows would race over the surface."""
+_CONTOUR_WINDOW = 2  # pixels around a pair from which the contour's direction is estimated
 
 
 @dataclass(frozen=True)
@@ -137,9 +138,6 @@ def _contour(geometry: RayGeometry, origin: Tensor, toward: Tensor, distance: Te
     return origin + toward * ((first + last.maximum(first)) / 2)
 
 
-_WINDOW = 2  # pixels around a pair from which the contour's direction is estimated
-
-
 @dataclass(frozen=True)
 class Silhouettes:
     """All pairs of pixels that an outline separates."""
@@ -209,8 +207,8 @@ def _contour_normals(depth: Tensor, near: Tensor, far: Tensor) -> Tensor:
     edge = torch.minimum((flat[near] + flat[far]) / 2, flat[near] * 1.5)
     x, y = near % width, near // width
     total = torch.zeros((2, len(near)), device=depth.device)
-    for dy in range(-_WINDOW, _WINDOW + 1):
-        for dx in range(-_WINDOW, _WINDOW + 1):
+    for dy in range(-_CONTOUR_WINDOW, _CONTOUR_WINDOW + 1):
+        for dx in range(-_CONTOUR_WINDOW, _CONTOUR_WINDOW + 1):
             at = (y + dy).clamp(0, height - 1) * width + (x + dx).clamp(0, width - 1)
             sign = torch.where(flat[at] < edge, -1.0, 1.0)
             total[0] += sign * dx

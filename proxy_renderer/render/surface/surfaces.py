@@ -29,6 +29,11 @@ from .view_cache import ViewCache
 
 _BENT = 0.02
 """Difference of IOR over which refracted pictures are compared."""
+_SMOOTH = 0.25
+"""Roughness below which reflections are sharp."""
+_LEAST_COAT = 0.05
+_GLASS_STEPS = 8
+"""Steps in which light through glass changes: shadows are traced again at each."""
 
 
 def direct_lights_of(frame: RenderState) -> list[DirectLight]:
@@ -156,13 +161,6 @@ def _behind(
         low, high = (light / (1 + light) for light in (picture_at(-1), picture_at(1)))
         slope = (high - low) * (1 + straight) ** 2 / (here + _BENT - max(here - _BENT, 1.0))
     return straight + slope * (ior - ior.detach())
-
-
-_SMOOTH = 0.25
-"""Roughness below which reflections are sharp."""
-_LEAST_COAT = 0.05
-_GLASS_STEPS = 8
-"""Steps in which light through glass changes: shadows are traced again at each."""
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ BLURS = (0.1, SATIN, GLOSSY)
 """Roughness of the reflections between the mirror image and the diffuse light."""
 _LOBE_RAYS = 64
 _LAMP_RAYS = 16
+_LEAST_COSINE = 0.02
 
 
 @dataclass(frozen=True)
@@ -163,9 +164,6 @@ class _Search:
         place = index // rays * materials + self._geometry.material[triangle]
         sums = torch.zeros(points * materials, device=share.device).index_add(0, place, share)
         return sums.view(points, materials)
-
-
-_LEAST_COSINE = 0.02
 
 
 @dataclass(frozen=True)

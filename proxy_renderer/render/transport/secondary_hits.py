@@ -29,6 +29,8 @@ _WORLD_AT_SECOND = 0.3
 
 _Bounce = tuple[int, Tensor, Surface, Tensor]
 """A row of `SecondaryHits.incoming`, the rays of it, the surfaces that they light, and the share of that which they carry."""
+_MOST_WALLS = 8
+"""Surfaces of glass that a ray is followed through; Cycles' default is twelve."""
 
 
 class SecondaryHits:
@@ -234,10 +236,6 @@ def refract(
     bent = unit(toward * ratio + normal * (ratio * cosine - squared.clamp_min(0.0).sqrt()))
     total = squared < 0
     return torch.where(total, reflect(toward, normal), bent), total
-
-
-_MOST_WALLS = 8
-"""Surfaces of glass that a ray is followed through; Cycles' default is twelve."""
 
 
 def through(
