@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import copy
-from typing import Self
 
 import torch
 from jaxtyping import Float
@@ -89,7 +88,7 @@ class SecondaryHits:
         # Without it, the light that lies about counts where a metal is rough, and what it mirrors otherwise.
         self._share = torch.ones_like(self.hit) if self._deep else self.mirror_weight
 
-    def with_mirrors(self, metals: Tensor, lamps: Mapping[int, LightSource]) -> Self:
+    def with_mirrors(self, metals: Tensor, lamps: Mapping[int, LightSource]) -> SecondaryHits:
         """A copy with other mirrors (M,): only what is seen in those that have changed is traced again.
 
         The lamps, by row, are those whose shadows have been traced.
@@ -145,7 +144,7 @@ class SecondaryHits:
         again = hits.hit.nonzero()[:, 0]
         self._seconds.append((chosen[again], beyond.pick(again)))
 
-    def aside(self) -> Self:
+    def aside(self) -> SecondaryHits:
         """A copy in which lights may move."""
         other = copy(self)
         other.incoming, other._clear = self.incoming.clone(), self._clear.clone()
