@@ -8,7 +8,7 @@ import bpy
 import pytest
 import vibe_render
 from small_scenes import studio
-from vibe_render.session.state import addon_state
+from vibe_render.run.state import addon_state
 from vibe_render.ui import live, word_readings
 
 

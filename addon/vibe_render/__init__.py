@@ -42,8 +42,8 @@ def unregister() -> None:
     """Inverse of `register`; ends the engine."""
     import bpy
 
-    from .session.engine_state import engine_state
-    from .session.state import addon_state
+    from .run.engine_state import engine_state
+    from .run.state import addon_state
     from .ui import handlers, live, look_icons, picture_icons, warm_up, word_readings
     from .ui.operators.live import unregister_keys
 

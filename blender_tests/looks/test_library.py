@@ -11,9 +11,9 @@ from dump import contents, difference
 from results import FOUND, PIVOT, PROMPT, read
 from sample_presets import DAY, NOIR
 from vibe_render.looks import library, take, thumbnail, use
+from vibe_render.run.session import result
 from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.subject import SubjectChoice
-from vibe_render.session.session import result
 
 from proxy_renderer.schema import VibeError, messages, preset
 

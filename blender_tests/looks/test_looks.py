@@ -9,8 +9,8 @@ import vibe_render
 from dump import contents, difference
 from small_scenes import studio
 from vibe_render.looks import library, thumbnail, use
+from vibe_render.run.session import result
 from vibe_render.scene.subject import SubjectChoice
-from vibe_render.session.session import result
 
 from lab.blender import make_looks
 

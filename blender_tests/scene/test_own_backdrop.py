@@ -10,11 +10,11 @@ from dump import contents, difference
 from vibe_render.export import reading
 from vibe_render.looks import fit, take
 from vibe_render.render import anchors
+from vibe_render.run.session import result
 from vibe_render.scene import bindings, own_backdrop, snapshot
 from vibe_render.scene.nodes import backgrounds, insets
 from vibe_render.scene.nodes.tint import TINT
 from vibe_render.scene.subject import SubjectChoice
-from vibe_render.session.session import result
 
 from proxy_renderer.render.cycles.pictures import CyclesPicture
 from proxy_renderer.render.proxy import Proxy

@@ -7,10 +7,10 @@ import vibe_render
 from dump import contents, difference
 from vibe_render.export import reading
 from vibe_render.looks import use
+from vibe_render.run.session import result
 from vibe_render.scene import stored_subject
 from vibe_render.scene.stage import demo
 from vibe_render.scene.subject import SubjectChoice
-from vibe_render.session.session import result
 
 from proxy_renderer.schema import VibeError, preset
 

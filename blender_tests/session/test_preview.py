@@ -6,9 +6,9 @@ import pytest
 import small_scenes as scenes
 from dump import changes, contents, difference, dump
 from results import FOUND, PIVOT, read
+from vibe_render.run import preview
+from vibe_render.run.state import addon_state
 from vibe_render.scene import bindings, prepare, snapshot
-from vibe_render.session import preview
-from vibe_render.session.state import addon_state
 from vibing import advance
 
 

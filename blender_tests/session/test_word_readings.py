@@ -5,8 +5,8 @@ import time
 
 import bpy
 import pytest
-from vibe_render.session import word_readings as session_readings
-from vibe_render.session.state import addon_state
+from vibe_render.run import word_readings as session_readings
+from vibe_render.run.state import addon_state
 from vibe_render.ui import live as live_ui
 from vibe_render.ui import word_readings
 

@@ -13,10 +13,10 @@ from results import FOUND, PIVOT, PROMPT, read
 from small_scenes import studio
 from vibe_render.engine.process import Engine
 from vibe_render.render import anchors
+from vibe_render.run import changes, preview, result, session
+from vibe_render.run.engine_state import engine_state
+from vibe_render.run.state import addon_state, engine_choice
 from vibe_render.scene import bindings, snapshot
-from vibe_render.session import changes, preview, result, session
-from vibe_render.session.engine_state import engine_state
-from vibe_render.session.state import addon_state, engine_choice
 from vibe_render.ui import warm_up
 
 from proxy_renderer.schema import FAMILIES, GROUPS, VibeError, messages

@@ -4,8 +4,9 @@
 import bpy
 import pytest
 from small_scenes import studio
-from vibe_render.session import changes, preferences, prompt_history
-from vibe_render.session.state import addon_state
+from vibe_render.core import preferences
+from vibe_render.run import changes, prompt_history
+from vibe_render.run.state import addon_state
 from vibe_render.ui import cache_size, option_properties, value_list
 from vibe_render.ui import preferences as ui_preferences
 from vibe_render.ui.panels import result

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import bpy
 from vibe_render.core import compat
-from vibe_render.core.overrides import changed
+from vibe_render.core.compat import changed
 from vibe_render.render.final_render import is_fog, render
 
 

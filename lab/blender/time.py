@@ -15,11 +15,11 @@ from typing import Any
 import bpy
 from vibe_render.core import ADDON
 from vibe_render.render import final_render
+from vibe_render.run import result, session
+from vibe_render.run.live import Live
+from vibe_render.run.session import Session
+from vibe_render.run.state import addon_state
 from vibe_render.scene.stage.demo import build_demo
-from vibe_render.session import result, session
-from vibe_render.session.live import Live
-from vibe_render.session.session import Session
-from vibe_render.session.state import addon_state
 
 from lab.blender import side
 from lab.blender.scenes import build

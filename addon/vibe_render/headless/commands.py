@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bpy
 
-from ..core.outputs import Outputs
+from ..core.files import Outputs
 from ..core.schema_import import labels, schema
 from ..export import reading
 from ..looks import fit, library

@@ -14,9 +14,9 @@ import bpy
 
 from ..core.schema_import import labels, messages, schema
 from ..export.notes import shortened
-from ..session.notes.claims import claim_lines
-from ..session.notes.model import model_lines
-from ..session.notes.words import word_notes
+from ..run.notes.claims import claim_lines
+from ..run.notes.model import model_lines
+from ..run.notes.words import word_notes
 from .shots import ShotList
 
 _SHOWN = 8

@@ -12,16 +12,16 @@ from typing import Any
 
 import bpy
 
-from ..core.outputs import Outputs
+from ..core import preferences
+from ..core.files import Outputs
 from ..core.schema_import import command_line, messages, schema
 from ..engine.conversation import Conversation, on_interrupt
 from ..engine.process import Engine
 from ..export.analysis import SceneAnalysis
 from ..looks import take
 from ..render import anchors, black, final_render
+from ..run.notes.claims import words_shown
 from ..scene import bindings, stored_subject
-from ..session import preferences
-from ..session.notes.claims import words_shown
 from . import summary
 from .reporter import Reporter
 from .scenes import save_blend

@@ -15,8 +15,8 @@ from functools import lru_cache
 from pathlib import Path
 
 from ..core.files import whole
+from ..core.preferences import own_folder
 from ..core.schema_import import preset, schema
-from ..core.user_folder import own_folder
 from . import take, thumbnail
 
 SHIPPED = Path(__file__).parent / "shipped"

@@ -9,10 +9,10 @@ from ..core import compat
 from ..core.schema_import import messages, preset, schema
 from ..core.value_slots import socket_slot
 from ..export import reading
+from ..run import result
 from ..scene import bindings, stored_subject
 from ..scene.nodes import grade, owned
 from ..scene.subject import SubjectChoice
-from ..session import result
 from . import fit, lut, take
 
 _POWER = "/power"

@@ -15,7 +15,7 @@ from pathlib import Path
 import bpy
 from bpy.types import Object, Scene
 
-from ..core.overrides import changed
+from ..core.compat import changed
 from ..core.schema_import import messages, schema
 from ..scene import bindings, scene_context
 from ..scene.copies import copied_scene

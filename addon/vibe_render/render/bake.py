@@ -12,8 +12,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from ..core.compat import changed
 from ..core.files import whole
-from ..core.overrides import changed
 from ..scene.copies import copied_scene
 from ..scene.nodes.trails import ValueOrigin, group_output, same_socket
 

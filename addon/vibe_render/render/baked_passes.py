@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..core.overrides import changed
+from ..core.compat import changed
 from ..scene import scene_context
 from ..scene.copies import copied_scene
 from ..scene.nodes.trails import ValueOrigin

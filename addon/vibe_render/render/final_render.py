@@ -15,8 +15,8 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ..core.compat import assign, changed
 from ..core.files import whole
-from ..core.overrides import assign, changed
 from ..scene.copies import copied_scene
 from ..scene.geometry.meshes import has_surface
 

@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..core.overrides import changed
+from ..core.compat import changed
 from ..core.schema_import import schema
 
 _NAME = "reference"

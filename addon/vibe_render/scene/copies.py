@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 
 from ..core import compat
-from ..core.overrides import changed
+from ..core.compat import changed
 
 _COARSE_LIGHT = {"sampling_method": "MANUAL", "sample_map_resolution": 512}
 """A map of a world's light that is computed in a moment. Cycles' own choice may take a minute for stars of noise."""

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import bpy
 
-from ..session.engine_state import engine_state
+from ..run.engine_state import engine_state
 
 
 def draw(layout: bpy.types.UILayout) -> None:

@@ -6,8 +6,8 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
-from ..session import preview
-from ..session.state import addon_state
+from ..run import preview
+from ..run.state import addon_state
 
 
 @persistent

@@ -9,7 +9,7 @@ import bpy
 
 from ..core import drawing
 from ..core.schema_import import faults, schema
-from ..session.state import addon_state
+from ..run.state import addon_state
 from . import obstacles
 
 _TICK = 0.02  # seconds between two steps

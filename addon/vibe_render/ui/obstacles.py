@@ -6,10 +6,10 @@ from __future__ import annotations
 import bpy
 
 from ..render import reference
+from ..run.engine_state import engine_state
+from ..run.state import addon_state
 from ..scene import snapshot, stored_subject
 from ..scene.scene_context import GEOMETRY
-from ..session.engine_state import engine_state
-from ..session.state import addon_state
 
 
 def obstacle(context: bpy.types.Context) -> str:

@@ -7,9 +7,8 @@ from __future__ import annotations
 import bpy
 from bpy.props import StringProperty
 
-from ..core import ADDON, drawing
-from ..session import preferences
-from ..session.engine_state import engine_state
+from ..core import ADDON, drawing, preferences
+from ..run.engine_state import engine_state
 from . import cache_size, engine_line, option_properties
 
 _Options = option_properties.declare("VibeEngineOptions", preferences=True)

@@ -16,11 +16,12 @@ from bpy.props import (
     StringProperty,
 )
 
+from ..core import preferences
 from ..core.schema_import import labels, messages, options, schema, targets
 from ..render import reference
+from ..run import result
 from ..scene import stored_subject
 from ..scene.subject import SubjectChoice
-from ..session import preferences, result
 from . import live, option_properties
 from .picture_properties import PictureSettings
 

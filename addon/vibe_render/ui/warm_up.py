@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import bpy
 
-from ..session.engine_state import engine_state
-from ..session.state import addon_state
+from ..run.engine_state import engine_state
+from ..run.state import addon_state
 
 _SOON = 0.5  # seconds after the panel is drawn; also between two looks at whether the engine has been found
 _begun = False

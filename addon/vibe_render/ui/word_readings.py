@@ -9,7 +9,7 @@ import bpy
 
 from ..core import drawing
 from ..core.schema_import import schema
-from ..session.state import addon_state
+from ..run.state import addon_state
 
 _TICK = 0.02  # seconds between two looks at what the engine says
 

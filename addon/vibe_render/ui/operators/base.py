@@ -16,7 +16,7 @@ from bpy_extras.io_utils import ExportHelper
 from ...core import files
 from ...core.schema_import import preset, schema
 from ...looks import library
-from ...session.state import addon_state
+from ...run.state import addon_state
 
 
 class VibePresets(bpy.types.PropertyGroup):

@@ -10,11 +10,11 @@ import bpy
 from bpy.props import EnumProperty
 
 from ...core import drawing
+from ...core.preferences import cache_folder, engine_choice, online
 from ...core.schema_import import schema
 from ...engine import torch_builds
-from ...session.engine_state import engine_state, setup_folder, version
-from ...session.preferences import cache_folder, engine_choice, online
-from ...session.state import addon_state
+from ...run.engine_state import engine_state, setup_folder, version
+from ...run.state import addon_state
 from .. import cache_size, setup_text
 
 _DIALOG_WIDTH, _DIALOG_LETTERS = 420, 62

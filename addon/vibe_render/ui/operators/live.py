@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import bpy
 
 from ...core import drawing
-from ...session.state import addon_state
+from ...run.state import addon_state
 
 _ENTER, _ESC = ("RET", "NUMPAD_ENTER"), ("ESC",)
 _keys: list[tuple[Any, Any]] = []

@@ -14,8 +14,8 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ...core.schema_import import preset, schema
 from ...looks import library, thumbnail, use
+from ...run.state import addon_state
 from ...scene.scene_context import GEOMETRY
-from ...session.state import addon_state
 from ..obstacles import untouchable
 from .base import (
     ExportDialog,

@@ -10,8 +10,8 @@ import bpy
 from bpy.props import IntProperty, StringProperty
 
 from ...core.schema_import import labels, schema
-from ...session import result
-from ...session.state import addon_state
+from ...run import result
+from ...run.state import addon_state
 from ..obstacles import result_obstacle
 
 

@@ -11,8 +11,8 @@ from bpy.props import EnumProperty, StringProperty
 
 from ...core import drawing
 from ...core.schema_import import checks, schema, targets
-from ...session import prompt_history
-from ...session.state import addon_state
+from ...run import prompt_history
+from ...run.state import addon_state
 
 
 class _Running(bpy.types.Operator):

@@ -13,9 +13,9 @@ from bpy.props import BoolProperty
 
 from ...core import drawing
 from ...core.schema_import import faults, schema
-from ...session import prompt_history
-from ...session.session import Session
-from ...session.state import addon_state
+from ...run import prompt_history
+from ...run.session import Session
+from ...run.state import addon_state
 from ..obstacles import obstacle
 
 _TICK = 0.02  # seconds between two steps of the session

@@ -13,8 +13,8 @@ from bpy.props import EnumProperty, StringProperty
 
 from ...core import drawing
 from ...core.schema_import import messages, targets
+from ...run.state import addon_state
 from ...scene import scene_context
-from ...session.state import addon_state
 
 _ICONS = {"light": "LIGHT", "sky": "WORLD", "picture": "IMAGE_DATA", "air": "MOD_FLUID", "none": "X"}
 """Kind of target -> icon, of those that every scene has."""

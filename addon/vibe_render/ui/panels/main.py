@@ -10,11 +10,12 @@ from typing import Any, ClassVar
 
 import bpy
 
+from ...core import preferences
 from ...core.drawing import paragraph
 from ...core.schema_import import schema
-from ...session import preferences, prompt_history
-from ...session.engine_state import engine_state
-from ...session.state import addon_state
+from ...run import prompt_history
+from ...run.engine_state import engine_state
+from ...run.state import addon_state
 from .. import obstacles, value_list, warm_up, word_readings
 from . import picture, presets, progress, result, trouble, words
 

@@ -12,7 +12,7 @@ from ...core import compat
 from ...core.drawing import paragraph
 from ...core.schema_import import options
 from ...render import reference
-from ...session.state import addon_state
+from ...run.state import addon_state
 from .. import picture_icons
 
 _SCALE = 6.0

@@ -9,7 +9,7 @@ import bpy
 
 from ...core.drawing import paragraph
 from ...looks import library
-from ...session.state import addon_state
+from ...run.state import addon_state
 from .. import look_icons
 
 _WIDTH, _COLUMNS = 26, 4  # of the grid; the width in Blender's units (the height of a button)

@@ -9,9 +9,9 @@ import bpy
 
 from ...core import drawing
 from ...core.drawing import paragraph
-from ...session.live import Live
-from ...session.session import PAUSING, SILENT, Session
-from ...session.status import LOOKING
+from ...run.live import Live
+from ...run.session import PAUSING, SILENT, Session
+from ...run.status import LOOKING
 from .. import picture_icons
 
 

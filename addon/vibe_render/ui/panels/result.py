@@ -14,10 +14,10 @@ from ...core.drawing import GROUP_ICONS, columns, paragraph, see_rendered
 from ...core.schema_import import labels, schema
 from ...export.notes import shortened
 from ...render import reference
+from ...run import changes
+from ...run.session import Session
+from ...run.state import addon_state
 from ...scene import snapshot
-from ...session import changes
-from ...session.session import Session
-from ...session.state import addon_state
 from .. import picture_icons
 from ..obstacles import result_obstacle
 from ..value_list import draw_lock

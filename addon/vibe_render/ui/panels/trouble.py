@@ -5,11 +5,10 @@ from __future__ import annotations
 
 import bpy
 
-from ...core import ADDON
+from ...core import ADDON, preferences
 from ...core.drawing import paragraph
 from ...core.schema_import import schema
-from ...session import preferences
-from ...session.engine_state import engine_state
+from ...run.engine_state import engine_state
 from .. import engine_line
 
 

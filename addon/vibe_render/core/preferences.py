@@ -1,15 +1,36 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads the add-on's preferences; `ui/preferences.py` defines and draws them."""
+"""The add-on's preferences, and the folder of the user's files, which updates of the extension leave alone."""
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import bpy
 
-from ..core import ADDON, compat
-from ..core.user_folder import own_folder
+from . import ADDON, compat
+
+
+def own_folder(path: str, create: bool = False) -> Path:
+    """A folder in it.
+
+    Where we are not installed as an extension (a Blender without a window), it is where one that was
+    installed from disk has it.
+
+    Args:
+        create: Whether to make it if it is not there.
+    """
+    try:
+        folder = Path(bpy.utils.extension_path_user(ADDON, path=path))
+    except ValueError:
+        place = f".user/user_default/vibe_render/{path}"
+        folder = Path(bpy.utils.user_resource("EXTENSIONS", path=place))
+    if create:  # Blender's own `create` gives "", the current folder, where another Blender makes it just now
+        with suppress(OSError):  # whoever writes into it says why that cannot be
+            folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
 
 _FOLDER = "vibe-render"  # inside a chosen cache folder: what Clear deletes is ours
 

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import bpy
 
-from ..core import background
+from ..core import background, preferences
 from ..core.schema_import import schema
 from ..engine.process import Engine
-from . import preferences
 from .live import Live
 from .session import Session
 from .word_readings import WordReadings

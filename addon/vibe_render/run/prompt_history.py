@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..core.files import whole
+from ..core.preferences import own_folder
 from ..core.schema_import import schema
-from ..core.user_folder import own_folder
 
 _MOST = 30  # prompts that are kept
 _NAME = "prompts.json"

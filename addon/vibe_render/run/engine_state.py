@@ -9,14 +9,13 @@ from pathlib import Path
 
 import bpy
 
-from ..core import background, drawing
+from ..core import background, drawing, preferences
+from ..core.preferences import own_folder
 from ..core.schema_import import faults, messages, schema
-from ..core.user_folder import own_folder
 from ..engine.find import find_python
 from ..engine.process import Engine
 from ..engine.setup import EngineSetup, requirements
 from ..engine.torch_builds import TorchBuild
-from . import preferences
 
 _TICK = 0.25  # seconds between two looks at what goes on
 _PATIENCE = 60.0  # seconds that a test waits for the engine's "ready"

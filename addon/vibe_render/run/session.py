@@ -10,11 +10,12 @@ from typing import cast
 
 import bpy
 
+from ..core import preferences
 from ..core.schema_import import atomic, messages, schema
 from ..engine.process import Engine
 from ..render import anchors, black, reference
 from ..scene import shared_materials, snapshot, stored_subject
-from . import before_image, preferences, result
+from . import before_image, result
 from .scene_session import READING, SceneSession
 from .status import LOOKING
 
