@@ -15,7 +15,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from .files import unwritable
 from .schema_import import atomic, schema
 
 _LEAST = 4096  # bytes: with fewer left, what was written last may have been cut off

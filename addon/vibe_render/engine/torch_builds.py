@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The builds of torch that an engine can have: from where, how large, and which one suits this computer. No bpy here."""
+"""The builds of torch that an engine can have: from where, how large, which one suits this computer, and that in words. No bpy here."""
 
 from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import urlsplit
 
 
 @dataclass(frozen=True)
@@ -52,3 +53,36 @@ def has_nvidia_card(root: Path = Path("/")) -> bool:
     """Whether NVIDIA's driver runs a card on this Linux; the open driver runs no CUDA."""
     cards = (root / "proc/driver/nvidia/gpus").glob("*")
     return any(cards) or (root / "usr/lib/wsl/lib/libcuda.so.1").is_file()  # under Windows, its driver's
+
+
+_INDEX = "the Python Package Index (pypi.org, or the one that your pip uses)"
+
+
+def download_text(build: TorchBuild, folder: Path) -> list[str]:
+    """What a build downloads, from where, how large it is, where it goes, and whether it suits this computer."""
+    source = (
+        f"torch from {urlsplit(build.index).netloc}, the rest from {_INDEX}"
+        if build.index
+        else f"from {_INDEX}"
+    )
+    said = [
+        f"Python packages, {source}: about {build.download} GB to download, once.",
+        f"They take {build.disk} GB in {folder}. Nothing else on this computer changes.",
+    ]
+    if len(choices()) > 1:
+        said.append(_advice(build))
+    return said
+
+
+def _advice(build: TorchBuild) -> str:
+    if has_nvidia_card():
+        return (
+            "This computer has an NVIDIA card that it can use."
+            if build is CUDA
+            else ("This computer has an NVIDIA card; this engine would not use it.")
+        )
+    return (
+        "No NVIDIA card was found, and none is needed."
+        if build is CPU
+        else ("No NVIDIA card was found: these are libraries that only such a card can use.")
+    )

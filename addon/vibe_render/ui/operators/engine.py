@@ -15,7 +15,7 @@ from ...core.schema_import import schema
 from ...engine import torch_builds
 from ...run.engine_state import engine_state, setup_folder, version
 from ...run.state import addon_state
-from .. import cache_size, setup_text
+from .. import cache_size
 
 _DIALOG_WIDTH, _DIALOG_LETTERS = 420, 62
 
@@ -54,7 +54,7 @@ class VIBE_OT_setup_engine(bpy.types.Operator):
         column = self.layout.column()
         if len(torch_builds.choices()) > 1:
             column.row().prop(self, "build", expand=True)
-        for line in setup_text.lines(torch_builds.by_key(self.build), setup_folder()):
+        for line in torch_builds.download_text(torch_builds.by_key(self.build), setup_folder()):
             drawing.paragraph(column, context, line, letters=_DIALOG_LETTERS)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
