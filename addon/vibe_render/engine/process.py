@@ -11,7 +11,7 @@ import re
 import subprocess
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import BinaryIO, TypeAlias, cast
 
@@ -34,22 +34,27 @@ class Engine:
         python: A Python, or the folder of its environment; "" to search.
         log: The file for the engine's stderr; None for one in the user's folder for logs.
         cache: The folder of its cache; None for the user's usual one.
+        listener: Called from a thread with every stage and progress message, also while Blender is busy.
     """
 
-    def __init__(self, python: str = "", log: Path | None = None, cache: Path | None = None) -> None:
-        self._choice = python
+    def __init__(
+        self,
+        python: str = "",
+        log: Path | None = None,
+        cache: Path | None = None,
+        listener: Callable[[message_types.Message], None] | None = None,
+    ) -> None:
+        self._choice, self._listener = python, listener
         self._variables = {"VIBE_CACHE": str(cache)} if cache else {}
         self.log = log or faults.log_folder() / f"vibe-engine-{os.getpid()}.log"
         self._process: subprocess.Popen[bytes] | None = None
         self._inbox: queue.Queue[_Item] = queue.Queue()
         self._readings: queue.Queue[message_types.Readings] = queue.Queue()
-        self._abandoned = False  # an answer is on its way that nobody waits for any more
+        self._busy = False  # the engine works on an answer
+        self._abandoned = False  # nobody waits for that answer any more
         self._abandoned_at = 0.0
-        self._busy = False  # an answer is on its way
-        self._exit_error: schema.VibeError | None = (
-            None  # why the process has ended, the same for every thread
-        )
-        self._exit_lock, self._start_lock = threading.Lock(), threading.Lock()
+        self._exit_error: schema.VibeError | None = None  # the same for every thread
+        self._exit_lock, self._start_lock, self._send_lock = (threading.Lock() for _ in range(3))
 
     @property
     def alive(self) -> bool:
@@ -89,11 +94,11 @@ class Engine:
                 f"The engine could not be started: {error}.", f"Try {python} by hand."
             ) from error
         output = cast(BinaryIO, self._process.stdout)
-        threading.Thread(target=_receive, args=(output, self._inbox, self._readings), daemon=True).start()
+        threading.Thread(target=self._receive, args=(output, self._inbox), daemon=True).start()
         atexit.register(self.stop)
 
     def send(self, message: message_types.Message) -> None:
-        """Sends one message.
+        """Sends one message. Any thread may call this.
 
         Raises:
             VibeError: The engine is gone.
@@ -103,9 +108,10 @@ class Engine:
             with self._exit_lock:  # another thread may be about to find out
                 raise self._exit_error or schema.VibeError("The engine is not running.", "Start it first.")
         try:
-            process.stdin.write(wire.encode(message))
-            process.stdin.flush()
-            self._busy = self._busy or isinstance(message, _REQUESTS)
+            with self._send_lock:
+                process.stdin.write(wire.encode(message))
+                process.stdin.flush()
+                self._busy = self._busy or isinstance(message, _REQUESTS)
         except (OSError, ValueError) as error:
             raise self._report_exit() from error
 
@@ -129,13 +135,6 @@ class Engine:
             while True:
                 newest = self._readings.get_nowait()
         return newest
-
-    def messages(self) -> Iterator[message_types.Message]:
-        """Waits for messages without end; raises as `poll` does."""
-        while True:
-            # A timeout in the wait lets Ctrl-C through on every platform.
-            with contextlib.suppress(queue.Empty):
-                yield self._checked(self._inbox.get(timeout=0.2))
 
     def abandon(self) -> None:
         """Gives up the vibe that the engine works on. It stays warm, unless it has not ended the last such vibe yet."""
@@ -177,9 +176,12 @@ class Engine:
         atexit.unregister(self.stop)
         if process is None:
             return
-        with contextlib.suppress(OSError, ValueError):
-            process.stdin.write(wire.encode(message_types.Quit()))  # type: ignore[union-attr]
-            process.stdin.close()  # type: ignore[union-attr]
+        # An engine that hangs may have a thread waiting in `send`: then it is ended without a word.
+        if self._send_lock.acquire(timeout=patience):
+            with contextlib.suppress(OSError, ValueError):
+                process.stdin.write(wire.encode(message_types.Quit()))  # type: ignore[union-attr]
+                process.stdin.close()  # type: ignore[union-attr]
+            self._send_lock.release()
         for end in (lambda: None, process.terminate, process.kill):
             end()
             with contextlib.suppress(subprocess.TimeoutExpired):
@@ -228,18 +230,17 @@ class Engine:
             f"Try again; if it happens again, see {self.log}.",
         )
 
-
-def _receive(
-    stream: BinaryIO, inbox: queue.Queue[_Item], readings: queue.Queue[message_types.Readings]
-) -> None:
-    """Puts what arrives into the inbox, or among the readings, until the output ends."""
-    try:
-        with stream:
-            for message in wire.read(stream):
-                if isinstance(message, message_types.Readings):
-                    readings.put(message)
-                else:
+    def _receive(self, stream: BinaryIO, inbox: queue.Queue[_Item]) -> None:
+        """Puts what arrives into the inbox, or among the readings, until the output ends."""
+        try:
+            with stream:
+                for message in wire.read(stream):
+                    if isinstance(message, message_types.Readings):
+                        self._readings.put(message)
+                        continue
                     inbox.put(message)
-    except schema.VibeError as error:
-        inbox.put(error)
-    inbox.put(None)
+                    if self._listener and isinstance(message, message_types.Stage | message_types.Progress):
+                        self._listener(message)
+        except schema.VibeError as error:
+            inbox.put(error)
+        inbox.put(None)
