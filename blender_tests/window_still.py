@@ -13,7 +13,7 @@ def still(screen):
     """The picture's panel is opened; a file's path is typed, and its look searched for; then other pictures are given."""
     from bl_ext.user_default.vibe_render.render import reference
     from bl_ext.user_default.vibe_render.scene import snapshot
-    from bl_ext.user_default.vibe_render.session.state import addon_state
+    from bl_ext.user_default.vibe_render.run.state import addon_state
 
     settings, before = bpy.context.scene.vibe, values()
     path = dusk(screen.out / "dusk.png")

@@ -35,10 +35,10 @@ def main() -> int:
     reporter = Reporter(events="--events" in arguments)
     try:
         given = parse(arguments)
-        from vibe_render.headless import commands, serve  # not before: importing bpy takes half a second
+        from vibe_render.headless import commands  # not before: importing bpy takes half a second
 
         if given.command == "serve":
-            serve.serve()
+            commands.serve()
         else:
             commands.COMMANDS[given.command](given, reporter)
         return 0

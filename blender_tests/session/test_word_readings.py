@@ -89,7 +89,7 @@ def test_marks_follow_a_change_of_the_scene_when_it_is_quiet(typing):
 def test_a_word_can_describe_what_the_menu_has_no_room_for(typing):
     typing.vibe.prompt = "glossy cube"
     assert bpy.ops.vibe.describe_another(word="glossy", target="Floor") == {"FINISHED"}
-    assert typing.vibe.told() == ["glossy=Floor"]
+    assert typing.vibe.target_pairs() == ["glossy=Floor"]
     typing.vibe.targets.clear()
 
 
@@ -109,9 +109,9 @@ def test_a_scene_that_cannot_be_exported_has_marks_too(typing):
 def test_a_choice_for_a_word_that_is_gone_is_not_sent(typing):
     typing.vibe.prompt = "glossy cube"
     bpy.ops.vibe.describe(word="red", target="lights")
-    assert typing.vibe.told() == []
+    assert typing.vibe.target_pairs() == []
     typing.vibe.prompt = "Red cube"
-    assert typing.vibe.told() == ["red=lights"]
+    assert typing.vibe.target_pairs() == ["red=lights"]
     typing.vibe.targets.clear()
 
 

@@ -13,7 +13,7 @@ from results import FOUND, PIVOT, PROMPT, read
 from small_scenes import studio
 from vibe_render.engine.process import Engine
 from vibe_render.render import anchors
-from vibe_render.run import changes, preview, result, session
+from vibe_render.run import preview, result, session
 from vibe_render.run.engine_state import engine_state
 from vibe_render.run.state import addon_state, engine_choice
 from vibe_render.scene import bindings, snapshot
@@ -176,9 +176,9 @@ def test_keep_leaves_nothing_to_revert_to(vibed):
 def test_mixing_ends_at_its_ends(family):
     parameter = FAMILIES[family]
     low, high = ((b,) * parameter.components for b in (parameter.lower, parameter.upper))
-    assert changes.blend(family, low, high, 0.0) == low
-    assert changes.blend(family, low, high, 1.0) == high
-    assert all(low[0] < v < high[0] for v in changes.blend(family, low, high, 0.5))
+    assert result.blend(family, low, high, 0.0) == low
+    assert result.blend(family, low, high, 1.0) == high
+    assert all(low[0] < v < high[0] for v in result.blend(family, low, high, 0.5))
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ import bpy
 import pytest
 from small_scenes import studio
 from vibe_render.core import preferences
-from vibe_render.run import changes, prompt_history
+from vibe_render.run import prompt_history, result
 from vibe_render.run.state import addon_state
 from vibe_render.ui import cache_size, option_properties, value_list
 from vibe_render.ui import preferences as ui_preferences
@@ -118,7 +118,7 @@ def test_the_cache_is_measured_and_cleared_but_not_during_a_vibe(folder, addon, 
     ],
 )
 def test_reasons_are_short_where_a_word_says_it(reason, short):
-    assert changes.cause(reason) == short
+    assert result.cause(reason) == short
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,6 @@ from pathlib import Path
 import bpy
 import numpy as np
 from vibe_render.core.schema_import import preset, schema
-from vibe_render.engine.conversation import Conversation
 from vibe_render.engine.process import Engine
 from vibe_render.headless import arguments, scenes, vibe
 from vibe_render.headless.reporter import Reporter
@@ -41,14 +40,14 @@ def main() -> int:
     a, options = parser.parse_known_args()
     rows = tomllib.loads(PROMPTS.read_text(encoding="utf-8"))["look"]
     a.out.mkdir(parents=True, exist_ok=True)
-    engine, reporter = Engine(""), Reporter(events=False)
+    reporter = Reporter(events=False)
+    engine = Engine(listener=reporter.engine)
     engine.start()
-    talk = Conversation(engine, reporter.engine)
     try:
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             for row in rows:
                 if not a.only or row["name"] in a.only:
-                    make(row["name"], row["prompt"], options, Path(folder), a.out, talk, reporter)
+                    make(row["name"], row["prompt"], options, Path(folder), a.out, engine, reporter)
     except schema.VibeError as error:
         reporter.error(error)
         return 2
@@ -63,7 +62,7 @@ def make(
     options: list[str],
     folder: Path,
     out: Path,
-    talk: Conversation,
+    engine: Engine,
     reporter: Reporter,
 ) -> None:
     """Makes a look and its picture.
@@ -81,7 +80,8 @@ def make(
     if not stage.exists():
         build_stage(stage)
     words = ["run", str(stage), f"--prompt={prompt}", f"--groups={GROUPS}", f"--subject={demo.SUBJECT}"]
-    vibe.run_with_engine(arguments.parse([*words, f"--out={folder}", *options]), reporter, talk)
+    args = arguments.parse([*words, f"--out={folder}", *options])
+    vibe.HeadlessVibe(args, reporter, engine).run()
     look_preset = take.load(folder / "preset.json")
     path = library.path_for(out, name)
     thumbnail.shrink(folder / "after.png", path.with_suffix(thumbnail.SUFFIX))

@@ -17,9 +17,8 @@ from ..export import reading
 from ..export.job_folder import SceneJob
 from ..scene import fog, scene_context
 from ..scene.subject import SubjectChoice
-from . import fluids
 from .reporter import Reporter
-from .scenes import open_scene
+from .scenes import fluid_note, open_scene
 
 
 @dataclass(frozen=True)
@@ -100,7 +99,6 @@ class ShotList:
         folder: The parent of the job folders.
 
     Attributes:
-        shots: The requested shots.
         jobs: The exported job of each shot.
         subjects: The names of each shot's subject.
         bare: Whether the first shot is a bare mesh.
@@ -135,20 +133,16 @@ class ShotList:
             folder = self._folder / str(number)
             self._reporter.stage("reading the scene")
             self.jobs.append(reading.export_scene(scene, folder, choice, around, eyes))
-            notes = [fluids.note()] if fluids.note() else []
+            notes = [note] if (note := fluid_note()) else []
             self.jobs[-1].warnings[:0] = notes
-            for note in [*self.jobs[-1].view_notes, *notes]:
-                self._reporter.note(note)
+            for line in [*self.jobs[-1].view_notes, *notes]:
+                self._reporter.note(line)
             self.subjects.append({o.name_full for o in self.jobs[-1].analysis.objects})
             if planned := fog.planned(scene):
                 self._fog[shot.scene] = planned
 
     def show(self, number: int) -> SceneJob:
-        """Sets a shot's camera and frame; if another .blend is open, opens and prepares the shot's.
-
-        Returns:
-            The shot's job.
-        """
+        """Sets a shot's camera and frame, if another .blend is open in the shot's own; returns its job."""
         shot = self.shots[number]
         is_open = self._open == shot.scene
         scene, choice = self._shown(number)

@@ -14,9 +14,7 @@ import bpy
 
 from ..core.schema_import import labels, messages, schema
 from ..export.notes import shortened
-from ..run.notes.claims import claim_lines
-from ..run.notes.model import model_lines
-from ..run.notes.words import word_notes
+from ..run.status import claim_lines, model_lines, word_notes
 from .shots import ShotList
 
 _SHOWN = 8

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The picture of a scene before its first vibe, stored until Keep or Revert: "before" always shows the artist's scene.
+"""The image of a scene before its first vibe, stored until Keep or Revert: "before" always shows the artist's scene.
 
 There is one for each camera pose and frame, in Blender's temporary folder: only the same framing can be compared.
 """
@@ -18,11 +18,7 @@ from ..core.schema_import import schema
 
 
 def path_of(scene: bpy.types.Scene) -> Path:
-    """Where the before image of the scene's present framing is stored, whether it exists or not.
-
-    Args:
-        scene: Its camera's pose and angle, its frame and its resolution are the framing.
-    """
+    """The path of the before image for the scene's present camera, frame and resolution, whether it exists or not."""
     camera, size = scene.camera, (scene.render.resolution_x, scene.render.resolution_y)
     pose = [round(x, 4) for row in camera.matrix_world for x in row] if camera else []
     lens = round(camera.data.angle, 4) if camera else 0.0

@@ -27,16 +27,15 @@ class Live(SceneSession):
     The scene is read once, and again after it has changed. Nothing but the newest look stays in it, as a preview.
 
     Args:
-        context: As for `SceneSession`.
-        engine: As for `SceneSession`.
+        context: As for `SceneSession`, like `engine`.
     """
 
     def __init__(self, context: bpy.types.Context, engine: Engine) -> None:
         super().__init__(context, engine)
         self.stage = ""
-        self._words, self._due = "", 0.0  # when the words are looked at; 0 for not
+        self._words, self._due = "", 0.0  # time at which the words are looked at; 0 for not
         self._read: tuple[Any, ...] | None = (
-            None  # settings of the scene when it was read; None if it is stale
+            None  # settings of the scene that was read; None if that is stale
         )
         self._asked = self._at_work = False
         self._steps = self._run()
@@ -58,7 +57,7 @@ class Live(SceneSession):
         return self._job if scene and self._read is not None and self._read == scene_settings(scene) else None
 
     def typed(self, words: str) -> None:
-        """Takes the words so far; what is under way for others is given up."""
+        """Takes the words so far; work on others is given up."""
         self._words, self._due = words.strip(), time.monotonic() + _PAUSE
 
     def advance(self) -> None:
@@ -74,26 +73,19 @@ class Live(SceneSession):
             self._at_work = False
 
     def scene_changed(self, changed: Iterable[bpy.types.ID]) -> None:
-        """Hears what has changed in Blender; the scene is read anew before the next look, unless that was our own doing.
-
-        Args:
-            changed: Data-blocks. Scenes change with every letter that is typed; see `_settings`.
-        """
+        """Takes the data-blocks that have changed in Blender: the scene is read anew, unless `advance` changed them."""
+        # Scenes change with every letter that is typed; see `scene_settings`.
         if not self._at_work and not all(isinstance(block, bpy.types.Scene) for block in changed):
             self._read = None
 
     def show_again(self) -> None:
-        """As for any session, and no change of the artist's."""
+        """Shows the newest look again, which is no change of the artist's."""
         self._at_work, was = True, self._at_work
         super().show_again()
         self._at_work = was
 
     def hand_over(self, session: SceneSession) -> None:
-        """Leaves the look to a vibe, which starts where it is.
-
-        Args:
-            session: Of the same scene, not begun yet.
-        """
+        """Leaves the look to a vibe of the same scene, which starts where it is."""
         self._pause()
         session.take_over(self)
         self._forget_look()
@@ -110,7 +102,7 @@ class Live(SceneSession):
         self.discard()
 
     def _pause(self) -> None:
-        """Gives up what is under way."""
+        """Gives up the present work."""
         self._steps.close()
         self._steps, self.stage, self._due = self._run(), "", 0.0
         self._give_up()

@@ -26,8 +26,7 @@ def show(
 
     Args:
         values: Parameter key to components, in the schema's units.
-        subject: As for `bindings.instances`.
-        pivot: As for `bindings.instances`.
+        subject: As for `bindings.instances`, like `pivot`.
 
     Raises:
         VibeError: As `bindings.write`.
@@ -62,20 +61,16 @@ def hide(scene: Scene) -> None:
 def hide_all() -> None:
     """Takes it away from every scene: one that an undo or a file has brought back, and that no vibe shows."""
     for scene in bpy.data.scenes:
-        if exists(scene) and scene.is_editable:
+        if scene.is_editable:
             hide(scene)
 
 
 def _take_away(scene: Scene) -> None:
     if not exists(scene):
         return
-    journal = _load(scene)
+    try:
+        journal = stored_journal.load(scene, KEY)
+    except (stored_journal.Newer, stored_journal.Damaged):
+        journal = Journal()
     del scene[KEY]  # first: it counts as a user of what is to be removed
     journal.undo()
-
-
-def _load(scene: Scene) -> Journal:
-    try:
-        return stored_journal.load(scene, KEY)
-    except (stored_journal.Newer, stored_journal.Damaged):
-        return Journal()

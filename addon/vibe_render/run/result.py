@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A vibe's result in the scene: written, blended with the original, kept or reverted."""
+"""A vibe's result in the scene: written, listed, blended with the original, kept or reverted."""
 
 from __future__ import annotations
 
 import json
+import math
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -11,7 +13,7 @@ import bpy
 
 from ..core.schema_import import labels, messages, schema
 from ..scene import bindings, own_backdrop, snapshot
-from . import before_image, changes
+from . import before_image
 
 
 def apply(
@@ -28,7 +30,6 @@ def apply(
     Revert goes back.
 
     Args:
-        prompt: The words that the result is for.
         pivot: The subject's center at export.
         fresh_list: Whether the list shows the present values as the old ones instead.
 
@@ -50,45 +51,8 @@ def apply(
     goals = engine_result.report.get("goals")
     settings.vibed_goals = json.dumps(goals, ensure_ascii=False) if goals else ""
     before = {**current, **{key: own for key, (own, _) in earlier.items()}}
-    _list_changes(settings, before, _in_order(values, current), {}, records)
-
-
-def _in_order(
-    values: Mapping[str, Sequence[float]], scene: Mapping[str, schema.Values]
-) -> dict[str, Sequence[float]]:
-    """The values in the scene's order, thing by thing; lights that were added come after the others."""
-    place = {key: number for number, key in enumerate(scene)}
-
-    def order(key: str) -> tuple[int, int]:
-        return schema.GROUPS.index(schema.split_key(key)[0]), place.get(key, len(place))
-
-    return {key: values[key] for key in sorted(values, key=order)}
-
-
-def _list_changes(
-    settings: Any,
-    before: Mapping[str, schema.Values],
-    values: Mapping[str, Sequence[float]],
-    skipped: Mapping[str, str],
-    records: Mapping[str, Mapping[str, Any]],
-) -> None:
-    """Lists what has been written; a light that was not there before was dark, a backdrop the world's."""
-    for key, new in values.items():
-        if key not in skipped:
-            dark = schema.split_key(key)[2] in ("power", "strength")
-            earlier = before.get(key) or before.get(own_backdrop.OF_WORLD.get(key, ""))
-            old = earlier or ((0.0,) if dark else tuple(new))
-            _list_change(settings, key, old, tuple(new), records.get(key, {}))
-
-
-def _list_change(
-    settings: Any, key: str, before: schema.Values, after: schema.Values, record: Mapping[str, Any]
-) -> None:
-    change = settings.changes.add()
-    change.name = key
-    change.before[: len(before)] = before
-    change.after[: len(after)] = after
-    change.reason = record.get("reason", "")
+    reasons = {key: record.get("reason", "") for key, record in records.items()}
+    _list_changes(settings, before, current, values, reasons)
 
 
 def choose(
@@ -116,19 +80,76 @@ def choose(
     settings.changes.clear()
     settings.strength, settings.show_original, settings.variant = 1.0, False, number
     reasons = {**{key: reason for key, (_, reason) in earlier.items()}, **variants[number].reasons}
-    records = {key: {"reason": reason} for key, reason in reasons.items()}
-    _list_changes(settings, {**current, **old}, _in_order(values, current), skipped, records)
+    written = {key: value for key, value in values.items() if key not in skipped}
+    _list_changes(settings, {**current, **old}, current, written, reasons)
+
+
+def _list_changes(
+    settings: Any,
+    before: Mapping[str, schema.Values],
+    scene: Mapping[str, schema.Values],
+    values: Mapping[str, Sequence[float]],
+    reasons: Mapping[str, str],
+) -> None:
+    """Lists what has been written, in the order of the scene; lights that were added come after the others.
+
+    Args:
+        before: The old values. A light that was not there was dark, a backdrop the world's.
+        scene: Its values, in its order.
+    """
+    place = {key: number for number, key in enumerate(scene)}
+
+    def order(key: str) -> tuple[int, int]:
+        return schema.GROUPS.index(schema.split_key(key)[0]), place.get(key, len(place))
+
+    for key in sorted(values, key=order):
+        new = tuple(values[key])
+        dark = schema.split_key(key)[2] in ("power", "strength")
+        old = before.get(key) or before.get(own_backdrop.OF_WORLD.get(key, "")) or ((0.0,) if dark else new)
+        change = settings.changes.add()
+        change.name, change.reason = key, reasons.get(key, "")
+        change.before[: len(old)] = old
+        change.after[: len(new)] = new
 
 
 def mix(scene: bpy.types.Scene) -> None:
     """Writes the values between the original (strength 0, or Before) and the vibe (strength 1)."""
     settings = scene.vibe
     strength = 0.0 if settings.show_original else settings.strength
-    values = {}
-    for change in settings.changes:
-        before, after = change.values()
-        values[change.name] = changes.blend(change.name, before, after, strength)
+    values = {change.name: blend(change.name, *change.values(), strength) for change in settings.changes}
     bindings.write(scene, values, (), settings.pivot)
+
+
+def blend(key: str, before: schema.Values, after: schema.Values, strength: float) -> schema.Values:
+    """A value between two others, in steps that look even: along the parameter's perceptual scale.
+
+    Args:
+        strength: 0 to 1; at both ends the result is exact.
+    """
+    scale = labels.parameter(key).scale
+    return tuple(_between(scale, a, b, strength) for a, b in zip(before, after, strict=True))
+
+
+def _between(scale: schema.Scale, a: float, b: float, t: float) -> float:
+    if t in (0.0, 1.0):
+        return b if t else a
+    if scale.name == "log" and a > 0 and b > 0:
+        return a * math.pow(b / a, t)
+    if scale.name == "power" and a >= 0 and b >= 0:
+        root = 1.0 / scale.exponent
+        return ((1 - t) * a**root + t * b**root) ** scale.exponent
+    return (1 - t) * a + t * b
+
+
+def arrow(key: str, before: schema.Values, after: schema.Values) -> str:
+    """The old and the new value, the unit once: "400 → 160 W"."""
+    return f"{labels.bare(key, before)} → {labels.text(key, after)}"
+
+
+def cause(reason: str) -> str:
+    """A reason in short, the word that it quotes: "'night' (dark night scene)" is “night”."""
+    quoted = re.match(r"'(.+?)'(?!\w)", reason)
+    return f"“{quoted[1]}”" if quoted else reason
 
 
 def forget(scene: bpy.types.Scene) -> None:

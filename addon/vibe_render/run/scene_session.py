@@ -5,30 +5,27 @@ from __future__ import annotations
 
 import shutil
 import uuid
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import bpy
 
-from ..core import background
 from ..core.schema_import import messages, schema
 from ..engine.process import Engine
 from ..export import reading
 from ..render import reference
 from ..scene import snapshot
 from . import before_image, preview
-from .status import SessionStatus
+from .driver import Driver
 
 READING = "Reading the scene"
 
-T = TypeVar("T")
-
 
 def scene_settings(scene: bpy.types.Scene) -> tuple[Any, ...]:
-    """What counts of a scene's own settings for how it is read; they change without a word where nothing else does."""
+    """The scene's own settings that its export depends on: Blender reports their changes like a letter that is typed."""
     render, view, vibe = scene.render, scene.view_settings, scene.vibe
     picture = render.resolution_x, render.resolution_y, render.resolution_percentage
     subject = vibe.subject, vibe.collection and vibe.collection.name
@@ -36,10 +33,10 @@ def scene_settings(scene: bpy.types.Scene) -> tuple[Any, ...]:
     return camera, scene.frame_current, view.view_transform, view.look, *picture, *subject
 
 
-class SceneSession(SessionStatus):
+class SceneSession(Driver):
     """Work on one scene, in steps between which Blender is free.
 
-    It remembers the scene's session uid instead of the scene: an undo meanwhile would leave a dangling reference.
+    It remembers the scene's session uid instead of the scene: after an undo a reference would be dangling.
 
     Args:
         context: Blender's; the work is on its scene, with the scene's settings.
@@ -52,7 +49,7 @@ class SceneSession(SessionStatus):
     """
 
     def __init__(self, context: bpy.types.Context, engine: Engine) -> None:
-        super().__init__(Path(bpy.app.tempdir) / f"vibe-{uuid.uuid4().hex[:8]}")
+        super().__init__(engine, Path(bpy.app.tempdir) / f"vibe-{uuid.uuid4().hex[:8]}")
         settings = context.scene.vibe
         self.scene, self._uid = context.scene.name, context.scene.session_uid
         self.warnings: list[str] = []
@@ -63,7 +60,6 @@ class SceneSession(SessionStatus):
         self._shown: dict[str, list[float]] | None = None  # values of the look that is in the scene
         self._options = settings.engine_options(context)
         self._choice = settings.choice()
-        self._engine = engine
 
     def discard(self) -> None:
         """Deletes the temporary files, the preview's picture among them."""
@@ -74,11 +70,7 @@ class SceneSession(SessionStatus):
         return [scene.objects[name] for name in self._subject if name in scene.objects]
 
     def take_over(self, other: SceneSession) -> None:
-        """Goes on with the look of another session of the same scene.
-
-        Args:
-            other: Shows a look, or none.
-        """
+        """Goes on with the look of another session of the same scene, if that shows one."""
         self.look, self.words, self.preview, self.before = (
             other.look,
             other.words,
@@ -106,28 +98,10 @@ class SceneSession(SessionStatus):
         yield
         self.show_again()
 
-    def _start_engine(self) -> Generator[str]:
-        if not self._engine.alive:
-            yield from self._in_background(self._engine.start)
-
-    def _ready_engine(self) -> Generator[str]:
-        """An engine that runs, and has nothing else to do."""
-        yield from self._start_engine()
-        while not self._engine.settle():
-            yield self.stage
-        yield from self._start_engine()  # it may have died of the last one
-
-    def _in_background(self, act: Callable[[], T]) -> Generator[str, None, T]:
-        """Runs a function that needs no Blender in a thread; returns its result."""
-        work = background.begin(act)
-        yield self.stage
-        while not work.done():
-            yield self.stage
-        return work.result()
-
-    def _object_mode(self, words: str) -> Generator[str]:
+    def _object_mode(self, stage: str) -> Generator[str]:
+        """Waits for Object Mode."""
         while bpy.context.mode != "OBJECT":
-            self.stage = words
+            self.stage = stage
             yield self.stage
 
     def _export(self) -> Generator[str]:
@@ -151,7 +125,6 @@ class SceneSession(SessionStatus):
         self.warnings, self.view_notes = job.warnings, job.view_notes
 
     def _take_look_away(self) -> None:
-        """The artist's scene again."""
         self._shown = None
         if scene := self._scene_if_there():
             preview.hide(scene)
@@ -160,7 +133,7 @@ class SceneSession(SessionStatus):
         """Takes back what the export has added, unless an undo or another file has done so already. No look may be shown.
 
         Args:
-            start: What `snapshot.mark` was before.
+            start: The snapshot's mark before the export.
             vibed: Whether an earlier vibe is in the scene.
         """
         scene = self._scene_if_there()

@@ -3,10 +3,8 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Generator
 from dataclasses import asdict
-from typing import cast
 
 import bpy
 
@@ -17,29 +15,28 @@ from ..render import anchors, black, reference
 from ..scene import shared_materials, snapshot, stored_subject
 from . import before_image, result
 from .scene_session import READING, SceneSession
-from .status import LOOKING
 
 ANCHORING = "Rendering an anchor"
 PAUSING = (READING, ANCHORING)
 """Stages during which Blender is blocked: for long where the scene is large."""
 SILENT = 30.0  # seconds without a message from the engine, after which the panel says so
-_LOST = 900.0  # seconds without one, after which it is taken to hang
 
 
 class Session(SceneSession):
-    """One vibe.
+    """One vibe of the open scene.
 
     Args:
-        context: As for `SceneSession`.
-        engine: As for `SceneSession`.
+        context: As for `SceneSession`, like `engine`.
         ask: Whether an artist is there to answer questions.
 
     Attributes:
         prompt: The words; "" for none.
         like: Name of the picture; "" for none.
         shared: What to do about materials that other things use too: "ASK", "ALL" or "SINGLE".
-        question: Such materials with their other users, by name, while we wait for the artist's answer.
+        question: Such materials with their other users, by name, while it waits for the artist's answer.
     """
+
+    patience = 900.0
 
     def __init__(self, context: bpy.types.Context, engine: Engine, ask: bool = False) -> None:
         super().__init__(context, engine)
@@ -54,7 +51,7 @@ class Session(SceneSession):
 
     @property
     def wanted(self) -> str:
-        """What was asked for, as panels show it."""
+        """The target look as panels show it."""
         return reference.wanted(self.prompt, self.like)
 
     def advance(self) -> bool:
@@ -75,11 +72,6 @@ class Session(SceneSession):
                 f"There is no room left on the disk, in {bpy.app.tempdir}.",
                 "Make room, or choose another folder for temporary files in Blender's preferences.",
             ) from error
-
-    def stop(self) -> None:
-        """Asks for the best look so far."""
-        self.stage, self._stopping = "Stopping", True
-        self._engine.send(messages.Stop())
 
     def cancel(self) -> None:
         """Ends a vibe that is given up or has failed; the scene is as it was."""
@@ -103,10 +95,17 @@ class Session(SceneSession):
         try:
             yield from self._export()
             yield from self._ask_about_shared()
-            yield from self._wait_for_result()
+            options = asdict(self._options)
+            self._ask(
+                messages.Vibe(
+                    schema.schema_hash(), str(self._job), self.prompt, options, self._key, looks=True
+                )
+            )
+            self.stage = "Warming up the engine"
+            engine_result = yield from self._answer(messages.Result)
             # In other modes one undo would not take the vibe back.
             yield from self._object_mode("Found. Go back to Object Mode to see it")
-            scene, engine_result = self._find_scene(), cast(messages.Result, self._result)
+            scene = self._find_scene()
             self._take_look_away()
             result.apply(scene, self.prompt, engine_result, self.subject(scene), self._pivot)
             scene.vibe.vibed_like = self.like
@@ -137,51 +136,27 @@ class Session(SceneSession):
             yield from self._export()
 
     def answer(self, choice: str) -> None:
-        """The artist's answer to the question: "ALL" or "SINGLE"."""
+        """Takes the artist's answer to the question: "ALL" or "SINGLE"."""
         self.shared, self.question = choice, {}
 
-    def _wait_for_result(self) -> Generator[str]:
-        request = messages.Vibe(
-            schema.schema_hash(), str(self._job), self.prompt, asdict(self._options), self._key, looks=True
-        )
-        self._engine.send(request)
-        self._last_word_at = time.monotonic()
-        self.stage = "Warming up the engine"
-        while self._result is None:
-            yield self.stage
-            self._check_silence()
-            scene = self._find_scene()
-            for message in self._engine.poll():
-                self.receive(message)
-                if isinstance(message, messages.Stage) and message.picture:
-                    picture = self._job / message.picture
-                    if (note := black.note(scene, picture)) and note not in self.view_notes:
-                        self.view_notes = [*self.view_notes, note]
-                        self.warnings = [note, *self.warnings]
-                    self.before = before_image.store(self._before_path, picture, not self._vibed)
-                if isinstance(message, messages.LookSoFar):
-                    self._show(message)
-                if isinstance(message, messages.Anchor):
-                    yield from self._anchor(message)
+    def _check(self) -> None:
+        self._find_scene()
+        super()._check()
 
-    def _anchor(self, request: messages.Anchor) -> Generator[str]:
-        """Renders an anchor, which blocks Blender for about a second; the panel says so before."""
-        if self._stopping:  # the engine does not wait for it any more
-            return
-        self.stage = ANCHORING
-        yield self.stage
+    def _show_message(self, message: messages.Message) -> None:
+        if isinstance(message, messages.LookSoFar):
+            self._show(message)
+        elif isinstance(message, messages.Stage) and message.picture:
+            picture = self._job / message.picture
+            if (note := black.note(self._find_scene(), picture)) and note not in self.view_notes:
+                self.view_notes = [*self.view_notes, note]
+                self.warnings = [note, *self.warnings]
+            self.before = before_image.store(self._before_path, picture, not self._vibed)
+
+    def _anchor_stage(self, request: messages.Anchor) -> str:
+        return ANCHORING
+
+    def _anchor(self, request: messages.Anchor) -> messages.Anchored:
         scene = self._find_scene()
         with self._without_look(scene):
-            answer = anchors.answer(scene, self._job, request, self.subject(scene), self._pivot)
-        self._engine.send(answer)
-        self._last_word_at = time.monotonic()
-        if not self._stopping:
-            self.stage = LOOKING
-
-    def _check_silence(self) -> None:
-        if self.silence > _LOST:
-            self._engine.stop(patience=0.02)
-            raise schema.VibeError(
-                f"The engine has said nothing for {_LOST / 60:.0f} minutes, and was ended.",
-                f"Try again; if it happens again, see {self._engine.log}.",
-            )
+            return anchors.answer(scene, self._job, request, self.subject(scene), self._pivot)

@@ -1,17 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the engine has reported of a vibe so far, in words, numbers and pictures for the panel."""
+"""What the engine has reported of a vibe, as the panel and the command line show it. No bpy here."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..core.schema_import import messages
-from .notes.claims import words_shown
-from .notes.model import failure_note
-from .notes.words import word_notes
+from ..core.schema_import import messages, verdicts
 
 LOOKING = "Looking for the look"
 
@@ -72,11 +69,6 @@ class SessionStatus:
         return self._result.report if self._result else {}
 
     @property
-    def model_note(self) -> str:
-        """How the vision-language model failed in a vibe that has succeeded; "" if it did not."""
-        return failure_note(self._result.report) if self._result else ""
-
-    @property
     def prediction_error(self) -> float | None:
         """Mean CIEDE2000 between the last prediction and the anchor after it; None without anchors."""
         return self.report.get("anchored", {}).get("predicted")
@@ -85,16 +77,6 @@ class SessionStatus:
     def anchor_notes(self) -> list[str]:
         """What went wrong with anchors, in words for the artist."""
         return self.report.get("anchored", {}).get("notes", [])
-
-    @property
-    def words_shown(self) -> dict[str, str]:
-        """Word -> "" if the prediction shows it, else what is missing."""
-        return words_shown(self.report.get("claims", ()))
-
-    @property
-    def prompt_notes(self) -> list[str]:
-        """Words of the prompt that were left out, guessed or contradictory, in words for the artist."""
-        return word_notes(self._result.report) if self._result else []
 
     def receive(self, message: messages.Message) -> None:
         """Takes a message of the engine's."""
@@ -116,3 +98,80 @@ class SessionStatus:
             self._result = message
             self.preview = self._job / message.prediction
             self.variants = [(v, self._job / v.picture) for v in message.variants]
+
+
+def words_shown(claims: Sequence[Mapping[str, Any]]) -> dict[str, str]:
+    """Word -> "" if the picture shows all that it claims, else what is missing.
+
+    Args:
+        claims: Rows of the report's `claims`.
+
+    Returns:
+        Words in their order; those that claim nothing measurable are left out.
+    """
+    return {
+        word: _missing(rows[0]) if rows else "" for word, rows in verdicts.missing_by_word(claims).items()
+    }
+
+
+def claim_lines(claims: Sequence[Mapping[str, Any]]) -> list[str]:
+    """A line for all words that the picture shows, and one for each that it does not; `claims` as for `words_shown`."""
+    shown = words_shown(claims)
+    visible = ", ".join(word for word, missing in shown.items() if not missing)
+    lost = [_missing(row) for row in claims if not row["word"] and row["holds"] is False]
+    return [
+        *([f"The picture shows: {visible}."] if visible else []),
+        *(f"It does not show '{word}': {missing}." for word, missing in shown.items() if missing),
+        *(f"Look at the subject: {missing}." for missing in lost),
+    ]
+
+
+def _missing(row: Mapping[str, Any]) -> str:
+    """What a claim misses: "color of the wall is #b09080, wanted #cceede"."""
+    of = "" if row["thing"] == "picture" else f" of the {row['thing']}"
+    unit = f" {row['unit']}" if row["unit"] and row["measure"] != "color" else ""
+    return f"{row['says']}{of} is {row['after']}{unit}, wanted {row['wanted']}"
+
+
+def word_notes(report: Mapping[str, Any]) -> list[str]:
+    """Words that were left out or guessed, and contradictions."""
+    understood = report.get("understood", {})
+    ignored = ", ".join(dict.fromkeys(understood.get("ignored", [])))
+    guesses = [f"“{word}” was taken for “{near}”" for word, near in understood.get("guesses", {}).items()]
+    return [*([f"Left out: {ignored}"] if ignored else []), *guesses, *understood.get("notes", [])]
+
+
+def failure_note(report: Mapping[str, Any]) -> str:
+    """In how many rounds the offline planner replaced the vision-language model, and why; "" if it never failed."""
+    failures = report.get("vlm", {}).get("failures", [])
+    if not failures:
+        return ""
+    rounds = report.get("rounds", [])
+    alone = sum(str(r.get("advice", "")).startswith("offline planner") for r in rounds)
+    return f"Planned without the model in {alone} of {len(rounds)} rounds. {failures[0]}"
+
+
+def model_lines(report: Mapping[str, Any], judge: Mapping[str, Any]) -> list[str]:
+    """The model's part in a vibe: calls, tokens and cost, failures, and its verdict.
+
+    Args:
+        judge: The verdict on before and after; empty if none was asked for.
+    """
+    lines = []
+    if model := report.get("vlm"):
+        tokens = model["tokens"]
+        cost = "" if model["cost_usd"] is None else f", {model['cost_usd']:.4f} US dollars"
+        lines.append(
+            f"{model['model']} was asked {model['calls']} times ({model['cached']} more from the cache; "
+            f"{tokens['read']} tokens read, {tokens['written']} written{cost})."
+        )
+        kinds = ("clipped", "mended", "dropped", "missing")
+        if unfit := [f"{model[kind]} {kind}" for kind in kinds if model[kind]]:
+            lines.append(f"Its answers did not fit everywhere: {', '.join(unfit)}.")
+    if note := failure_note(report):
+        lines.append(f"Note: {note}")
+    if "winner" in judge:
+        lines.append(f"The model's verdict: {judge['winner']}. {judge['reason']}".strip())
+    elif "error" in judge:
+        lines.append(f"Note: The model did not judge. {judge['error']}")
+    return lines

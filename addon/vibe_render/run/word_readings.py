@@ -25,39 +25,33 @@ _Words = tuple[str, tuple[str, ...]]
 class WordReadings:
     """The newest readings of a prompt's words.
 
-    They are read against the exported scene: what Live has exported, or else a sketch, which is made anew after a change.
+    They are read against the exported scene: that of Live, or else a sketch, which is made anew after a change. For all
+    methods, `live` is the job folder that Live has exported, if the scene has not changed since.
 
     Attributes:
-        newest: What the engine last said; of no words before that.
+        newest: The engine's last answer; of no words before that.
     """
 
     def __init__(self) -> None:
         self.newest = messages.Readings("")
-        self._asked: _Words | None = None  # those whose readings are on their way
+        self._asked: _Words | None = None  # those whose readings the engine works on
         self._read: _Words = ("", ())
         self._folder: Path | None = None  # of the sketch
         self._is_sketched = False  # not where the scene cannot be exported
         self._sketched: tuple[Any, ...] | None = None  # settings of the scene; None if the sketch is stale
         self._job = ""  # that the newest readings are of
-        self._changed = 0.0  # when the scene last changed
+        self._changed = 0.0  # time when the scene last changed
 
     def due(self, scene: bpy.types.Scene, live: Path | None = None) -> bool:
-        """Whether the words of a scene have not been read yet, as it is now and as its artist wants them read.
-
-        Args:
-            live: The job folder that Live has exported, if the scene has not changed since.
-        """
+        """Whether the words of a scene have not been read yet, as it is now and with its artist's targets."""
         words = _words(scene)
         return (
             self._asked is not None or words != self._read or bool(words[0] and self._is_stale(scene, live))
         )
 
     def scene_changed(self, changed: Iterable[bpy.types.ID]) -> None:
-        """Hears what has changed in Blender.
-
-        Args:
-            changed: Data-blocks. Scenes change with every letter that is typed; see `scene_settings`.
-        """
+        """Takes the data-blocks that have changed in Blender."""
+        # Scenes change with every letter that is typed; see `scene_settings`.
         if not all(isinstance(block, bpy.types.Scene) for block in changed):
             self._sketched, self._changed = None, time.monotonic()
 
@@ -66,8 +60,6 @@ class WordReadings:
 
         Args:
             engine: Runs already; it may be at work on something else.
-            scene: Has the prompt, and what it may mean.
-            live: As for `due`.
 
         Returns:
             Whether there is something new to show.
@@ -79,10 +71,10 @@ class WordReadings:
         if arrived:
             self.newest, self._read, self._asked = arrived, self._asked or self._read, None
         words = _words(scene)
-        typed = words != self._read
-        if self._asked is None and (typed or (self._is_quiet and self.due(scene, live))):
+        is_quiet = time.monotonic() - self._changed > _QUIET
+        if self._asked is None and (words != self._read or (is_quiet and self.due(scene, live))):
             prompt, targets = words
-            self._job = str(live or self._described(scene) or "") if prompt else ""
+            self._job = str(live or self._sketch(scene) or "") if prompt else ""
             names = ({}, {}) if self._job else _names(scene)
             engine.send(messages.AskReadings(schema.schema_hash(), prompt, self._job, *names, targets))
             self._asked = words
@@ -92,15 +84,11 @@ class WordReadings:
         """Waits for nothing any more: the engine is another one."""
         self._asked = None
 
-    @property
-    def _is_quiet(self) -> bool:
-        return time.monotonic() - self._changed > _QUIET
-
     def _is_stale(self, scene: bpy.types.Scene, live: Path | None) -> bool:
         """Whether the newest readings are of another scene than that of now."""
         return self._job != str(live) if live else self._sketched != _settings(scene)
 
-    def _described(self, scene: bpy.types.Scene) -> Path | None:
+    def _sketch(self, scene: bpy.types.Scene) -> Path | None:
         """The folder of the sketch of the scene as it is now; None where it cannot be exported."""
         settings = _settings(scene)
         if self._sketched != settings:
@@ -115,22 +103,22 @@ class WordReadings:
 
 
 def _words(scene: bpy.types.Scene) -> _Words:
-    """The prompt, and what its artist says that words describe."""
-    return scene.vibe.prompt, tuple(scene.vibe.told())
+    return scene.vibe.prompt, tuple(scene.vibe.target_pairs())
 
 
 def _names(scene: bpy.types.Scene) -> tuple[dict[str, list[str]], dict[str, str]]:
-    """All that is known of a scene that cannot be exported yet, such as one without a camera: objects with their materials, and lights."""
+    """All that is known of a scene that cannot be exported, such as one without a camera: objects with their materials, and lights."""
     shown = sorted(scene_context.shown(scene), key=lambda obj: obj.name)
-    things = {o.name: o.material_slots for o in shown if o.type in scene_context.GEOMETRY}
     objects = {
-        name: [slot.material.name for slot in slots if slot.material] for name, slots in things.items()
+        o.name: [slot.material.name for slot in o.material_slots if slot.material]
+        for o in shown
+        if o.type in scene_context.GEOMETRY
     }
     return objects, {o.name: o.data.type for o in shown if o.type == "LIGHT"}
 
 
 def _settings(scene: bpy.types.Scene) -> tuple[Any, ...]:
-    """What counts of the scene's own settings, for a sketch of it."""
+    """The scene's own settings that a sketch of it depends on."""
     chosen = scene.vibe.subject == "SELECTED"
     selected = tuple(o.name for o in scene.objects if o.select_get()) if chosen else ()
     return scene.session_uid, *scene_settings(scene), selected

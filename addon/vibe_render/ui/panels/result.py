@@ -14,7 +14,7 @@ from ...core.drawing import GROUP_ICONS, columns, paragraph, see_rendered
 from ...core.schema_import import labels, schema
 from ...export.notes import shortened
 from ...render import reference
-from ...run import changes
+from ...run import result
 from ...run.session import Session
 from ...run.state import addon_state
 from ...scene import snapshot
@@ -161,7 +161,7 @@ class ChangesPanel:
             name, icon = labels.GROUP_TITLES[group], GROUP_ICONS[group]
             column = layout.column(align=True)
             column.label(text=owner or name, icon=icon)
-            for why, same in groupby(entries, key=lambda change: changes.cause(change.reason)):
+            for why, same in groupby(entries, key=lambda change: result.cause(change.reason)):
                 _draw_changes(column, context, list(same), why)
 
 
@@ -202,5 +202,5 @@ def _draw_change(layout: bpy.types.UILayout, settings: Any, change: Any) -> None
         values.prop(change, "after", text="")
     else:
         values.alignment = "RIGHT"
-        values.label(text=changes.arrow(change.name, before, after))
+        values.label(text=result.arrow(change.name, before, after))
     draw_lock(row, settings, change.name)
