@@ -42,8 +42,8 @@ def start(screen):
 
 def ways_out(screen):
     """The preferences; a prompt is typed; a vibe is stopped and given up, by button and by Esc."""
-    from bl_ext.user_default.vibe_render.scene import snapshot
     from bl_ext.user_default.vibe_render.run.state import addon_state
+    from bl_ext.user_default.vibe_render.scene import snapshot
 
     yield from preferences(screen)
     screen.shoot("panel")
@@ -89,8 +89,8 @@ def ways_out(screen):
 
 def choosing(screen):
     """A result: undone, compared, dimmed, another variant, locks, saved as a preset, again, kept or reverted."""
-    from bl_ext.user_default.vibe_render.scene import snapshot
     from bl_ext.user_default.vibe_render.run.state import addon_state
+    from bl_ext.user_default.vibe_render.scene import snapshot
 
     before, scene = values(), bpy.context.scene
     yield from a_result(screen, variants=2)
@@ -174,8 +174,8 @@ def locked_values(key):
 
 def questions(screen):
     """The question about a shared material, answered both ways."""
-    from bl_ext.user_default.vibe_render.scene import snapshot
     from bl_ext.user_default.vibe_render.run.state import addon_state
+    from bl_ext.user_default.vibe_render.scene import snapshot
 
     floor, monkey = bpy.data.objects["Plane"], bpy.data.objects["Suzanne"]
     floor.data.materials[0] = monkey.data.materials[0]
@@ -282,7 +282,7 @@ def second_window(screen, addon_state):
 
 def preferences(screen):
     """What the add-on's preferences look like, and whether they find and try the engine."""
-    from bl_ext.user_default.vibe_render.run.engine_state import engine_state
+    from bl_ext.user_default.vibe_render.ui.engine_state import engine_state
 
     kind, screen.area.type = screen.area.type, "PREFERENCES"
     bpy.context.preferences.active_section = "ADDONS"

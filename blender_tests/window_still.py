@@ -12,8 +12,8 @@ HEADER = 363
 def still(screen):
     """The picture's panel is opened; a file's path is typed, and its look searched for; then other pictures are given."""
     from bl_ext.user_default.vibe_render.render import reference
-    from bl_ext.user_default.vibe_render.scene import snapshot
     from bl_ext.user_default.vibe_render.run.state import addon_state
+    from bl_ext.user_default.vibe_render.scene import snapshot
 
     settings, before = bpy.context.scene.vibe, values()
     path = dusk(screen.out / "dusk.png")

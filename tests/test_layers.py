@@ -27,8 +27,7 @@ LAYERS = {
         cli=cli.commands
     """,
     "vibe_render": """
-        core engine scene.geometry scene.lights scene.nodes scene scene.stage render export session.notes session looks
-        headless ui ui.operators ui.panels
+        core engine scene.geometry scene.lights scene.nodes scene scene.stage render export run looks headless ui
         .
     """,
     "lab": """

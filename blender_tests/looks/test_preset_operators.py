@@ -6,8 +6,7 @@ import pytest
 from dump import contents, difference
 from sample_presets import DAY, NOIR
 from vibe_render.looks import library, take, thumbnail
-from vibe_render.ui import look_icons
-from vibe_render.ui.panels import presets
+from vibe_render.ui import drawing, presets
 
 from proxy_renderer.schema import preset
 
@@ -34,7 +33,7 @@ def test_applied_saved_and_reverted(held):
     assert mine.name == "Mine"
     assert mine.picture.is_file()
     assert mine.preset.roles["film"][0]["contrast"] == [pytest.approx(1.4)]
-    assert look_icons.icon(mine) != look_icons.icon(library.find("Noir"))
+    assert drawing.look_icon(mine) != drawing.look_icon(library.find("Noir"))
     assert bpy.ops.vibe.revert() == {"FINISHED"}
     assert difference(before, contents()) == {}
 
@@ -121,5 +120,5 @@ def test_assets_and_lut_of_the_look(held, tmp_path):
 
 def test_panel_finds_what_it_draws(held):
     """What is drawn without a window: nothing; but its icons and columns can be asked for."""
-    assert all(look_icons.icon(look) for look in library.looks())
+    assert all(drawing.look_icon(look) for look in library.looks())
     assert presets.PresetsPanel.poll(bpy.context)

@@ -14,8 +14,9 @@ from small_disk import small_disk
 from small_scenes import studio, wide_picture
 from vibe_render.looks import asset_catalog, library, lut
 from vibe_render.render import final_render
-from vibe_render.run import before_image, prompt_history, session
+from vibe_render.run import before_image, session
 from vibe_render.run.state import addon_state
+from vibe_render.ui import prompt_history
 from vibing import advance, fails
 
 from proxy_renderer.schema import VibeError

@@ -116,7 +116,10 @@ def mix(scene: bpy.types.Scene) -> None:
     """Writes the values between the original (strength 0, or Before) and the vibe (strength 1)."""
     settings = scene.vibe
     strength = 0.0 if settings.show_original else settings.strength
-    values = {change.name: blend(change.name, *change.values(), strength) for change in settings.changes}
+    values = {}
+    for change in settings.changes:
+        before, after = change.values()
+        values[change.name] = blend(change.name, before, after, strength)
     bindings.write(scene, values, (), settings.pivot)
 
 

@@ -9,20 +9,23 @@ from pathlib import Path
 
 import bpy
 
-from ..core import background, drawing, preferences
+from ..core import background, preferences
 from ..core.preferences import own_folder
 from ..core.schema_import import faults, messages, schema
 from ..engine.find import find_python
 from ..engine.process import Engine
 from ..engine.setup import EngineSetup, requirements
 from ..engine.torch_builds import TorchBuild
+from . import drawing
 
-_TICK = 0.25  # seconds between two looks at what goes on
+_TICK = 0.25  # seconds between two looks at the background work
 _PATIENCE = 60.0  # seconds that a test waits for the engine's "ready"
 
 
 class EngineState:
     """What is known about the engine of this computer.
+
+    For all methods, `choice` is the engine's folder from the preferences; "" for the usual places.
 
     Attributes:
         python: The Python that has it; None while that is not known, or there is none.
@@ -33,6 +36,9 @@ class EngineState:
     """
 
     def __init__(self) -> None:
+        self._forget()
+
+    def _forget(self) -> None:
         self.python: Path | None = None
         self.problem: schema.VibeError | None = None
         self.setup: EngineSetup | None = None
@@ -43,17 +49,17 @@ class EngineState:
 
     @property
     def busy(self) -> bool:
-        """Whether a search, a test or a setup is under way, which panels show."""
+        """Whether a search, a test or a setup runs, which panels show."""
         return self.searching or self.testing or self.setting_up
 
     @property
     def searching(self) -> bool:
-        """Whether it is being looked for."""
+        """Whether the engine is being searched."""
         return self._search_work is not None
 
     @property
     def testing(self) -> bool:
-        """Whether it is being tested."""
+        """Whether the engine is being tested."""
         return self._test_work is not None
 
     @property
@@ -62,11 +68,7 @@ class EngineState:
         return self.setup is not None and self.setup.running
 
     def search(self, choice: str, again: bool = False) -> None:
-        """Searches the engine in the background, unless that has been done for this choice.
-
-        Args:
-            choice: The folder from the preferences; "" for the usual places.
-        """
+        """Searches the engine in the background, unless that has been done for this choice."""
         if self.searching or (choice == self._choice and not again):
             return
         self._choice, self.python, self.problem = choice, None, None
@@ -74,20 +76,13 @@ class EngineState:
         self._follow()
 
     def test(self, choice: str) -> None:
-        """Starts an engine in the background to see whether it answers; `outcome` tells.
-
-        Args:
-            choice: As for `search`.
-        """
+        """Starts an engine in the background to see whether it answers; the result is the `outcome`."""
         if not self.testing:
             self._test_work = background.begin(lambda: version(choice))
             self._follow()
 
     def set_up(self, build: TorchBuild) -> None:
-        """Makes an environment for the engine, in the background.
-
-        Args:
-            build: The build of torch that it gets.
+        """Makes an environment for the engine, with this build of torch, in the background.
 
         Raises:
             VibeError: This copy of the add-on does not carry the engine's code.
@@ -102,7 +97,7 @@ class EngineState:
             self.setup.cancel()
         if bpy.app.timers.is_registered(self.tick):
             bpy.app.timers.unregister(self.tick)
-        self.__init__()  # type: ignore[misc]
+        self._forget()
 
     def _follow(self) -> None:
         if not bpy.app.timers.is_registered(self.tick):
@@ -112,7 +107,7 @@ class EngineState:
         """Takes the results of background work; a timer of Blender's calls it while there is some.
 
         Returns:
-            Seconds until the next call; None when nothing is under way.
+            Seconds until the next call; None when there is no work left.
         """
         if self._search_work and self._search_work.done():
             search, self._search_work = self._search_work, None
@@ -140,15 +135,12 @@ class EngineState:
 
 
 def setup_folder() -> Path:
-    """Where an environment is made for the engine."""
+    """The folder of the environment that Set Up Engine makes."""
     return own_folder("engine")
 
 
 def version(choice: str) -> str:
-    """Starts an engine and returns its version.
-
-    Args:
-        choice: The folder from the preferences; "" for the usual places.
+    """Starts an engine and returns its version; `choice` as for `EngineState`.
 
     Raises:
         VibeError: There is no engine, or it does not answer.

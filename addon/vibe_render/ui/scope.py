@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # mypy: disable-error-code="valid-type"
-"""The list of all single values of the scene, each with a lock; filled again when things are added or removed."""
+"""What a vibe may change: the panel of groups and subject, and the list of all single values, each with a lock."""
 
 from __future__ import annotations
 
@@ -9,9 +9,80 @@ from typing import Any, ClassVar
 import bpy
 from bpy.props import CollectionProperty, IntProperty, StringProperty
 
-from ..core import drawing
 from ..core.schema_import import labels, schema
 from ..scene import bindings, scene_context
+from . import drawing
+from .bases import IdlePanel
+
+_listed: tuple = ()  # fingerprint of the scene that the list shows
+_awaited: tuple = ()  # fingerprint of the scene that a timer is going to list
+
+
+class ScopePanel(IdlePanel):
+    """What a vibe may change, and what the picture is about."""
+
+    bl_label = "May Change"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
+        grid = layout.grid_flow(columns=2, even_columns=True, align=True)
+        for group in schema.GROUPS:
+            free = getattr(settings, f"change_{group}")
+            grid.prop(settings, f"change_{group}", toggle=True, icon="UNLOCKED" if free else "LOCKED")
+        column = layout.column()
+        column.use_property_split, column.use_property_decorate = True, False
+        column.prop(settings, "subject")
+        if settings.subject == "COLLECTION":
+            column.prop(settings, "collection", text=" ")
+        column.prop(settings, "shared", text="Shared Materials")
+        column.prop(settings, "new_lights")
+
+
+class ValuesPanel(IdlePanel):
+    """Every single value of the scene, with a lock."""
+
+    bl_label = "Single Values"
+    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
+
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
+        if count := len(context.scene.vibe.locks):
+            self.layout.label(text=f"{count} locked ")  # type: ignore[attr-defined]
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draws the list, which a timer fills if the scene has changed: a panel that draws must not change anything."""
+        global _awaited
+        now = _fingerprint(context.scene)
+        if now not in (_listed, _awaited):
+            _awaited = now
+            bpy.app.timers.register(lambda: _fill_soon(now[0]), first_interval=0.01)
+        layout: Any = self.layout  # type: ignore[attr-defined]
+        values = context.window_manager.vibe_values
+        layout.template_list("VIBE_UL_values", "", values, "rows", values, "active", rows=6)
+        layout.operator("vibe.unlock_all", icon="UNLOCKED")
+
+
+def _fingerprint(scene: bpy.types.Scene) -> tuple:
+    counted = (scene.objects, bpy.data.materials, bpy.data.lights)
+    return scene.session_uid, *map(len, counted), bool(scene.world), len(scene.vibe.changes)
+
+
+def _fill_soon(uid: int) -> None:
+    scene = next((s for s in bpy.data.scenes if s.session_uid == uid), None)
+    if scene is not None:
+        fill(scene)
+        drawing.redraw()
+
+
+def fill(scene: bpy.types.Scene) -> None:
+    """Lists the scene's values."""
+    global _listed, _awaited
+    _listed, _awaited = _fingerprint(scene), ()
+    rows = bpy.context.window_manager.vibe_values.rows
+    rows.clear()
+    for instance in bindings.instances(scene, scene_context.meshes(scene), scene.vibe.pivot).values():
+        row = rows.add()
+        row.name, row.title = instance.key, labels.title(instance.key)
+        row.reason = instance.locked
 
 
 class VibeValue(bpy.types.PropertyGroup):
@@ -44,9 +115,8 @@ class VIBE_UL_values(bpy.types.UIList):
         _flag: int = 0,
     ) -> None:
         """Draws a line: group, whose value, lock."""
-        settings = context.scene.vibe
+        settings, reason = context.scene.vibe, item.reason
         group = schema.split_key(item.name)[0]
-        reason = item.reason
         if not getattr(settings, f"change_{group}"):
             reason = f"the group {labels.GROUP_TITLES[group]} is locked"
         row = layout.row(align=True)
@@ -58,7 +128,7 @@ class VIBE_UL_values(bpy.types.UIList):
     def filter_items(
         self, _context: bpy.types.Context, data: VibeValues, _name: str
     ) -> tuple[list[int], list[int]]:
-        """Lines with the letters of the search field in their title or key."""
+        """Lines with the text of the search field in their title or key."""
         words = self.filter_name.casefold().split()
         shown = [all(w in f"{r.title} {r.name}".casefold() for w in words) for r in data.rows]
         return [self.bitflag_filter_item if show else 0 for show in shown], []
@@ -99,7 +169,6 @@ class VIBE_OT_lock(bpy.types.Operator):
         return f"Let a vibe change {title}" if locked else f"Keep {title} as it is"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Turns the lock."""
         locks = context.scene.vibe.locks
         place = locks.find(self.key)
         if place >= 0:
@@ -118,51 +187,31 @@ class VIBE_OT_unlock_all(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Only when there are locks."""
         cls.poll_message_set("No single value is locked")
         return bool(context.scene.vibe.locks)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Opens them."""
         context.scene.vibe.locks.clear()
         return {"FINISHED"}
 
 
-_listed: tuple = ()  # fingerprint of the scene that the list shows
-_wanted: tuple = ()  # fingerprint of the scene that a timer is going to list
+class AdvancedPanel(IdlePanel):
+    """Numbers that few need."""
 
+    bl_label = "Advanced"
+    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
 
-def keep_up(context: bpy.types.Context) -> None:
-    """Fills the list by a timer if the scene has changed: a panel that draws must not change anything."""
-    global _wanted
-    now = _fingerprint(context.scene)
-    if now not in (_listed, _wanted):
-        _wanted = now
-        bpy.app.timers.register(lambda: _soon(now[0]), first_interval=0.01)
-
-
-def _fingerprint(scene: bpy.types.Scene) -> tuple:
-    counted = (scene.objects, bpy.data.materials, bpy.data.lights)
-    return scene.session_uid, *map(len, counted), bool(scene.world), len(scene.vibe.changes)
-
-
-def _soon(uid: int) -> None:
-    scene = next((s for s in bpy.data.scenes if s.session_uid == uid), None)
-    if scene is not None:
-        fill(scene)
-        drawing.redraw()
-
-
-def fill(scene: bpy.types.Scene) -> None:
-    """Lists the scene's values."""
-    global _listed, _wanted
-    _listed, _wanted = _fingerprint(scene), ()
-    rows = bpy.context.window_manager.vibe_values.rows
-    rows.clear()
-    for instance in bindings.instances(scene, scene_context.meshes(scene), scene.vibe.pivot).values():
-        row = rows.add()
-        row.name, row.title = instance.key, labels.title(instance.key)
-        row.reason = instance.locked
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
+        layout.use_property_split, layout.use_property_decorate = True, False
+        column = layout.column()
+        column.prop(settings, "lock", placeholder="light/Key, */metallic")
+        for name in ("top_k", "seed", "anchor"):
+            column.prop(settings, name)
+        column = layout.column()
+        column.prop(settings, "budget")
+        for name in ("rounds", "steps", "size") if settings.budget == "CUSTOM" else ():
+            column.prop(settings, name)
 
 
 CLASSES = (VibeValue, VibeValues, VIBE_UL_values, VIBE_OT_lock, VIBE_OT_unlock_all)
