@@ -25,8 +25,7 @@ if not __package__:
 
 from vibe_render.core import files
 from vibe_render.core.schema_import import atomic, faults, schema
-from vibe_render.headless.arguments import arguments_of_process, parse
-from vibe_render.headless.reporter import Reporter
+from vibe_render.headless.arguments import Reporter, arguments_of_process, parse
 
 
 def main() -> int:

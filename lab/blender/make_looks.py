@@ -20,7 +20,7 @@ import numpy as np
 from vibe_render.core.schema_import import preset, schema
 from vibe_render.engine.process import Engine
 from vibe_render.headless import arguments, scenes, vibe
-from vibe_render.headless.reporter import Reporter
+from vibe_render.headless.arguments import Reporter
 from vibe_render.looks import library, take, thumbnail
 from vibe_render.scene.stage import demo, parts
 

@@ -19,8 +19,7 @@ from typing import Any
 import bpy
 from vibe_render.engine.process import Engine
 from vibe_render.headless import vibe
-from vibe_render.headless.arguments import parse
-from vibe_render.headless.reporter import Reporter
+from vibe_render.headless.arguments import Reporter, parse
 from vibe_render.render import final_render
 from vibe_render.scene import snapshot
 

@@ -17,12 +17,13 @@ from typing import Any
 
 from .schema_import import atomic, schema
 
+_REMEDY = "Choose another --out."
 _LEAST = 4096  # bytes: with fewer left, what was written last may have been cut off
 
 
 @contextmanager
 def whole(path: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
-    """A temporary path beside a file, moved onto the file at the end of the block; removed after a failure.
+    """A temporary path next to a file, moved onto the file at the end of the block; removed after a failure.
 
     Args:
         remedy: What to do where it cannot be written, unless the disk is full.
@@ -39,12 +40,7 @@ def whole(path: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
 
 
 def unwritable(path: Path, error: Exception, remedy: str) -> schema.VibeError:
-    """The error for a file that cannot be written, with the reason that Blender or Python gives.
-
-    Args:
-        error: What Blender or Python has raised.
-        remedy: What to do, unless the disk is full.
-    """
+    """The error for a file that cannot be written, with the reason that Blender or Python gives; `remedy` as for `whole`."""
     if atomic.is_full(error):
         return schema.VibeError(f"There is no room left on the disk, in {path.parent}.", "Make room there.")
     reason = getattr(error, "strerror", None) or str(error).strip().removeprefix("Error: ")
@@ -58,19 +54,11 @@ def _check(part: Path) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
-_REMEDY = "Choose another --out."
-
-
 class Outputs:
-    """A folder's new files. Use it as a context manager: they are moved into place at its end.
+    """New files of a folder, which exists: when the block ends they are moved into place, none of them if it fails.
 
-    They are written beside where they will be, because a .blend keeps paths relative to itself.
-
-    Args:
-        folder: Where they go; it has to exist.
-
-    Raises:
-        VibeError: A file cannot be written, or not be moved into place.
+    They are written in that folder under other names, because a .blend keeps paths relative to itself. Every method
+    raises a VibeError if a file cannot be written.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -85,31 +73,16 @@ class Outputs:
         return self.folder / f"{atomic.part_prefix()}{self._run}-{name}"
 
     def write_json(self, name: str, content: Any) -> None:
-        """Adds a JSON file.
-
-        Args:
-            content: What `json.dumps` takes; a number that is not finite is a ValueError.
-
-        Raises:
-            VibeError: It cannot be written.
-        """
+        """Adds a JSON file; a number that is not finite is a ValueError."""
         self.write_text(name, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False))
 
     def write_text(self, name: str, text: str) -> None:
-        """Adds a text file, UTF-8, with a newline at its end.
-
-        Raises:
-            VibeError: It cannot be written.
-        """
+        """Adds a text file, UTF-8, with a newline at its end."""
         with self._writing(name) as path:
             path.write_text(text + "\n", encoding="utf-8")
 
     def copy(self, name: str, source: Path) -> None:
-        """Adds a copy of a file.
-
-        Raises:
-            VibeError: It cannot be read or written.
-        """
+        """Adds a copy of a file."""
         with self._writing(name) as path:
             shutil.copyfile(source, path)
 

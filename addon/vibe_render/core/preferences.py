@@ -11,16 +11,11 @@ import bpy
 
 from . import ADDON, compat
 
+_FOLDER = "vibe-render"  # inside a chosen cache folder: what Clear deletes is ours
+
 
 def own_folder(path: str, create: bool = False) -> Path:
-    """A folder in it.
-
-    Where we are not installed as an extension (a Blender without a window), it is where one that was
-    installed from disk has it.
-
-    Args:
-        create: Whether to make it if it is not there.
-    """
+    """A folder of the user's files; without an installed extension (no window), where one installed from disk has it."""
     try:
         folder = Path(bpy.utils.extension_path_user(ADDON, path=path))
     except ValueError:
@@ -30,9 +25,6 @@ def own_folder(path: str, create: bool = False) -> Path:
         with suppress(OSError):  # whoever writes into it says why that cannot be
             folder.mkdir(parents=True, exist_ok=True)
     return folder
-
-
-_FOLDER = "vibe-render"  # inside a chosen cache folder: what Clear deletes is ours
 
 
 def get(context: bpy.types.Context) -> Any:

@@ -31,7 +31,7 @@ class Engine:
     """A running engine. It stays warm between vibes; it ends when Blender does.
 
     Args:
-        python: A Python, or the folder of its environment; "" to search.
+        python: As for `find_python`.
         log: The file for the engine's stderr; None for one in the user's folder for logs.
         cache: The folder of its cache; None for the user's usual one.
         listener: Called from a thread with every stage and progress message, also while Blender is busy.
@@ -63,7 +63,7 @@ class Engine:
 
     @property
     def process_id(self) -> int | None:
-        """Of the process; None while there is none."""
+        """The process's number; None while there is none."""
         return self._process.pid if self._process else None
 
     def start(self) -> None:
@@ -148,11 +148,7 @@ class Engine:
             self._abandoned, self._abandoned_at = True, time.monotonic()
 
     def settle(self) -> bool:
-        """Drops the messages of an abandoned vibe; an engine that hangs is ended.
-
-        Returns:
-            Whether that is over, and the next request may be sent.
-        """
+        """Drops the messages of an abandoned vibe; returns whether the next request may be sent. A hanging engine is ended."""
         while self._abandoned:
             try:
                 item = self._inbox.get_nowait()
@@ -167,11 +163,7 @@ class Engine:
         return True
 
     def stop(self, patience: float = 3.0) -> None:
-        """Asks the process to quit, and ends it if it does not.
-
-        Args:
-            patience: Seconds to wait for it.
-        """
+        """Asks the process to quit, and ends it if it does not within so many seconds."""
         process, self._process = self._process, None
         atexit.unregister(self.stop)
         if process is None:

@@ -53,7 +53,6 @@ class EngineSetup:
         packages: Requirements for pip.
 
     Attributes:
-        folder: As given.
         text: The present step, for the panel.
         fraction: The part of the present download that has arrived, 0 to 1; None while nothing is downloaded.
     """
@@ -61,14 +60,12 @@ class EngineSetup:
     def __init__(self, folder: Path, packages: list[str], build: TorchBuild) -> None:
         self.folder, self._packages, self._build = folder, packages, build
         self._part = folder.with_name(f"{folder.name}.part")  # nobody looks for an engine there
-        self.text, self.fraction = "Starting", None
+        self.text = "Starting"
+        self.fraction: float | None = None
         self._process: subprocess.Popen[str] | None = None
         self._canceled = False
         atexit.register(self.cancel)
         self._work: Future[None] = background.begin(self._make)
-
-    text: str
-    fraction: float | None
 
     @property
     def running(self) -> bool:
@@ -119,9 +116,7 @@ class EngineSetup:
         progress = ("--progress-bar", "raw") if _pip_version(self._part) >= (24, 1) else ()
         # Compiling thousands of modules, of which an engine uses some, would take most of a minute.
         pip = (*pip, "--no-compile", *progress)
-        if (
-            self._build.index
-        ):  # pip keeps what is there: with both indices at once it would take the newer torch
+        if self._build.index:  # first: with both indices at once, pip would take the newer torch
             text = f"Looking for torch at {urlsplit(self._build.index).netloc}"
             self._run(text, *pip, "--index-url", self._build.index, "torch", "torchvision")
         self._run("Looking for packages", *pip, *self._packages)

@@ -11,21 +11,13 @@ from urllib.parse import urlsplit
 
 @dataclass(frozen=True)
 class TorchBuild:
-    """One build of torch, and what the engine's whole environment is like with it.
-
-    Attributes:
-        key: Its identifier.
-        name: For buttons.
-        index: Address of the package index that has it; "" for the one that pip uses anyway.
-        download: Of all packages, GB.
-        disk: What they take on the disk, GB.
-    """
+    """One build of torch, and the size of the engine's whole environment with it."""
 
     key: str
-    name: str
-    index: str
-    download: float
-    disk: float
+    name: str  # for buttons
+    index: str  # address of the package index that has it; "" for the one that pip uses anyway
+    download: float  # of all packages, GB
+    disk: float  # room that they take, GB
 
 
 CPU = TorchBuild("CPU", "Processor", "https://download.pytorch.org/whl/cpu", 0.3, 1.1)
@@ -59,30 +51,22 @@ _INDEX = "the Python Package Index (pypi.org, or the one that your pip uses)"
 
 
 def download_text(build: TorchBuild, folder: Path) -> list[str]:
-    """What a build downloads, from where, how large it is, where it goes, and whether it suits this computer."""
-    source = (
-        f"torch from {urlsplit(build.index).netloc}, the rest from {_INDEX}"
-        if build.index
-        else f"from {_INDEX}"
-    )
-    said = [
-        f"Python packages, {source}: about {build.download} GB to download, once.",
+    """A description of a build's download: from where, how large it is, where it goes, and whether it suits this computer."""
+    source = f"torch from {urlsplit(build.index).netloc}, the rest from" if build.index else "from"
+    lines = [
+        f"Python packages, {source} {_INDEX}: about {build.download} GB to download, once.",
         f"They take {build.disk} GB in {folder}. Nothing else on this computer changes.",
     ]
     if len(choices()) > 1:
-        said.append(_advice(build))
-    return said
+        lines.append(_advice(build))
+    return lines
 
 
 def _advice(build: TorchBuild) -> str:
     if has_nvidia_card():
-        return (
-            "This computer has an NVIDIA card that it can use."
-            if build is CUDA
-            else ("This computer has an NVIDIA card; this engine would not use it.")
-        )
-    return (
-        "No NVIDIA card was found, and none is needed."
-        if build is CPU
-        else ("No NVIDIA card was found: these are libraries that only such a card can use.")
-    )
+        if build is CUDA:
+            return "This computer has an NVIDIA card that it can use."
+        return "This computer has an NVIDIA card; this engine would not use it."
+    if build is CPU:
+        return "No NVIDIA card was found, and none is needed."
+    return "No NVIDIA card was found: these are libraries that only such a card can use."

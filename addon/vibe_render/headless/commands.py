@@ -22,8 +22,7 @@ from ..looks import fit, library
 from ..render import final_render
 from ..scene import bindings, snapshot, stored_subject
 from . import summary, vibe
-from .arguments import parse
-from .reporter import Reporter
+from .arguments import Reporter, parse
 from .scenes import check_writable, open_blend, open_scene, save_blend
 from .shots import Framing, RequestedShot
 

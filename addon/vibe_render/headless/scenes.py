@@ -19,7 +19,7 @@ from ..core import compat, files
 from ..core.schema_import import limits, schema
 from ..scene.stage import demo, stage
 from ..scene.subject import SubjectChoice
-from .reporter import Reporter
+from .arguments import Reporter
 
 _fluids: list[tuple[str, str, bool, bool]] = []
 """Of the open file: object and modifier that are switched off, whether the viewport and renders showed it."""

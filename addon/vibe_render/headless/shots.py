@@ -17,25 +17,18 @@ from ..export import reading
 from ..export.job_folder import SceneJob
 from ..scene import fog, scene_context
 from ..scene.subject import SubjectChoice
-from .reporter import Reporter
+from .arguments import Reporter
 from .scenes import fluid_note, open_scene
 
 
 @dataclass(frozen=True)
 class RequestedShot:
-    """A shot that the command line asks for.
+    """A shot that the command line asks for."""
 
-    Attributes:
-        scene: Its file; "" for the open one.
-        camera: Its camera's name; "" for the scene's active one.
-        frame: Its frame; None for the scene's present one.
-        name: For people, such as "Close · frame 50"; "" for a single shot.
-    """
-
-    scene: str
-    camera: str = ""
-    frame: int | None = None
-    name: str = ""
+    scene: str  # a file; "" for the open one
+    camera: str = ""  # a name; "" for the scene's active one
+    frame: int | None = None  # None for the scene's present one
+    name: str = ""  # for people, such as "Close · frame 50"; "" for a single shot
 
 
 def shots_of(args: argparse.Namespace) -> list[RequestedShot]:
@@ -49,12 +42,12 @@ def shots_of(args: argparse.Namespace) -> list[RequestedShot]:
     if len(shots) == 1:
         return shots
     stems = {scene: Path(scene).stem if len(args.scenes) > 1 else "" for scene in args.scenes}
-    return [replace(shot, name=_name(stems[shot.scene], shot)) for shot in shots]
 
+    def name(shot: RequestedShot) -> str:
+        frame = "" if shot.frame is None else f"frame {shot.frame}"
+        return " · ".join(filter(None, (stems[shot.scene], shot.camera, frame)))
 
-def _name(stem: str, shot: RequestedShot) -> str:
-    frame = "" if shot.frame is None else f"frame {shot.frame}"
-    return " · ".join(part for part in (stem, shot.camera, frame) if part)
+    return [replace(shot, name=name(shot)) for shot in shots]
 
 
 class Framing:
@@ -142,7 +135,7 @@ class ShotList:
                 self._fog[shot.scene] = planned
 
     def show(self, number: int) -> SceneJob:
-        """Sets a shot's camera and frame, if another .blend is open in the shot's own; returns its job."""
+        """Opens and prepares a shot's .blend if another is open, sets its camera and frame, and returns its job."""
         shot = self.shots[number]
         is_open = self._open == shot.scene
         scene, choice = self._shown(number)

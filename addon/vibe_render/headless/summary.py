@@ -31,7 +31,6 @@ def report_fields(
     """The content of report.json: the engine's report with ours. Measurements of several shots are averaged.
 
     Args:
-        measured: The engine's measurements of each shot.
         skipped: By key, why a value was not written.
     """
     fields = dict(result.report)
@@ -130,11 +129,8 @@ def closing_lines(
         if result.report["prompt"].strip():
             lines.append(f"{who}Similarity to the words {s['before']:.3f} -> {s['after']:.3f}.")
         lines.append(f"{who}The prediction is {_apart(each.prediction['shown'])} away from Cycles.")
-        if "before_last_anchor" in each.prediction:
-            lines.append(
-                f"{who}Before Cycles had shown it these very values, it was "
-                f"{_apart(each.prediction['before_last_anchor'])} away."
-            )
+        if before := each.prediction.get("before_last_anchor"):
+            lines.append(f"{who}Before Cycles had shown it these very values, it was {_apart(before)} away.")
     return lines
 
 
@@ -145,11 +141,7 @@ def _apart(figures: dict[str, float]) -> str:
 
 
 def change_lines(instances: dict[str, schema.Instance], values: dict[str, Any]) -> list[str]:
-    """The visible changes as lines, the largest on the perceptual scale first.
-
-    Args:
-        instances: The scene's parameters before, by key.
-    """
+    """The visible changes of these parameters as lines, the largest on the perceptual scale first."""
     rows = []
     for key, value in values.items():
         instance = instances.get(key)
@@ -166,11 +158,7 @@ def change_lines(instances: dict[str, schema.Instance], values: dict[str, Any]) 
 
 
 class Stopwatch:
-    """The seconds of each stage of a run.
-
-    Attributes:
-        seconds: By the stage's name.
-    """
+    """The seconds of each stage of a run, by the stage's name."""
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = {}

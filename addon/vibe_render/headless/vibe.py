@@ -28,7 +28,7 @@ from ..run.driver import Driver, drive
 from ..run.status import words_shown
 from ..scene import bindings, stored_subject
 from . import summary
-from .reporter import Reporter
+from .arguments import Reporter
 from .scenes import save_blend
 from .shots import ShotList
 from .summary import Stopwatch, numbered
