@@ -56,7 +56,7 @@ def test_last_words_are_not_the_trace():
 def test_ctrl_c_is_ours_again_when_blender_has_ended(tmp_path, monkeypatch):
     """`vibe explain SCENE` goes on afterwards."""
     script = tmp_path / "blender.py"
-    script.write_text("print('VIBE {\"type\": \"result\", \"lines\": []}')")
+    script.write_text('print(\'VIBE {"type": "result", "lines": []}\')')
     monkeypatch.setattr(launch, "blender_side", lambda: script)
     numbers = (signal.SIGINT, signal.SIGTERM)
     before = [signal.getsignal(number) for number in numbers]

@@ -27,15 +27,11 @@ def path_of(scene: bpy.types.Scene) -> Path:
 
 
 def store(path: Path, picture: Path, first: bool) -> Path:
-    """Stores a picture if it shows the artist's own scene.
+    """Stores a picture of the exported scene, if that was the artist's own; returns the one to compare with.
 
     Args:
         path: From `path_of` at export: the camera may have moved since.
-        picture: Of the scene as it was exported.
         first: Whether no vibe was in the scene then.
-
-    Returns:
-        The picture to compare with: the stored one, or `picture` where there is none.
     """
     if first:
         # On a full disk nothing is stored; a later vibe then compares with its own start.

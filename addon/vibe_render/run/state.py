@@ -20,7 +20,7 @@ class AddonState:
 
     Attributes:
         session: The newest session; its pictures stay until the next one, Keep or Revert.
-        running: Whether it is under way.
+        running: Whether it has not ended yet.
         failure: Why it failed, until the artist dismisses that.
         live: Looks of what is being typed; None while nothing is.
         readings: How the words of what is typed are understood.
@@ -36,11 +36,7 @@ class AddonState:
         self._engine_choice: tuple[str, Path] | None = None
 
     def begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
-        """Starts a session; the engine of the last one is used again, unless the preferences have changed.
-
-        Args:
-            ask: Whether an artist is there to answer questions.
-        """
+        """Starts a session with the engine of the last one, unless the preferences have changed; `ask` as for `Session`."""
         self.forget()
         self.session, self.running = Session(context, self.engine(context), ask), True
         if self.live and self.live.scene == self.session.scene:

@@ -101,17 +101,13 @@ class SessionStatus:
 
 
 def words_shown(claims: Sequence[Mapping[str, Any]]) -> dict[str, str]:
-    """Word -> "" if the picture shows all that it claims, else what is missing.
+    """Word -> "" if the picture shows all that it claims, else what is missing; of words that claim something measurable.
 
     Args:
         claims: Rows of the report's `claims`.
-
-    Returns:
-        Words in their order; those that claim nothing measurable are left out.
     """
-    return {
-        word: _missing(rows[0]) if rows else "" for word, rows in verdicts.missing_by_word(claims).items()
-    }
+    by_word = verdicts.missing_by_word(claims)
+    return {word: _missing(rows[0]) if rows else "" for word, rows in by_word.items()}
 
 
 def claim_lines(claims: Sequence[Mapping[str, Any]]) -> list[str]:

@@ -59,13 +59,10 @@ class WordReadings:
         """Takes what has arrived, and asks about the words of now; never waits.
 
         Args:
-            engine: Runs already; it may be at work on something else.
+            engine: Runs already; it may be at work on something else. If it is gone, a VibeError says so.
 
         Returns:
             Whether there is something new to show.
-
-        Raises:
-            VibeError: The engine is gone.
         """
         arrived = engine.poll_readings()
         if arrived:

@@ -28,8 +28,6 @@ _GAP = 6  # pixels between two pictures in one icon
 _Version = tuple[tuple[Path, int], ...]
 _slots: dict[tuple[bool, tuple[Path, ...]], tuple[_Version, bpy.utils.previews.ImagePreviewCollection]] = {}
 """Pictures that are shown, and whether as a square -> the files' versions, and their icon."""
-_looks: list[bpy.utils.previews.ImagePreviewCollection] = []
-"""The one collection of the presets' pictures, once it is needed."""
 
 
 def paragraph(
@@ -96,20 +94,14 @@ def redraw() -> None:
 
 def look_icon(look: Look) -> int:
     """The icon number of a preset's picture for `layout.template_icon`; one of Blender's own icons if it has none."""
-    try:
-        key = f"{look.picture}?{look.picture.stat().st_mtime_ns}"
-    except OSError:
-        names = bpy.types.UILayout.bl_rna.functions["prop"].parameters["icon"].enum_items
-        return names["ERROR" if look.problem else "IMAGE_DATA"].value
-    if not _looks:
-        _looks.append(bpy.utils.previews.new())
-    if key not in _looks[0]:
-        _load(_looks[0], key, look.picture)
-    return _looks[0][key].icon_id
+    if number := icon(look.picture):
+        return number
+    names = bpy.types.UILayout.bl_rna.functions["prop"].parameters["icon"].enum_items
+    return names["ERROR" if look.problem else "IMAGE_DATA"].value
 
 
 def icon(*pictures: Path | None, square: bool = False) -> int:
-    """The icon number of PNG files for `layout.template_icon`, loaded again whenever a file has changed.
+    """The icon number of picture files for `layout.template_icon`, loaded again whenever a file has changed.
 
     Args:
         pictures: Paths. Several become one icon: wide ones one above the other, others in a row.
@@ -128,7 +120,7 @@ def icon(*pictures: Path | None, square: bool = False) -> int:
         collection = bpy.utils.previews.new()
     if version != shown:
         collection.clear()
-        parts = [_load(collection, str(path), path) for path in there]
+        parts = [_load(collection, path) for path in there]
         if len(parts) > 1 or square:
             whole = _composed([_pixels(part) for part in parts])
             _put(collection.new("vibe"), _middle(whole) if square else whole)
@@ -138,16 +130,13 @@ def icon(*pictures: Path | None, square: bool = False) -> int:
 
 def free_icons() -> None:
     """Frees all pictures."""
-    for collection in [*(collection for _, collection in _slots.values()), *_looks]:
+    for _, collection in _slots.values():
         bpy.utils.previews.remove(collection)
     _slots.clear()
-    _looks.clear()
 
 
-def _load(
-    collection: bpy.utils.previews.ImagePreviewCollection, key: str, path: Path
-) -> bpy.types.ImagePreview:
-    loaded = collection.load(key, str(path), "IMAGE")
+def _load(collection: bpy.utils.previews.ImagePreviewCollection, path: Path) -> bpy.types.ImagePreview:
+    loaded = collection.load(str(path), str(path), "IMAGE")
     loaded.image_size[:]  # reads the file now; else a job would read it, and the panel would flicker
     return loaded
 
