@@ -11,8 +11,8 @@ import vibe_render
 from headless_runs import run_with_model
 from model_server import KEY, MODEL, has_picture, plan_for, refuses, says, sensible, serving
 from small_scenes import studio
+from vibe_render.run.notes import failure_note, model_lines
 from vibe_render.run.session import preferences
-from vibe_render.run.status import failure_note, model_lines
 
 
 def without_key(folder):

@@ -14,7 +14,7 @@ import bpy
 
 from ..core.schema_import import labels, messages, schema
 from ..export.notes import shortened
-from ..run.status import claim_lines, model_lines, word_notes
+from ..run.notes import claim_lines, model_lines, word_notes
 from .shots import ShotList
 
 _SHOWN = 8

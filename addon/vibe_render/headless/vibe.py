@@ -25,7 +25,7 @@ from ..export.analysis import SceneAnalysis
 from ..looks import take
 from ..render import anchors, black, final_render
 from ..run.driver import Driver, drive
-from ..run.status import words_shown
+from ..run.notes import words_shown
 from ..scene import bindings, stored_subject
 from . import summary
 from .arguments import Reporter

@@ -16,9 +16,9 @@ from ..core.schema_import import labels, schema
 from ..export.notes import shortened
 from ..render import reference
 from ..run import result
+from ..run.notes import word_notes, words_shown
 from ..run.session import Session
 from ..run.state import addon_state
-from ..run.status import word_notes, words_shown
 from ..scene import snapshot
 from .bases import result_obstacle
 from .drawing import GROUP_ICONS, columns, icon, paragraph, see_rendered

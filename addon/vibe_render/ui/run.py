@@ -15,9 +15,10 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty
 
 from ..core.schema_import import faults, schema
+from ..run.driver import LOOKING
+from ..run.notes import failure_note
 from ..run.session import PAUSING, SILENT, Session
 from ..run.state import addon_state
-from ..run.status import LOOKING, failure_note
 from . import bases, drawing, live, prompt_history
 
 _TICK = 0.02  # seconds between two steps of the session
