@@ -8,7 +8,6 @@ their place in `ids`, so that an artist may rename them, and undoing is replayin
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from typing import Any
 
 import bpy
@@ -147,12 +146,38 @@ class Journal:
                 if entry["op"] == "new":
                     added.append((entry["collection"], block))
                 else:
-                    _UNDO[entry["op"]](self, block, entry)
+                    self._undo_entry(block, entry)
             except (*_GONE, TypeError, RuntimeError):  # the rest comes back all the same
                 lost.append(_loss(block, entry))
         del self.entries[first:]
         self._remove(added)
         return lost
+
+    def _undo_entry(self, block: Any, entry: JournalEntry) -> None:
+        """Undoes a change of a data-block; what the artist has changed since then stays."""
+        op = entry["op"]
+        if op == "compositor":
+            block.node_tree.nodes.clear()
+            block.use_nodes = False
+            return
+        if op == "slot":
+            if len(block.materials) > 1:  # the artist has added others
+                block.materials[0] = None
+            else:
+                block.materials.clear()
+            return
+        owner = _resolve(block, entry["path"])
+        if op == "set":
+            old = entry["old"]
+            setattr(owner, entry["name"], self.ids[old["id"]] if isinstance(old, dict) else old)
+        elif op == "node":
+            owner.nodes.remove(owner.nodes[entry["node"]])
+        elif op == "link":
+            target = _socket(owner, entry["target"], "inputs")
+            if target.is_linked and _end(target.links[0].from_socket) == entry["source"]:
+                owner.links.remove(target.links[0])
+                if entry["old"]:
+                    owner.links.new(_socket(owner, entry["old"], "outputs"), target)
 
     def _remove(self, added: list[tuple[str, ID]]) -> None:
         """Removes data-blocks without users; objects always, because their collections use them, and collections once empty."""
@@ -227,45 +252,3 @@ def _end(socket: NodeSocket) -> list[str]:
 def _socket(tree: NodeTree, end: list[str], side: str) -> NodeSocket:
     sockets = getattr(tree.nodes[end[0]], side)
     return next(s for s in sockets if s.identifier == end[1])
-
-
-def _undo_set(journal: Journal, block: ID, entry: JournalEntry) -> None:
-    old = entry["old"]
-    value = journal.ids[old["id"]] if isinstance(old, dict) else old
-    setattr(_resolve(block, entry["path"]), entry["name"], value)
-
-
-def _undo_link(_journal: Journal, block: ID, entry: JournalEntry) -> None:
-    tree = _resolve(block, entry["path"])
-    target = _socket(tree, entry["target"], "inputs")
-    if not target.is_linked or _end(target.links[0].from_socket) != entry["source"]:
-        return  # the artist has rewired it since
-    tree.links.remove(target.links[0])
-    if entry["old"]:
-        tree.links.new(_socket(tree, entry["old"], "outputs"), target)
-
-
-def _undo_node(_journal: Journal, block: ID, entry: JournalEntry) -> None:
-    nodes = _resolve(block, entry["path"]).nodes
-    nodes.remove(nodes[entry["node"]])
-
-
-def _undo_slot(_journal: Journal, block: ID, _entry: JournalEntry) -> None:
-    if len(block.materials) > 1:  # the artist has added others
-        block.materials[0] = None
-    else:
-        block.materials.clear()
-
-
-def _undo_compositor(_journal: Journal, block: ID, _entry: JournalEntry) -> None:
-    block.node_tree.nodes.clear()
-    block.use_nodes = False
-
-
-_UNDO: dict[str, Callable[[Journal, Any, JournalEntry], None]] = {
-    "set": _undo_set,
-    "link": _undo_link,
-    "node": _undo_node,
-    "slot": _undo_slot,
-    "compositor": _undo_compositor,
-}

@@ -84,8 +84,12 @@ class EngineSetup:
         """Ends the setup; what it has installed is deleted soon after."""
         self._canceled = True
         if self._process and self._process.poll() is None:
-            with contextlib.suppress(OSError):
-                _end(self._process)
+            with contextlib.suppress(OSError):  # the process, and those that it started
+                if sys.platform == "win32":
+                    kill = ["taskkill", "/F", "/T", "/PID", str(self._process.pid)]
+                    subprocess.run(kill, capture_output=True)
+                else:
+                    os.killpg(self._process.pid, signal.SIGKILL)
 
     def _make(self) -> None:
         try:
@@ -109,7 +113,7 @@ class EngineSetup:
             atexit.unregister(self.cancel)
 
     def _install(self) -> None:
-        """Installs the packages, torch before the others where it comes from elsewhere."""
+        """Installs the packages, torch first where it comes from another index."""
         pip = (python_of(self._part), "-m", "pip", "--disable-pip-version-check", "--no-input", "install")
         with contextlib.suppress(schema.VibeError):  # an old pip only reports downloads less well
             self._run("Updating pip", *pip, "--upgrade", "pip")
@@ -164,7 +168,7 @@ def _require_room(folder: Path, build: TorchBuild) -> None:
 
 
 def _replace(folder: Path, part: Path) -> None:
-    """Puts a finished environment where the older one is."""
+    """Puts a finished environment in the place of an older one."""
     old = folder.with_name(f"{folder.name}.old")
     shutil.rmtree(old, ignore_errors=True)
     if folder.exists():
@@ -215,11 +219,3 @@ def _failure(text: str, lines: collections.deque[str]) -> schema.VibeError:
     last = next(reversed(errors), next((line for line in reversed(lines) if line), "it said nothing"))
     remedy = _OUT_OF_REACH if "No matching distribution" in output else _AGAIN
     return schema.VibeError(f"{text} failed: {last[:200].rstrip('.')}.", remedy)
-
-
-def _end(process: subprocess.Popen[str]) -> None:
-    """Ends a process and those that it started."""
-    if sys.platform == "win32":
-        subprocess.run(["taskkill", "/F", "/T", "/PID", str(process.pid)], capture_output=True)
-    else:
-        os.killpg(process.pid, signal.SIGKILL)

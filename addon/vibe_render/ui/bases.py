@@ -61,6 +61,13 @@ def untouchable(context: bpy.types.Context) -> str:
     return ""
 
 
+def allowed(operator: type[bpy.types.Operator], reason: str) -> bool:
+    """Whether an operator may run, for its `poll`: not if there is a reason, which becomes its tool tip."""
+    if reason:
+        operator.poll_message_set(reason)
+    return not reason
+
+
 def has_mesh(scene: bpy.types.Scene) -> bool:
     """Whether there is anything to render."""
     return any(obj.type in GEOMETRY for obj in scene.objects)
@@ -81,11 +88,7 @@ class IdleOperator(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Grayed out, with the reason, while there is an obstacle."""
-        reason = RUNNING if addon_state.running else cls.obstacle(context)
-        if reason:
-            cls.poll_message_set(reason)
-        return not reason
+        return allowed(cls, RUNNING if addon_state.running else cls.obstacle(context))
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:

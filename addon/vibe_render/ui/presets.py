@@ -217,7 +217,6 @@ class VIBE_OT_preset_choose(bpy.types.Operator):
         return look.problem or (f"“{look.prompt}”" if look.prompt else look.name)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Shows it below the grid."""
         context.window_manager.vibe_presets.chosen = self.path
         return {"FINISHED"}
 
@@ -234,7 +233,6 @@ class VIBE_OT_preset_apply(PresetOperator):
         return untouchable(context) if has_mesh(context.scene) else "The scene has no mesh"
 
     def act(self, context: bpy.types.Context) -> str:
-        """Applies it; the panel lists what did not fit."""
         look = self.look(context)
         if look.preset is None:
             raise schema.VibeError(look.problem, "Delete it, or correct the file.")

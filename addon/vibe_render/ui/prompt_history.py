@@ -93,7 +93,6 @@ class VIBE_OT_recall(bpy.types.Operator):
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
-        """All of the words."""
         return properties.prompt
 
     def execute(self, context: bpy.types.Context) -> set[str]:

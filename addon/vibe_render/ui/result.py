@@ -20,7 +20,7 @@ from ..run.notes import word_notes, words_shown
 from ..run.session import Session
 from ..run.state import addon_state
 from ..scene import snapshot
-from .bases import result_obstacle
+from .bases import allowed, result_obstacle
 from .drawing import GROUP_ICONS, columns, icon, paragraph, see_rendered
 from .scope import draw_lock
 
@@ -190,14 +190,9 @@ def _draw_change(layout: bpy.types.UILayout, settings: Any, change: Any) -> None
 
 
 class _Vibed(bpy.types.Operator):
-    """An operator that needs a vibe in the scene."""
-
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        reason = result_obstacle(context)
-        if reason:
-            cls.poll_message_set(reason)
-        return not reason
+        return allowed(cls, result_obstacle(context))
 
 
 class VIBE_OT_revert(_Vibed):
@@ -208,7 +203,6 @@ class VIBE_OT_revert(_Vibed):
     bl_options: ClassVar[set[str]] = {"UNDO"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Reverts, and says what could not be restored."""
         try:
             lost = result.revert(context.scene)
         except schema.VibeError as error:
@@ -268,7 +262,6 @@ class VIBE_OT_why(bpy.types.Operator):
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
-        """The reason, as a tool tip."""
         change = context.scene.vibe.changes[properties.key]
         where = f"{labels.title(change.name)}, found at {labels.parameter(change.name).blender}"
         return f"{change.reason}.\n{where}" if change.reason else where

@@ -44,10 +44,7 @@ class VIBE_OT_run(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        reason = bases.obstacle(context)
-        if reason:
-            cls.poll_message_set(reason)
-        return not reason
+        return bases.allowed(cls, bases.obstacle(context))
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Starts the vibe in the background."""
@@ -148,8 +145,6 @@ def _advance(session: Session) -> schema.VibeError | None:
 
 
 class _Running(bpy.types.Operator):
-    """An operator for a vibe that runs."""
-
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         cls.poll_message_set("No vibe is on its way")
