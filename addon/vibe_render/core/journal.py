@@ -15,7 +15,7 @@ from bpy.types import ID, Node, NodeSocket, NodeTree, bpy_struct
 
 JournalEntry = dict[str, Any]
 _GONE = (LookupError, ValueError, AttributeError, ReferenceError)
-"""What Blender raises where something is not as it was."""
+"""Errors of Blender where something is not as it was."""
 
 
 class Journal:

@@ -65,7 +65,7 @@ def of_socket(socket: NodeSocket, source: NodeSocket | None, inside: Sequence[No
 
 
 def uses(tree: NodeTree) -> int:
-    """How many nodes use a group."""
+    """The number of nodes that use a group."""
     blocks = (*bpy.data.materials, *bpy.data.worlds, *bpy.data.lights, *bpy.data.scenes)
     trees = [t for t in (getattr(b, "node_tree", None) for b in blocks) if t]
     nodes = (node for t in (*trees, *bpy.data.node_groups) for node in t.nodes)

@@ -91,7 +91,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def arguments_of_process() -> list[str]:
-    """What follows "--" where Blender runs this file, everything where Python does."""
+    """The arguments: those after "--" where Blender runs this file, all where Python does."""
     return sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
 
 

@@ -89,7 +89,7 @@ def numbered(name: str, number: int) -> str:
 
 
 def _prediction(measured: Sequence[messages.Finished]) -> dict[str, Any]:
-    """How far the predictions are from Cycles, means over the shots: `delta_e` is that of the one that is shown."""
+    """Differences between the predictions and Cycles, means over the shots; `delta_e` is that of the prediction that is shown."""
     rows = [each.prediction for each in measured]
     names = [name for name in rows[0] if all(name in row for row in rows)]
     prediction = {name: _mean([row[name] for row in rows]) for name in names}
@@ -103,7 +103,7 @@ def _mean(rows: Sequence[dict[str, float]]) -> dict[str, float]:
 
 
 def _warnings(shot_list: ShotList, result: messages.Result) -> list[str]:
-    """What the prediction leaves out, in words for the artist."""
+    """Notes on what the prediction leaves out, for the artist."""
     ours = [warning for job in shot_list.jobs for warning in job.warnings]
     return shortened([*ours, *result.report.get("anchored", {}).get("notes", [])])
 

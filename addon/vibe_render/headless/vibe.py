@@ -120,9 +120,8 @@ class HeadlessVibe(Driver):
         self._shots.export()
         self._stopwatch.lap("open and export")
         self._ask(self._request())
-        for number in reversed(
-            range(len(self._shots))
-        ):  # the last one is still open; the engine works meanwhile
+        # The engine works while the pictures before are rendered; the last shot is still open.
+        for number in reversed(range(len(self._shots))):
             scene = self._render(number, "before.png", min(self._args.samples, _SAMPLES_BEFORE))
             if note := black.note(scene, self._out.path(numbered("before.png", number))):
                 self._shots.jobs[number].warnings.insert(0, note)

@@ -90,7 +90,7 @@ class Driver:
 
     @property
     def anchor_notes(self) -> list[str]:
-        """What went wrong with anchors, in words for the artist."""
+        """Failures of anchors, in words for the artist."""
         return self.report.get("anchored", {}).get("notes", [])
 
     def receive(self, message: messages.Message) -> None:

@@ -32,7 +32,7 @@ def claim_lines(claims: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def _missing(row: Mapping[str, Any]) -> str:
-    """What a claim misses: "color of the wall is #b09080, wanted #cceede"."""
+    """The miss of a claim: "color of the wall is #b09080, wanted #cceede"."""
     of = "" if row["thing"] == "picture" else f" of the {row['thing']}"
     unit = f" {row['unit']}" if row["unit"] and row["measure"] != "color" else ""
     return f"{row['says']}{of} is {row['after']}{unit}, wanted {row['wanted']}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a vibe and the looks of words that are still being typed share: a scene that is read, and a look that is shown in it."""
+"""The base of a vibe and of Live: a scene that is read, and a look that is shown in it."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the add-on holds while Blender runs."""
+"""The add-on's state while Blender runs: the engine, the vibe, Live, the readings of words."""
 
 from __future__ import annotations
 

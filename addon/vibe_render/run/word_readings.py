@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How the engine understands each word of the prompt that is being typed."""
+"""Readings: the engine's understanding of each word of the prompt that is being typed."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What operators share: why a button is grayed out, in words for its tool tip, and a base class that reports failures."""
+"""Parts that operators share: why a button is grayed out, in words for its tool tip, and a base class that reports failures."""
 
 from __future__ import annotations
 

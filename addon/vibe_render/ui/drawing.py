@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What panels share: wrapped text, durations and sizes in words, pictures as icons, redrawing."""
+"""Parts that panels share: wrapped text, durations and sizes in words, pictures as icons, redrawing."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ GROUP_ICONS = {
     "film": "COLOR",
 }
 _PLACES = {"VIEW_3D": "UI", "PROPERTIES": "WINDOW", "PREFERENCES": "WINDOW"}
-"""Where our panels are: the kind of area, and the region in it."""
+"""Areas that our panels are in, and the region in each."""
 _GAP = 6  # pixels between two pictures in one icon
 
 _Version = tuple[tuple[Path, int], ...]

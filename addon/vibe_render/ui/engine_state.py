@@ -23,7 +23,7 @@ _PATIENCE = 60.0  # seconds that a test waits for the engine's "ready"
 
 
 class EngineState:
-    """What is known about the engine of this computer.
+    """The engine of this computer, as far as it is known.
 
     For all methods, `choice` is the engine's folder from the preferences; "" for the usual places.
 

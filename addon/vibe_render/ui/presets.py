@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # mypy: disable-error-code="valid-type"
-"""Presets in the "Vibe" tab: a grid of pictures to choose from, the chosen preset, and what can be done with it."""
+"""Presets in the "Vibe" tab: a grid of pictures to choose from, the chosen preset, and actions on it."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class VibePresets(bpy.types.PropertyGroup):
 
 
 class VIBE_MT_preset(bpy.types.Menu):
-    """What can be done with the chosen preset."""
+    """Actions on the chosen preset."""
 
     bl_label = "Preset"
 
@@ -49,7 +49,7 @@ class VIBE_MT_preset(bpy.types.Menu):
 
 
 class VIBE_MT_presets(bpy.types.Menu):
-    """What can be done with all presets, and with the look that the scene has now."""
+    """Actions on all presets, and on the look that the scene has now."""
 
     bl_label = "Presets"
 

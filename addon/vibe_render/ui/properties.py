@@ -90,7 +90,7 @@ class VibeLock(bpy.types.PropertyGroup):
 
 
 class VibeTarget(bpy.types.PropertyGroup):
-    """What a word of the prompt describes, against what it is taken for. Its `name` is the word."""
+    """The artist's target for a word of the prompt. Its `name` is the word."""
 
     target: StringProperty(
         description="A name in the scene, or one of lights, world, image, not used and so on"
@@ -205,7 +205,7 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
     pivot: FloatVectorProperty(size=3, description="What lights and camera orbit: the subject's center")
 
     def choice(self) -> SubjectChoice:
-        """How the subject is chosen."""
+        """The artist's choice of the subject."""
         if self.subject == "COLLECTION" and self.collection:
             return SubjectChoice(objects=(self.collection.name,))
         return SubjectChoice(selected=self.subject == "SELECTED")

@@ -73,7 +73,7 @@ class ResultPanel:
 
 
 def _draw_session(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
-    """What lasts only as long as Blender runs: pictures, variants, the words that are visible, the prediction's error."""
+    """Pictures, variants, the words that are visible and the prediction's error: they last only as long as Blender runs."""
     current = context.scene.vibe.variant
     picture = session.variants[current][1] if 0 < current < len(session.variants) else session.preview
     if number := icon(session.before, picture):
@@ -98,14 +98,7 @@ def _draw_session(layout: bpy.types.UILayout, context: bpy.types.Context, sessio
 
 
 def agreement(difference: float, engine: str) -> tuple[str, bool]:
-    """How near the preview is to a render, in words.
-
-    Args:
-        difference: Mean CIEDE2000 between them.
-
-    Returns:
-        The words, and whether they are good news.
-    """
+    """The agreement of preview and render in words, and whether that is good news; `difference` is their mean CIEDE2000."""
     if engine != "CYCLES":
         return "The preview shows Cycles; other engines differ", False
     words, good = next((words, good) for most, words, good in _AGREEMENTS if difference < most)

@@ -69,9 +69,8 @@ class VIBE_OT_run(bpy.types.Operator):
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Does a step on every tick of the timer; takes Esc; passes everything else through."""
         session = self._session
-        if (
-            addon_state.session is not session or not addon_state.running
-        ):  # canceled by its button or another file
+        # Canceled by its button, or by another file that was opened.
+        if addon_state.session is not session or not addon_state.running:
             self._clean_up(context)
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS" and not bpy.app.is_job_running("RENDER"):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # mypy: disable-error-code="valid-type"
-"""What a vibe may change: the panel of groups and subject, and the list of all single values, each with a lock."""
+"""The limits of a vibe: the panel of groups and subject, and the list of all single values, each with a lock."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _awaited: tuple = ()  # fingerprint of the scene that a timer is going to list
 
 
 class ScopePanel(IdlePanel):
-    """What a vibe may change, and what the picture is about."""
+    """The groups that may change, and the subject."""
 
     bl_label = "May Change"
 
@@ -161,7 +161,6 @@ class VIBE_OT_lock(bpy.types.Operator):
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
-        """What a click does, or why it does nothing."""
         if properties.reason:
             return f"Stays as it is: {properties.reason}"
         locked = properties.key in context.scene.vibe.locks

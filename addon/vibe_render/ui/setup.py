@@ -25,7 +25,7 @@ _SOON = 0.5  # seconds from drawing the panel to starting the engine; also betwe
 _EVERY = 3.0  # seconds between two measurements of the cache: Blender draws many times a second
 
 _measured: dict[Path, tuple[float, str]] = {}  # when a folder was measured, and its size in words
-_begun = False  # whether the engine has been started, or soon will be
+_started = False  # whether the engine has been started, or soon will be
 
 _Options = declare("VibeEngineOptions", preferences=True)
 
@@ -151,7 +151,7 @@ def draw_failure(layout: bpy.types.UILayout, context: bpy.types.Context, failure
 
 
 def draw_no_engine(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """How to get an engine."""
+    """Explains how to get an engine."""
     box = layout.box()
     box.label(text="One more step: the engine", icon="INFO")
     if engine_state.setting_up:
@@ -293,9 +293,9 @@ class VIBE_OT_clear_cache(bpy.types.Operator):
 
 def warm_up_soon() -> None:
     """Starts the engine, once, as soon as it is found; a panel may call this whenever it is drawn."""
-    global _begun
-    if not _begun:
-        _begun = True
+    global _started
+    if not _started:
+        _started = True
         bpy.app.timers.register(_warm_up, first_interval=_SOON)
 
 
@@ -310,8 +310,8 @@ def _warm_up() -> float | None:
 
 def forget_warm_up() -> None:
     """Lets the next panel start an engine anew, when the add-on is switched off."""
-    global _begun
-    _begun = False
+    global _started
+    _started = False
     if bpy.app.timers.is_registered(_warm_up):
         bpy.app.timers.unregister(_warm_up)
 
