@@ -30,6 +30,8 @@ _Item: TypeAlias = message_types.Message | schema.VibeError | None  # None: the 
 class Engine:
     """A running engine. It stays warm between vibes; it ends when Blender does.
 
+    An engine that is not found, cannot be started, has another schema, reports an error or is gone is a VibeError.
+
     Args:
         python: As for `find_python`.
         log: The file for the engine's stderr; None for one in the user's folder for logs.
@@ -67,11 +69,7 @@ class Engine:
         return self._process.pid if self._process else None
 
     def start(self) -> None:
-        """Starts the process, unless it runs; its first message is `Ready`. Any thread may call this.
-
-        Raises:
-            VibeError: No engine is found, or it cannot be started.
-        """
+        """Starts the process, unless it runs; its first message is `Ready`. Any thread may call this."""
         with self._start_lock:
             if not self.alive:
                 self._start()
@@ -98,11 +96,7 @@ class Engine:
         atexit.register(self.stop)
 
     def send(self, message: message_types.Message) -> None:
-        """Sends one message. Any thread may call this.
-
-        Raises:
-            VibeError: The engine is gone.
-        """
+        """Sends one message. Any thread may call this."""
         process = self._process
         if process is None or process.stdin is None:
             with self._exit_lock:  # another thread may be about to find out
@@ -116,11 +110,7 @@ class Engine:
             raise self._report_exit() from error
 
     def poll(self) -> list[message_types.Message]:
-        """The messages that have arrived since the last call; never waits.
-
-        Raises:
-            VibeError: The engine reports an error, has another schema, or is gone.
-        """
+        """The messages that have arrived since the last call, or the error that the engine reports; never waits."""
         arrived = []
         while True:
             try:

@@ -30,11 +30,7 @@ _AGAIN = "Press Set Up Engine again, or make the environment by hand as the READ
 
 
 def requirements() -> list[str]:
-    """The engine's requirements for pip; its own code comes with the extension.
-
-    Raises:
-        VibeError: In a clone: only a built extension carries the engine.
-    """
+    """The engine's requirements for pip; in a clone a VibeError, as only a built extension carries the engine's code."""
     try:
         lines = (CARRIED / "requirements.txt").read_text(encoding="utf-8").splitlines()
     except OSError as error:
@@ -73,11 +69,7 @@ class EngineSetup:
         return not self._work.done()
 
     def finish(self) -> None:
-        """Waits for the end.
-
-        Raises:
-            VibeError: The environment could not be made, or `cancel` was called.
-        """
+        """Waits for the end; a VibeError says that the environment could not be made, or `cancel` was called."""
         self._work.result()
 
     def cancel(self) -> None:

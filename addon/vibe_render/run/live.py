@@ -61,11 +61,7 @@ class Live(SceneSession):
         self._words, self._due = words.strip(), time.monotonic() + _PAUSE
 
     def advance(self) -> None:
-        """Does the next step.
-
-        Raises:
-            VibeError: The scene cannot be read, or the engine is gone.
-        """
+        """Does the next step; a VibeError says that the scene cannot be read, or the engine is gone."""
         self._at_work = True
         try:
             next(self._steps)

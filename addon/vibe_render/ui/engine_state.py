@@ -82,11 +82,7 @@ class EngineState:
             self._follow()
 
     def set_up(self, build: TorchBuild) -> None:
-        """Makes an environment for the engine, with this build of torch, in the background.
-
-        Raises:
-            VibeError: This copy of the add-on does not carry the engine's code.
-        """
+        """Makes an environment for the engine, with this build of torch, in the background; raises as `requirements`."""
         if not self.setting_up:
             self.setup = EngineSetup(setup_folder(), requirements(), build)
             self._follow()
@@ -104,11 +100,7 @@ class EngineState:
             bpy.app.timers.register(self.tick, first_interval=_TICK)
 
     def tick(self) -> float | None:
-        """Takes the results of background work; a timer of Blender's calls it while there is some.
-
-        Returns:
-            Seconds until the next call; None when there is no work left.
-        """
+        """Takes the results of background work, as a timer of Blender's: returns seconds to the next call, None for none."""
         if self._search_work and self._search_work.done():
             search, self._search_work = self._search_work, None
             self.python, self.problem = _answer_of(search)
@@ -140,11 +132,7 @@ def setup_folder() -> Path:
 
 
 def version(choice: str) -> str:
-    """Starts an engine and returns its version; `choice` as for `EngineState`.
-
-    Raises:
-        VibeError: There is no engine, or it does not answer.
-    """
+    """Starts an engine and returns its version, or raises a VibeError; `choice` as for `EngineState`."""
     engine = Engine(choice)
     engine.start()
     try:
