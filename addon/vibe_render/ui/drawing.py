@@ -94,8 +94,8 @@ def redraw() -> None:
 
 def look_icon(look: Look) -> int:
     """The icon number of a preset's picture for `layout.template_icon`; one of Blender's own icons if it has none."""
-    if number := icon(look.picture):
-        return number
+    if look.picture.is_file():
+        return icon(look.picture)
     names = bpy.types.UILayout.bl_rna.functions["prop"].parameters["icon"].enum_items
     return names["ERROR" if look.problem else "IMAGE_DATA"].value
 
