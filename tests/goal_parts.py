@@ -14,10 +14,10 @@ from proxy_renderer.color.floats import hex_from_srgb, srgb_from_hex
 from proxy_renderer.goals.resolve import Goals, goals_of
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import Plan
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import LightWords, Parsed, SceneWords
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import LightWords, Parsed, SceneWords
 
 ROOM = SceneWords(
     "vase",

@@ -7,12 +7,12 @@ import re
 import tomllib
 from pathlib import Path
 
-from proxy_renderer.prompt.binding.reader import PromptReader
-from proxy_renderer.prompt.binding.targets import NOWHERE
-from proxy_renderer.prompt.lexicon.entries import normalize
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.parser import prepared
-from proxy_renderer.prompt.types import LightWords, SceneWords
+from proxy_renderer.words.binding.reader import PromptReader
+from proxy_renderer.words.binding.targets import NOWHERE
+from proxy_renderer.words.lexicon.entries import normalize
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.parser import prepared
+from proxy_renderer.words.types import LightWords, SceneWords
 
 FILE = Path(__file__).parent / "prompt" / "ordinary_words.toml"
 ROOM = SceneWords(

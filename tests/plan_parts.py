@@ -8,9 +8,9 @@ import random
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import Plan, PlanContext
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import PARAMETERS, Instance
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneWords
 
 LIGHTS = (("Key", "AREA", "key", -40.0), ("Fill", "AREA", "fill", 60.0), ("Back", "POINT", "rim", 160.0))
 REFERENCES = {

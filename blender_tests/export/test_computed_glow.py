@@ -15,11 +15,11 @@ from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.lights.glow import glows
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.render.cycles.pictures import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneWords
 
 KEY = "material/Sign/emission"
 

@@ -15,8 +15,8 @@ from proxy_renderer.optimize.context import scene_words
 from proxy_renderer.planning.lights.glow import glows
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
-from proxy_renderer.prompt.parser import parse
 from proxy_renderer.scene import load_scene
+from proxy_renderer.words.parser import parse
 
 
 @pytest.fixture

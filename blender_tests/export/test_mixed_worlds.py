@@ -16,11 +16,11 @@ from vibe_render.scene.subject import SubjectChoice
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.render.cycles.pictures import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneWords
 
 RED, BLUE = (0.8, 0.1, 0.05), (0.1, 0.2, 0.9)
 

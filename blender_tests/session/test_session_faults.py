@@ -14,11 +14,11 @@ from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.color.differences import mean_difference
 from proxy_renderer.optimize.context import scene_words
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.mentions.scene import SceneIndex
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import SceneData, load_scene
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.mentions.scene import SceneIndex
 
 SAMPLES = 32
 

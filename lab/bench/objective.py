@@ -19,9 +19,9 @@ from proxy_renderer.optimize.context import plan_context, scene_words
 from proxy_renderer.optimize.inner.descent import fixed_views
 from proxy_renderer.optimize.rounds.method import Method
 from proxy_renderer.planning.advice import OfflineAdvisor
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.understood import Understood
 from proxy_renderer.render.proxy import Proxy
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.understood import Understood
 
 TERMS = ("similarity", "claims")
 """The parts of the objective: what the encoder says of regions, and what the words claim."""

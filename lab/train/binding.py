@@ -15,11 +15,11 @@ from lab.train.sentences.glossed import glossed
 from lab.train.sentences.labels import LabeledSentence
 from lab.train.sentences.right import right_pairs
 from lab.train.sentences.stand_in import stand_in
-from proxy_renderer.prompt.binding.assignment import assigned
-from proxy_renderer.prompt.binding.model import FILE, FactWeights, write
-from proxy_renderer.prompt.binding.pairs import reading
-from proxy_renderer.prompt.lexicon.vocabulary import Vocabulary, shipped_vocabulary
-from proxy_renderer.prompt.parser import prepared
+from proxy_renderer.words.binding.assignment import assigned
+from proxy_renderer.words.binding.model import FILE, FactWeights, write
+from proxy_renderer.words.binding.pairs import reading
+from proxy_renderer.words.lexicon.vocabulary import Vocabulary, shipped_vocabulary
+from proxy_renderer.words.parser import prepared
 
 L2 = 1.5
 """Of the penalty: half of it times the sum of squares."""

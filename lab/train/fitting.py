@@ -18,9 +18,9 @@ from scipy.optimize import minimize
 from scipy.sparse import csr_matrix
 from scipy.special import logsumexp
 
-from proxy_renderer.prompt.binding.assignment import link
-from proxy_renderer.prompt.binding.model import FactWeights, likeliest
-from proxy_renderer.prompt.binding.pairs import PromptPairs, TargetPair
+from proxy_renderer.words.binding.assignment import link
+from proxy_renderer.words.binding.model import FactWeights, likeliest
+from proxy_renderer.words.binding.pairs import PromptPairs, TargetPair
 
 _LEAST = 3  # sentences in which a fact has to be
 _WRONG = -1e9  # logarithm of a probability of nothing

@@ -22,8 +22,8 @@ from lab.train.pictures.dense import MapReader
 from lab.train.pictures.looks import STRESS
 from proxy_renderer.guidance import network
 from proxy_renderer.guidance.encoder import MERGES
-from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.schema import VibeError, atomic
+from proxy_renderer.words.lexicon.attributes import ATTRIBUTES
 
 CONFIG = {
     "embed_dim": 128,

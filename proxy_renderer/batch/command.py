@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from ..prompt.lexicon.user_words import VARIABLE
 from ..schema import VibeError
+from ..words.lexicon.user_words import VARIABLE
 from . import schedule
 from .estimate import account
 from .finals import Finals

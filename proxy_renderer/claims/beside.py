@@ -10,9 +10,9 @@ from dataclasses import replace
 from ..color.floats import lab_from_srgb
 from ..color.shades import WARM
 from ..goals.wish import Wish
-from ..prompt.lexicon.claim_text import warmth_asked
-from ..prompt.types import Attribute
 from ..schema import Values
+from ..words.lexicon.claim_text import warmth_asked
+from ..words.types import Attribute
 from .claim import Claim
 from .colored import as_accent
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.types import Attribute
+from ..words.lexicon.vocabulary import Vocabulary
+from ..words.types import Attribute
 
 
 def compares(attribute: Attribute, all_of_them: Sequence[Attribute], vocabulary: Vocabulary) -> bool:

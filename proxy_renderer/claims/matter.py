@@ -8,9 +8,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
-from ..prompt.lexicon.vocabulary import Vocabulary, VocabularyEntry
-from ..prompt.types import Attribute
 from ..schema import Values
+from ..words.lexicon.vocabulary import Vocabulary, VocabularyEntry
+from ..words.types import Attribute
 from .claim import Claim
 from .colored import COLORED, part_of, tinted
 

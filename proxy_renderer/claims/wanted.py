@@ -11,9 +11,9 @@ from typing import cast
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
 from ..goals.resolve import Goals
 from ..goals.wish import Wish
-from ..prompt.lexicon.claim_text import ClaimText
-from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.types import Attribute
+from ..words.lexicon.claim_text import ClaimText
+from ..words.lexicon.vocabulary import Vocabulary
+from ..words.types import Attribute
 from .beside import (
     beside_painted,
     cast_of,

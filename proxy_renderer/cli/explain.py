@@ -15,18 +15,18 @@ from ..goals.resolve import Goals, goals_or_why
 from ..planning.advice import OfflineAdvisor
 from ..planning.explanation import as_dict, explain
 from ..planning.types import PlanContext
-from ..prompt.binding.reader import PromptReader
-from ..prompt.binding.why import why
-from ..prompt.lexicon.rigs import rig_table
-from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.parser import prepared
-from ..prompt.types import SceneWords
-from ..prompt.understood import Understood
 from ..rigs.chosen import chosen_rig
 from ..scene.plain import plain_instances
 from ..schema import Instance, VibeError
 from ..schema.options import checks
 from ..schema.spec import Region
+from ..words.binding.reader import PromptReader
+from ..words.binding.why import why
+from ..words.lexicon.rigs import rig_table
+from ..words.lexicon.user_words import default_vocabulary
+from ..words.parser import prepared
+from ..words.types import SceneWords
+from ..words.understood import Understood
 
 if TYPE_CHECKING:
     from ..engine.additions import Addition

@@ -16,14 +16,14 @@ from ..planning.lights.backdrop import asks_for_backdrop
 from ..planning.lights.glow import glows
 from ..planning.lights.lacking import lacking
 from ..planning.types import LightPlan, PlanContext
-from ..prompt.lexicon.rigs import rig_table
-from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.understood import Understood
 from ..rigs.chosen import chosen_rig
 from ..rigs.lighting import Lighting, lighting
 from ..scene import SceneData
 from ..schema import VibeError
 from ..schema.added_lights import ADDED_LIGHTS, light_name
+from ..words.lexicon.rigs import rig_table
+from ..words.lexicon.user_words import default_vocabulary
+from ..words.understood import Understood
 
 _SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim")}
 """Lights that single words may need, as "rim light" does where no rig is asked for."""

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..optimize.context import scene_words
-from ..prompt.lexicon.nearest import Nearest
-from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.types import LightWords, PromptWord, SceneWords
-from ..prompt.understood import Understood
 from ..scene import load_scene
 from ..schema.messages import AskReadings, Readings, WordReading
 from ..schema.targets import GENERAL, listed
+from ..words.lexicon.nearest import Nearest
+from ..words.lexicon.user_words import default_vocabulary
+from ..words.types import LightWords, PromptWord, SceneWords
+from ..words.understood import Understood
 
 _OTHERS = 2  # known words that are offered in place of one that is not used
 

@@ -23,7 +23,6 @@ from ..optimize.anchoring import BlenderPictures
 from ..optimize.progress import Observer
 from ..optimize.rounds.method import VARIABLE, load_method
 from ..optimize.shots import ShotInput
-from ..prompt.understood import Understood
 from ..reference.like import Reference
 from ..render.proxy import Proxy
 from ..scene import load_scene
@@ -32,6 +31,7 @@ from ..vlm import judge
 from ..vlm.advisor import ModelAdvisor
 from ..vlm.client import Client
 from ..vlm.endpoint import find_endpoint
+from ..words.understood import Understood
 from . import predictions, report
 from .additions import Addition, with_additions
 from .claimed import claims_about, foreseen

@@ -154,7 +154,7 @@ def _warm_up() -> None:
         os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _LOW_PRIORITY)
     try:
         from ..guidance.encoder import load_encoder
-        from ..prompt.lexicon.user_words import default_vocabulary
+        from ..words.lexicon.user_words import default_vocabulary
         from . import glances, session  # noqa: F401
 
         load_encoder(None, "cpu")

@@ -9,9 +9,9 @@ from collections.abc import Iterator, Sequence
 from ..color.constants import Lab
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
 from ..color.shades import hue_apart, warm
-from ..prompt.lexicon.claim_text import ClaimText, warmth_asked
-from ..prompt.lexicon.entries import Effect
 from ..schema import Values
+from ..words.lexicon.claim_text import ClaimText, warmth_asked
+from ..words.lexicon.entries import Effect
 from .wish import PAINTED, Wish
 
 _DARK, _LIGHT = 38.0, 72.0

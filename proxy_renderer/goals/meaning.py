@@ -6,13 +6,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from ..prompt.colors import color_class
-from ..prompt.lexicon.entries import OWNERS, Effect, EntryWish, VocabularyEntry
-from ..prompt.lexicon.quantities import quantities
-from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.types import Attribute
 from ..schema import FAMILIES
 from ..schema.means import may_serve
+from ..words.colors import color_class
+from ..words.lexicon.entries import OWNERS, Effect, EntryWish, VocabularyEntry
+from ..words.lexicon.quantities import quantities
+from ..words.lexicon.vocabulary import Vocabulary
+from ..words.types import Attribute
 from .wish import PAINTED, Wish, breadth_of
 
 _SOFT = 0.8

@@ -7,12 +7,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.types import Attribute, Parsed
-from ..prompt.understood import Understood
 from ..schema import VibeError
 from ..schema.means import SURFACES
+from ..words.lexicon.user_words import default_vocabulary
+from ..words.lexicon.vocabulary import Vocabulary
+from ..words.types import Attribute, Parsed
+from ..words.understood import Understood
 from .contradictions import contradicts
 from .meaning import wishes_of
 from .wish import Wish

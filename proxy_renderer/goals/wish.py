@@ -7,10 +7,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from ..prompt.lexicon.claim_text import ClaimText
-from ..prompt.lexicon.entries import Effect
-from ..prompt.lexicon.quantities import Quantity, quantities
-from ..prompt.types import Attribute
+from ..words.lexicon.claim_text import ClaimText
+from ..words.lexicon.entries import Effect
+from ..words.lexicon.quantities import Quantity, quantities
+from ..words.types import Attribute
 
 _OWN: Mapping[str, tuple[str, ...]] = {
     "material": ("color", "substance", "glow"),

@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any, get_args
 
 from ..color.floats import hex_from_srgb
-from ..prompt.lexicon.claim_text import ClaimText, read_claim
-from ..prompt.lexicon.entries import OWNERS, SLOTS, parse_effect
-from ..prompt.lexicon.quantities import quantities
-from ..prompt.types import GLOW, STRONGEST, Attribute, Parsed, PromptObject, SceneWords
 from ..schema import VibeError
 from ..schema.means import may_serve
 from ..schema.spec import Region
+from ..words.lexicon.claim_text import ClaimText, read_claim
+from ..words.lexicon.entries import OWNERS, SLOTS, parse_effect
+from ..words.lexicon.quantities import quantities
+from ..words.types import GLOW, STRONGEST, Attribute, Parsed, PromptObject, SceneWords
 from .json_fields import JsonFields
 from .resolve import Goals, resolved
 from .wish import Wish, breadth_of

@@ -107,7 +107,7 @@ def words(prompt: str) -> None:
     Raises:
         VibeError: It has no look word.
     """
-    from ..prompt.parser import refuse_without_look
+    from ..words.parser import refuse_without_look
 
     refuse_without_look(prompt)
 
@@ -137,7 +137,7 @@ def vocabulary(name: str) -> None:
     Raises:
         VibeError: The file is missing, or a row in it is wrong.
     """
-    from ..prompt.lexicon.user_words import VARIABLE, default_vocabulary
+    from ..words.lexicon.user_words import VARIABLE, default_vocabulary
 
     if name:
         os.environ[VARIABLE] = str(file(name, "vocabulary"))

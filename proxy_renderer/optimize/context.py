@@ -15,7 +15,6 @@ from ..guidance import regions
 from ..guidance.encoder import Encoder
 from ..planning.lights.glow import glowing, glows
 from ..planning.types import PictureStats, PlanContext
-from ..prompt.types import LightWords, SceneWords
 from ..render.geometry.camera import view_of
 from ..scene import SceneData
 from ..scene.data import Light
@@ -23,6 +22,7 @@ from ..scene.values import RenderValues
 from ..schema import Values
 from ..schema.messages import Options
 from ..schema.spec import Region
+from ..words.types import LightWords, SceneWords
 from . import headroom
 from .places import places
 from .present_looks import present_looks, sees_sky

@@ -11,13 +11,13 @@ import numpy as np
 import torch
 
 from ..color.floats import srgb_from_linear
-from ..prompt.types import MaterialLook
 from ..render.geometry.camera import view_of
 from ..render.material.textures import geometry_of
 from ..scene import SceneData, SceneMesh
 from ..scene.data import Material
 from ..scene.values import RenderValues
 from ..schema import Values
+from ..words.types import MaterialLook
 
 _SIDE = 64  # rays along each side of the image
 _SKY = 0.05  # share of what surrounds the subject from which the sky is seen

@@ -11,10 +11,10 @@ from ..color.shades import hue_apart
 from ..goals.contradictions import contradicts
 from ..goals.resolve import Goals, Lost
 from ..goals.wish import Wish
-from ..prompt.lexicon.entries import Effect
-from ..prompt.lexicon.quantities import quantities
-from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.types import Attribute
+from ..words.lexicon.entries import Effect
+from ..words.lexicon.quantities import quantities
+from ..words.lexicon.vocabulary import Vocabulary
+from ..words.types import Attribute
 from .owners import Owners
 from .types import LightPlan
 

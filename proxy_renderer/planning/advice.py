@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from ..goals.resolve import Goals
-from ..prompt.prompts import compose
-from ..prompt.types import Attribute, Prompts
 from ..schema import Instance, VibeError
+from ..words.types import Attribute, Prompts
+from .captions import compose
 from .planner import plan
 from .types import LightPlan, Plan, PlanContext
 

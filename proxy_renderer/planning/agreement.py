@@ -7,9 +7,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from ..goals.wish import Wish
-from ..prompt.lexicon.entries import OWNERS
-from ..prompt.types import Attribute
 from ..schema import Instance, Values, labels
+from ..words.lexicon.entries import OWNERS
+from ..words.types import Attribute
 from .ranges import within
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 from ..color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from_hex
 from ..color.shades import shade
-from ..prompt.colors import fog_color
-from ..prompt.lexicon.entries import Effect
-from ..prompt.types import Attribute
 from ..schema import Instance, Values
+from ..words.colors import fog_color
+from ..words.lexicon.entries import Effect
+from ..words.types import Attribute
 from .grays import radiance
 from .sources import Range, Sources
 

@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 from ..goals.resolve import Goals
-from ..prompt.types import Parsed, Prompts, PromptWord
 from ..schema import Values, labels
+from ..words.types import Parsed, Prompts, PromptWord
 from .types import Plan
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..prompt.lexicon.entries import Effect
-from ..prompt.names import is_detail, kind_of
-from ..prompt.types import Attribute
 from ..schema import Instance, Values
+from ..words.lexicon.entries import Effect
+from ..words.names import is_detail, kind_of
+from ..words.types import Attribute
 
 _PART = 0.12  # materials on less of their region are parts: tyres, eyes, screws
 _LIKE = 0.25  # where all are parts, share of the largest that those have which make it up: a shelf of a hundred books

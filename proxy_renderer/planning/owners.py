@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-from ..prompt.lexicon.entries import OWNERS, Effect
-from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.types import Attribute, Parsed
 from ..schema import Instance
+from ..words.lexicon.entries import OWNERS, Effect
+from ..words.lexicon.vocabulary import Vocabulary
+from ..words.types import Attribute, Parsed
 from .lights.choice import SceneLights
 from .materials import SceneMaterials
 from .types import PlanContext

@@ -10,11 +10,11 @@ from dataclasses import replace
 from ..color.floats import srgb_from_linear
 from ..goals.resolve import Goals
 from ..goals.wish import Wish
-from ..prompt.lexicon.entries import Effect
-from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.types import GLOW, Parsed
 from ..schema import Instance, Values, labels
+from ..words.lexicon.entries import Effect
+from ..words.lexicon.user_words import default_vocabulary
+from ..words.lexicon.vocabulary import Vocabulary
+from ..words.types import GLOW, Parsed
 from .acting import STAGES, acts, beside_rig, grade_of, is_usual, stage_of
 from .agreement import Agreements, WishedRange, lacking, reason_of
 from .color_ranges import named_color, painted

@@ -7,9 +7,9 @@ import math
 
 from ..color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from_lab, srgb_from_linear
 from ..color.shades import hue_apart, relative_shade
-from ..prompt.lexicon.entries import Effect
-from ..prompt.types import Attribute
 from ..schema import Instance, Values
+from ..words.lexicon.entries import Effect
+from ..words.types import Attribute
 from .color_ranges import OWN_COLOR, beyond_present, color_range, shaded
 from .grays import radiance
 from .lights.facing import kelvin_color, watts

@@ -12,9 +12,9 @@ import math
 from collections.abc import Iterator
 
 from ..color.floats import linear_from_srgb, luminance, srgb_from_linear
-from ..prompt.lexicon.kelvins import temperature
-from ..prompt.types import Attribute, Parsed
 from ..schema import Instance, Values
+from ..words.lexicon.kelvins import temperature
+from ..words.types import Attribute, Parsed
 from .grays import radiance
 from .lights.facing import kelvin_color
 from .owners import BACKDROP, Owners

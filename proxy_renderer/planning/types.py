@@ -6,10 +6,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ..color.constants import Lab
-from ..prompt.lexicon.entries import Effect
-from ..prompt.types import Attribute
 from ..schema import Values
 from ..schema.spec import Region
+from ..words.lexicon.entries import Effect
+from ..words.types import Attribute
 
 
 @dataclass(frozen=True)

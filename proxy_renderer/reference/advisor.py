@@ -11,9 +11,9 @@ from ..claims.wanted import claims_of
 from ..goals.resolve import Goals
 from ..planning.advice import Advice, Advisor
 from ..planning.types import Plan, PlanContext, PlanEntry
-from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.types import LightWords, Parsed, Prompts
 from ..schema import Instance, VibeError
+from ..words.lexicon.user_words import default_vocabulary
+from ..words.types import LightWords, Parsed, Prompts
 from . import light_probe, ranges
 from .light_colors import light_colors
 from .like import Reference

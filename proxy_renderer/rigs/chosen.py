@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 
 from ..color.floats import chroma, lab_from_srgb
 from ..goals.resolve import Goals
-from ..prompt.lexicon.rigs import KINDS, TIMES, Modifier, Rig, RigLight, RigTable
-from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.mentions.passage import LIGHTS
-from ..prompt.types import Attribute
+from ..words.lexicon.rigs import KINDS, TIMES, Modifier, Rig, RigLight, RigTable
+from ..words.lexicon.vocabulary import Vocabulary
+from ..words.mentions.passage import LIGHTS
+from ..words.types import Attribute
 from .described import (
     EDGES,
     FILLS,

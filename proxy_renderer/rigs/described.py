@@ -8,10 +8,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..color.floats import hex_from_srgb, lab_from_srgb, mixed
-from ..prompt.lexicon.rigs import Modifier, RigLight, RigTable
-from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.mentions.passage import LIGHTS
-from ..prompt.types import Attribute
+from ..words.lexicon.rigs import Modifier, RigLight, RigTable
+from ..words.lexicon.vocabulary import Vocabulary
+from ..words.mentions.passage import LIGHTS
+from ..words.types import Attribute
 
 EDGES = ("rim", "kicker")
 """Parts that draw an edge from behind."""

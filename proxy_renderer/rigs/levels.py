@@ -16,13 +16,13 @@ import torch
 from torch import Tensor
 
 from ..color.tensors import luminance
-from ..prompt.lexicon.rigs import Rig
 from ..render.geometry.visibility import sphere_points
 from ..render.lights.types import light_sources
 from ..render.lights.types.light_source import LightSource
 from ..scene import SceneData
 from ..scene.values import RenderValues
 from ..schema import Values
+from ..words.lexicon.rigs import Rig
 from .exposing import Exposing
 from .places import Placed
 from .stage import LightStage, Points

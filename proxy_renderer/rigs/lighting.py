@@ -16,12 +16,12 @@ from ..color.floats import hex_from_srgb, linear_from_srgb, luminance, mixed, sr
 from ..planning.lights.facing import kelvin_color
 from ..planning.lights.glow import glows
 from ..planning.types import LightPlan, PlanEntry
-from ..prompt.lexicon.rigs import Rig
-from ..prompt.types import GLOW, Attribute, Parsed
 from ..render.material.textures import geometry_of
 from ..scene import SceneData
 from ..schema import Instance, Values, orbit, radiometry
 from ..schema.added_lights import CARD, CARD_AWAY, card
+from ..words.lexicon.rigs import Rig
+from ..words.types import GLOW, Attribute, Parsed
 from .chosen import ChosenRig
 from .exposing import Exposing
 from .levels import GRAY, Levels, measured

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..color.floats import hex_from_srgb, mixed, srgb_from_hex
-from ..prompt.lexicon.rigs import Modifier, Rig
+from ..words.lexicon.rigs import Modifier, Rig
 from .described import EDGES
 
 _SECOND = -1.0  # stops of another setup's key against the first one's

@@ -15,11 +15,11 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
-from ..prompt.lexicon.rigs import RigLight
-from ..prompt.names import plain_name
 from ..scene import Light, SceneData
 from ..schema import orbit
 from ..schema.added_lights import PARTS, light_name
+from ..words.lexicon.rigs import RigLight
+from ..words.names import plain_name
 from .stage import LightStage, Points
 
 _TURNS = (0.0, -14.0, 14.0, -28.0, 28.0, -45.0, 45.0)

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 
 from ..claims.claim import Claim
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
-from ..prompt.lexicon.rigs import RigLight
 from ..schema import orbit
+from ..words.lexicon.rigs import RigLight
 from .chosen import ChosenRig
 from .places import Placed
 from .stage import LightStage

@@ -14,12 +14,12 @@ from torch import Tensor
 
 from ..color import arrays
 from ..color.floats import luminance
-from ..prompt.names import plain_name
 from ..render.geometry.camera import view_of
 from ..render.geometry.visibility import RayGeometry
 from ..scene import SceneData
 from ..scene.values import RenderValues
 from ..schema import orbit
+from ..words.names import plain_name
 
 _GRID = 40  # rays along each side of the picture
 _MOST = 400  # points of the subject, and of what is around, that light is looked for at

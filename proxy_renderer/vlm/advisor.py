@@ -11,14 +11,14 @@ from ..color.floats import hex_from_srgb
 from ..goals.resolve import Goals, goals_of, resolved
 from ..goals.wish import Wish
 from ..planning.advice import Advice, OfflineAdvisor
+from ..planning.captions import compose
 from ..planning.planner import plan as confine
 from ..planning.types import LightPlan, Plan, PlanContext, PlanEntry
-from ..prompt.lexicon.quantities import quantities
-from ..prompt.parser import parse
-from ..prompt.prompts import compose
-from ..prompt.types import Attribute, Parsed, PromptObject, Prompts
-from ..prompt.understood import Understood
 from ..schema import Instance, VibeError
+from ..words.lexicon.quantities import quantities
+from ..words.parser import parse
+from ..words.types import Attribute, Parsed, PromptObject, Prompts
+from ..words.understood import Understood
 from .aliases import AliasTable
 from .client import Client
 from .errors import ModelError

@@ -14,10 +14,10 @@ from typing import Any
 from ..color.floats import is_hex, srgb_from_hex
 from ..planning.ranges import clip
 from ..planning.types import PlanEntry
-from ..prompt.lexicon.quantities import quantities
-from ..prompt.types import PromptObject, Prompts
 from ..schema import Instance, Values
 from ..schema.spec import Region
+from ..words.lexicon.quantities import quantities
+from ..words.types import PromptObject, Prompts
 from .aliases import AliasTable
 from .extract import clean
 from .request import REGIONS, SLOTS

@@ -9,10 +9,10 @@ from typing import Any
 from ..color.floats import hex_from_srgb, srgb_from_lab
 from ..goals.resolve import Goals
 from ..planning.types import Plan, PlanContext
-from ..prompt.lexicon.quantities import quantities
-from ..prompt.types import Prompts
 from ..schema import FAMILIES
 from ..schema.spec import SRGB
+from ..words.lexicon.quantities import quantities
+from ..words.types import Prompts
 from .aliases import AliasTable
 from .dialect import Question
 from .extract import clean

@@ -11,13 +11,13 @@ from proxy_renderer.claims.measures.registry import MEASURES
 from proxy_renderer.claims.wanted import claims_of
 from proxy_renderer.color.floats import lab_from_srgb, oklab_from_srgb, srgb_from_hex
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.prompt.lexicon.entries import OWNERS, read_wishes
-from proxy_renderer.prompt.lexicon.quantities import quantities
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import FAMILIES, VibeError
 from proxy_renderer.schema.verdicts import missing_by_word
+from proxy_renderer.words.lexicon.entries import OWNERS, read_wishes
+from proxy_renderer.words.lexicon.quantities import quantities
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneWords
 
 SCENE = SceneWords(
     "vase",

@@ -4,10 +4,10 @@
 import pytest
 
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.planning.captions import compose
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneWords
 
 NOTHING = SceneWords()
 

@@ -8,8 +8,8 @@ from command_line import assert_refused, vibe
 
 from proxy_renderer.goals import written
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneWords
 
 MESH = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n"
 PROMPT = "glossy teal vase, golden hour, cosy, no fog"

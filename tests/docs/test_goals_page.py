@@ -13,9 +13,9 @@ from pathlib import Path
 from proxy_renderer.claims.measures.registry import MEASURES
 from proxy_renderer.cli.explain import account
 from proxy_renderer.goals import written
-from proxy_renderer.prompt.lexicon.entries import COLOR_MODES, OWNERS, RANGE_MODES, SLOTS
-from proxy_renderer.prompt.lexicon.quantities import quantities
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.words.lexicon.entries import COLOR_MODES, OWNERS, RANGE_MODES, SLOTS
+from proxy_renderer.words.lexicon.quantities import quantities
+from proxy_renderer.words.types import SceneWords
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "reference" / "goals.md"
 PROMPT = "copper cup, cool light, golden hour"

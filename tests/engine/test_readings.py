@@ -6,7 +6,7 @@ import time
 import pytest
 
 from proxy_renderer.engine.readings import readings
-from proxy_renderer.prompt.types import LightWords, SceneWords
+from proxy_renderer.words.types import LightWords, SceneWords
 
 SCENE = SceneWords(
     objects={"vase_01": "subject", "Lemons": "subject", "Table": "surroundings"},

@@ -10,12 +10,12 @@ from goal_parts import ROOM, read
 
 from proxy_renderer.goals.meaning import wishes_of
 from proxy_renderer.goals.wish import PAINTED, Wish
-from proxy_renderer.prompt.lexicon.entries import OWNERS, EntryWish
-from proxy_renderer.prompt.lexicon.quantities import quantities
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.types import Attribute
 from proxy_renderer.schema import FAMILIES
 from proxy_renderer.schema.means import may_serve
+from proxy_renderer.words.lexicon.entries import OWNERS, EntryWish
+from proxy_renderer.words.lexicon.quantities import quantities
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.types import Attribute
 
 VOCABULARY = shipped_vocabulary()
 ENTRIES = [entry for entry in VOCABULARY.entries.values() if entry.wishes]

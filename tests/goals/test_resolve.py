@@ -15,11 +15,11 @@ from proxy_renderer.goals.contradictions import contradicts
 from proxy_renderer.goals.meaning import wishes_of
 from proxy_renderer.goals.resolve import Goals, goals_of, resolved
 from proxy_renderer.goals.wish import Wish
-from proxy_renderer.prompt.lexicon.entries import OWNERS
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import Parsed
 from proxy_renderer.schema.means import SURFACES
+from proxy_renderer.words.lexicon.entries import OWNERS
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import Parsed
 
 VOCABULARY = shipped_vocabulary()
 SEEDS = (1, 2, 3)

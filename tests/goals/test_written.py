@@ -13,12 +13,12 @@ from proxy_renderer.claims.wanted import claims_of
 from proxy_renderer.goals import written
 from proxy_renderer.goals.resolve import Goals, goals_of
 from proxy_renderer.goals.wish import Wish
-from proxy_renderer.prompt.lexicon.rigs import rig_table
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import Attribute, SceneWords
+from proxy_renderer.planning.captions import compose
 from proxy_renderer.rigs.chosen import chosen_rig
 from proxy_renderer.schema.preset import Preset
+from proxy_renderer.words.lexicon.rigs import rig_table
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.types import Attribute, SceneWords
 
 VOCABULARY = shipped_vocabulary()
 UNWRITTEN = {"guess", "place", "look"}

@@ -7,12 +7,12 @@ import pytest
 
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.goals.written import as_json, from_json
-from proxy_renderer.prompt.lexicon.rigs import rig_table
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.types import SceneWords
-from proxy_renderer.prompt.understood import Understood
 from proxy_renderer.rigs.chosen import chosen_rig
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.lexicon.rigs import rig_table
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.types import SceneWords
+from proxy_renderer.words.understood import Understood
 
 
 @pytest.mark.parametrize(

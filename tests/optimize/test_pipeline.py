@@ -13,11 +13,11 @@ from proxy_renderer.optimize import objective as objectives
 from proxy_renderer.optimize import pipeline
 from proxy_renderer.optimize.inner.descent import fixed_views
 from proxy_renderer.optimize.shots import ShotInput
-from proxy_renderer.prompt import understood
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.messages import Options
+from proxy_renderer.words import understood
 
 
 def vibe(scene, encoder, prompt=PROMPT, watch=None, **options):

@@ -10,11 +10,11 @@ from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.lights.facing import kelvin_color
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PictureStats, PlanContext
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
-from proxy_renderer.prompt.understood import Understood
 from proxy_renderer.schema import FAMILIES, Instance
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneWords
+from proxy_renderer.words.understood import Understood
 
 COLOR = Instance(FAMILIES["material/base_color"], "Body", (0.5, 0.5, 0.5), 1.0, "subject")
 

@@ -9,9 +9,9 @@ from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.lights.glow import glowing
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import FAMILIES, Instance
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneWords
 
 COLOR = "material/Body/emission_color"
 

@@ -7,9 +7,9 @@ from plan_parts import make_instances, make_plan
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.lights.lacking import lacking
 from proxy_renderer.planning.types import PlanContext
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneWords
 
 STANDBY = {"Vibe Key": "key", "Vibe Fill": "fill", "Vibe Rim": "rim"}
 TWO = (("Area", "AREA", "key", -70.0), ("Area.001", "AREA", "fill", 70.0))

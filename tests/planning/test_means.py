@@ -6,8 +6,8 @@ from __future__ import annotations
 import pytest
 from plan_parts import make_instances, make_plan
 
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.types import SceneWords
 
 SCENE = SceneWords(
     objects={"Vase": "subject", "Lemons": "subject", "Table": "surroundings", "Wall": "surroundings"},

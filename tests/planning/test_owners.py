@@ -5,11 +5,11 @@ import pytest
 
 from proxy_renderer.planning.owners import Owners
 from proxy_renderer.planning.types import PlanContext
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import FAMILIES, Instance
 from proxy_renderer.schema.radiometry import unit_energy
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneWords
 
 TYPES = ("SUN", "AREA", "SPOT", "POINT")
 

@@ -11,8 +11,8 @@ from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.optimize.context import scene_words
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
-from proxy_renderer.prompt.parser import parse
 from proxy_renderer.scene import load_scene
+from proxy_renderer.words.parser import parse
 
 STRENGTH, COLOR = "world/backdrop_strength", "world/backdrop_color"
 

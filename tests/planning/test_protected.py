@@ -4,8 +4,8 @@
 import pytest
 from plan_parts import make_instances, make_plan
 
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import LightWords, SceneWords
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import LightWords, SceneWords
 
 SCENE = SceneWords(
     objects={"Vase": "subject", "Cup": "surroundings", "Table": "surroundings", "Wall": "surroundings"},

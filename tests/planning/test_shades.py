@@ -9,11 +9,11 @@ from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.ranges import effect_range
 from proxy_renderer.planning.sources import Sources
 from proxy_renderer.planning.types import PlanContext
-from proxy_renderer.prompt.lexicon.entries import parse_effect
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import Attribute, SceneWords
 from proxy_renderer.schema import FAMILIES, Instance
+from proxy_renderer.words.lexicon.entries import parse_effect
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import Attribute, SceneWords
 
 RED = (0.4, 0.02, 0.03)
 

@@ -3,9 +3,9 @@
 
 import pytest
 
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneWords
 
 VASE = SceneWords(
     objects={"Vase": "subject", "Lemons": "subject", "Table": "surroundings"},

@@ -3,11 +3,11 @@
 
 import pytest
 
-from proxy_renderer.prompt.binding.becoming import becoming
-from proxy_renderer.prompt.lexer import Lexer
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.tokens import Token
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.words.binding.becoming import becoming
+from proxy_renderer.words.lexer import Lexer
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.tokens import Token
+from proxy_renderer.words.types import SceneWords
 
 VOCABULARY = shipped_vocabulary()
 _TARGETS = {

@@ -8,19 +8,19 @@ from dataclasses import replace
 
 import pytest
 
-from proxy_renderer.prompt.binding.assignment import assigned
-from proxy_renderer.prompt.binding.pairs import reading
-from proxy_renderer.prompt.binding.reader import PromptReader
-from proxy_renderer.prompt.binding.why import why
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.mentions.names import fit, parts
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import LightWords, SceneWords
+from proxy_renderer.words.binding.assignment import assigned
+from proxy_renderer.words.binding.pairs import reading
+from proxy_renderer.words.binding.reader import PromptReader
+from proxy_renderer.words.binding.why import why
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.mentions.names import fit, parts
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import LightWords, SceneWords
 
 _READS = """
-from proxy_renderer.prompt.binding.pairs import reading
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.words.binding.pairs import reading
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.types import SceneWords
 
 words = SceneWords(
     objects={"Armchair": "subject", "Side Table": "surroundings", "Floor": "surroundings"},

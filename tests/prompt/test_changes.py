@@ -3,8 +3,8 @@
 
 import pytest
 
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import LightWords, MaterialLook, SceneWords
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import LightWords, MaterialLook, SceneWords
 
 RED, SAND, NAVY, GREEN = (0.6, 0.1, 0.1), (0.8, 0.75, 0.6), (0.1, 0.15, 0.45), (0.2, 0.5, 0.1)
 LOOKS = {

@@ -10,10 +10,10 @@ import pytest
 
 from lab.bench.sealed.prompts import survey_colors
 from proxy_renderer.color.floats import oklab_from_srgb, srgb_from_hex
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import Values
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneWords
 
 COLORS = default_vocabulary().colors
 SURVEY = dict(survey_colors())

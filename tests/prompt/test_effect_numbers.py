@@ -6,9 +6,9 @@ from plan_parts import CONTEXT, make_instances
 
 from proxy_renderer.planning.ranges import effect_range
 from proxy_renderer.planning.sources import Sources
-from proxy_renderer.prompt.lexicon.entries import COLOR_MODES, RANGE_MODES, parse_effect
-from proxy_renderer.prompt.types import Attribute
 from proxy_renderer.schema import PARAMETERS, VibeError
+from proxy_renderer.words.lexicon.entries import COLOR_MODES, RANGE_MODES, parse_effect
+from proxy_renderer.words.types import Attribute
 
 WORD = Attribute("word", "word", "finish", "subject", color=(0.2, 0.4, 0.6))
 NUMBERS = (

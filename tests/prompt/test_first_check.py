@@ -3,8 +3,8 @@
 
 import pytest
 
-from proxy_renderer.prompt import parser
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words import parser
 
 
 @pytest.mark.parametrize(

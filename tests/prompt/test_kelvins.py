@@ -6,8 +6,8 @@ import pytest
 from proxy_renderer.cli.explain import _plain
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan
-from proxy_renderer.prompt.parser import parse
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.parser import parse
 
 
 def temperatures(prompt):

@@ -20,21 +20,21 @@ from proxy_renderer.color.floats import (
 )
 from proxy_renderer.color.shades import basic
 from proxy_renderer.goals.resolve import goals_of
+from proxy_renderer.planning.captions import compose
 from proxy_renderer.planning.explanation import as_dict, explain
 from proxy_renderer.planning.grays import radiance
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PictureStats, PlanContext
-from proxy_renderer.prompt.lexer import Lexer
-from proxy_renderer.prompt.lexicon.attributes import COLORS
-from proxy_renderer.prompt.lexicon.entries import COLOR_MODES, parse_effect
-from proxy_renderer.prompt.lexicon.quantities import quantities
-from proxy_renderer.prompt.lexicon.rigs import rig_table
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.lexicon.vocabulary import load
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import FAMILIES, Instance, VibeError
+from proxy_renderer.words.lexer import Lexer
+from proxy_renderer.words.lexicon.attributes import COLORS
+from proxy_renderer.words.lexicon.entries import COLOR_MODES, parse_effect
+from proxy_renderer.words.lexicon.quantities import quantities
+from proxy_renderer.words.lexicon.rigs import rig_table
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.lexicon.vocabulary import load
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneWords
 
 PROMPTS = (
     "Glossy teal dolphin, white studio background.",

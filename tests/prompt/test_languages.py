@@ -9,15 +9,15 @@ from lab.train import sentences
 from lab.train.sentences import read_folder
 from lab.train.sentences.glossed import glossed
 from lab.train.sentences.stand_in import stand_in
-from proxy_renderer.prompt.languages.gloss import gloss
-from proxy_renderer.prompt.languages.spaceless import cut
-from proxy_renderer.prompt.lexer import Lexer
-from proxy_renderer.prompt.lexicon.languages import lexicons, load
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.planning.captions import compose
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.languages.gloss import gloss
+from proxy_renderer.words.languages.spaceless import cut
+from proxy_renderer.words.lexer import Lexer
+from proxy_renderer.words.lexicon.languages import lexicons, load
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneWords
 
 GARAGE = SceneWords(
     objects={"carShell": "subject", "Wand": "surroundings"},

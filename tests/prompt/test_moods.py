@@ -4,8 +4,8 @@
 import pytest
 
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneWords
 
 SCENE = SceneWords(
     "vase",

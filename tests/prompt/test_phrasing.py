@@ -6,10 +6,10 @@ import json
 import pytest
 
 from proxy_renderer.cli.explain import account
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.planning.captions import compose
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneWords
 
 TABLE = SceneWords(
     objects={"Cup": "subject", "Table": "subject", "Lemon": "subject", "Wall": "surroundings"},

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.parser import parse, refuse_without_look
-from proxy_renderer.prompt.types import GLOW, LightWords, SceneWords
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.parser import parse, refuse_without_look
+from proxy_renderer.words.types import GLOW, LightWords, SceneWords
 
 SCENES = tomllib.loads(Path(__file__).with_name("plain_readings.toml").read_text("utf-8"))
 WHOLE = {"tone": "picture", "whole": "picture", "ambience": "picture"}

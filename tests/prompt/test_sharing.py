@@ -3,8 +3,8 @@
 
 import pytest
 
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneWords
 
 PARTS = {"Cylinder": "M1", "Cube": "M2", "Torus": "M3"}
 SCENE = SceneWords(

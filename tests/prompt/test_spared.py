@@ -3,9 +3,9 @@
 
 import pytest
 
-from proxy_renderer.prompt.binding.pairs import reading
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.words.binding.pairs import reading
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.types import SceneWords
 
 HARBOR = SceneWords(
     objects={"Hut": "subject", "Hut_roof": "subject", "Ferry": "surroundings", "Pier": "surroundings"},

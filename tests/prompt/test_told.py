@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import pytest
 
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import LightWords, SceneWords
-from proxy_renderer.prompt.understood import Understood
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.targets import GENERAL
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import LightWords, SceneWords
+from proxy_renderer.words.understood import Understood
 
 SCENE = SceneWords(
     objects={"Cube.003": "subject", "Cube.004": "subject", "Plane": "surroundings"},

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import pytest
 
-from proxy_renderer.prompt import understood as module
-from proxy_renderer.prompt.types import SceneWords
-from proxy_renderer.prompt.understood import Understood
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words import understood as module
+from proxy_renderer.words.types import SceneWords
+from proxy_renderer.words.understood import Understood
 
 
 def test_a_prompt_is_read_once(monkeypatch):

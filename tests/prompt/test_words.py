@@ -10,16 +10,16 @@ import pytest
 from lab import bench
 from proxy_renderer.cli.main import main
 from proxy_renderer.goals.resolve import goals_of
+from proxy_renderer.planning.captions import compose
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
-from proxy_renderer.prompt.lexicon.entries import normalize
-from proxy_renderer.prompt.lexicon.nearest import Nearest
-from proxy_renderer.prompt.lexicon.user_words import VARIABLE, default_vocabulary, extend
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.lexicon.entries import normalize
+from proxy_renderer.words.lexicon.nearest import Nearest
+from proxy_renderer.words.lexicon.user_words import VARIABLE, default_vocabulary, extend
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneWords
 
 UNSEEN = [
     line.split("|")
@@ -191,7 +191,7 @@ def test_own_words_are_understood(own):
 
 def test_own_words_from_the_configuration_folder(tmp_path, monkeypatch):
     monkeypatch.delenv(VARIABLE, raising=False)
-    monkeypatch.setattr("proxy_renderer.prompt.lexicon.user_words.config_folder", lambda: tmp_path)
+    monkeypatch.setattr("proxy_renderer.words.lexicon.user_words.config_folder", lambda: tmp_path)
     assert default_vocabulary() is shipped_vocabulary()
     (tmp_path / "vocabulary.toml").write_text(OWN, "utf-8")
     assert "brand red" in default_vocabulary().entries

@@ -9,11 +9,11 @@ import pytest
 
 from proxy_renderer.color.floats import chroma, hex_from_srgb, lab_from_srgb, srgb_from_hex
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.prompt.lexicon.rigs import Rig, RigLight, rig_table
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import LightWords, SceneWords
 from proxy_renderer.rigs.chosen import chosen_rig
+from proxy_renderer.words.lexicon.rigs import Rig, RigLight, rig_table
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import LightWords, SceneWords
 
 SIDES = {"left": -1.0, "right": 1.0}
 KITCHEN = SceneWords(

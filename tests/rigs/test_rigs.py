@@ -18,10 +18,6 @@ from proxy_renderer.color.view_transform import ViewTransform
 from proxy_renderer.engine.additions import with_additions
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.optimize.context import scene_words
-from proxy_renderer.prompt.lexicon.rigs import KINDS, read, rig_table
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.render.material.textures import geometry_of
 from proxy_renderer.rigs.chosen import ChosenRig, chosen_rig
 from proxy_renderer.rigs.exposing import Exposing
@@ -33,6 +29,10 @@ from proxy_renderer.scene import Light, SceneData, load_scene
 from proxy_renderer.scene.data import Standby
 from proxy_renderer.schema import FAMILIES, Instance, VibeError
 from proxy_renderer.schema.added_lights import ADDED_LIGHTS, card
+from proxy_renderer.words.lexicon.rigs import KINDS, read, rig_table
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneWords
 
 RIG = '[rig.glow]\nsays = "A glow."\nlights = [{ part = "key", source = "point", from = [-40, 20] }]\n'
 RIGS = sorted({rig.name: rig for rig in rig_table().rigs.values()}.values(), key=lambda rig: rig.name)

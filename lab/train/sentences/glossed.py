@@ -8,10 +8,10 @@ from dataclasses import replace
 from itertools import groupby
 
 from lab.train.sentences.labels import LabeledSentence, LookWord
-from proxy_renderer.prompt.languages.gloss import gloss
-from proxy_renderer.prompt.languages.pieces import Piece
-from proxy_renderer.prompt.lexicon.vocabulary import Vocabulary
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.words.languages.gloss import gloss
+from proxy_renderer.words.languages.pieces import Piece
+from proxy_renderer.words.lexicon.vocabulary import Vocabulary
+from proxy_renderer.words.types import SceneWords
 
 
 def glossed(sentence: LabeledSentence, scene: SceneWords, vocabulary: Vocabulary) -> LabeledSentence:

@@ -7,11 +7,11 @@ import re
 from difflib import SequenceMatcher
 
 from lab.train.sentences.labels import ROLES, LabeledScene, LabeledSentence, LabelTarget, LookWord
-from proxy_renderer.prompt.binding.pairs import PromptPairs, TargetPair
-from proxy_renderer.prompt.binding.targets import MATTER, TINGE
-from proxy_renderer.prompt.lexicon.vocabulary import as_meant, shipped_vocabulary
-from proxy_renderer.prompt.names import is_detail
-from proxy_renderer.prompt.types import GLOW
+from proxy_renderer.words.binding.pairs import PromptPairs, TargetPair
+from proxy_renderer.words.binding.targets import MATTER, TINGE
+from proxy_renderer.words.lexicon.vocabulary import as_meant, shipped_vocabulary
+from proxy_renderer.words.names import is_detail
+from proxy_renderer.words.types import GLOW
 
 _WORD = re.compile(r"\d+|[^\W\d_]+(?:['’][a-z]+)?")  # "2900K" is read as "2900 kelvin"
 _NAMED = ("light", "lights", "key", "fill", "rim", "air", "surroundings")

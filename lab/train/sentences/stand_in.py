@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 from lab.train.sentences.labels import LabeledScene
 from proxy_renderer.planning.types import Glow, PlanContext
-from proxy_renderer.prompt.types import LightWords, SceneWords
 from proxy_renderer.scene.plain import plain_instances
 from proxy_renderer.schema import Instance, radiometry
+from proxy_renderer.words.types import LightWords, SceneWords
 
 STANDBY = {"Vibe Key": "key", "Vibe Fill": "fill", "Vibe Rim": "rim"}
 """Lights that a scene gets if words ask for them, with their roles."""

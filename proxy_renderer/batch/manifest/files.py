@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from ...inputs import check
-from ...prompt.lexicon.user_words import user_file
 from ...schema import VibeError
+from ...words.lexicon.user_words import user_file
 from .options import texts
 from .toml_source import TomlSource
 

@@ -48,7 +48,7 @@ def act(a: argparse.Namespace) -> int:
 
 def _add(a: argparse.Namespace) -> None:
     from ...folders import config_folder
-    from ...prompt.lexicon.own_entry import add_color, add_look
+    from ...words.lexicon.own_entry import add_color, add_look
 
     if bool(a.color) == bool(a.wish or a.means):
         raise VibeError(f"'{a.name}' needs a color, or what it does.", "Give --color, or --wish, or --means.")
@@ -68,7 +68,7 @@ def _test(a: argparse.Namespace) -> None:
 
 
 def _list(a: argparse.Namespace) -> None:
-    from ...prompt.lexicon.user_words import default_vocabulary
+    from ...words.lexicon.user_words import default_vocabulary
 
     check.vocabulary(a.vocabulary)
     known, part = default_vocabulary(), a.part.lower()

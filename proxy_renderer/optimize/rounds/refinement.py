@@ -17,9 +17,9 @@ from torch import Tensor
 from ...claims.claim import Claim
 from ...goals.resolve import Goals
 from ...planning.types import Plan
-from ...prompt.types import Prompts
 from ...reference.like import Reference
 from ...schema import Values
+from ...words.types import Prompts
 from ..anchoring import AnchorState
 from ..shots import ShotState
 from ..vector import ParameterVector

@@ -17,14 +17,14 @@ from ...guidance.encoder import Encoder
 from ...guidance.losses import claims_loss
 from ...planning.advice import Advice, Advisor, OfflineAdvisor
 from ...planning.types import LightPlan, Plan
-from ...prompt.lexicon.user_words import default_vocabulary
-from ...prompt.understood import Understood
 from ...reference.advisor import beside
 from ...reference.like import Reference
 from ...render.proxy import Proxy, Render
 from ...scene import SceneData
 from ...schema import VibeError
 from ...schema.messages import Options
+from ...words.lexicon.user_words import default_vocabulary
+from ...words.understood import Understood
 from .. import context
 from ..inner.descent import Descent
 from ..looks import Looks

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from ...color.floats import chroma, lab_from_srgb
 from ...goals.resolve import Goals
-from ...prompt.lexicon.vocabulary import Vocabulary
 from ...schema import Instance
+from ...words.lexicon.vocabulary import Vocabulary
 from ..acting import Act, acts, is_usual
 from ..owners import Owners
 from ..types import PlanContext

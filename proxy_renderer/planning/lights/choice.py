@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-from ...prompt.lexicon.entries import Effect
-from ...prompt.lexicon.vocabulary import Vocabulary
-from ...prompt.types import GLOW, Attribute, Parsed
 from ...schema import Instance
+from ...words.lexicon.entries import Effect
+from ...words.lexicon.vocabulary import Vocabulary
+from ...words.types import GLOW, Attribute, Parsed
 from ..types import PlanContext
 from .facing import facing_radiance
 from .meant import KnownLight, assigned, named

@@ -6,11 +6,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ...goals.resolve import Goals
-from ...prompt.lexicon.entries import OWNERS, Effect
-from ...prompt.lexicon.vocabulary import Vocabulary
-from ...prompt.lights import side
-from ...prompt.types import Attribute
 from ...schema import Instance
+from ...words.lexicon.entries import OWNERS, Effect
+from ...words.lexicon.vocabulary import Vocabulary
+from ...words.lights import side
+from ...words.types import Attribute
 from ..acting import acts
 from ..owners import Owners
 from ..types import PlanContext

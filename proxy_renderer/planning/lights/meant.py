@@ -6,10 +6,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ...prompt.lexicon.vocabulary import Vocabulary
-from ...prompt.lights import fixture, side
-from ...prompt.names import plain_name
-from ...prompt.types import Attribute
+from ...words.lexicon.vocabulary import Vocabulary
+from ...words.lights import fixture, side
+from ...words.names import plain_name
+from ...words.types import Attribute
 
 _NEAR = 90.0  # degrees from where words want a light within which one is already there
 

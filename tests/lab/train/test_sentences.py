@@ -14,8 +14,8 @@ from lab.train.sentences.labels import LabelTarget
 from lab.train.sentences.stand_in import stand_in
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan
-from proxy_renderer.prompt.parser import parse
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.parser import parse
 
 FOLDERS = sorted({path.parent for path in Path(sentences.__file__).parent.glob("*/sentences_*.toml")})
 of_folder = functools.cache(read_folder)  # reading the thousands of the clone takes half a minute

@@ -20,8 +20,8 @@ from lab.train.text import captions, wording
 from lab.train.train import Trainer, TrainingRecipe
 from proxy_renderer.guidance import network
 from proxy_renderer.guidance.encoder import load_encoder
-from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.lexicon.attributes import ATTRIBUTES
 
 SIZE = 64
 TINY = {

@@ -11,11 +11,11 @@ from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 from itertools import groupby
 
-from .colors import color_class
-from .lexicon.entries import VocabularyEntry
-from .lexicon.user_words import default_vocabulary
-from .lexicon.vocabulary import Vocabulary
-from .types import Attribute, Parsed, Prompts
+from ..words.colors import color_class
+from ..words.lexicon.entries import VocabularyEntry
+from ..words.lexicon.user_words import default_vocabulary
+from ..words.lexicon.vocabulary import Vocabulary
+from ..words.types import Attribute, Parsed, Prompts
 
 _MOST = 5  # words per caption: short ones are understood better
 _BEFORE = {"finish": 1, "color": 2, "material": 3}
