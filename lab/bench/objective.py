@@ -21,7 +21,7 @@ from proxy_renderer.optimize.rounds.method import Method
 from proxy_renderer.planning.advice import OfflineAdvisor
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.words.lexicon.user_words import default_vocabulary
-from proxy_renderer.words.understood import Understood
+from proxy_renderer.words.parser import Understood
 
 TERMS = ("similarity", "claims")
 """The parts of the objective: what the encoder says of regions, and what the words claim."""

@@ -15,10 +15,9 @@ from lab.train.sentences.glossed import glossed
 from lab.train.sentences.labels import LabeledSentence
 from lab.train.sentences.right import right_pairs
 from lab.train.sentences.stand_in import stand_in
-from proxy_renderer.words.binding.assignment import assigned
-from proxy_renderer.words.binding.model import FILE, FactWeights, write
-from proxy_renderer.words.binding.pairs import reading
+from proxy_renderer.words.features import reading
 from proxy_renderer.words.lexicon.vocabulary import Vocabulary, shipped_vocabulary
+from proxy_renderer.words.model import FILE, FactWeights, assigned, write
 from proxy_renderer.words.parser import prepared
 
 L2 = 1.5

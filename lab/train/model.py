@@ -23,7 +23,7 @@ from lab.train.pictures.looks import STRESS
 from proxy_renderer.guidance import network
 from proxy_renderer.guidance.encoder import MERGES
 from proxy_renderer.schema import VibeError, atomic
-from proxy_renderer.words.lexicon.attributes import ATTRIBUTES
+from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 
 CONFIG = {
     "embed_dim": 128,

@@ -11,7 +11,7 @@ from ..color.floats import lab_from_srgb
 from ..color.shades import WARM
 from ..goals.wish import Wish
 from ..schema import Values
-from ..words.lexicon.claim_text import warmth_asked
+from ..words.lexicon.quantities import warmth_asked
 from ..words.types import Attribute
 from .claim import Claim
 from .colored import as_accent

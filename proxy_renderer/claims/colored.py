@@ -10,7 +10,7 @@ from dataclasses import replace
 from ..color.floats import chroma, lab_from_srgb, oklab_from_srgb, srgb_from_lab
 from ..schema import Values
 from ..schema.spec import Region
-from ..words.colors import display_color
+from ..words.attributes import display_color
 from ..words.types import Attribute
 from .claim import Claim
 from .measures.picture import Part

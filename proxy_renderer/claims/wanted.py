@@ -11,7 +11,7 @@ from typing import cast
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
 from ..goals.resolve import Goals
 from ..goals.wish import Wish
-from ..words.lexicon.claim_text import ClaimText
+from ..words.lexicon.quantities import ClaimText
 from ..words.lexicon.vocabulary import Vocabulary
 from ..words.types import Attribute
 from .beside import (

@@ -20,13 +20,11 @@ from ..scene.plain import plain_instances
 from ..schema import Instance, VibeError
 from ..schema.options import checks
 from ..schema.spec import Region
-from ..words.binding.reader import PromptReader
-from ..words.binding.why import why
 from ..words.lexicon.rigs import rig_table
 from ..words.lexicon.user_words import default_vocabulary
-from ..words.parser import prepared
+from ..words.parser import Understood, prepared, why
+from ..words.reader import read_words
 from ..words.types import SceneWords
-from ..words.understood import Understood
 
 if TYPE_CHECKING:
     from ..engine.additions import Addition
@@ -91,9 +89,8 @@ def _light(goals: Goals, addition: Addition | None) -> list[str]:
 def _reasons(prompt: str, words: SceneWords, target: Sequence[str]) -> str:
     """What the reader chose among, and why."""
     vocabulary = default_vocabulary()
-    reader = PromptReader(vocabulary, words, told=checks.targets(target))
-    reader.read(prepared(prompt, words, vocabulary))
-    return why(reader)
+    text = prepared(prompt, words, vocabulary)
+    return why(read_words(text, words, vocabulary, targets=checks.targets(target)))
 
 
 def _read(

@@ -23,7 +23,7 @@ from ..schema import VibeError
 from ..schema.added_lights import ADDED_LIGHTS, light_name
 from ..words.lexicon.rigs import rig_table
 from ..words.lexicon.user_words import default_vocabulary
-from ..words.understood import Understood
+from ..words.parser import Understood
 
 _SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim")}
 """Lights that single words may need, as "rim light" does where no rig is asked for."""

@@ -10,10 +10,10 @@ from ..optimize.context import scene_words
 from ..scene import load_scene
 from ..schema.messages import AskReadings, Readings, WordReading
 from ..schema.targets import GENERAL, listed
-from ..words.lexicon.nearest import Nearest
 from ..words.lexicon.user_words import default_vocabulary
+from ..words.lexicon.word_table import Nearest
+from ..words.parser import Understood
 from ..words.types import LightWords, PromptWord, SceneWords
-from ..words.understood import Understood
 
 _OTHERS = 2  # known words that are offered in place of one that is not used
 

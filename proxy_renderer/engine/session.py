@@ -31,7 +31,7 @@ from ..vlm import judge
 from ..vlm.advisor import ModelAdvisor
 from ..vlm.client import Client
 from ..vlm.endpoint import find_endpoint
-from ..words.understood import Understood
+from ..words.parser import Understood
 from . import predictions, report
 from .additions import Addition, with_additions
 from .claimed import claims_about, foreseen

@@ -10,8 +10,8 @@ from ..color.constants import Lab
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
 from ..color.shades import hue_apart, warm
 from ..schema import Values
-from ..words.lexicon.claim_text import ClaimText, warmth_asked
 from ..words.lexicon.entries import Effect
+from ..words.lexicon.quantities import ClaimText, warmth_asked
 from .wish import PAINTED, Wish
 
 _DARK, _LIGHT = 38.0, 72.0

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from ..schema import FAMILIES
 from ..schema.means import may_serve
-from ..words.colors import color_class
+from ..words.attributes import color_class
 from ..words.lexicon.entries import OWNERS, Effect, EntryWish, VocabularyEntry
 from ..words.lexicon.quantities import quantities
 from ..words.lexicon.vocabulary import Vocabulary

@@ -11,8 +11,8 @@ from ..schema import VibeError
 from ..schema.means import SURFACES
 from ..words.lexicon.user_words import default_vocabulary
 from ..words.lexicon.vocabulary import Vocabulary
+from ..words.parser import Understood
 from ..words.types import Attribute, Parsed
-from ..words.understood import Understood
 from .contradictions import contradicts
 from .meaning import wishes_of
 from .wish import Wish

@@ -7,9 +7,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from ..words.lexicon.claim_text import ClaimText
 from ..words.lexicon.entries import Effect
-from ..words.lexicon.quantities import Quantity, quantities
+from ..words.lexicon.quantities import ClaimText, Quantity, quantities
 from ..words.types import Attribute
 
 _OWN: Mapping[str, tuple[str, ...]] = {

@@ -13,9 +13,8 @@ from ..color.floats import hex_from_srgb
 from ..schema import VibeError
 from ..schema.means import may_serve
 from ..schema.spec import Region
-from ..words.lexicon.claim_text import ClaimText, read_claim
 from ..words.lexicon.entries import OWNERS, SLOTS, parse_effect
-from ..words.lexicon.quantities import quantities
+from ..words.lexicon.quantities import ClaimText, quantities, read_claim
 from ..words.types import GLOW, STRONGEST, Attribute, Parsed, PromptObject, SceneWords
 from .json_fields import JsonFields
 from .resolve import Goals, resolved

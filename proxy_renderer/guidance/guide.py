@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 import torch
 from torch import Tensor
 
-from ..words.types import Prompts
+from ..planning.captions import Prompts
 from . import regions
 from .losses import direction_loss, negative_loss, positive_loss
 

@@ -9,8 +9,8 @@ from typing import Any, Protocol
 
 from ..goals.resolve import Goals
 from ..schema import Instance, VibeError
-from ..words.types import Attribute, Prompts
-from .captions import compose
+from ..words.types import Attribute
+from .captions import Prompts, compose
 from .planner import plan
 from .types import LightPlan, Plan, PlanContext
 

@@ -8,14 +8,14 @@ a caption of its own, negatives are positive descriptions of the mistake, and ne
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import groupby
 
-from ..words.colors import color_class
+from ..words.attributes import color_class
 from ..words.lexicon.entries import VocabularyEntry
 from ..words.lexicon.user_words import default_vocabulary
 from ..words.lexicon.vocabulary import Vocabulary
-from ..words.types import Attribute, Parsed, Prompts
+from ..words.types import Attribute, Parsed
 
 _MOST = 5  # words per caption: short ones are understood better
 _BEFORE = {"finish": 1, "color": 2, "material": 3}
@@ -30,6 +30,27 @@ _UNNAMED = {"subject": "object", "surroundings": "background"}
 """Region -> what it is called where the prompt does not say."""
 _COLORED = ("light", "fill", "rim", "shadow", "highlight", "glow", "ambience")
 """Kinds of things that a color needs beside it to be understood: "blue shadows"."""
+
+
+@dataclass(frozen=True)
+class Prompts:
+    """What the encoder is asked, region by region (equations 5 and 6); never negations.
+
+    Attributes:
+        subject: Short caption of the subject alone.
+        surroundings: Short caption of the surroundings alone; "" when the words leave them open.
+        whole: Caption of the whole picture.
+        subject_negatives: What the subject must not look like: swaps and antonyms, positively worded.
+        surroundings_negatives: Likewise for the surroundings.
+        whole_negatives: Likewise for the whole picture: "thick fog" for "no fog".
+    """
+
+    subject: str
+    surroundings: str
+    whole: str
+    subject_negatives: tuple[str, ...] = ()
+    surroundings_negatives: tuple[str, ...] = ()
+    whole_negatives: tuple[str, ...] = ()
 
 
 def compose(

@@ -6,7 +6,7 @@ from __future__ import annotations
 from ..color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from_hex
 from ..color.shades import shade
 from ..schema import Instance, Values
-from ..words.colors import fog_color
+from ..words.attributes import fog_color
 from ..words.lexicon.entries import Effect
 from ..words.types import Attribute
 from .grays import radiance

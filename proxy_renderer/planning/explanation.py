@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from ..goals.resolve import Goals
 from ..schema import Values, labels
-from ..words.types import Parsed, Prompts, PromptWord
+from ..words.types import Parsed, PromptWord
+from .captions import Prompts
 from .types import Plan
 
 

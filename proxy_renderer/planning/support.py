@@ -13,7 +13,7 @@ from collections.abc import Iterator
 
 from ..color.floats import linear_from_srgb, luminance, srgb_from_linear
 from ..schema import Instance, Values
-from ..words.lexicon.kelvins import temperature
+from ..words.lexicon.entries import temperature
 from ..words.types import Attribute, Parsed
 from .grays import radiance
 from .lights.facing import kelvin_color

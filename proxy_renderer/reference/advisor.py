@@ -10,10 +10,11 @@ from typing import Any
 from ..claims.wanted import claims_of
 from ..goals.resolve import Goals
 from ..planning.advice import Advice, Advisor
+from ..planning.captions import Prompts
 from ..planning.types import Plan, PlanContext, PlanEntry
 from ..schema import Instance, VibeError
 from ..words.lexicon.user_words import default_vocabulary
-from ..words.types import LightWords, Parsed, Prompts
+from ..words.types import LightWords, Parsed
 from . import light_probe, ranges
 from .light_colors import light_colors
 from .like import Reference

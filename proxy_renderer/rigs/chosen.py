@@ -10,7 +10,7 @@ from ..color.floats import chroma, lab_from_srgb
 from ..goals.resolve import Goals
 from ..words.lexicon.rigs import KINDS, TIMES, Modifier, Rig, RigLight, RigTable
 from ..words.lexicon.vocabulary import Vocabulary
-from ..words.mentions.passage import LIGHTS
+from ..words.passage import LIGHTS
 from ..words.types import Attribute
 from .described import (
     EDGES,

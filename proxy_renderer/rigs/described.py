@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from ..color.floats import hex_from_srgb, lab_from_srgb, mixed
 from ..words.lexicon.rigs import Modifier, RigLight, RigTable
 from ..words.lexicon.vocabulary import Vocabulary
-from ..words.mentions.passage import LIGHTS
+from ..words.passage import LIGHTS
 from ..words.types import Attribute
 
 EDGES = ("rim", "kicker")

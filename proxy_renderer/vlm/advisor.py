@@ -11,14 +11,13 @@ from ..color.floats import hex_from_srgb
 from ..goals.resolve import Goals, goals_of, resolved
 from ..goals.wish import Wish
 from ..planning.advice import Advice, OfflineAdvisor
-from ..planning.captions import compose
+from ..planning.captions import Prompts, compose
 from ..planning.planner import plan as confine
 from ..planning.types import LightPlan, Plan, PlanContext, PlanEntry
 from ..schema import Instance, VibeError
 from ..words.lexicon.quantities import quantities
-from ..words.parser import parse
-from ..words.types import Attribute, Parsed, PromptObject, Prompts
-from ..words.understood import Understood
+from ..words.parser import Understood, parse
+from ..words.types import Attribute, Parsed, PromptObject
 from .aliases import AliasTable
 from .client import Client
 from .errors import ModelError

@@ -12,12 +12,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..color.floats import is_hex, srgb_from_hex
+from ..planning.captions import Prompts
 from ..planning.ranges import clip
 from ..planning.types import PlanEntry
 from ..schema import Instance, Values
 from ..schema.spec import Region
 from ..words.lexicon.quantities import quantities
-from ..words.types import PromptObject, Prompts
+from ..words.types import PromptObject
 from .aliases import AliasTable
 from .extract import clean
 from .request import REGIONS, SLOTS

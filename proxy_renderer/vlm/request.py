@@ -8,11 +8,11 @@ from typing import Any
 
 from ..color.floats import hex_from_srgb, srgb_from_lab
 from ..goals.resolve import Goals
+from ..planning.captions import Prompts
 from ..planning.types import Plan, PlanContext
 from ..schema import FAMILIES
 from ..schema.spec import SRGB
 from ..words.lexicon.quantities import quantities
-from ..words.types import Prompts
 from .aliases import AliasTable
 from .dialect import Question
 from .extract import clean

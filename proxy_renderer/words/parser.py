@@ -1,65 +1,78 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Understands a prompt: which look words there are, and what each of them describes."""
+"""Understands a prompt: which look words there are, what each of them describes, and why."""
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import InitVar, dataclass, field, replace
 
 from ..schema import VibeError
 from ..schema.limits import LONGEST_PROMPT
-from .binding.model import FactWeights
-from .binding.pairs import looks
-from .binding.reader import PromptReader
-from .binding.told import plain_key
-from .binding.words import prompt_words
-from .keyed import KeyedSpan, keyed_spans, spoken
-from .languages.gloss import Gloss, gloss
-from .languages.retell import Retelling
-from .languages.unread import other_language, understood
-from .lexicon import hours, kelvins
+from ..schema.options import checks
+from ..schema.targets import GENERAL, NOT_USED, OFFERED, joined
+from .attributes import complete
+from .choices import described_name, key_numbers, plain_key, target_name
+from .features import looks
+from .foreign import Gloss, Retelling, gloss, other_language, understood
+from .lexer import Token
 from .lexicon.entries import normalize
 from .lexicon.user_words import default_vocabulary
 from .lexicon.vocabulary import Vocabulary
-from .meaning import complete
-from .names import scene_names
-from .spared import Spared, without_spared
-from .types import Parsed, SceneWords
+from .model import FactWeights, scores
+from .normalizing import Normalized, normalized
+from .reader import Reading, read_words
+from .targets import becoming
+from .types import Candidate, Parsed, PromptWord, SceneWords
 
 _TAG = re.compile(r"</?[a-zA-Z][^<>]{0,200}>|\x1b\[[0-9;]*[A-Za-z]|[\x00-\x08\x0e-\x1f\x7f]")
 _THINGS_STAY = "things are not added, moved or removed, only their look changes."
+_LEAST = 0.02  # probability of a candidate
+_MOST = 16  # objects, and lights, that a word is offered besides
+_TARGETS, _FACTS = 4, 4  # lines of `why` for each look word, and facts in each line
 
 
-def prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> str:
-    """A prompt as readers take it."""
-    return _prepared(gloss(text, scene, vocabulary).english, scene, vocabulary)[0]
+@dataclass(frozen=True)
+class Understood:
+    """A prompt, read once against one description of a scene, for everyone who needs to know what it says.
 
+    Attributes:
+        prompt: As the artist typed it.
+        scene: The names in the scene.
+        told: "copper=Cup": targets that the artist has chosen for words.
+        words: The look words of the prompt and the words that are left out, in its order.
+        unknown: Why nothing in the prompt is understood; None where something is.
+    """
 
-def _prepared(
-    text: str, scene: SceneWords, vocabulary: Vocabulary
-) -> tuple[str, list[KeyedSpan], list[Spared]]:
-    """A prompt with hours, temperatures and lists as sentences say them; apart from it what it says after keys, and what stays."""
-    told, own = kelvins.told(hours.told(text, vocabulary)), scene.made(_own_names, vocabulary)
-    said, spared = without_spared(spoken(told, vocabulary, scene_names(scene), own), scene, vocabulary)
-    return *keyed_spans(said, own), spared
+    prompt: str
+    scene: SceneWords
+    told: InitVar[Iterable[str]] = ()
+    words: tuple[PromptWord, ...] = field(default=(), init=False)
+    unknown: VibeError | None = field(default=None, init=False)
+    _parsed: Parsed = field(default_factory=lambda: Parsed(""), init=False, repr=False)
 
+    def __post_init__(self, told: Iterable[str]) -> None:
+        """Reads the prompt."""
+        try:
+            parsed = read(self.prompt, self.scene, default_vocabulary(), told=checks.targets(told))
+        except VibeError as error:
+            object.__setattr__(self, "unknown", error)
+        else:
+            object.__setattr__(self, "_parsed", parsed)
+            object.__setattr__(self, "words", parsed.words)
+            object.__setattr__(self, "unknown", parsed.unknown)
 
-def _own_names(scene: SceneWords, _: Vocabulary) -> dict[str, str]:
-    """The names of a scene's objects, materials and lights, by how they are in lower case."""
-    return {name.lower(): name for name in (*scene.lights, *scene.materials, *scene.object_materials)}
+    @property
+    def parsed(self) -> Parsed:
+        """The result; the same for everyone, who leave it as it is.
 
-
-def _checked(prompt: str) -> str:
-    """A prompt without tags and needless white space; VibeError where it is empty or too long."""
-    text = " ".join(_TAG.sub(" ", prompt).split())
-    if not text:
-        raise VibeError(
-            "The prompt is empty.", "Describe a look, for example: 'glossy teal, white studio background'."
-        )
-    if len(text) > LONGEST_PROMPT:
-        raise VibeError(f"The prompt has {len(text)} characters.", f"Say it in {LONGEST_PROMPT} or less.")
-    return text
+        Raises:
+            VibeError: Nothing in the prompt is understood.
+        """
+        if self.unknown:
+            raise self.unknown
+        return self._parsed
 
 
 @dataclass(frozen=True)
@@ -70,17 +83,13 @@ class _OpenedPrompt:
         text: Without tags and needless white space.
         glossed: In English words.
         mixed: Whether some of it is in a language that is not understood.
-        said: As readers take it.
-        keyed: What it says of things that it sets before with a colon.
-        spared: What is to stay as it is.
+        normalized: As readers take it.
     """
 
     text: str
     glossed: Gloss
     mixed: bool
-    said: str
-    keyed: list[KeyedSpan]
-    spared: list[Spared]
+    normalized: Normalized
 
     @property
     def foreign_words(self) -> set[str]:
@@ -88,27 +97,38 @@ class _OpenedPrompt:
         return {normalize(word) for word in self.glossed.unknown}
 
 
+def prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> str:
+    """A prompt as readers take it."""
+    return normalized(gloss(text, scene, vocabulary).english, scene, vocabulary).text
+
+
 def _opened(prompt: str, scene: SceneWords, vocabulary: Vocabulary) -> _OpenedPrompt:
     """A prompt in English words; VibeError where it is empty, too long, or in a language that is not understood."""
-    text = _checked(prompt)
+    text = " ".join(_TAG.sub(" ", prompt).split())
+    if not text:
+        raise VibeError(
+            "The prompt is empty.", "Describe a look, for example: 'glossy teal, white studio background'."
+        )
+    if len(text) > LONGEST_PROMPT:
+        raise VibeError(f"The prompt has {len(text)} characters.", f"Say it in {LONGEST_PROMPT} or less.")
     glossed = gloss(text, scene, vocabulary)
     foreign = "" if glossed.language else other_language(text)
     if foreign == "all":
         raise VibeError(f"The prompt '{text[:60]}' is in a language that is not understood.", understood())
-    return _OpenedPrompt(text, glossed, bool(foreign), *_prepared(glossed.english, scene, vocabulary))
+    return _OpenedPrompt(text, glossed, bool(foreign), normalized(glossed.english, scene, vocabulary))
 
 
 def refuse_without_look(prompt: str) -> None:
     """Refuses a prompt that says nothing in any scene, before Blender is started.
 
-    It only looks for look words. What they describe is read later, against the scene, see `understood.Understood`.
+    It only looks for look words. What they describe is read later, against the scene, see `Understood`.
 
     Raises:
         VibeError: The prompt is empty, too long, in a language that is not understood, or has no look word.
     """
     scene, vocabulary = SceneWords(), default_vocabulary()
     opened = _opened(prompt, scene, vocabulary)
-    found = looks(opened.said, scene, vocabulary, opened.foreign_words)
+    found = looks(opened.normalized.text, scene, vocabulary, opened.foreign_words)
     if not found.looks:
         raise _without_look(opened, [" ".join(words) for words in found.wishes])
 
@@ -153,44 +173,160 @@ def read(
     """Finds the look words of a prompt and binds them to subject, surroundings, lights or the film.
 
     Args:
-        vocabulary: What words mean; the artist's own if None.
+        vocabulary: Meanings of words; with the artist's own if None.
         weights: Of the reader; those that are shipped if None.
-        told: Word -> what the artist says that it describes: a name in the scene, "lights", "not used" and so on.
+        told: Word -> the target that the artist has chosen for it: a name in the scene, "lights", "not used" and so on.
 
     Returns:
-        What is understood; `unknown` says why nothing is.
+        The result; `unknown` says why nothing is understood.
 
     Raises:
         VibeError: The prompt is empty, too long, or in a language that is not understood; a target cannot be.
     """
     vocabulary = vocabulary or default_vocabulary()
     opened = _opened(prompt, scene, vocabulary)
-    glossed, retelling = opened.glossed, Retelling(opened.glossed)
-    english = {word: retelling.english(word) for word in map(plain_key, told or ()) if glossed.language}
-    found = PromptReader(vocabulary, scene, weights, told=told, english=english)
-    parsed = found.read(opened.said, opened.foreign_words, opened.keyed)
+    glossed, retelling, normal = opened.glossed, Retelling(opened.glossed), opened.normalized
+    reading = read_words(
+        normal.text,
+        scene,
+        vocabulary,
+        weights,
+        foreign=opened.foreign_words,
+        keyed=normal.keyed,
+        targets=told,
+        english={word: retelling.english(word) for word in map(plain_key, told or ()) if glossed.language},
+    )
+    parsed, undone, beyond = reading.parsed, reading.undone, reading.pairs.passage.beyond
     parsed.prompt = opened.text
-    parsed.notes += map(str, opened.spared)
-    parsed.protected = tuple(dict.fromkeys(key for each in opened.spared for key in each.kept))
-    if found.beyond:
+    parsed.notes += map(str, normal.protections)
+    parsed.protected = tuple(dict.fromkeys(key for each in normal.protections for key in each.kept))
+    if beyond:
         parsed.notes.append(
-            f"{_quoted(found.beyond)}: no value of a material, light, world, fog or film gives that."
+            f"{_quoted(beyond)}: no value of a material, light, world, fog or film gives that."
         )
-    if found.undone:
-        parsed.notes.append(f"{_quoted(found.undone)}: {_THINGS_STAY}")
+    if undone:
+        parsed.notes.append(f"{_quoted(undone)}: {_THINGS_STAY}")
     if opened.mixed:
         parsed.notes.append(f"Some of the prompt is in a language that is not understood. {understood()}")
     if not parsed.attributes or (opened.mixed and all(a.guess or a.cause for a in parsed.attributes)):
-        parsed.unknown = _without_look(opened, found.undone, found.lacking)
-    complete(parsed, vocabulary, found.subject, found.mentioned, scene.sky)
+        parsed.unknown = _without_look(opened, undone, reading.lacking)
+    complete(parsed, vocabulary, reading.subject, reading.mentioned, scene.sky)
     if glossed.language:
         retelling.retell(parsed)
         if unknown := glossed.unknown:
             lacks = f"The prompt was read as {glossed.language}, which lacks: {_quoted(unknown)}."
             parsed.notes.append(lacks)
-    parsed.words = prompt_words(found, parsed, retelling.said)
+    parsed.words = _prompt_words(reading, parsed, retelling.own)
     return parsed
 
 
 def _quoted(words: Iterable[str]) -> str:
     return ", ".join(f"'{word}'" for word in dict.fromkeys(words))
+
+
+# Accounts for people
+
+
+def why(reading: Reading) -> str:
+    """Each look word with its likeliest targets and the facts that weigh most; the chosen target is marked by an arrow."""
+    lines = ["Why (each look word with its likeliest targets, and the facts that weigh most)"]
+    weights = reading.weights
+    for pairs, chosen in zip(reading.pairs.pairs, reading.chosen, strict=True):
+        lines.append(f"  {chosen.look.text}")
+        ranked = sorted(zip(scores(pairs, weights), pairs, strict=True), key=lambda both: -both[0])
+        for score, pair in ranked[:_TARGETS] + [each for each in ranked[_TARGETS:] if each[1] is chosen]:
+            facts = sorted(filter(weights.__contains__, pair.features), key=lambda name: -abs(weights[name]))
+            most = ", ".join(f"{name} {weights[name]:+.1f}" for name in facts[:_FACTS])
+            lines.append(
+                f"   {'→' if pair is chosen else ' '} {math.exp(score):4.0%}  {pair.target}  ({most})"
+            )
+    return "\n".join(lines)
+
+
+def _prompt_words(reading: Reading, parsed: Parsed, own: Callable[[str], str]) -> tuple[PromptWord, ...]:
+    """The look words of a prompt and the words that are left out, in the order of the text.
+
+    Args:
+        own: The prompt's own words for English ones.
+    """
+    looks = (_look_word(reading, parsed, number, own) for number in range(len(reading.chosen)))
+    numbers = key_numbers([pair.look.text for pair in reading.chosen])
+    both = zip(looks, numbers, strict=True)
+    words = [replace(word, key=normalize(word.key) + number) for word, number in both if word]
+    known = {word.text for word in words}
+    words += [PromptWord(text, text) for text in dict.fromkeys(parsed.ignored) if text not in known]
+    return _placed(words, parsed.prompt)
+
+
+def _look_word(reading: Reading, parsed: Parsed, number: int, own: Callable[[str], str]) -> PromptWord | None:
+    """A look word; None where it is part of another word, or a later word takes it back."""
+    pair = reading.chosen[number]
+    attributes = [a for a in parsed.attributes if a.look == number and not a.cause]
+    if not attributes and number not in reading.unused:
+        return None
+    names = dict.fromkeys(pair.chosen or described_name(a, reading.scene) for a in attributes)
+    candidates = _candidates(reading, number, next(iter(names), NOT_USED))
+    offered = _offered(pair.look.token, reading.scene, reading.vocabulary)
+    first = attributes[0] if attributes else None
+    return PromptWord(
+        text=first.word if first else own(pair.look.text),
+        key=own(pair.look.text),
+        entry=first.entry if first else "",
+        strength=pair.look.strength,
+        negated=pair.look.negated,
+        target=joined(names) if names else NOT_USED,
+        thing=first.thing if first and first.thing not in first.word else "",
+        confidence=candidates[0].probability,
+        candidates=candidates,
+        others=tuple(name for name in offered if name not in {c.name for c in candidates}),
+        guess=pair.look.token.guess,
+    )
+
+
+def _candidates(reading: Reading, number: int, target: str) -> tuple[Candidate, ...]:
+    """The target of a look word, then what else it likely describes; "not used" is offered last, by the menu."""
+    chosen = reading.chosen[number]
+    found = {target: 0.0}
+    for pair, probability in reading.probabilities[number]:
+        is_chosen = pair.target == chosen.target and target != NOT_USED
+        if name := target if is_chosen else target_name(pair.target, reading.scene):
+            found[name] = found.get(name, 0.0) + probability
+    if chosen.chosen or number in reading.absent:
+        found[target] = 1.0
+    likely = sorted(found, key=lambda name: (name != target, -found[name]))
+    likely = [n for n in likely if n == target or (found[n] >= _LEAST and n != NOT_USED)]
+    return tuple(Candidate(name, round(found[name], 3)) for name in likely)
+
+
+def _offered(token: Token, scene: SceneWords, vocabulary: Vocabulary) -> Iterator[str]:
+    """Names in a scene that a word can describe, the largest in the image first, and general ones."""
+
+    def fits(kind: str) -> bool:
+        return becoming(token, kind, vocabulary) is not None
+
+    if fits("things"):
+        yield from scene.made(_largest, vocabulary)
+    if fits("lights"):
+        yield from [*scene.lights][:_MOST]
+    yield from (name for name in OFFERED if fits(GENERAL[name]))
+
+
+def _largest(scene: SceneWords, _: Vocabulary) -> list[str]:
+    """The objects that cover most of the image."""
+
+    def share(name: str) -> float:
+        looks = (scene.looks[m] for m in scene.object_materials[name] if m in scene.looks)
+        return sum(look.worn.get(name, 0.0) for look in looks)
+
+    return sorted(scene.object_materials, key=share, reverse=True)[:_MOST]
+
+
+def _placed(words: Iterable[PromptWord], prompt: str) -> tuple[PromptWord, ...]:
+    """Words with their places in a prompt, in its order; those that it says in other letters come last."""
+    found, end = [], 0
+    for word in words:
+        pattern = re.compile(r"[\W_]+".join(map(re.escape, re.findall(r"[^\W_]+", word.text))), re.IGNORECASE)
+        match = (pattern.search(prompt, end) or pattern.search(prompt)) if pattern.pattern else None
+        end = match.end() if match and word.candidates else end
+        found.append(replace(word, place=match.span() if match else None))
+    return tuple(sorted(found, key=lambda word: word.place or (len(prompt), len(prompt))))

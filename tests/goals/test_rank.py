@@ -11,8 +11,8 @@ from goal_parts import drawn, plan_of, read
 from proxy_renderer.claims.wanted import claims_of
 from proxy_renderer.goals.resolve import Goals, Lost, goals_of
 from proxy_renderer.goals.wish import Wish
-from proxy_renderer.words.lexicon.claim_text import read_claim
 from proxy_renderer.words.lexicon.entries import Effect, parse_effect
+from proxy_renderer.words.lexicon.quantities import read_claim
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.words.types import Attribute, SceneWords
 

@@ -17,7 +17,7 @@ from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.messages import Options
-from proxy_renderer.words import understood
+from proxy_renderer.words import parser
 
 
 def vibe(scene, encoder, prompt=PROMPT, watch=None, **options):
@@ -141,9 +141,7 @@ def test_everything_locked(scene, encoder):
 
 def test_a_prompt_is_read_once_however_many_rounds_there_are(scene, encoder, monkeypatch):
     read = []
-    parse = understood.read
-    monkeypatch.setattr(
-        understood, "read", lambda *given, **more: read.append(given[0]) or parse(*given, **more)
-    )
+    parse = parser.read
+    monkeypatch.setattr(parser, "read", lambda *given, **more: read.append(given[0]) or parse(*given, **more))
     vibe(scene, encoder, rounds=2)
     assert read == [PROMPT]

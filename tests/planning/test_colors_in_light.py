@@ -12,9 +12,8 @@ from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PictureStats, PlanContext
 from proxy_renderer.schema import FAMILIES, Instance
 from proxy_renderer.words.lexicon.user_words import default_vocabulary
-from proxy_renderer.words.parser import parse
+from proxy_renderer.words.parser import Understood, parse
 from proxy_renderer.words.types import SceneWords
-from proxy_renderer.words.understood import Understood
 
 COLOR = Instance(FAMILIES["material/base_color"], "Body", (0.5, 0.5, 0.5), 1.0, "subject")
 

@@ -3,10 +3,9 @@
 
 import pytest
 
-from proxy_renderer.words.binding.becoming import becoming
-from proxy_renderer.words.lexer import Lexer
+from proxy_renderer.words.lexer import Lexer, Token
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.words.tokens import Token
+from proxy_renderer.words.targets import becoming
 from proxy_renderer.words.types import SceneWords
 
 VOCABULARY = shipped_vocabulary()

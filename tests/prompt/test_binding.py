@@ -8,13 +8,12 @@ from dataclasses import replace
 
 import pytest
 
-from proxy_renderer.words.binding.assignment import assigned
-from proxy_renderer.words.binding.pairs import reading
-from proxy_renderer.words.binding.reader import PromptReader
-from proxy_renderer.words.binding.why import why
+from proxy_renderer.words.features import reading
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.words.mentions.names import fit, parts
-from proxy_renderer.words.parser import parse
+from proxy_renderer.words.model import assigned
+from proxy_renderer.words.names import fit, parts
+from proxy_renderer.words.parser import parse, why
+from proxy_renderer.words.reader import read_words
 from proxy_renderer.words.types import LightWords, SceneWords
 
 _READS = """
@@ -86,9 +85,7 @@ def test_the_rest_is_all_that_was_not_named():
 
 def test_without_the_weights_it_would_be_otherwise():
     vocabulary = shipped_vocabulary()
-    reader = PromptReader(
-        vocabulary, GARAGE, {"a color word of things": -9.0, "a color word of picture": 9.0}
-    )
+    reader = read_words(vocabulary, GARAGE, {"a color word of things": -9.0, "a color word of picture": 9.0})
     (red,) = reader.read("red car").attributes
     assert red.kind == "ambience"
 
@@ -153,7 +150,7 @@ def test_a_word_may_only_say_the_shade_of_the_color_after_it():
 
 
 def test_why_names_targets_scores_and_facts():
-    reader = PromptReader(shipped_vocabulary(), GARAGE)
+    reader = read_words(shipped_vocabulary(), GARAGE)
     reader.read("red car, warm desk lamp")
     told = why(reader)
     assert "→" in told

@@ -27,9 +27,8 @@ from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PictureStats, PlanContext
 from proxy_renderer.schema import FAMILIES, Instance, VibeError
 from proxy_renderer.words.lexer import Lexer
-from proxy_renderer.words.lexicon.attributes import COLORS
 from proxy_renderer.words.lexicon.entries import COLOR_MODES, parse_effect
-from proxy_renderer.words.lexicon.quantities import quantities
+from proxy_renderer.words.lexicon.quantities import COLORS, quantities
 from proxy_renderer.words.lexicon.rigs import rig_table
 from proxy_renderer.words.lexicon.user_words import default_vocabulary
 from proxy_renderer.words.lexicon.vocabulary import load

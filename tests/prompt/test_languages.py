@@ -11,8 +11,7 @@ from lab.train.sentences.glossed import glossed
 from lab.train.sentences.stand_in import stand_in
 from proxy_renderer.planning.captions import compose
 from proxy_renderer.schema import VibeError
-from proxy_renderer.words.languages.gloss import gloss
-from proxy_renderer.words.languages.spaceless import cut
+from proxy_renderer.words.foreign import cut, gloss
 from proxy_renderer.words.lexer import Lexer
 from proxy_renderer.words.lexicon.languages import lexicons, load
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary

@@ -7,13 +7,12 @@ from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.schema import FAMILIES, Instance
-from proxy_renderer.words.binding.pairs import reading
-from proxy_renderer.words.lexicon.things import senses
+from proxy_renderer.words import names as fitted
+from proxy_renderer.words.features import reading
+from proxy_renderer.words.lexicon.languages import senses
 from proxy_renderer.words.lexicon.user_words import extend
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.words.mentions import names as fitted
-from proxy_renderer.words.mentions.names import fit
-from proxy_renderer.words.names import is_detail, kind_of, plain_name
+from proxy_renderer.words.names import fit, is_detail, kind_of, plain_name
 from proxy_renderer.words.parser import parse
 from proxy_renderer.words.types import SceneWords
 

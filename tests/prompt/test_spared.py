@@ -3,7 +3,7 @@
 
 import pytest
 
-from proxy_renderer.words.binding.pairs import reading
+from proxy_renderer.words.features import reading
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.words.types import SceneWords
 

@@ -7,9 +7,8 @@ import pytest
 
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.targets import GENERAL
-from proxy_renderer.words.parser import parse
+from proxy_renderer.words.parser import Understood, parse
 from proxy_renderer.words.types import LightWords, SceneWords
-from proxy_renderer.words.understood import Understood
 
 SCENE = SceneWords(
     objects={"Cube.003": "subject", "Cube.004": "subject", "Plane": "surroundings"},

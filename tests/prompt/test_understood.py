@@ -6,9 +6,9 @@ from __future__ import annotations
 import pytest
 
 from proxy_renderer.schema import VibeError
-from proxy_renderer.words import understood as module
+from proxy_renderer.words import parser as module
+from proxy_renderer.words.parser import Understood
 from proxy_renderer.words.types import SceneWords
-from proxy_renderer.words.understood import Understood
 
 
 def test_a_prompt_is_read_once(monkeypatch):

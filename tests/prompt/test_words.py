@@ -15,9 +15,9 @@ from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.schema import VibeError
 from proxy_renderer.words.lexicon.entries import normalize
-from proxy_renderer.words.lexicon.nearest import Nearest
 from proxy_renderer.words.lexicon.user_words import VARIABLE, default_vocabulary, extend
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.lexicon.word_table import Nearest
 from proxy_renderer.words.parser import parse
 from proxy_renderer.words.types import SceneWords
 

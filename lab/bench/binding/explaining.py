@@ -16,8 +16,8 @@ from proxy_renderer.goals.resolve import goals_or_why
 from proxy_renderer.planning.advice import OfflineAdvisor
 from proxy_renderer.planning.explanation import explain
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.parser import Understood
 from proxy_renderer.words.types import Parsed
-from proxy_renderer.words.understood import Understood
 
 _LEAST, _MOST = 35, 45  # words of a prompt that counts as one of forty
 

@@ -14,9 +14,9 @@ from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.lights.lacking import lacking
 from proxy_renderer.planning.owners import Owners
 from proxy_renderer.schema import VibeError
-from proxy_renderer.words.binding.model import FactWeights
 from proxy_renderer.words.lexicon.entries import OWNERS, Effect
 from proxy_renderer.words.lexicon.vocabulary import Vocabulary
+from proxy_renderer.words.model import FactWeights
 from proxy_renderer.words.parser import parse
 from proxy_renderer.words.types import GLOW, Attribute, Parsed
 

@@ -8,8 +8,7 @@ from dataclasses import replace
 from itertools import groupby
 
 from lab.train.sentences.labels import LabeledSentence, LookWord
-from proxy_renderer.words.languages.gloss import gloss
-from proxy_renderer.words.languages.pieces import Piece
+from proxy_renderer.words.foreign import Piece, gloss
 from proxy_renderer.words.lexicon.vocabulary import Vocabulary
 from proxy_renderer.words.types import SceneWords
 

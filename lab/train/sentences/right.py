@@ -7,10 +7,9 @@ import re
 from difflib import SequenceMatcher
 
 from lab.train.sentences.labels import ROLES, LabeledScene, LabeledSentence, LabelTarget, LookWord
-from proxy_renderer.words.binding.pairs import PromptPairs, TargetPair
-from proxy_renderer.words.binding.targets import MATTER, TINGE
 from proxy_renderer.words.lexicon.vocabulary import as_meant, shipped_vocabulary
 from proxy_renderer.words.names import is_detail
+from proxy_renderer.words.targets import MATTER, TINGE, PromptPairs, TargetPair
 from proxy_renderer.words.types import GLOW
 
 _WORD = re.compile(r"\d+|[^\W\d_]+(?:['’][a-z]+)?")  # "2900K" is read as "2900 kelvin"

@@ -48,7 +48,7 @@ def act(a: argparse.Namespace) -> int:
 
 def _add(a: argparse.Namespace) -> None:
     from ...folders import config_folder
-    from ...words.lexicon.own_entry import add_color, add_look
+    from ...words.lexicon.user_words import add_color, add_look
 
     if bool(a.color) == bool(a.wish or a.means):
         raise VibeError(f"'{a.name}' needs a color, or what it does.", "Give --color, or --wish, or --means.")

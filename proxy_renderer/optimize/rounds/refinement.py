@@ -16,10 +16,10 @@ from torch import Tensor
 
 from ...claims.claim import Claim
 from ...goals.resolve import Goals
+from ...planning.captions import Prompts
 from ...planning.types import Plan
 from ...reference.like import Reference
 from ...schema import Values
-from ...words.types import Prompts
 from ..anchoring import AnchorState
 from ..shots import ShotState
 from ..vector import ParameterVector

@@ -24,7 +24,7 @@ from ...scene import SceneData
 from ...schema import VibeError
 from ...schema.messages import Options
 from ...words.lexicon.user_words import default_vocabulary
-from ...words.understood import Understood
+from ...words.parser import Understood
 from .. import context
 from ..inner.descent import Descent
 from ..looks import Looks

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 
 from ...goals.resolve import Goals
 from ...schema import Instance
+from ...words.attributes import side
 from ...words.lexicon.entries import OWNERS, Effect
 from ...words.lexicon.vocabulary import Vocabulary
-from ...words.lights import side
 from ...words.types import Attribute
 from ..acting import acts
 from ..owners import Owners

@@ -6,8 +6,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ...words.attributes import fixture, side
 from ...words.lexicon.vocabulary import Vocabulary
-from ...words.lights import fixture, side
 from ...words.names import plain_name
 from ...words.types import Attribute
 

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Entries of the vocabulary: look words with what they do, read from tables and checked against the schema."""
+"""Entries of the vocabulary: look words with their wishes, read from tables and checked against the schema."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from ...schema import FAMILIES, Values, VibeError
 from ...schema.means import MEANS, SURFACES, may_serve
-from .claim_text import ClaimText, read_claim
-from .effect_numbers import misfit
-from .quantities import quantities
+from ...schema.spec import Parameter
+from .quantities import ClaimText, quantities, read_claim
 
 OWNERS = {
     "material": "material",
@@ -43,6 +43,11 @@ _CLASS = re.compile(r"(?P<quantity>[a-z_]+) is (?P<named>[a-z_]+)")
 _EFFECT = re.compile(
     r"(?P<owner>\w+)/(?P<name>\w+)(?: (?P<mode>[a-z]+))? (?P<args>\S+)(?P<weak> \?)?(?: !(?P<priority>\d+))?"
 )
+
+
+_NUMBERS = {"plus": 1, "camera": 1, "sides": 1, "lightness": 1, "share": 1, "shade": 2}
+"""Mode -> how many numbers an end of a range has; of other modes one, or as many as the parameter has components."""
+_LARGEST = 1e9
 
 
 @dataclass(frozen=True)
@@ -137,6 +142,24 @@ def normalize(phrase: str) -> str:
     return " ".join(re.sub(r"[-_–—]", " ", lower).split())
 
 
+def temperature(entry: str) -> int | None:
+    """The kelvins of an entry that is called by them, "3200 kelvin"; None for others."""
+    number, _, unit = entry.partition(" ")
+    return int(number) if unit == "kelvin" and number.isdigit() else None
+
+
+def at_line(path: Path, text: str, problem: str, remedy: str, *quotes: str) -> VibeError:
+    """An error that names a line of a file.
+
+    Args:
+        quotes: Texts that lead to the line: the first line that has the first, from there on the first that has the second.
+    """
+    lines, line = text.splitlines(), 0
+    for quoted in quotes:
+        line = next((i for i in range(line, len(lines)) if quoted in lines[i]), line)
+    return VibeError(f"{path}, line {line + 1}: {problem}.", remedy)
+
+
 def parse_effect(text: str) -> Effect:
     """Reads "material/roughness 0.03..0.15 ? !2".
 
@@ -179,8 +202,43 @@ def parse_effect(text: str) -> Effect:
 
 def _check_fit(text: str, effect: Effect) -> None:
     """Raises VibeError where the parameter of an effect has no such mode, or no such numbers."""
-    if remedy := misfit(FAMILIES[effect.family], effect.mode, effect.lower, effect.upper):
+    if remedy := _misfit(FAMILIES[effect.family], effect.mode, effect.lower, effect.upper):
         raise VibeError(f"Vocabulary: '{text}' does not fit its parameter.", remedy)
+
+
+def _misfit(parameter: Parameter, mode: str, lower: Values, upper: Values) -> str:
+    """The remedy for an effect whose mode or numbers its parameter cannot have; "" for one that fits.
+
+    Args:
+        lower: Of its range; empty for colors.
+    """
+    color = parameter.kind == "color"
+    light = parameter.name in ("power", "strength") and parameter.group in ("light", "world")
+    fits = {
+        "": True,
+        "times": True,
+        "plus": not color,
+        "shade": color,
+        "camera": parameter.name == "azimuth",
+        "sides": parameter.name == "azimuth",
+        "lightness": color or light,
+        "share": light,
+        "shown": color or light,
+    }
+    if not fits.get(mode, color):
+        return f"'{mode}' is no mode of {parameter.family}: use another, or none."
+    if not lower:
+        return ""
+    counts = sorted({_NUMBERS[mode]} if mode in _NUMBERS else {1, parameter.components})
+    if len(lower) not in counts:
+        return f"Write {' or '.join(map(str, counts))} numbers at each end, with commas between them."
+    if not all(abs(v) <= _LARGEST for v in (*lower, *upper)):
+        return f"Write finite numbers, at most {_LARGEST:g}."
+    if mode == "times" and min(lower) < 0.0:
+        return "Write no negative multiples."
+    if mode == "" and parameter.scale.name == "log" and min(lower) <= 0.0:
+        return "Write numbers above 0."
+    return ""
 
 
 def read_entry(name: str, row: dict) -> VocabularyEntry:

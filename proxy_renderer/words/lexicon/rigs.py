@@ -15,8 +15,7 @@ from ...color.floats import is_hex
 from ...folders import config_folder
 from ...schema import VibeError
 from ...schema.added_lights import PARTS, PATTERNS
-from .entries import Effect, normalize, parse_effect
-from .kelvins import temperature
+from .entries import Effect, normalize, parse_effect, temperature
 
 SOURCES = {"point": "POINT", "spot": "SPOT", "area": "AREA", "sun": "SUN"}
 REACHES = ("subject", "pool", "background", "all")

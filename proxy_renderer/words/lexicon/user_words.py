@@ -15,10 +15,11 @@ user's configuration folder.
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache
@@ -27,9 +28,8 @@ from typing import Any
 
 from ...color.floats import is_hex, srgb_from_hex
 from ...folders import config_folder
-from ...schema import VibeError
-from .entries import VocabularyEntry, normalize, read_entry
-from .mistakes import at_line
+from ...schema import VibeError, atomic
+from .entries import VocabularyEntry, at_line, normalize, read_entry
 from .vocabulary import Vocabulary, check_opposite, shipped_vocabulary
 
 VARIABLE = "VIBE_VOCABULARY"
@@ -131,3 +131,56 @@ def _located(path: Path, text: str, name: str) -> Iterator[None]:
         what = error.message.removeprefix("Vocabulary: ").rstrip(".")
         quoted = (said for said in _QUOTED.findall(what) if said != name)
         raise at_line(path, text, what, error.remedy, name, *quoted) from error
+
+
+_COLORS = re.compile(r"^\[colors\][^\n]*\n", re.MULTILINE)
+
+
+def add_look(path: Path, name: str, rows: Mapping[str, str | Sequence[str]]) -> None:
+    """Appends an entry.
+
+    Args:
+        path: Of the vocabulary; need not exist.
+        rows: As in vocabulary.toml; empty ones are left out.
+
+    Raises:
+        VibeError: The name is taken, or the file would be wrong with it; it is as it was.
+    """
+    lines = [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in rows.items() if value]
+    head = f"[look.{json.dumps(name, ensure_ascii=False)}]"
+    _write(path, name, "\n".join([_text(path).rstrip("\n"), "", head, *lines, ""]).lstrip("\n"))
+
+
+def add_color(path: Path, name: str, code: str) -> None:
+    """Adds a color, see `add_look`.
+
+    Args:
+        path: Of the vocabulary; need not exist.
+    """
+    text, line = _text(path), f"{json.dumps(name, ensure_ascii=False)} = {json.dumps(code)}\n"
+    head = _COLORS.search(text)
+    begun = text[: head.end()] if head else (text.rstrip("\n") + "\n\n[colors]\n").lstrip("\n")
+    _write(path, name, begun + line + (text[head.end() :] if head else ""))
+
+
+def _text(path: Path) -> str:
+    return path.read_text("utf-8") if path.is_file() else ""
+
+
+def _write(path: Path, name: str, text: str) -> None:
+    """Puts the text in the file's place if a vocabulary can be made of it."""
+    key = json.dumps(name, ensure_ascii=False)
+    if re.search(rf"^(\[look\.)?{re.escape(key)}[\] ]", _text(path), re.MULTILINE):
+        raise VibeError(f"'{name}' is in {path} already.", "Change it there, or take another name.")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with atomic.replacing(path) as part:
+            part.write_text(text, encoding="utf-8")
+            try:
+                extend(shipped_vocabulary(), part)
+            except VibeError as error:
+                raise VibeError(error.message.replace(str(part), str(path)), error.remedy) from error
+    except OSError as error:
+        raise VibeError(
+            f"{path} cannot be written: {error}.", "Name another file with --vocabulary."
+        ) from error

@@ -21,7 +21,7 @@ from lab.train.train import Trainer, TrainingRecipe
 from proxy_renderer.guidance import network
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.schema import VibeError
-from proxy_renderer.words.lexicon.attributes import ATTRIBUTES
+from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 
 SIZE = 64
 TINY = {
