@@ -31,7 +31,6 @@ _COLORED = {
     "glow": "material",
 }
 """Kind of thing -> slot that a color word about it counts for."""
-_CLEAR = 0.02  # density of air that has no color
 _OUTER = {"surroundings", "atmosphere", "setting", "fog"}
 """Regions, slots and kinds of what is not the subject's."""
 _BLACK = 12.0  # L* of a black thing whose form can be seen
@@ -48,8 +47,7 @@ def complete(
     parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[NamedThing], sky: bool = True
 ) -> None:
     """Fills in the objects of a prompt whose attributes are bound, and relations of words to each other."""
-    bound = _with_shades(_qualified(parsed.attributes, vocabulary), parsed.prompt.lower(), vocabulary)
-    parsed.attributes = _with_lamps([*bound, *_tint_of_air(bound, vocabulary)], vocabulary)
+    parsed.attributes = _with_lamps(_qualified(parsed.attributes, vocabulary), vocabulary)
     if not sky:  # a sky that the camera does not see is its light alone: what colors it colors the image
         hidden = (a.kind == "sky" and a.color for a in parsed.attributes)
         both = zip(parsed.attributes, hidden, strict=True)
@@ -66,18 +64,6 @@ def _qualified(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Attr
     classes = {a.entry: vocabulary.entries[a.entry].classes for a in kept if a.entry in vocabulary.entries}
     much = [(a.kind, classes[a.entry]) for a in kept if a.word.startswith("too ") and classes.get(a.entry)]
     return [a for a in kept if a.negated or a.cause or a.color or (a.kind, classes.get(a.entry)) not in much]
-
-
-def _tint_of_air(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Attribute]:
-    """A tint of the image once more, for what fills the air and has no color of its own: the water, the smoke."""
-    said = [a for a in attributes if not (a.negated or a.cause)]
-    colored = {a.kind: a for a in reversed(said) if a.color}
-    for air in (a for a in said if a.slot == "atmosphere"):
-        effects = vocabulary.entries[air.entry].effects
-        if any(e.name == "density" and e.lower[0] > _CLEAR for e in effects):
-            tint = None if "fog" in colored else colored.get("ambience")
-            return [replace(tint, kind=air.kind, thing=air.thing)] if tint else []
-    return []
 
 
 def _objects(attributes: list[Attribute], subject: str, things: list[NamedThing]) -> list[PromptObject]:
@@ -146,21 +132,6 @@ def shaded(attribute: Attribute, word: str, entry: str, strength: float, vocabul
     lighter, share = ((a + b) / 2 for a, b in zip(effect.lower, effect.upper, strict=True))
     color = relative_shade(attribute.color, lighter, share, strength)
     return replace(attribute, word=f"{word} {attribute.word}", color=color)
-
-
-def _with_shades(attributes: list[Attribute], prompt: str, vocabulary: Vocabulary) -> list[Attribute]:
-    """The attributes; a word that changes colors and the color after it, of one thing, are one."""
-    found: list[Attribute] = []
-    for attribute in attributes:
-        before, whole = found[-1] if found else attribute, attribute
-        same = (before.kind, before.owners) == (attribute.kind, attribute.owners)
-        only_shades = before.slot == "color" and not (before.color or before.negated or before.cause)
-        if same and only_shades and f"{before.word} {attribute.word}" in prompt:
-            whole = shaded(attribute, before.word, before.entry, before.strength, vocabulary)
-        if whole is not attribute:
-            found.pop()
-        found.append(whole)
-    return found
 
 
 # Lights that contradict each other: "warm lamp, cold blue window light"

@@ -7,6 +7,7 @@ from collections import defaultdict
 from collections.abc import Collection, Iterator
 from enum import StrEnum
 
+from ..color.floats import chroma, lab_from_srgb
 from .lexer import TIES, Lexer, Token
 from .lexicon.vocabulary import Vocabulary
 from .mentions import mentions
@@ -28,6 +29,8 @@ from .targets import (
 from .types import SceneWords
 
 _FAR = 4  # items from which a distance says no more
+_OF_LIGHT = ("mood", "lighting", "grade", "atmosphere")
+_GRAYISH = 25.0  # C* of colors that a light hardly has
 
 
 class Fact(StrEnum):
@@ -317,6 +320,8 @@ def reading(
         if changed and changed.named:  # in a change phrase only what its object names
             theirs = {number for number, noun in enumerate(nouns) if noun.covers(changed.start)}
             chosen = [t for t in may_describe if t.mention in theirs or t.kind == TINGE]
+        if _is_a_tone(look, own.of(look.index), found, vocabulary):
+            chosen = [target for target in every if target.kind == "picture"]
         may_be = _becomings(look, chosen, vocabulary) or _becomings(look, may_describe, vocabulary)
         facts = PairFeatures(look, forms)
         itself = {number for number, noun in enumerate(nouns) if noun.covers(look.index)}
@@ -332,3 +337,16 @@ def reading(
 def _becomings(look: PromptLook, every: list[Target], vocabulary: Vocabulary) -> dict[Target, Becoming]:
     """Targets that a look word can describe, with what it is there."""
     return {target: b for target in every if (b := becoming(look.token, target.kind, vocabulary))}
+
+
+def _is_a_tone(look: PromptLook, noun: NounMention | None, found: Passage, vocabulary: Vocabulary) -> bool:
+    """Whether a color is the tone of the image: "everything is pink", "all gold and lazy", and nobody paints it so."""
+    words, lists, color = vocabulary.words, vocabulary.lists, look.token.color
+    if not color or noun is None or noun.text not in words["everything"] or noun.spared:
+        return False
+    acts = words["paints"] | words["changes"] | lists["save"] | lists["exception"] | lists["refusal"]
+    clause = [item for item in found.items if item.clause == found.items[look.index].clause]
+    is_said = any(i.text in words["copulas"] or vocabulary.slot(i.entry) in _OF_LIGHT for i in clause)
+    return (
+        is_said and not any(i.text in acts for i in found.items) and chroma(lab_from_srgb(color)) > _GRAYISH
+    )

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Prompts in other languages: English wordings of a lexicon in place of the artist's, and back again for the report.
-
-Words keep their order: the reader's weights are fitted to such sentences.
-"""
+"""Prompts in other languages: English wordings of a lexicon in place of the artist's, and back again for the report."""
 
 from __future__ import annotations
 
@@ -36,6 +33,11 @@ _LATIN = re.compile(r"[a-zA-Z0-9]")
 _MARKS = {"、": ",", "。": ".", "・": " ", "「": '"', "」": '"'}
 _TIGHT = re.compile(r"\s+([,.;:!?])")
 _QUOTED = re.compile(r"(?<=')[^']+(?=')")
+_LOOKS = ("looks", "shades", "phrase")
+"""Kinds of pieces that are look words."""
+_NOUNS = ("things", "name", "unknown")
+"""Kinds of pieces that look words stand beside."""
+_FOLLOWING = re.compile("(N*)(I*L(?:A?I*L)*)")
 _GENITIVE = "'s"
 """English of what ties a thing to what it belongs to, or a look to its thing; "blue's car" is a blue car."""
 
@@ -99,10 +101,10 @@ def gloss(text: str, scene: SceneWords, vocabulary: Vocabulary) -> Gloss:
         look = lexicon.particles.get(folded(text[piece.start : piece.end]), "")
         if look and (after is None or after.kind == "mark"):
             piece = replace(piece, english=look, kind="looks")
-        english = piece.english.replace("~", " ").strip()  # words that stand behind others
-        if english and english != _GENITIVE:
-            mixed = piece.kind == "unknown" and _is_english(english, vocabulary)
-            said.append(replace(piece, english=english, kind="phrase" if mixed else piece.kind))
+        if piece.english and piece.english != _GENITIVE:
+            mixed = piece.kind == "unknown" and _is_english(piece.english, vocabulary)
+            said.append(replace(piece, kind="phrase") if mixed else piece)
+    said = _in_english_order(said, lexicon.looks_follow, vocabulary)
     for place, (piece, after) in enumerate(pairwise(said)):  # "bright" wood is light wood
         if piece.shade and (
             after.english in vocabulary.colors or vocabulary.slot(after.english) == "material"
@@ -110,6 +112,45 @@ def gloss(text: str, scene: SceneWords, vocabulary: Vocabulary) -> Gloss:
             said[place] = replace(piece, english=piece.shade)
     english_text = " ".join(piece.english for piece in said)
     return Gloss(text, _TIGHT.sub(r"\1", english_text), lexicon.name, tuple(said))
+
+
+def _in_english_order(found: list[Piece], looks_follow: bool, vocabulary: Vocabulary) -> list[Piece]:
+    """Pieces with prepositions before their words, "sink except" as "except sink", and looks before nouns, "car blue dark".
+
+    Args:
+        looks_follow: Whether looks stand after their nouns in the language.
+    """
+    placed: list[Piece] = []
+    for piece in found:
+        if piece.kind != "behind":
+            placed.append(piece)
+            continue
+        start = max(len(placed) - 1, 0)
+        while start > 0 and placed[start - 1].kind in _LOOKS and placed[-1].kind in (*_LOOKS, *_NOUNS):
+            start -= 1
+        first, *last = (
+            replace(piece, english=part.strip(), kind="grammar") for part in piece.english.split("~")
+        )
+        placed = [*placed[:start], first, *placed[start:], *last]
+    if not looks_follow:
+        return placed
+    # One letter for each piece: look, noun (a night is one), intensity, and, other
+    row = ""
+    for piece in placed:
+        noun = piece.english in vocabulary.nouns or vocabulary.slot(piece.english) == "setting"
+        is_noun = piece.kind in _NOUNS or (piece.kind == "looks" and noun)
+        small = "A" if piece.english == "and" else "I" if piece.english in vocabulary.intensity else "O"
+        row += "N" if is_noun else "L" if piece.kind in _LOOKS else small
+    for match in _FOLLOWING.finditer(row):
+        nouns, looks = (placed[slice(*match.span(group))] for group in (1, 2))
+        units: list[list[Piece]] = [[]]
+        for piece in looks:  # a unit ends in its look
+            units[-1].append(piece)
+            units += [[]] if piece.kind in _LOOKS else []
+        turned = [p for unit in reversed(units) for p in sorted(unit, key=lambda p: p.english == "and")]
+        if nouns or row[match.end() : match.end() + 1] != "N":  # looks before a noun stay there
+            placed[slice(*match.span())] = [*turned, *nouns]
+    return placed
 
 
 def _attempt(

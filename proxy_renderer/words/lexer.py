@@ -134,12 +134,28 @@ class Lexer:
                 part = words[start : start + count]
                 if self._ends_in_thing(part):
                     continue
-                token = _composed(part, self.vocabulary) or self._phrase(" ".join(part))
+                cuts = self._cuts_a_phrase(words, start, start + count)
+                token = (None if cuts else _composed(part, self.vocabulary)) or self._phrase(" ".join(part))
                 if token.known or count == 1:
+                    end = self._end(words, start, start + count, token.entry)
+                    token = token if end == start + count else replace(token, text=" ".join(words[start:end]))
                     tokens.append(token if token.known else self._guess(token))
-                    start += count
+                    start = end
                     break
         return tokens
+
+    def _cuts_a_phrase(self, words: list[str], start: int, end: int) -> bool:
+        """Whether words take the first word of a listed phrase: "warm golden" of "golden hour"."""
+        later = range(end + 1, min(end + _LONGEST, len(words) + 1))
+        both = ((i, j) for i in range(start + 1, end) for j in later)
+        return any(" ".join(words[i:j]) in self.vocabulary.synonyms for i, j in both)
+
+    def _end(self, words: list[str], start: int, end: int, entry: str) -> int:
+        """The end of a phrase, or of another of the same entry that begins in it: "light from the camera's side" is two."""
+        synonyms = self.vocabulary.synonyms
+        later = range(min(end + _LONGEST - 1, len(words)), end, -1) if entry else ()
+        both = ((i, j) for j in later for i in range(start + 1, end))
+        return next((j for i, j in both if synonyms.get(" ".join(words[i:j])) == entry), end)
 
     def _ends_in_thing(self, words: list[str]) -> bool:
         """Whether a phrase is a look and a thing of this scene: "terracotta pot", or "turquoise water" where water is."""

@@ -11,7 +11,7 @@ from typing import Literal
 
 from .lexer import Token
 from .lexicon.vocabulary import Vocabulary
-from .names import FITS, parts, plain_name
+from .names import FITS, parts
 from .passage import Passage
 from .scene import (
     REGIONS,
@@ -99,6 +99,9 @@ class _NounFinder:
         if "others" in token.lists:
             return NounMention(start, start, token.text, "others")
         said = parts(token.name if token.scene and token.guess else token.text)
+        after = self.items[start + 1 : start + 2]
+        if token.text in self.vocabulary.words["paints"] and any("definite" in i.lists for i in after):
+            return None  # "paint the crate" names no paint
         if not said or not token.lists.isdisjoint(_NO_NOUNS):
             return None
         named = [] if self._is_of_the_next(start) else self._of_one(start, said)
@@ -289,9 +292,11 @@ def with_picks(
             continue
         noun = _noun_of(passage, place, single)
         groups = [_group(noun, index)] if noun else []
-        if not noun:  # the noun of "the left one" is one that came before, or what the scene has several of
+        if not noun:  # the noun of "the left one" is one that came before, or the subject, or all objects
             groups = [g for m in single if m.end < place and len(g := _group(m, index)) > 1][-1:]
-            groups += _alike(index.words) if _is_one(passage, place) else []
+            if any(after.text in _ONE for after in passage.items[place + 1 : place + 2]):
+                regions = index.words.objects
+                groups += [[o for o, region in regions.items() if region == "subject"], [*regions]]
         one = next((o for g in groups if (o := _picked(way, g, index.words))), "")
         if one:
             target = noun or found.get(place) or NounMention(place, place, item.text)
@@ -349,19 +354,6 @@ def _noun_of(passage: Passage, place: int, single: list[NounMention]) -> NounMen
     return next(chain(right_after, led_back), None)
 
 
-def _is_one(passage: Passage, place: int) -> bool:
-    """Whether a word that picks stands for an object by itself: "the left one", "left red", but not "from the left"."""
-    clause = [p for p, item in enumerate(passage.items) if item.clause == passage.items[place].clause]
-    after = [passage.items[p] for p in clause if p > place]
-    if any(item.text in _ONE for item in after[:1]):
-        return True
-    before = [passage.items[p] for p in clause if p < place]
-    definite = any("definite" in item.lists for item in before[-1:])
-    where = any(item.ties for item in before[-1 - definite :])
-    said = next((item for item in after if not item.filler), None)
-    return said is not None and (said.names_a_look or (said.ties and definite)) and not where
-
-
 def _picked(way: str, group: list[str], words: SceneWords) -> str:
     """The one of a group of objects that a word picks; "" where it cannot be told.
 
@@ -379,13 +371,3 @@ def _picked(way: str, group: list[str], words: SceneWords) -> str:
     order = sorted(ranks, key=lambda name: ranks[name])
     differs = len(order) > max(index, 1) and ranks[order[0]] != ranks[order[-1]]
     return order[index] if differs else ""
-
-
-def _alike(words: SceneWords) -> Iterator[list[str]]:
-    """The subject's objects of one name, most of them first; then all of the subject's, and all of the scene's."""
-    subject = [name for name, region in words.objects.items() if region == "subject"]
-    kinds: dict[str, list[str]] = {}
-    for name in subject:
-        kinds.setdefault(plain_name(name), []).append(name)
-    yield from sorted((kind for kind in kinds.values() if len(kind) > 1), key=len, reverse=True)
-    yield from (subject, list(words.objects))

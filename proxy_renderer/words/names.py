@@ -140,9 +140,8 @@ def _is_of_surfaces(word: str, vocabulary: Vocabulary) -> bool:
 
 
 def _head(name: tuple[str, ...], vocabulary: Vocabulary) -> tuple[str, ...]:
-    """A name up to its noun: "frame" of "frame black", "tent" of "tent small", "bathtub" of "bathtub freestanding"."""
-    picks = vocabulary.picks.keys() | name_words("order")
-    ends = [n for n, w in enumerate(name, 1) if not (_is_of_surfaces(w, vocabulary) or w in picks)]
+    """A name up to its noun: "frame" of "frame black", "bathtub" of "bathtub freestanding"."""
+    ends = [n for n, word in enumerate(name, 1) if not _is_of_surfaces(word, vocabulary)]
     things = [n for n in ends if name[n - 1] in thing_words().rows]
     return name[: max(things or ends, default=None)]
 

@@ -191,22 +191,7 @@ def _spoken(text: str, scene: SceneWords, own: dict[str, str], vocabulary: Vocab
         short = len(value.split()) <= _MOST
         return f"{value} {key}" if short and key in vocabulary.nouns else pair[0]
 
-    def colored(lights: re.Match[str]) -> str:
-        """ "Two lights, one red, one blue" -> "red and blue lights"."""
-        both = all(name.lower() in vocabulary.colors for name in lights.groups())
-        return f"{lights[1]} and {lights[2]} lights" if both else lights[0]
-
-    return vocabulary.made(_listed_lights).sub(colored, _PAIR.sub(sentence, text))
-
-
-def _listed_lights(v: Vocabulary) -> re.Pattern[str]:
-    """Two colors of lights that are listed."""
-    one, other, several, lamps = (
-        any_of(v.words[kind]).replace("color", "colou?r") for kind in ("one", "other", "several", "lamps")
-    )
-    color = rf"([a-z]+(?: (?!{other}\b)[a-z]+)?)"
-    listed = rf"\s*[,:(]\s*(?:{one} )?{color}\s*,?\s*{other} {color}(?=\s*(?:[,;.)]|$))"
-    return re.compile(rf"\b(?:\w+ )?{several} {lamps}{listed}", re.IGNORECASE)
+    return _PAIR.sub(sentence, text)
 
 
 # Protections

@@ -10,9 +10,11 @@ from .lexicon.vocabulary import Vocabulary
 from .names import is_detail, name_words, parts
 from .passage import STRUCTURES, Passage, is_object
 from .scene import NounMention, materials_of
-from .targets import SURFACE, PromptPairs, TargetPair
+from .targets import MATTER, SURFACE, PromptPairs, TargetPair
 from .types import SceneWords
 
+_NO_MATTER = ("light", "fill", "rim", "sky", "fog", "shadow")
+"""Kinds of nouns without a surface."""
 _STOPS = ("around", "comparison", "exception")
 """Lists of words over which a look is not said of the noun before them: "a cup on red"."""
 _MAIN = 0.6  # share of the subject from which one material is what a name for the subject means
@@ -36,6 +38,11 @@ class OwnNouns:
     def changed(self, look: int) -> NounMention | None:
         """The object of the change phrase that a look word is in, or that it goes on with: "from red to grey, still glossy"."""
         return self.of(look) if self._change(look) else None
+
+    def is_noun(self, look: int) -> bool:
+        """Whether a color stands as a noun itself, and speaks of what is there: "out of the black"."""
+        definite = look > 0 and self._items[look - 1].text == "the"
+        return definite and not (self._items[look].change or self._after(look))
 
     def _in_clause(self, clause: int) -> list[int]:
         return [place for place, item in enumerate(self._items) if item.clause == clause]
@@ -139,11 +146,25 @@ class AbsentObjects:
         self._subject = self._subject_name()
 
     def noun_of(self, pair: TargetPair) -> str:
-        """The absent object that a look word about surfaces describes; "" where it describes none."""
+        """The absent object that a look word describes; "" where it describes none."""
+        own = self._own_of(pair)
+        return own.text if own and own.text != self._subject and self._is_absent(own) else ""
+
+    def is_astray(self, pair: TargetPair) -> bool:
+        """Whether a word that is said of light or the like would paint an object: "a yellow beam on the rug", "out of the black"."""
+        look = pair.look
+        if pair.target.kind not in MATTER or pair.becoming.slot == "material":
+            return False
+        if look.token.color and not (pair.names_itself or look.negated) and self._own.is_noun(look.index):
+            return True
+        own = self._own_of(pair)
+        return own is not None and own.noun in _NO_MATTER and not own.named and own.start > look.index
+
+    def _own_of(self, pair: TargetPair) -> NounMention | None:
+        """The noun that a word about surfaces is said of."""
         token = pair.look.token
         slot = "color" if token.color else self._vocabulary.slot(token.entry) or pair.becoming.slot
-        own = self._own.of(pair.look.index) if slot in SURFACE else None
-        return own.text if own and own.text != self._subject and self._is_absent(own) else ""
+        return self._own.of(pair.look.index) if slot in SURFACE else None
 
     def _is_absent(self, noun: NounMention) -> bool:
         """Whether a noun names an object, and none in the scene."""

@@ -117,7 +117,7 @@ def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
     """
     found = Passage([])
     number = 0
-    for tokens, following in zip(clauses, [*clauses[1:], []], strict=True):
+    for tokens, following in zip(clauses, [*clauses[1:], []], strict=False):
         found.starts.add(len(found.items))
         found.items += _without_wishes(number, tokens, found)
         # "red, green and blue balls" is one clause

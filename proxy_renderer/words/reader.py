@@ -153,16 +153,10 @@ def read_words(
 
 
 def _where_it_stands(read: Reading, pair: TargetPair, pairs: list[TargetPair]) -> TargetPair:
-    """A word with the target that its place leaves no doubt of: in the description of a light, or right before fog."""
-    items, place, color = read.pairs.passage.items, pair.look.index + 1, pair.look.token.color
-    if not read.light_numbers(pair.look):  # "greenish ground fog"
-        following = next((item for item in items[place:] if item.strength is None), None)
-        if not color or following is None or following.clause != items[place - 1].clause:
-            return pair
-        air = following.noun == "fog" or read.vocabulary.slot(following.entry) == "atmosphere"
-        return next((other for other in pairs if other.target.kind == "air"), pair) if air else pair
-    # In the description of a light: said of light unless it tells of something that is named there, "a pink one"
-    kind, mention = pair.target.kind, pair.target.mention
+    """A word in the description of a light, said of light unless it tells of something that is named there: "a pink one"."""
+    if not read.light_numbers(pair.look):
+        return pair
+    kind, mention, color = pair.target.kind, pair.target.mention, pair.look.token.color
     if mention >= 0:
         noun = read.pairs.mentions[mention]
         here = read.phrases.of.get(noun.start) == read.light_numbers(pair.look)
@@ -240,6 +234,7 @@ def _find_absent(read: Reading) -> None:
     for number, pair in enumerate(read.chosen):
         if noun := "" if pair.chosen else objects.noun_of(pair):
             lacking[noun].append(pair.look.text)
+        if noun or objects.is_astray(pair):
             read.absent.add(number)
     for noun, texts in lacking.items():
         words = ", ".join(f"'{text}'" for text in texts)

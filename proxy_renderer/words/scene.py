@@ -13,7 +13,7 @@ from ..color.floats import oklab_from_srgb
 from ..schema import Values
 from .lexer import Token
 from .lexicon.vocabulary import Vocabulary
-from .names import FITS, best, fit, guessed_fit, is_detail, limbs, parts
+from .names import FITS, best, fit, guessed_fit, is_detail, limbs, parts, plain_name
 from .passage import STRUCTURES
 from .types import GLOW, MaterialLook, SceneWords
 
@@ -210,8 +210,12 @@ class SceneIndex:
     def _chosen(self, source: str, chosen: list[str], signs: tuple[str, ...]) -> Iterator[_Found]:
         """The materials of what was chosen: all of them, without details, and the first one of each object."""
         theirs = self.words.object_materials
-        if source == "material":
-            yield from self._split(chosen, (*signs, "whole"))
+        if source == "material":  # with what the limbs wear of an object that is called like a material
+            called = (
+                (o, m) for m in chosen for o in theirs if plain_name(o) == plain_name(m) and m in theirs[o]
+            )
+            worn = [*chosen, *(limb for o, _ in called for limb in self._limbs.get(o, ()))]
+            yield from self._split(worn, (*signs, "whole"))
             return
         groups = self.words.groups if source == "group" else {}
         objects = [o for name in chosen for o in groups.get(name, (name,)) if theirs.get(o)]

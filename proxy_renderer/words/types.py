@@ -64,15 +64,15 @@ class SceneWords:
     """The names in a scene that a prompt may mean; all empty when there is no scene.
 
     Attributes:
-        subject: What the subject is called, say the mesh file's name; "" when unknown.
-        objects: Object name -> "subject" or "surroundings".
-        materials: Material name -> "subject" or "surroundings".
+        subject: Name of the subject, say the mesh file's; "" when unknown.
+        objects: Object name -> region.
+        materials: Material name -> region.
         object_materials: Object name -> names of the materials on it.
-        lights: Light name -> what may be said of it.
+        lights: Light name -> its description.
         glows: Names of materials that emit light.
         groups: Collection or parent -> names of the objects in it.
-        places: Object name -> x (-1 left, 1 right), y (0 near, 1 far), and size as a share of the picture's width.
-        looks: Material name -> how it looks at present; empty where only names are known.
+        places: Object name -> x (-1 left, 1 right), y (0 near, 1 far), and size as a share of the image's width.
+        looks: Material name -> its present look; empty where only names are known.
         sky: Whether the camera sees the sky.
     """
 
@@ -91,11 +91,7 @@ class SceneWords:
     )
 
     def made(self, make: Callable[[SceneWords, Vocabulary], T], vocabulary: Vocabulary) -> T:
-        """What is made of the names with a vocabulary, once for all prompts.
-
-        Args:
-            make: Takes the names and the vocabulary.
-        """
+        """An object that is made of the names and a vocabulary, once for all prompts."""
         if make not in self._made or self._made[make][0] is not vocabulary:
             self._made[make] = vocabulary, make(self, vocabulary)
         made: T = self._made[make][1]
@@ -110,14 +106,13 @@ class Attribute:
         word: As the prompt says it, with its intensity or negation: "very glossy", "no fog".
         entry: Name of the vocabulary entry, or of the color.
         slot: "color", "finish", "material", "lighting", "atmosphere", "grade", "mood" or "setting".
-        region: The part of the picture that it describes.
-        kind: The kind of thing that it describes: "subject", "surroundings", "sky", "light", "fog", ...
+        region: Of the image.
+        kind: Kind of the thing that it describes: "subject", "surroundings", "sky", "light", "fog", ...
         strength: 1 as named; below for "slightly", above for "very".
         negated: "no", "without", "not".
         owners: Materials that are meant; empty for all of the region.
         lamp: Number of the light that is meant, where the prompt tells several apart by color or side; else 0.
-        phrases: Numbers of the lights that the prompt describes one by one and that this word is said of, as
-            `mentions.light_phrases` counts them.
+        phrases: Numbers of the lights that the prompt describes one by one, see `attributes.light_phrases`.
         look: Number of the look word in the prompt, from 0; -1 where no reader has bound it.
         role: The lights that are meant: "key", "fill", "rim" or "others"; "" for light in general.
         color: The named color, sRGB in [0, 1]; None unless the slot is "color".

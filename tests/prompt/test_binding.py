@@ -85,8 +85,8 @@ def test_the_rest_is_all_that_was_not_named():
 
 def test_without_the_weights_it_would_be_otherwise():
     vocabulary = shipped_vocabulary()
-    reader = read_words(vocabulary, GARAGE, {"a color word of things": -9.0, "a color word of picture": 9.0})
-    (red,) = reader.read("red car").attributes
+    weights = {"a color word of things": -9.0, "a color word of picture": 9.0}
+    (red,) = read_words("red car", GARAGE, vocabulary, weights).parsed.attributes
     assert red.kind == "ambience"
 
 
@@ -150,9 +150,7 @@ def test_a_word_may_only_say_the_shade_of_the_color_after_it():
 
 
 def test_why_names_targets_scores_and_facts():
-    reader = read_words(shipped_vocabulary(), GARAGE)
-    reader.read("red car, warm desk lamp")
-    told = why(reader)
+    told = why(read_words("red car, warm desk lamp", GARAGE, shipped_vocabulary()))
     assert "→" in told
     assert "things: CarShellNew" in told
     assert "lights: Desk Lamp" in told

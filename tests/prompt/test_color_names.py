@@ -93,7 +93,6 @@ def test_between_green_and_blue_lies_teal() -> None:
     [
         ("lightblue", "light blue"),
         ("bluegreen", "blue green"),
-        ("blue/green", "blue green"),
         ("grey-blue", "grey blue"),
     ],
 )

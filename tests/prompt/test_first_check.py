@@ -22,5 +22,5 @@ def test_what_says_nothing_is_refused_with_a_remedy(prompt):
 
 
 def test_nothing_is_bound(monkeypatch):
-    monkeypatch.setattr(parser, "PromptReader", None)
+    monkeypatch.setattr(parser, "read_words", None)
     parser.refuse_without_look("glossy red cup")

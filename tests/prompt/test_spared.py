@@ -55,11 +55,6 @@ def test_a_thing_may_be_meant_without_its_parts():
     assert frozenset({"Hut"}) in targets("hut red, roof black", "things")
 
 
-def test_all_before_a_noun_is_that_noun():
-    assert [m.text for m in read("all of the pier white").mentions] == ["pier"]
-    assert [m.text for m in read("all white").mentions] == ["all"]
-
-
 def test_a_list_is_one_noun_besides_its_own():
     assert frozenset({"Hull", "Planks"}) in targets("ferry and pier white", "things")
     assert frozenset({"Hull", "Planks"}) in targets("ferry and zorp pier white", "things")

@@ -26,7 +26,14 @@ _EAST_ASIAN = ("\u2e80", "\uf900")
 _SIBILANTS = ("sses", "nses", "xes", "ches", "shes")
 TABLES = ("grammar", "behind", "looks", "things", "shades")
 """Tables of words; of a wording in several, the first counts, but shades count beside colors and materials."""
-_SETTINGS = {"name": str, "spaces": bool, "endings": str, "links": str, "particles": str}
+_SETTINGS = {
+    "name": str,
+    "spaces": bool,
+    "endings": str,
+    "links": str,
+    "particles": str,
+    "looks_follow": bool,
+}
 _PAIRS = {"endings": "the ending typed / that of the word", "particles": "the word / the look that it says"}
 """Settings that are lists of pairs -> how a pair is written."""
 _SHORTEST = 4  # characters of a word that may be a part of a compound ("Obermaterial")
@@ -134,6 +141,7 @@ class LanguageLexicon:
     Attributes:
         name: In English.
         spaces: Whether words are written apart.
+        looks_follow: Whether look words stand after their noun.
         links: Letters between the parts of a compound.
         particles: Small word -> the look that it says at the end of a clause: "Lampe aus".
         spelled: The wordings as they are written.
@@ -144,6 +152,7 @@ class LanguageLexicon:
 
     name: str
     spaces: bool
+    looks_follow: bool
     links: tuple[str, ...]
     particles: dict[str, str]
     spelled: Wordings
@@ -196,6 +205,7 @@ def load(path: Path) -> LanguageLexicon:
     return LanguageLexicon(
         name=settings["name"],
         spaces=settings["spaces"],
+        looks_follow=settings.get("looks_follow", False),
         links=_listed(settings.get("links", "")),
         particles=dict(particles),
         spelled=Wordings(_meanings(rows, as_spelled), tuple(endings)) if settings["spaces"] else plain,

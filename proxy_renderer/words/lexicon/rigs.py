@@ -30,24 +30,14 @@ _KELVINS = (1000.0, 20000.0)
 
 @dataclass(frozen=True)
 class RigLight:
-    """One light of a rig.
+    """One light of a rig, as the head of `rigs.toml` explains it; angles in degrees, lengths in the subject's radii.
 
     Attributes:
-        part: What it is for, one of `schema.added_lights.PARTS`.
         type: Blender's type.
-        azimuth: Degrees from the camera: -90 is the picture's left, 180 is behind the subject.
-        elevation: Degrees.
         mirrored: Whether the other side does as well.
-        distance: From the subject's center, in the subject's radii.
-        size: In the subject's radii; of a sun degrees.
-        kelvin: Color temperature; 0 where `color` is given.
+        kelvin: 0 where `color` is given.
         color: "#rrggbb"; "" where `kelvin` is given.
-        stops: On what it lights, against the key on the subject.
-        reach: What it lights: "subject", "pool" (the subject and a circle around it), "background" or "all".
-        names: Words of lights, glows and objects of the scene that can be this light.
         own: The light of the scene that it is, where a prompt names it; "" otherwise.
-        through: "window" where it comes in through openings.
-        pattern: Of a sun: "slats" of blinds or "leaves" that it shines through; "" for none.
     """
 
     part: str
@@ -74,23 +64,9 @@ class RigLight:
 
 @dataclass(frozen=True)
 class Rig:
-    """A lighting setup.
+    """A lighting setup, as the head of `rigs.toml` explains it; None and "" leave a value as it is.
 
     Attributes:
-        name: As in the file.
-        words: Ways to say it that the vocabulary does not have; its name is one where the vocabulary lacks it.
-        entries: Entries of the vocabulary that it is for.
-        says: What it looks like, for people.
-        kind: "source", "style", "time", "season", "mood", "hour" or "place": of several that a prompt names the first kind is the setup.
-        adds: Whether it adds its lights to another rig, or to the scene's own light: a rim light does.
-        exposure: Stops of the lit side of the subject, as a gray card has it, against middle gray.
-        own: Stops by which the scene's own lights without a part are changed.
-        world: Stops of the world's light on the subject against the key; None to leave the world.
-        world_color: "#rrggbb" of that light; "" to leave it.
-        sky: Stops of what the camera sees of the world against middle gray; None to leave it.
-        sky_color: "#rrggbb" of that; "" for the color of the world's light.
-        air: Optical depth of the air up to the subject; None to leave it.
-        grade: Effects on the film.
         lights: Its lights, the key first.
         under_sky: Whether its sky is that of an hour that the prompt names too.
     """
