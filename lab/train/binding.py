@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 import argparse
+import json
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from lab.train.fitting import Example, fit_links, fit_pairs
 from lab.train.sentences import read_folder
@@ -17,8 +19,10 @@ from lab.train.sentences.right import right_pairs
 from lab.train.sentences.stand_in import stand_in
 from proxy_renderer.words.features import reading
 from proxy_renderer.words.lexicon.vocabulary import Vocabulary, shipped_vocabulary
-from proxy_renderer.words.model import FILE, FactWeights, assigned, write
+from proxy_renderer.words.model import FILE, FactWeights, assigned
 from proxy_renderer.words.parser import prepared
+
+_SMALL = 0.02  # weights nearer to 0 are left out of the file
 
 L2 = 1.5
 """Of the penalty: half of it times the sum of squares."""
@@ -119,3 +123,10 @@ def main(argv: Sequence[str]) -> None:
     command = f"python -m lab fit --sentences {folders}{hard} --l2 {options.l2:g}"
     write(options.out, fitted.weights, command, figures)
     print(f"{figures}; {len(fitted.weights)} weights in {options.out}; {time.perf_counter() - start:.0f} s")
+
+
+def write(path: Path, weights: Mapping[str, float], command: str, figures: Mapping[str, Any]) -> None:
+    """Writes a file of weights."""
+    kept = {name: round(w, 2) for name, w in weights.items() if abs(w) >= _SMALL}
+    content = {"made by": command, "figures": dict(figures), "weights": kept}
+    path.write_text(json.dumps(content, indent=0, ensure_ascii=False) + "\n", encoding="utf-8")

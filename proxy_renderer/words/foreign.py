@@ -48,8 +48,7 @@ class Piece:
 
     Attributes:
         english: Its meaning; as it stands in the prompt where nobody knows it.
-        start: Place of its first character.
-        end: Place after its last character.
+        start, end: Places of its first character and after its last one.
         kind: A table of the lexicon, "name" of a thing in the scene, "phrase" of the vocabulary, "mark" for punctuation, or
             "unknown".
         shade: Its meaning beside a color or a material; "" for the same.

@@ -37,10 +37,9 @@ class Token:
 
     Attributes:
         text: As the prompt has it, normalized.
-        entry: Vocabulary entry that it names; "" for none.
-        color: sRGB of the color that it names.
-        adjective: A key of the vocabulary's adjectives; "" for none.
-        noun: Kind of thing that it names; "" for none.
+        color: sRGB.
+        adjective: A key of the vocabulary's adjectives.
+        noun: Kind of thing that it names.
         scene: It names a thing in the scene.
         strength: Factor on the next look word, if it is an intensity.
         lists: Names of the grammar lists that it is in: "negation", "link", ...
@@ -100,7 +99,7 @@ class Lexer:
     """
 
     def __init__(self, vocabulary: Vocabulary, words: SceneWords, foreign: Collection[str] = ()) -> None:
-        self.vocabulary, self.foreign = vocabulary, foreign
+        self.vocabulary, self.foreign = vocabulary, {*map(normalize, foreign)}
         self.names = scene_names(words)
 
     def clauses(self, prompt: str) -> list[list[Token]]:

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from .passage import Passage
 from .targets import NOWHERE, PromptPairs, TargetPair
@@ -30,7 +30,6 @@ ALIKE = (
 """Ways in which their targets do; with a word about light also "same, SLOT and SLOT"."""
 _LIKELY = 8  # targets of a look word that its links to others may decide between
 _LEAST = 1e-300  # probability of what is next to impossible
-_SMALL = 0.02  # weights nearer to 0 are left out of the file
 FactWeights = dict[str, float]
 
 
@@ -39,13 +38,6 @@ def shipped_weights() -> FactWeights:
     """The weights that are shipped."""
     weights: FactWeights = json.loads(FILE.read_text("utf-8"))["weights"]
     return weights
-
-
-def write(path: Path, weights: Mapping[str, float], command: str, figures: Mapping[str, Any]) -> None:
-    """Writes a file of weights."""
-    kept = {name: round(w, 2) for name, w in weights.items() if abs(w) >= _SMALL}
-    content = {"made by": command, "figures": dict(figures), "weights": kept}
-    path.write_text(json.dumps(content, indent=0, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
 def scores(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list[float]:

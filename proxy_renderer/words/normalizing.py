@@ -32,48 +32,15 @@ _END = r"(?=\s*(?:[,.;:!]|and\b|but\b|while\b|$))"
 _AND = re.compile(r"\s*(?:,|\band\b|\bor\b)\s*")
 
 
-@dataclass(frozen=True)
-class KeyedSpan:
-    """A passage that is said of something set before it with a colon: "Cup: copper".
-
-    Attributes:
-        name: Of the thing, as the scene has it.
-        start: Where the passage begins in the text.
-        end: Where it ends.
-    """
-
-    name: str
-    start: int
-    end: int
-
-
-@dataclass(frozen=True)
-class Protection:
-    """A passage of a prompt that says that something stays: "leave the cup alone".
-
-    Attributes:
-        text: The passage, as the prompt has it.
-        kept: The owners that stay, as `Parsed.protected` names them; empty where it names nothing of the scene.
-    """
-
-    text: str
-    kept: tuple[str, ...]
-
-    def __str__(self) -> str:
-        """For people."""
-        names = ", ".join(key.partition("/")[2] or key for key in self.kept)
-        return f"'{self.text}': {names or 'what no word names'} stays as it is."
+KeyedSpan = tuple[str, int, int]
+"""Name in the scene, and start and end of the passage after it and a colon: "Cup: copper"."""
+Protection = tuple[str, tuple[str, ...]]
+"""A passage that says that something stays, "leave the cup alone", and the owners that stay; none if it names nothing."""
 
 
 @dataclass(frozen=True)
 class Normalized:
-    """A prompt in the words that its reader knows.
-
-    Attributes:
-        text: Without its protections.
-        keyed: Its passages after keys.
-        protections: What it says should stay.
-    """
+    """A prompt in the words that its reader knows; `text` is without the passages of `protections`."""
 
     text: str
     keyed: list[KeyedSpan]
@@ -89,7 +56,7 @@ def normalized(text: str, scene: SceneWords, vocabulary: Vocabulary) -> Normaliz
     for number, part in enumerate(text.split(_MARK)):  # every other part is after a key
         key = max((key for key in own if said.endswith(_IS.format(key))), key=len, default="")
         if number % 2 and key:
-            spans.append(KeyedSpan(own[key], len(said), len(said) + len(part)))
+            spans.append((own[key], len(said), len(said) + len(part)))
         said += part
     return Normalized(said, spans, protections)
 
@@ -201,15 +168,15 @@ def _without_protections(
     text: str, scene: SceneWords, vocabulary: Vocabulary
 ) -> tuple[str, list[Protection]]:
     """A prompt without the passages that say that something stays, and these."""
-    text, found = text.replace("’", "'"), []
+    text, found = text.replace("’", "'"), list[Protection]()
     for number, pattern in enumerate(vocabulary.made(_protecting)):
         for match in pattern.finditer(text):
             kept = tuple(dict.fromkeys(_kept(match["what"], scene, vocabulary)))
             if kept or number == 0:  # "keep it warm", "the light stays soft" protect nothing
-                found.append(Protection(match[0].strip(), kept))
+                found.append((match[0].strip(), kept))
     rest = text
-    for protection in found:
-        rest = rest.replace(protection.text, ",")
+    for passage, _ in found:
+        rest = rest.replace(passage, ",")
     return (rest if rest.strip(" ,.;") else text), found
 
 

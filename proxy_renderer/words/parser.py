@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import InitVar, dataclass, field, replace
 
 from ..schema import VibeError
@@ -75,35 +75,17 @@ class Understood:
         return self._parsed
 
 
-@dataclass(frozen=True)
-class _OpenedPrompt:
-    """A prompt before its words are bound.
-
-    Attributes:
-        text: Without tags and needless white space.
-        glossed: In English words.
-        mixed: Whether some of it is in a language that is not understood.
-        normalized: As readers take it.
-    """
-
-    text: str
-    glossed: Gloss
-    mixed: bool
-    normalized: Normalized
-
-    @property
-    def foreign_words(self) -> set[str]:
-        """Words of another language that are left in it."""
-        return {normalize(word) for word in self.glossed.unknown}
-
-
 def prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> str:
     """A prompt as readers take it."""
     return normalized(gloss(text, scene, vocabulary).english, scene, vocabulary).text
 
 
-def _opened(prompt: str, scene: SceneWords, vocabulary: Vocabulary) -> _OpenedPrompt:
-    """A prompt in English words; VibeError where it is empty, too long, or in a language that is not understood."""
+def _opened(prompt: str, scene: SceneWords, vocabulary: Vocabulary) -> tuple[Gloss, bool, Normalized]:
+    """A prompt in English words, whether some of it is in a language that is not understood, and as readers take it.
+
+    Raises:
+        VibeError: It is empty, too long, or in a language that is not understood.
+    """
     text = " ".join(_TAG.sub(" ", prompt).split())
     if not text:
         raise VibeError(
@@ -115,7 +97,7 @@ def _opened(prompt: str, scene: SceneWords, vocabulary: Vocabulary) -> _OpenedPr
     foreign = "" if glossed.language else other_language(text)
     if foreign == "all":
         raise VibeError(f"The prompt '{text[:60]}' is in a language that is not understood.", understood())
-    return _OpenedPrompt(text, glossed, bool(foreign), normalized(glossed.english, scene, vocabulary))
+    return glossed, bool(foreign), normalized(glossed.english, scene, vocabulary)
 
 
 def refuse_without_look(prompt: str) -> None:
@@ -127,17 +109,17 @@ def refuse_without_look(prompt: str) -> None:
         VibeError: The prompt is empty, too long, in a language that is not understood, or has no look word.
     """
     scene, vocabulary = SceneWords(), default_vocabulary()
-    opened = _opened(prompt, scene, vocabulary)
-    found = looks(opened.normalized.text, scene, vocabulary, opened.foreign_words)
+    glossed, mixed, normal = _opened(prompt, scene, vocabulary)
+    found = looks(normal.text, scene, vocabulary, glossed.unknown)
     if not found.looks:
-        raise _without_look(opened, [" ".join(words) for words in found.wishes])
+        raise _without_look(glossed, mixed, undone=bool(found.wishes))
 
 
-def _without_look(opened: _OpenedPrompt, undone: Sequence[str], lacking: Iterable[str] = ()) -> VibeError:
+def _without_look(glossed: Gloss, mixed: bool, undone: bool, lacking: Iterable[str] = ()) -> VibeError:
     """The error for a prompt in which no look is understood."""
-    language = opened.glossed.language or ("English" if opened.mixed else "")
+    language = glossed.language or ("English" if mixed else "")
     return VibeError(
-        f"Nothing in the prompt '{opened.text[:60]}' names a look{f' in {language}' if language else ''}"
+        f"Nothing in the prompt '{glossed.prompt[:60]}' names a look{f' in {language}' if language else ''}"
         + (f": {_THINGS_STAY}" if undone else ".")
         + "".join(f" {note}" for note in lacking),
         "Name colors (teal), materials (glossy, gold), light (warm soft light), fog, grading (noir, vignette) "
@@ -184,37 +166,39 @@ def read(
         VibeError: The prompt is empty, too long, or in a language that is not understood; a target cannot be.
     """
     vocabulary = vocabulary or default_vocabulary()
-    opened = _opened(prompt, scene, vocabulary)
-    glossed, retelling, normal = opened.glossed, Retelling(opened.glossed), opened.normalized
+    glossed, mixed, normal = _opened(prompt, scene, vocabulary)
+    retelling = Retelling(glossed)
     reading = read_words(
         normal.text,
         scene,
         vocabulary,
         weights,
-        foreign=opened.foreign_words,
+        foreign=glossed.unknown,
         keyed=normal.keyed,
         targets=told,
         english={word: retelling.english(word) for word in map(plain_key, told or ()) if glossed.language},
     )
     parsed, undone, beyond = reading.parsed, reading.undone, reading.pairs.passage.beyond
-    parsed.prompt = opened.text
-    parsed.notes += map(str, normal.protections)
-    parsed.protected = tuple(dict.fromkeys(key for each in normal.protections for key in each.kept))
+    parsed.prompt = glossed.prompt
+    for passage, kept in normal.protections:
+        names = ", ".join(key.partition("/")[2] or key for key in kept)
+        parsed.notes.append(f"'{passage}': {names or 'what no word names'} stays as it is.")
+    parsed.protected = tuple(dict.fromkeys(key for _, kept in normal.protections for key in kept))
     if beyond:
         parsed.notes.append(
             f"{_quoted(beyond)}: no value of a material, light, world, fog or film gives that."
         )
     if undone:
         parsed.notes.append(f"{_quoted(undone)}: {_THINGS_STAY}")
-    if opened.mixed:
+    if mixed:
         parsed.notes.append(f"Some of the prompt is in a language that is not understood. {understood()}")
-    if not parsed.attributes or (opened.mixed and all(a.guess or a.cause for a in parsed.attributes)):
-        parsed.unknown = _without_look(opened, undone, reading.lacking)
+    if not parsed.attributes or (mixed and all(a.guess or a.cause for a in parsed.attributes)):
+        parsed.unknown = _without_look(glossed, mixed, bool(undone), reading.lacking)
     complete(parsed, vocabulary, reading.subject, reading.mentioned, scene.sky)
     if glossed.language:
         retelling.retell(parsed)
-        if unknown := glossed.unknown:
-            lacks = f"The prompt was read as {glossed.language}, which lacks: {_quoted(unknown)}."
+        if glossed.unknown:
+            lacks = f"The prompt was read as {glossed.language}, which lacks: {_quoted(glossed.unknown)}."
             parsed.notes.append(lacks)
     parsed.words = _prompt_words(reading, parsed, retelling.own)
     return parsed

@@ -55,10 +55,8 @@ class PromptLook:
 
     Attributes:
         index: Its place among the items.
-        token: The word itself.
         text: As the prompt says it, with its intensity and negation.
         strength: Of the intensities before it.
-        negated: "no", "without", "not".
     """
 
     index: int

@@ -53,10 +53,9 @@ class Reading:
     """A prompt whose look words are bound.
 
     Attributes:
-        pairs: The pairs of the prompt.
-        chosen: The pair of each of its look words.
-        phrases: The lights that it describes one by one.
-        subject: Its name, or that of the scene, for the subject.
+        chosen: The pair of each look word.
+        phrases: The lights that the prompt describes one by one.
+        subject: Its name for the subject, or that of the scene.
         parts: Id of a pair -> its part of the materials, where several looks deal them out.
         parsed: The result, without what `attributes.complete` adds.
         mentioned: The nouns with a surface: name, region and materials.
@@ -123,11 +122,9 @@ def read_words(
     pairs = reading(text, scene, vocabulary, foreign)
     # The targets that the artist has chosen, also by "Cup: copper"
     after_keys: dict[int, str] = {}
-    for span in keyed:
-        first, last = (
-            len(looks(text[:end], scene, vocabulary, foreign).looks) for end in (span.start, span.end)
-        )
-        after_keys |= dict.fromkeys(range(first, last), span.name)
+    for name, *ends in keyed:
+        first, last = (len(looks(text[:end], scene, vocabulary, foreign).looks) for end in ends)
+        after_keys |= dict.fromkeys(range(first, last), name)
     choices = Choices(targets or {}, english or {}, after_keys, scene, vocabulary)
     phrases = light_phrases(pairs.passage, vocabulary, rig_table())
     read = Reading(vocabulary, scene, weights, pairs, [], phrases, scene.subject, {}, Parsed(text))

@@ -62,9 +62,7 @@ class NounMention:
     """A noun, or several that belong together ("box and cup").
 
     Attributes:
-        start: Place of its first item.
-        end: Place of its last item.
-        text: As the prompt says it.
+        start, end: Places of its first and its last item.
         noun: Kind of thing by the vocabulary's nouns; "others" for what was not named, "unknown" for a word that nobody knows.
         role: "key", "fill" or "rim", where it names one.
         named: What it may name in the scene.

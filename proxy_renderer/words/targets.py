@@ -87,9 +87,7 @@ class TargetPair:
     """A look word with something that it may describe.
 
     Attributes:
-        look: The look word.
-        target: What it may describe.
-        becoming: What it would be there.
+        becoming: Its sense there.
         features: Facts about the two, each once, in order: sums are the same in every process.
         names_itself: The look word is in the noun that names the target: "sunlight".
         chosen: Name of the target that the artist has chosen; "" where the reader has.
@@ -105,13 +103,7 @@ class TargetPair:
 
 @dataclass(frozen=True)
 class PromptPairs:
-    """A prompt with its open questions.
-
-    Attributes:
-        passage: Its tokens and look words.
-        mentions: Its nouns.
-        pairs: Of each look word, in the order of the passage's.
-    """
+    """A prompt with its open questions: `pairs` has those of each look word, in the order of the passage's."""
 
     passage: Passage
     mentions: list[NounMention]
