@@ -189,42 +189,19 @@ def rig_table() -> RigTable:
         VibeError: Something in a file is wrong; names the file, the line and the remedy.
     """
     folder, own = Path(__file__).parent, config_folder() / "rigs.toml"
-    rigs = read((folder / "rigs.toml").read_text("utf-8"), "rigs.toml")
+    every = read((folder / "rigs.toml").read_text("utf-8"), "rigs.toml")
     if own.is_file():
-        rigs |= read(own.read_text("utf-8"), str(own))
-    modifiers = (folder / "modifiers.toml").read_text("utf-8")
-    luminaries = frozenset(_words(tomllib.loads(modifiers)["luminaries"]))
-    return RigTable(by_entry(rigs), read_modifiers(modifiers), luminaries)
-
-
-def by_entry(every: Mapping[str, Rig]) -> dict[str, Rig]:
-    """Name of a vocabulary entry -> its rig.
-
-    Raises:
-        VibeError: Two rigs are for one entry.
-    """
-    found: dict[str, Rig] = {}
+        every |= read(own.read_text("utf-8"), str(own))
+    rigs: dict[str, Rig] = {}
     for rig in every.values():
         for entry in rig.entries:
-            if entry in found:
-                raise VibeError(
-                    f"Rigs: '{entry}' is in '{found[entry].name}' and in '{rig.name}'.", "Keep one."
-                )
-            found[entry] = rig
-    return found
-
-
-def read_modifiers(text: str) -> dict[str, Modifier]:
-    """The tables [modifier.NAME], by vocabulary entry.
-
-    Raises:
-        VibeError: A row is unknown, or no number.
-    """
-    found = {}
-    for name, row in tomllib.loads(text).get("modifier", {}).items():
-        _only(row, {f.name for f in fields(Modifier)})
-        found[normalize(name)] = Modifier(**row)
-    return found
+            if entry in rigs:
+                problem = f"Rigs: '{entry}' is in '{rigs[entry].name}' and in '{rig.name}'."
+                raise VibeError(problem, "Keep one.")
+            rigs[entry] = rig
+    rows = tomllib.loads((folder / "modifiers.toml").read_text("utf-8"))
+    modifiers = {normalize(name): Modifier(**row) for name, row in rows["modifier"].items()}
+    return RigTable(rigs, modifiers, frozenset(_words(rows["luminaries"])))
 
 
 def read(text: str, place: str) -> dict[str, Rig]:

@@ -29,7 +29,7 @@ from typing import Any
 from ...color.floats import is_hex, srgb_from_hex
 from ...folders import config_folder
 from ...schema import VibeError, atomic
-from .entries import VocabularyEntry, at_line, normalize, read_entry
+from .entries import at_line, normalize, read_entry
 from .vocabulary import Vocabulary, check_opposite, shipped_vocabulary
 
 VARIABLE = "VIBE_VOCABULARY"
@@ -82,7 +82,9 @@ def extend(base: Vocabulary, path: Path) -> Vocabulary:
     looks = rows.get("look", {})
     for name, row in looks.items():
         with _located(path, text, name):
-            entries[normalize(name)] = _entry(name, row)
+            if not isinstance(row, dict):
+                raise VibeError(f"'{name}' is not a table.", f'Write [look."{name}"] above its rows.')
+            entries[normalize(name)] = read_entry(normalize(name), row)
     for name, own in ((name, entries[normalize(name)]) for name in looks):
         with _located(path, text, name):
             check_opposite(own, entries)
@@ -114,12 +116,6 @@ def _read(path: Path) -> tuple[str, dict[str, Any]]:
             remedy = f"Use [look.NAME] or [colors]; these hold {' and '.join(_TABLES.values())}."
             raise at_line(path, text, f"'{table}' is no part of a vocabulary", remedy, table)
     return text, rows
-
-
-def _entry(name: str, row: Any) -> VocabularyEntry:
-    if not isinstance(row, dict):
-        raise VibeError(f"'{name}' is not a table.", f'Write [look."{name}"] above its rows.')
-    return read_entry(normalize(name), row)
 
 
 @contextmanager
