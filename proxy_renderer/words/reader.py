@@ -150,10 +150,19 @@ def read_words(
 
 
 def _where_it_stands(read: Reading, pair: TargetPair, pairs: list[TargetPair]) -> TargetPair:
-    """A word in the description of a light, said of light unless it tells of something that is named there: "a pink one"."""
-    if not read.light_numbers(pair.look):
-        return pair
+    """A word with the target that its place leaves no doubt of.
+
+    A color right before fog or smoke is that of the air: "greenish ground fog". In the description of a light a word is said of
+    light unless it tells of something that is named there: "a pink one".
+    """
     kind, mention, color = pair.target.kind, pair.target.mention, pair.look.token.color
+    if not read.light_numbers(pair.look):
+        items, place = read.pairs.passage.items, pair.look.index
+        after = next((item for item in items[place + 1 :] if item.strength is None), None)
+        if not color or after is None or after.clause != items[place].clause:
+            return pair
+        of_air = after.noun == "fog" or read.vocabulary.slot(after.entry) == "atmosphere"
+        return next((other for other in pairs if of_air and other.target.kind == "air"), pair)
     if mention >= 0:
         noun = read.pairs.mentions[mention]
         here = read.phrases.of.get(noun.start) == read.light_numbers(pair.look)
