@@ -19,7 +19,7 @@ from lab.train.sentences.right import right_pairs
 from lab.train.sentences.stand_in import stand_in
 from proxy_renderer.words.features import reading
 from proxy_renderer.words.lexicon.vocabulary import Vocabulary, shipped_vocabulary
-from proxy_renderer.words.model import FILE, FactWeights, assigned
+from proxy_renderer.words.model import FILE, FactWeights, likeliest_row
 from proxy_renderer.words.parser import prepared
 
 _SMALL = 0.02  # weights nearer to 0 are left out of the file
@@ -85,7 +85,7 @@ def accuracy(every: Sequence[tuple[Example, FactWeights]]) -> float:
     right = []
     for example, weights in every:
         for pairs, may, chosen in zip(
-            example.read.pairs, example.right, assigned(example.read, weights), strict=True
+            example.read.pairs, example.right, likeliest_row(example.read, weights), strict=True
         ):
             right += [may[next(i for i, p in enumerate(pairs) if p is chosen)]] if any(may) else []
     return sum(right) / max(len(right), 1)

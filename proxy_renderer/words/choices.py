@@ -11,7 +11,7 @@ from ..schema import VibeError
 from ..schema.targets import GENERAL, NAME_OF, NUMBER, joined, parted
 from .lexicon.entries import normalize
 from .lexicon.vocabulary import Vocabulary
-from .targets import MATTER, ROLES, Target, TargetPair, becoming
+from .targets import MATTER, ROLES, Target, TargetPair, sense_at
 from .types import GLOW, Attribute, SceneWords
 
 _NAMES = 8  # names of one target: more are not worth reading
@@ -130,7 +130,7 @@ class Choices:
             fitting = (c for c in self._choices if c.number in (0, count) and not texts.isdisjoint(c.known))
             if choice := next(fitting, None):
                 self._used.add(choice.word)
-                means = becoming(pair.look.token, choice.target.kind, self._vocabulary)
+                means = sense_at(pair.look.token, choice.target.kind, self._vocabulary)
                 if means is None:
                     raise VibeError(
                         f"'{choice.word}' can say nothing of {choice.name!r}.",
@@ -139,7 +139,7 @@ class Choices:
                 pair = TargetPair(pair.look, choice.target, means, (), chosen=choice.name)
             elif name := self._keyed.get(number, ""):
                 target = _target(pair.look.text, name, self._scene)
-                means = becoming(pair.look.token, target.kind, self._vocabulary)
+                means = sense_at(pair.look.token, target.kind, self._vocabulary)
                 pair = TargetPair(pair.look, target, means, (), chosen=name) if means else pair
             found.append(pair)
         return found

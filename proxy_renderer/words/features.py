@@ -19,11 +19,11 @@ from .targets import (
     MATTER,
     SURFACE,
     TINGE,
-    Becoming,
     PromptPairs,
+    Sense,
     Target,
     TargetPair,
-    becoming,
+    sense_at,
     targets,
 )
 from .types import SceneWords
@@ -93,7 +93,7 @@ class ClauseForms:
         self.places: dict[int, list[int]] = defaultdict(list)  # clause -> places of its items
         for place, item in enumerate(passage.items):
             self.places[item.clause].append(place)
-        self.spares = any(mention.spared for mention in mentions)
+        self.spares = any(mention.excepted for mention in mentions)
 
     def sort_of(self, token: Token) -> str:
         """The slot of what a look word means; "adjective" where that depends on what it describes."""
@@ -150,17 +150,17 @@ class PairFeatures:
         own = [
             m for m in self.mentions if self.items[m.start].clause == self._clause and m.start > look.index
         ]
-        self._next = [fact for fact in self._beside(own) if fact.endswith("right after")]
+        self._next = [fact for fact in self._neighbors(own) if fact.endswith("right after")]
         self._unnamed = [*self._unnamed_facts(len(covering) > 0)]
 
-    def of(self, target: Target, becoming: Becoming) -> Iterator[str]:
+    def of(self, target: Target, sense: Sense) -> Iterator[str]:
         """The facts about one pair."""
         kind, group, token = target.kind, _group(target.kind), self.token
         word = f"'{token.adjective or token.entry or 'a color'}'{self._name}"  # all colors are one
         yield Fact.SORT_OF_KIND.format(sort=self._sort, kind=kind)
         yield Fact.WORD_AT.format(word=word, group=group)
         yield Fact.WORD_OF.format(word=word, kind=kind)
-        yield Fact.WAY_AT.format(way=becoming.way, group=group)
+        yield Fact.WAY_AT.format(way=sense.way, group=group)
         if "thing" in token.lists:
             yield Fact.THING_TOO.format(group=group, lead=self._lead)
         if token.color and " " in token.text:
@@ -186,7 +186,7 @@ class PairFeatures:
         yield Fact.UNNAMED_LED.format(kind=kind, lead=self._lead)
         yield Fact.UNNAMED_LED_RATHER.format(kind=kind, lead=self._lead, nouns=nouns)
         yield Fact.UNNAMED_TURN.format(kind=kind, turn=self._turn)
-        yield from (Fact.UNNAMED_BESIDE.format(kind=kind, beside=beside) for beside in self._beside(own))
+        yield from (Fact.UNNAMED_BESIDE.format(kind=kind, beside=beside) for beside in self._neighbors(own))
         places = [p for p in self.forms.places[self._clause] if not items[p].filler]
         if len(places) == 1:
             yield Fact.UNNAMED_ALONE.format(kind=kind)
@@ -199,7 +199,7 @@ class PairFeatures:
             if "hour" in items[after].lists:
                 yield Fact.UNNAMED_HOUR.format(kind=kind, sort=self._sort)
 
-    def _beside(self, nouns: list[NounMention]) -> Iterator[str]:
+    def _neighbors(self, nouns: list[NounMention]) -> Iterator[str]:
         """Kinds of the nearest nouns on each side: "white" of "piano in a white room" has the room after it."""
         look = self.look.index
         after = sorted((m for m in nouns if m.start > look), key=lambda m: (m.start, m.end))[:1]
@@ -221,7 +221,7 @@ class PairFeatures:
         where = f"{side}, {('same clause', 'next clause')[apart] if apart in (0, 1) else 'far clause'}"
         yield from self._place_facts(mention, group, where, low, high)
         # What the prompt leaves out
-        if mention.spared:
+        if mention.excepted:
             yield Fact.SPARED.format(where=where, group=group)
         elif self.forms.spares:
             yield Fact.SPARES.format(kind=target.kind)
@@ -334,15 +334,15 @@ def reading(
     return PromptPairs(found, nouns, pairs)
 
 
-def _becomings(look: PromptLook, every: list[Target], vocabulary: Vocabulary) -> dict[Target, Becoming]:
+def _becomings(look: PromptLook, every: list[Target], vocabulary: Vocabulary) -> dict[Target, Sense]:
     """Targets that a look word can describe, with what it is there."""
-    return {target: b for target in every if (b := becoming(look.token, target.kind, vocabulary))}
+    return {target: b for target in every if (b := sense_at(look.token, target.kind, vocabulary))}
 
 
 def _is_a_tone(look: PromptLook, noun: NounMention | None, found: Passage, vocabulary: Vocabulary) -> bool:
     """Whether a color is the tone of the image: "everything is pink", "all gold and lazy", and nobody paints it so."""
     words, lists, color = vocabulary.words, vocabulary.lists, look.token.color
-    if not color or noun is None or noun.text not in words["everything"] or noun.spared:
+    if not color or noun is None or noun.text not in words["everything"] or noun.excepted:
         return False
     acts = words["paints"] | words["changes"] | lists["save"] | lists["exception"] | lists["refusal"]
     clause = [item for item in found.items if item.clause == found.items[look.index].clause]

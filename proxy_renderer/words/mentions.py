@@ -51,7 +51,7 @@ _LISTABLE, _NOUNS = "TKNM", "TKNMI"
 _NOUN = f"[{_NOUNS}]n*"
 _LISTED = f"(?:[_ALOQu]*{_NOUN}(?:_*A[_ALOQu]*{_NOUN})*)"
 _THINGS = "(?:[_A]*Tn*(?:_*A[_A]*Tn*)*)"
-_SPARED = [
+_EXCEPTED = [
     re.compile(pattern)
     for pattern in (
         f"[XP]({_LISTED})",  # "except the floor and the wall"
@@ -75,8 +75,8 @@ def mentions(passage: Passage, index: SceneIndex, vocabulary: Vocabulary) -> lis
             single.append(found)
         start = found.end + 1 if found else start + 1
     single = with_picks(passage, single, index, vocabulary)
-    spared = _NounRow(passage, single, vocabulary).spared()
-    single = [replace(mention, spared=mention.start in spared) for mention in single]
+    excepted = _NounRow(passage, single, vocabulary).excepted()
+    single = [replace(mention, excepted=mention.start in excepted) for mention in single]
     lists = (_joined(run, index.words) for run in _NounRow(passage, single, vocabulary).joined())
     return [*single, *filter(None, lists)]
 
@@ -216,9 +216,9 @@ class _NounRow:
             self._letters += "," * bool(parted) + self._letter(place, token)
             self._places += [place] * (1 + bool(parted))
 
-    def spared(self) -> set[int]:
+    def excepted(self) -> set[int]:
         """Places where nouns begin that the prompt leaves out."""
-        spans = [match.span(1) for pattern in _SPARED for match in pattern.finditer(self._letters)]
+        spans = [match.span(1) for pattern in _EXCEPTED for match in pattern.finditer(self._letters)]
         return {noun.start for span in spans for noun in self._within(*span, _NOUNS)}
 
     def joined(self) -> list[list[NounMention]]:
@@ -264,10 +264,10 @@ def _joined(run: list[NounMention], words: SceneWords) -> NounMention | None:
             signs = shared | least_sure | {"joined", f"joined {first}"}
             found.append(Named(kind, names, signs))
     text = " and ".join(mention.text for mention in run)
-    spared = all(mention.spared for mention in run)
+    excepted = all(mention.excepted for mention in run)
     named = {(n.kind, n.names): n for n in reversed(found)}
     return NounMention(
-        run[0].start, run[-1].end, text, named=tuple(named.values()), members=len(run), spared=spared
+        run[0].start, run[-1].end, text, named=tuple(named.values()), members=len(run), excepted=excepted
     )
 
 

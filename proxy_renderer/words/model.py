@@ -55,7 +55,7 @@ def likeliest(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list
     """
     same: dict[object, list[tuple[TargetPair, float]]] = {}
     for pair, score in zip(pairs, scores(pairs, weights), strict=True):
-        same.setdefault((pair.target.kind, pair.target.names, pair.becoming), []).append((pair, score))
+        same.setdefault((pair.target.kind, pair.target.names, pair.sense), []).append((pair, score))
     pooled = []
     for group in same.values():
         together = math.log(sum(math.exp(score) for _, score in group) or _LEAST)
@@ -63,7 +63,7 @@ def likeliest(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list
     return sorted(pooled, key=lambda each: -each[1])[:_LIKELY]
 
 
-def assigned(read: PromptPairs, weights: Mapping[str, float]) -> list[TargetPair]:
+def likeliest_row(read: PromptPairs, weights: Mapping[str, float]) -> list[TargetPair]:
     """The pair of each look word: the likeliest of all rows of pairs, each with what links it to the one before.
 
     Viterbi's algorithm (1967). If every word came to nothing, at least one has to describe something.
@@ -152,7 +152,7 @@ def _alike(one: TargetPair, other: TargetPair) -> str:
     if nowhere:
         return "both nowhere" if nowhere == 2 else "one nowhere"
     if (a.kind, a.names) == (b.kind, b.names):
-        slots = [pair.becoming.slot for pair in (one, other) if not pair.look.negated]
+        slots = [pair.sense.slot for pair in (one, other) if not pair.look.negated]
         if ({*slots} <= {"color", "material"} and len(slots) == 2) or "lighting" in slots:
             return f"same, {' and '.join(slots)}"
         return "same, named by one" if one.names_itself != other.names_itself else "same"

@@ -153,7 +153,7 @@ class AbsentObjects:
     def is_astray(self, pair: TargetPair) -> bool:
         """Whether a word that is said of light or the like would paint an object: "a yellow beam on the rug", "out of the black"."""
         look = pair.look
-        if pair.target.kind not in MATTER or pair.becoming.slot == "material":
+        if pair.target.kind not in MATTER or pair.sense.slot == "material":
             return False
         if look.token.color and not (pair.names_itself or look.negated) and self._own.is_noun(look.index):
             return True
@@ -163,7 +163,7 @@ class AbsentObjects:
     def _own_of(self, pair: TargetPair) -> NounMention | None:
         """The noun that a word about surfaces is said of."""
         token = pair.look.token
-        slot = "color" if token.color else self._vocabulary.slot(token.entry) or pair.becoming.slot
+        slot = "color" if token.color else self._vocabulary.slot(token.entry) or pair.sense.slot
         return self._own.of(pair.look.index) if slot in SURFACE else None
 
     def _is_absent(self, noun: NounMention) -> bool:

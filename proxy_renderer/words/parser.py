@@ -23,7 +23,7 @@ from .lexicon.vocabulary import Vocabulary
 from .model import FactWeights, scores
 from .normalizing import Normalized, normalized
 from .reader import Reading, read_words
-from .targets import becoming
+from .targets import sense_at
 from .types import Candidate, Parsed, PromptWord, SceneWords
 
 _TAG = re.compile(r"</?[a-zA-Z][^<>]{0,200}>|\x1b\[[0-9;]*[A-Za-z]|[\x00-\x08\x0e-\x1f\x7f]")
@@ -286,7 +286,7 @@ def _offered(token: Token, scene: SceneWords, vocabulary: Vocabulary) -> Iterato
     """Names in a scene that a word can describe, the largest in the image first, and general ones."""
 
     def fits(kind: str) -> bool:
-        return becoming(token, kind, vocabulary) is not None
+        return sense_at(token, kind, vocabulary) is not None
 
     if fits("things"):
         yield from scene.made(_largest, vocabulary)

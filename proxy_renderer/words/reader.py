@@ -16,12 +16,12 @@ from .choices import Choices
 from .features import looks, reading
 from .lexicon.rigs import TIMES, rig_table
 from .lexicon.vocabulary import Vocabulary
-from .model import assigned, probabilities, scores, shipped_weights
+from .model import likeliest_row, probabilities, scores, shipped_weights
 from .normalizing import KeyedSpan
 from .own_nouns import AbsentObjects
 from .passage import PromptLook
 from .scene import materials_of
-from .targets import LAMPS, MATTER, NOWHERE, ROLES, TINGE, PromptPairs, TargetPair, becoming, rest
+from .targets import LAMPS, MATTER, NOWHERE, ROLES, TINGE, PromptPairs, TargetPair, rest, sense_at
 from .types import STRONGEST, WEAKEST, Attribute, Parsed, SceneWords
 
 _PLAIN = "Use plain look words that the vocabulary knows."
@@ -128,7 +128,7 @@ def read_words(
     choices = Choices(targets or {}, english or {}, after_keys, scene, vocabulary)
     phrases = light_phrases(pairs.passage, vocabulary, rig_table())
     read = Reading(vocabulary, scene, weights, pairs, [], phrases, scene.subject, {}, Parsed(text))
-    each = zip(assigned(pairs, weights), pairs.pairs, strict=True)
+    each = zip(likeliest_row(pairs, weights), pairs.pairs, strict=True)
     read.chosen = choices.bound(_where_it_stands(read, pair, others) for pair, others in each)
     parsed, passage = read.parsed, pairs.passage
     read.subject = _subject_name(read) or scene.subject
@@ -208,7 +208,7 @@ def _deal_materials(read: Reading) -> None:
     """
     described: dict[int, list[list[TargetPair]]] = defaultdict(list)
     for pair in read.chosen:
-        if pair.target.kind == "things" and "several" in pair.target.signs and pair.becoming.slot in _PAINTS:
+        if pair.target.kind == "things" and "several" in pair.target.signs and pair.sense.slot in _PAINTS:
             looks = described[pair.target.mention]
             if looks and read.pairs.passage.adjoin(looks[-1][-1].look, pair.look):  # "walnut brown"
                 looks[-1].append(pair)
@@ -286,7 +286,7 @@ def _attributes_of(read: Reading, number: int, is_part: bool) -> list[Attribute]
     before = read.chosen[number - 1] if number else pair
     if before.target.kind != TINGE:
         return said
-    alone = becoming(before.look.token, "things", read.vocabulary)  # the shade that the word before says
+    alone = sense_at(before.look.token, "things", read.vocabulary)  # the shade that the word before says
     shade = alone.entry if alone else ""
     return [shaded(each, before.look.text, shade, before.look.strength, read.vocabulary) for each in said]
 
@@ -309,11 +309,11 @@ def _is_a_light(read: Reading, look: PromptLook) -> bool:
 
 def _entry(pair: TargetPair, after: list[TargetPair]) -> str:
     """The entry of a look word; of "emerald velvet" the emerald is the color of the next material."""
-    token, becoming = pair.look.token, pair.becoming
+    token, sense = pair.look.token, pair.sense
     own = token.name or token.text
-    if after and token.color and becoming.slot == after[0].becoming.slot == "material":
-        return own if after[0].look.index == pair.look.index + 1 else becoming.entry
-    return becoming.entry or own
+    if after and token.color and sense.slot == after[0].sense.slot == "material":
+        return own if after[0].look.index == pair.look.index + 1 else sense.entry
+    return sense.entry or own
 
 
 def _attributes(
@@ -354,7 +354,7 @@ def _attributes(
 
 def _thing(read: Reading, pair: TargetPair) -> Thing:
     """The thing that a pair binds its look word to; one with a surface is mentioned."""
-    target, scene, slot = pair.target, read.scene, pair.becoming.slot
+    target, scene, slot = pair.target, read.scene, pair.sense.slot
     kind, word = target.kind, pair.look.token.text
     # The name that the prompt gives it
     if target.mention >= 0:
@@ -368,7 +368,7 @@ def _thing(read: Reading, pair: TargetPair) -> Thing:
     if kind == "picture":  # the image, or what a word about many things is about in the first place
         if slot == "color":
             return Thing("tone", name, "whole") if target.mention >= 0 else Thing("ambience", "tint", "whole")
-        if pair.becoming.way == "row":
+        if pair.sense.way == "row":
             return Thing("tone", word, "whole")
         about = _OF_SLOT.get(slot, "whole")
         return Thing(about, word, "surroundings" if about == "surroundings" else "whole")
@@ -395,7 +395,7 @@ def _matter(read: Reading, pair: TargetPair, name: str) -> Thing:
     region: Region = "surroundings" if around else "subject"
     # "background" that is the only wall of a scene, or "the rest" that is all walls, is all that lies around, the sky too
     by_kind = target.kind == "others" or any(s.endswith("synonym") for s in target.signs)
-    if pair.becoming.slot == "setting" or (by_kind and {*owners} == materials_of("surroundings", scene)):
+    if pair.sense.slot == "setting" or (by_kind and {*owners} == materials_of("surroundings", scene)):
         region, owners = "surroundings", ()
     read.mentioned.append((name, region, owners))
     return Thing(region, name, region, read.parts.get(id(pair), owners))

@@ -67,7 +67,7 @@ class NounMention:
         role: "key", "fill" or "rim", where it names one.
         named: What it may name in the scene.
         members: Of several nouns, how many.
-        spared: The prompt leaves it out: "everything but the floor".
+        excepted: The prompt leaves it out: "everything but the floor".
     """
 
     start: int
@@ -77,7 +77,7 @@ class NounMention:
     role: str = ""
     named: tuple[Named, ...] = ()
     members: int = 1
-    spared: bool = False
+    excepted: bool = False
 
     def covers(self, index: int) -> bool:
         """Whether an item is one of its own."""
@@ -117,7 +117,7 @@ def taken(mentions: Iterable[NounMention], words: SceneWords) -> frozenset[str]:
     names: set[str] = set()
     for mention in mentions:
         best = surest(mention, "things", "object") if mention.members == 1 else None
-        if mention.spared and (best is None or fit_rank(best) >= _VAGUE):
+        if mention.excepted and (best is None or fit_rank(best) >= _VAGUE):
             names |= materials_of(REGIONS.get(mention.noun, ""), words)
         names |= best.names if best else set()
     return frozenset(names)

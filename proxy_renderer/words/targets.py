@@ -68,7 +68,7 @@ class Target:
 
 
 @dataclass(frozen=True)
-class Becoming:
+class Sense:
     """The sense of a look word at a target.
 
     Attributes:
@@ -87,7 +87,7 @@ class TargetPair:
     """A look word with something that it may describe.
 
     Attributes:
-        becoming: Its sense there.
+        sense: Of the word there.
         features: Facts about the two, each once, in order: sums are the same in every process.
         names_itself: The look word is in the noun that names the target: "sunlight".
         chosen: Name of the target that the artist has chosen; "" where the reader has.
@@ -95,7 +95,7 @@ class TargetPair:
 
     look: PromptLook
     target: Target
-    becoming: Becoming
+    sense: Sense
     features: tuple[str, ...]
     names_itself: bool = False
     chosen: str = ""
@@ -119,7 +119,7 @@ def targets(mentions: list[NounMention], words: SceneWords) -> list[Target]:
             theirs = frozenset(name for name, light in words.lights.items() if light.role == kind)
             names = rest(mentions, words) if kind == "others" else theirs
             found.append(Target(kind, names, number, frozenset({f"noun {mention.noun}"})))
-        if not mention.spared:
+        if not mention.excepted:
             found += _without(number, mention, mentions, words)
     return found
 
@@ -129,11 +129,11 @@ def _without(
 ) -> Iterator[Target]:
     """Materials of a noun without those of other nouns: "the robot, not the cables", "the hut red, its roof black"."""
     things = [(n.names, n.signs) for n in mention.named if n.kind == "things"]
-    spared = taken((m for m in mentions if m.spared), words)
+    excepted = taken((m for m in mentions if m.excepted), words)
     for names, signs in things:
-        if names & spared and names - spared:
-            yield Target("things", names - spared, number, signs | {"without what is spared"})
-    others = [taken([m], words) for m in mentions if m.members == 1 and m is not mention and not m.spared]
+        if names & excepted and names - excepted:
+            yield Target("things", names - excepted, number, signs | {"without what is spared"})
+    others = [taken([m], words) for m in mentions if m.members == 1 and m is not mention and not m.excepted]
     for names, signs in things:
         parts = frozenset().union(*(other for other in others if other < names))
         if parts and names - parts:
@@ -152,10 +152,10 @@ def rest(
     return frozenset(n for n in left if not is_detail(n)) or left
 
 
-def becoming(token: Token, kind: str, vocabulary: Vocabulary) -> Becoming | None:
+def sense_at(token: Token, kind: str, vocabulary: Vocabulary) -> Sense | None:
     """The sense of a word at a kind of target; None if it cannot describe it."""
     if kind in NOWHERE:
-        return Becoming("", "", "own")
+        return Sense("", "", "own")
     rows = vocabulary.adjectives.get(token.adjective, {})
     senses = [("row", rows.get(k, "")) for k in _KINDS[kind]] + [("own", token.entry)]
     if kind == "picture" and token.entry and vocabulary.entries[token.entry].slot == "grade":
@@ -165,10 +165,10 @@ def becoming(token: Token, kind: str, vocabulary: Vocabulary) -> Becoming | None
     senses.append(("otherwise", rows.get("otherwise", "")))
     for way, entry in [*senses, *(("elsewhere", e) for e in _elsewhere(token, kind, vocabulary))]:
         if way == "color":
-            return Becoming("", "color", way)
+            return Sense("", "color", way)
         blooms = way == "row" and kind == "light" and entry == rows.get(kind)  # "a glowing light"
         if entry and (blooms or _describes(entry, kind, vocabulary)):
-            return Becoming(entry, vocabulary.entries[entry].slot, way)
+            return Sense(entry, vocabulary.entries[entry].slot, way)
     return None
 
 

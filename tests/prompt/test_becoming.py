@@ -5,7 +5,7 @@ import pytest
 
 from proxy_renderer.words.lexer import Lexer, Token
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.words.targets import becoming
+from proxy_renderer.words.targets import sense_at
 from proxy_renderer.words.types import SceneWords
 
 VOCABULARY = shipped_vocabulary()
@@ -25,7 +25,7 @@ def token(word):
 
 
 def sense(word, kind):
-    found = becoming(token(word), kind, VOCABULARY)
+    found = sense_at(token(word), kind, VOCABULARY)
     return found.entry if found else None
 
 
@@ -82,5 +82,5 @@ def test_every_row_is_of_use(kind):
     for word, entry in VOCABULARY.elsewhere[kind].items():
         tokens = [Token(word, adjective=word if word in VOCABULARY.adjectives else "")]
         tokens += [Token(word, entry=word)] if word in VOCABULARY.entries else []
-        found = [b.entry for t in tokens if (b := becoming(t, _TARGETS[kind], VOCABULARY))]
+        found = [b.entry for t in tokens if (b := sense_at(t, _TARGETS[kind], VOCABULARY))]
         assert entry in found or word in meant, word

@@ -10,7 +10,7 @@ import pytest
 
 from proxy_renderer.words.features import reading
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.words.model import assigned
+from proxy_renderer.words.model import likeliest_row
 from proxy_renderer.words.names import fit, parts
 from proxy_renderer.words.parser import parse, why
 from proxy_renderer.words.reader import read_words
@@ -113,7 +113,7 @@ def test_names_fit(said, name, way):
 def test_what_links_two_words_decides_between_targets_that_are_alike(weight, things):
     read = reading("red blue car crate", GARAGE, shipped_vocabulary())
     weights = {"a color word of things": 5.0, "link side by side: same, color and color": weight}
-    assert len({pair.target.names for pair in assigned(read, weights)}) == things
+    assert len({pair.target.names for pair in likeliest_row(read, weights)}) == things
 
 
 BALLS = SceneWords(

@@ -39,7 +39,7 @@ def targets(prompt, kind):
     ],
 )
 def test_what_is_left_out_is_marked(prompt, spared):
-    assert [m.text for m in read(prompt).mentions if m.spared and m.members == 1] == spared
+    assert [m.text for m in read(prompt).mentions if m.excepted and m.members == 1] == spared
 
 
 def test_the_rest_is_without_what_is_left_out():

@@ -69,15 +69,14 @@ def _unlabeled(
     if any(themselves):
         return [t or (known and r) for t, r in zip(themselves, right, strict=True)]
     around = [
-        not a_thing and pair.becoming.slot == "setting" and pair.target.kind == "surroundings"
-        for pair in pairs
+        not a_thing and pair.sense.slot == "setting" and pair.target.kind == "surroundings" for pair in pairs
     ]
     return [r or a for r, a in zip(right, around, strict=True)]
 
 
 def _directs(pair: TargetPair) -> bool:
     """Whether a word says where the light comes from that it describes."""
-    entry = shipped_vocabulary().entries.get(pair.becoming.entry)
+    entry = shipped_vocabulary().entries.get(pair.sense.entry)
     effects = entry.effects if entry else ()
     return any(e.name in ("azimuth", "elevation") and not e.weak for e in effects)
 
@@ -131,7 +130,7 @@ def is_right(pair: TargetPair, wanted: LabelTarget, scene: LabeledScene) -> bool
     if wanted.kind == "picture" and kind in ("shadow", "highlight"):
         return True
     if wanted.kind == "picture" and kind in ("light", "air"):
-        return pair.becoming.slot in _GENERAL and pair.becoming.way == "own"
+        return pair.sense.slot in _GENERAL and pair.sense.way == "own"
     return kind == wanted.kind
 
 
