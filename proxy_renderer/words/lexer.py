@@ -27,6 +27,7 @@ _COMPARED = ("finish", "grade", "mood", "atmosphere")
 """Slots of words of which there can be more: "glossier", "moodier", "drier"."""
 _NAME_ALIKE, _ALIKE = 0.86, 0.84  # share of characters that a mistyped name, and any other word, has right
 _BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*#=+]|\s[-–—/]\s|/")
+_SLASHED = re.compile(r"\b[A-Za-z]+/[A-Za-z]+\b")
 ShadeArguments = tuple[float, float, float, float]
 """Arguments of `color.shade`."""
 
@@ -104,9 +105,15 @@ class Lexer:
 
     def clauses(self, prompt: str) -> list[list[Token]]:
         """Tokens of each clause of a prompt."""
-        text = normalize(re.sub(r"\s*&\s*", " and ", prompt))
+        text = normalize(_SLASHED.sub(self._unslashed, re.sub(r"\s*&\s*", " and ", prompt)))
         words = [re.findall(r"[^\W_]+(?:'[a-z]+)?", part) for part in _BREAK.split(text)]
         return [self._tokens(self._spelled(part)) for part in words if part]
+
+    def _unslashed(self, pair: re.Match[str]) -> str:
+        """ "Blue/green" as "blue green", where that is one color."""
+        words, colors = pair[0].lower().split("/"), self.vocabulary.colors
+        one = " ".join(words)
+        return one if one in colors or compound(words, colors) else pair[0]
 
     def _spelled(self, words: list[str]) -> list[str]:
         """The words that are meant by those typed in a hurry, by "on" at the end, and by "bluegreen" and "lightblue"."""

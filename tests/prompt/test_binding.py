@@ -17,7 +17,7 @@ from proxy_renderer.words.reader import read_words
 from proxy_renderer.words.types import LightWords, SceneWords
 
 _READS = """
-from proxy_renderer.words.binding.pairs import reading
+from proxy_renderer.words.features import reading
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.words.types import SceneWords
 

@@ -93,6 +93,7 @@ def test_between_green_and_blue_lies_teal() -> None:
     [
         ("lightblue", "light blue"),
         ("bluegreen", "blue green"),
+        ("blue/green", "blue green"),
         ("grey-blue", "grey blue"),
     ],
 )

@@ -67,7 +67,7 @@ def test_a_lexicon_has_the_basic_colors_and_hundreds_of_words(lexicon):
         ("kälteres Licht, kalter Nebel", "cooler light, cool fog"),
         ("椅子比地板暗", "chair than floor dark"),
         ("椅子は床より暗い", "chair is than floor dark"),
-        ("光線再柔和一點", "light soft more"),
+        ("光線再柔和一點", "light more soft"),
         ("film noir", "film noir"),
         ("glossy teal car, 柔らかい光", "glossy teal car, soft light"),
     ],

@@ -122,12 +122,6 @@ def test_keys_and_values_are_read_as_a_sentence(prompt, entries):
     assert {(a.entry, a.negated) for a in parsed.attributes if not a.cause} == entries
 
 
-def test_the_color_of_the_air_is_the_words():
-    parsed = parse("underwater, murky green", SceneWords())
-    assert "haze_color" in {wish.quantity for wish in goals_of(parsed).wishes if wish.attribute.color}
-    assert {"ambience", "fog"} <= {a.kind for a in parsed.attributes if a.color}
-
-
 @pytest.mark.parametrize(
     ("prompt", "kind"),
     [
