@@ -14,7 +14,7 @@ from proxy_renderer.words.reader import read_words
 from proxy_renderer.words.targets import NOWHERE
 from proxy_renderer.words.types import LightWords, SceneWords
 
-FILE = Path(__file__).parent / "prompt" / "ordinary_words.toml"
+FILE = Path(__file__).parent / "words" / "ordinary_words.toml"
 ROOM = SceneWords(
     "Chair",
     {"Chair": "subject", "Table": "surroundings", "Wall": "surroundings", "Floor": "surroundings"},

@@ -26,7 +26,7 @@ from .types import STRONGEST, WEAKEST, Attribute, Parsed, SceneWords
 
 _PLAIN = "Use plain look words that the vocabulary knows."
 _UNSURE = 0.35
-"""Probability that a word is no look from which it is not used; chosen on a half of tests/prompt/ordinary_words.toml."""
+"""Probability that a word is no look from which it is not used; chosen on a half of tests/words/ordinary_words.toml."""
 _LESS = 0.7  # share of the opposite that "less" asks for
 _KINDS = {"lights": "light", "key": "light", "air": "fog"}
 """Kind of target -> kind of thing, where they differ."""
