@@ -20,7 +20,7 @@ PACKAGES = {
 LAYERS = {
     "proxy_renderer": """
         schema=schema.options . blender color scene
-        words.lexicon words=words.mentions=words.binding=words.languages goals planning=planning.lights vlm inputs batch.manifest batch
+        words.lexicon words goals planning=planning.lights vlm inputs batch.manifest batch
         render.film render.geometry render.material render.lights=render.lights.types render.transport render.edges render.surface
         render.cycles render claims.measures claims rigs reference.files reference
         guidance optimize=optimize.inner=optimize.rounds engine

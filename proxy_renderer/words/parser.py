@@ -22,7 +22,7 @@ from .lexicon.user_words import default_vocabulary
 from .lexicon.vocabulary import Vocabulary
 from .model import FactWeights, scores
 from .normalizing import Normalized, normalized
-from .reader import Reading, read_words
+from .reader import PromptReading, read_words
 from .targets import sense_at
 from .types import Candidate, Parsed, PromptWord, SceneWords
 
@@ -211,7 +211,7 @@ def _quoted(words: Iterable[str]) -> str:
 # Accounts for people
 
 
-def why(reading: Reading) -> str:
+def why(reading: PromptReading) -> str:
     """Each look word with its likeliest targets and the facts that weigh most; the chosen target is marked by an arrow."""
     lines = ["Why (each look word with its likeliest targets, and the facts that weigh most)"]
     weights = reading.weights
@@ -227,7 +227,9 @@ def why(reading: Reading) -> str:
     return "\n".join(lines)
 
 
-def _prompt_words(reading: Reading, parsed: Parsed, own: Callable[[str], str]) -> tuple[PromptWord, ...]:
+def _prompt_words(
+    reading: PromptReading, parsed: Parsed, own: Callable[[str], str]
+) -> tuple[PromptWord, ...]:
     """The look words of a prompt and the words that are left out, in the order of the text.
 
     Args:
@@ -242,7 +244,9 @@ def _prompt_words(reading: Reading, parsed: Parsed, own: Callable[[str], str]) -
     return _placed(words, parsed.prompt)
 
 
-def _look_word(reading: Reading, parsed: Parsed, number: int, own: Callable[[str], str]) -> PromptWord | None:
+def _look_word(
+    reading: PromptReading, parsed: Parsed, number: int, own: Callable[[str], str]
+) -> PromptWord | None:
     """A look word; None where it is part of another word, or a later word takes it back."""
     pair = reading.chosen[number]
     attributes = [a for a in parsed.attributes if a.look == number and not a.cause]
@@ -267,7 +271,7 @@ def _look_word(reading: Reading, parsed: Parsed, number: int, own: Callable[[str
     )
 
 
-def _candidates(reading: Reading, number: int, target: str) -> tuple[Candidate, ...]:
+def _candidates(reading: PromptReading, number: int, target: str) -> tuple[Candidate, ...]:
     """The target of a look word, then what else it likely describes; "not used" is offered last, by the menu."""
     chosen = reading.chosen[number]
     found = {target: 0.0}

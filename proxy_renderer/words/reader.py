@@ -49,7 +49,7 @@ class Thing:
 
 
 @dataclass
-class Reading:
+class PromptReading:
     """A prompt whose look words are bound.
 
     Attributes:
@@ -104,7 +104,7 @@ def read_words(
     targets: Mapping[str, str] | None = None,
     english: Mapping[str, str] | None = None,
     is_part: bool = False,
-) -> Reading:
+) -> PromptReading:
     """Scores every look word with everything that it may describe, and takes the likeliest row of all.
 
     Args:
@@ -127,7 +127,7 @@ def read_words(
         after_keys |= dict.fromkeys(range(first, last), name)
     choices = Choices(targets or {}, english or {}, after_keys, scene, vocabulary)
     phrases = light_phrases(pairs.passage, vocabulary, rig_table())
-    read = Reading(vocabulary, scene, weights, pairs, [], phrases, scene.subject, {}, Parsed(text))
+    read = PromptReading(vocabulary, scene, weights, pairs, [], phrases, scene.subject, {}, Parsed(text))
     each = zip(likeliest_row(pairs, weights), pairs.pairs, strict=True)
     read.chosen = choices.bound(_where_it_stands(read, pair, others) for pair, others in each)
     parsed, passage = read.parsed, pairs.passage
@@ -149,7 +149,7 @@ def read_words(
     return read
 
 
-def _where_it_stands(read: Reading, pair: TargetPair, pairs: list[TargetPair]) -> TargetPair:
+def _where_it_stands(read: PromptReading, pair: TargetPair, pairs: list[TargetPair]) -> TargetPair:
     """A word with the target that its place leaves no doubt of.
 
     A color right before fog or smoke is that of the air: "greenish ground fog". In the description of a light a word is said of
@@ -179,13 +179,13 @@ def _where_it_stands(read: Reading, pair: TargetPair, pairs: list[TargetPair]) -
     return next((other for other in pairs if other.target.kind == (role or "light")), pair)
 
 
-def _is_definite(read: Reading, look: PromptLook) -> bool:
+def _is_definite(read: PromptReading, look: PromptLook) -> bool:
     """Whether a word that could be a thing is spoken of as one: "the candle is red"."""
     before = read.pairs.passage.items[look.index - 1 : look.index]
     return any(item.text in read.vocabulary.lists["definite"] for item in before)
 
 
-def _subject_name(read: Reading) -> str:
+def _subject_name(read: PromptReading) -> str:
     """The noun by which the prompt calls a subject whose names the scene does not tell: "car" of a scene of cubes."""
     mentions = read.pairs.mentions
     used = {p.look.index for p in read.chosen if p.target.kind not in NOWHERE}
@@ -201,7 +201,7 @@ def _subject_name(read: Reading) -> str:
     return next((m.text for m in mine if not any(m.covers(index) for index in used)), "")
 
 
-def _deal_materials(read: Reading) -> None:
+def _deal_materials(read: PromptReading) -> None:
     """Deals the materials of one noun out to its colors: "red, green and blue balls"; a note says so.
 
     The first color gets the material of the largest object, and so on in turn.
@@ -234,7 +234,7 @@ def _by_size(names: frozenset[str], scene: SceneWords) -> list[str]:
     return sorted(sizes, key=lambda name: -sizes[name])
 
 
-def _find_absent(read: Reading) -> None:
+def _find_absent(read: PromptReading) -> None:
     """Finds the words whose object the scene lacks; the notes get a sentence for each object."""
     objects, lacking = AbsentObjects(read.pairs, read.scene, read.vocabulary), defaultdict(list)
     for number, pair in enumerate(read.chosen):
@@ -248,7 +248,7 @@ def _find_absent(read: Reading) -> None:
     read.parsed.notes += read.lacking
 
 
-def _attributes_of(read: Reading, number: int, is_part: bool) -> list[Attribute] | None:
+def _attributes_of(read: PromptReading, number: int, is_part: bool) -> list[Attribute] | None:
     """The attributes of a look word; none where it is not used, None where it is part of another word or of a name."""
     pair = read.chosen[number]
     look, kind, lights = pair.look, pair.target.kind, read.light_numbers(pair.look)
@@ -291,7 +291,7 @@ def _attributes_of(read: Reading, number: int, is_part: bool) -> list[Attribute]
     return [shaded(each, before.look.text, shade, before.look.strength, read.vocabulary) for each in said]
 
 
-def _is_unsure(read: Reading, pair: TargetPair, pairs: Sequence[TargetPair]) -> bool:
+def _is_unsure(read: PromptReading, pair: TargetPair, pairs: Sequence[TargetPair]) -> bool:
     """Whether a word may as well be none that speaks of a look, and no noun says what it describes."""
     if pair.target.mention >= 0 or pair.target.kind not in (*MATTER, "picture") or len(read.chosen) == 1:
         return False
@@ -299,7 +299,7 @@ def _is_unsure(read: Reading, pair: TargetPair, pairs: Sequence[TargetPair]) -> 
     return sum(math.exp(score) for score, each in likely if each.target.kind == "none") > _UNSURE
 
 
-def _is_a_light(read: Reading, look: PromptLook) -> bool:
+def _is_a_light(read: PromptReading, look: PromptLook) -> bool:
     """Whether a word that seems to name a thing is a source of light that a rig is for: "a single candle on the left"."""
     rig = rig_table().rigs.get(look.token.entry)
     if rig is None or rig.kind not in ("source", *TIMES) or rig.adds or look.token.guess:
@@ -317,7 +317,7 @@ def _entry(pair: TargetPair, after: list[TargetPair]) -> str:
 
 
 def _attributes(
-    read: Reading, word: PromptLook, entry: str, thing: Thing, lights: tuple[int, ...], is_part: bool
+    read: PromptReading, word: PromptLook, entry: str, thing: Thing, lights: tuple[int, ...], is_part: bool
 ) -> Iterator[Attribute]:
     """The attributes that a look word gives a thing; a mood brings those of its meaning, each read without a scene."""
     known = read.vocabulary.entries.get(entry)
@@ -352,7 +352,7 @@ def _attributes(
             yield replace(part, cause=word.text, strength=strength, guess=guess, phrases=())
 
 
-def _thing(read: Reading, pair: TargetPair) -> Thing:
+def _thing(read: PromptReading, pair: TargetPair) -> Thing:
     """The thing that a pair binds its look word to; one with a surface is mentioned."""
     target, scene, slot = pair.target, read.scene, pair.sense.slot
     kind, word = target.kind, pair.look.token.text
@@ -382,7 +382,7 @@ def _thing(read: Reading, pair: TargetPair) -> Thing:
     )
 
 
-def _matter(read: Reading, pair: TargetPair, name: str) -> Thing:
+def _matter(read: PromptReading, pair: TargetPair, name: str) -> Thing:
     """Materials, or a whole region."""
     target, scene = pair.target, read.scene
     names = target.names
@@ -401,7 +401,7 @@ def _matter(read: Reading, pair: TargetPair, name: str) -> Thing:
     return Thing(region, name, region, read.parts.get(id(pair), owners))
 
 
-def _unknown(read: Reading) -> Iterator[str]:
+def _unknown(read: PromptReading) -> Iterator[str]:
     """Words that name nothing that is known, and are no look either."""
     items, mentions = read.pairs.passage.items, read.pairs.mentions
     bound = {pair.look.index for pair in read.chosen if pair.target.kind != "none"}
@@ -412,7 +412,7 @@ def _unknown(read: Reading) -> Iterator[str]:
     yield from (t.text for t in items if "count" in t.lists or t.text.isdigit())
 
 
-def _guessed_names(read: Reading) -> Iterable[tuple[str, str]]:
+def _guessed_names(read: PromptReading) -> Iterable[tuple[str, str]]:
     """Words that are the name of a thing of the scene with a mistake."""
     for mention in read.pairs.mentions:
         named = next((n for n in mention.named if "object misspelled" in n.signs), None)
