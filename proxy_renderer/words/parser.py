@@ -13,7 +13,6 @@ from ..schema.limits import LONGEST_PROMPT
 from ..schema.options import checks
 from ..schema.targets import GENERAL, NOT_USED, OFFERED, joined
 from .attributes import complete
-from .choices import described_name, key_numbers, plain_key, target_name
 from .features import looks
 from .foreign import Gloss, Retelling, gloss, other_language, understood
 from .lexer import Token
@@ -23,7 +22,7 @@ from .lexicon.vocabulary import Vocabulary
 from .model import FactWeights, scores
 from .normalizing import Normalized, normalized
 from .reader import PromptReading, read_words
-from .targets import sense_at
+from .targets import described_name, key_numbers, plain_key, sense_at, target_name
 from .types import Candidate, Parsed, PromptWord, SceneWords
 
 _TAG = re.compile(r"</?[a-zA-Z][^<>]{0,200}>|\x1b\[[0-9;]*[A-Za-z]|[\x00-\x08\x0e-\x1f\x7f]")

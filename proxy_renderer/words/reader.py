@@ -12,7 +12,6 @@ from functools import cached_property
 from ..schema import VibeError
 from ..schema.spec import Region
 from .attributes import LightPhrases, NamedThing, light_phrases, shaded
-from .choices import Choices
 from .features import looks, reading
 from .lexicon.rigs import TIMES, rig_table
 from .lexicon.vocabulary import Vocabulary
@@ -21,7 +20,7 @@ from .normalizing import KeyedSpan
 from .own_nouns import AbsentObjects
 from .passage import PromptLook
 from .scene import materials_of
-from .targets import LAMPS, MATTER, NOWHERE, ROLES, TINGE, PromptPairs, TargetPair, rest, sense_at
+from .targets import LAMPS, MATTER, NOWHERE, ROLES, TINGE, Choices, PromptPairs, TargetPair, rest, sense_at
 from .types import STRONGEST, WEAKEST, Attribute, Parsed, SceneWords
 
 _PLAIN = "Use plain look words that the vocabulary knows."
