@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import torch
 import torch.nn.functional as F
@@ -54,3 +54,17 @@ class Assessment:
     def detached(self) -> Assessment:
         """The same without gradients."""
         return replace(self, values=self.values.detach(), rest=self.rest.detach())
+
+
+class Slopes(NamedTuple):
+    """What is judged at a point, and how it changes by n components of u.
+
+    Attributes:
+        here: Without gradients.
+        values: (M, n) of the values.
+        rest: (n,) of the rest.
+    """
+
+    here: Assessment
+    values: Tensor
+    rest: Tensor

@@ -18,10 +18,9 @@ import torch
 from torch import Tensor
 
 from ..vector import project
-from .assessment import Assessment
+from .assessment import Assessment, Slopes
 from .descent import Descent
 from .linear_model import LinearModel
-from .slopes import Slopes
 
 _TAKEN = 2
 """Times that slopes are taken in one loop."""

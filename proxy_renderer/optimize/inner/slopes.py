@@ -4,29 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 import torch
 from torch import Tensor
 
-from .assessment import Assessment
+from .assessment import Assessment, Slopes
 
 _NEAR = 5.0
 """Noticeable steps inside of an end of what is wanted, from where one step does not lose it."""
-
-
-class Slopes(NamedTuple):
-    """What is judged at a point, and how it changes by n components of u.
-
-    Attributes:
-        here: Without gradients.
-        values: (M, n) of the values.
-        rest: (n,) of the rest.
-    """
-
-    here: Assessment
-    values: Tensor
-    rest: Tensor
 
 
 def asked(found: Assessment) -> Tensor:
