@@ -16,8 +16,8 @@ import torch
 from torch import Tensor
 
 from .drawing import chosen_values
-from .inner.assessment import Assessment, Slopes
 from .inner.slopes import gradients
+from .least_squares import Assessment, Slopes
 from .shots import ShotState
 
 if TYPE_CHECKING:

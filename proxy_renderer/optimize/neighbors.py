@@ -15,7 +15,7 @@ import torch
 from torch import Tensor
 
 from .drawing import chosen_values
-from .inner.assessment import Assessment
+from .least_squares import Assessment
 from .shots import ShotState
 
 if TYPE_CHECKING:

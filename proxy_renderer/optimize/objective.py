@@ -12,9 +12,8 @@ from torch import Tensor
 from ..guidance.guide import Weights
 from ..guidance.losses import border_loss, claims_loss, hue_consistency_loss, prior_loss
 from .forward import forward_slopes, pictures_for
-from .inner.assessment import Assessment, Slopes
-from .inner.descent import fixed_views
 from .inner.slopes import backward_slopes, difference_slopes
+from .least_squares import Assessment, Slopes, fixed_views
 from .neighbors import Neighbors
 from .shots import ShotState
 from .vector import ParameterVector

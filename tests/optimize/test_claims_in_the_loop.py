@@ -10,7 +10,7 @@ from tiny_job import write_job
 
 from proxy_renderer.claims.wanted import claims_of
 from proxy_renderer.engine.claimed import claims_about, foreseen
-from proxy_renderer.optimize.inner.descent import fixed_views
+from proxy_renderer.optimize.least_squares import fixed_views
 from proxy_renderer.optimize.rounds import refinement
 from proxy_renderer.optimize.rounds import search as rounds
 from proxy_renderer.optimize.rounds.confiner import Start

@@ -11,7 +11,7 @@ from proxy_renderer.guidance.guide import Weights
 from proxy_renderer.guidance.losses import claims_loss
 from proxy_renderer.optimize import objective as objectives
 from proxy_renderer.optimize import pipeline
-from proxy_renderer.optimize.inner.descent import fixed_views
+from proxy_renderer.optimize.least_squares import fixed_views
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.prompt import understood
 from proxy_renderer.render.proxy import Proxy

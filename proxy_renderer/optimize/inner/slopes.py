@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 import torch
 from torch import Tensor
 
-from .assessment import Assessment, Slopes
+from ..least_squares import Assessment, Slopes
 
 _NEAR = 5.0
 """Noticeable steps inside of an end of what is wanted, from where one step does not lose it."""

@@ -18,8 +18,7 @@ from ...planning.types import Plan
 from ...render.proxy import Render
 from ...schema import Instance, VibeError
 from ...schema.messages import Options
-from ..inner.descent import Descent
-from ..inner.least_squares import solve
+from ..least_squares import Descent, solve
 from ..shots import ShotState
 from ..vector import ParameterVector
 from .confiner import Confined

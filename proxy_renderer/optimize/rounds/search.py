@@ -26,7 +26,7 @@ from ...scene import SceneData
 from ...schema import VibeError
 from ...schema.messages import Options
 from .. import context
-from ..inner.descent import Descent
+from ..least_squares import Descent
 from ..looks import Looks
 from ..progress import Clock, Observer
 from ..shots import ShotInput, ShotState, gathered

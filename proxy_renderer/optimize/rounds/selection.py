@@ -20,8 +20,7 @@ from ...guidance.guide import Weights
 from ...planning.types import Plan
 from ...schema import VibeError
 from ...schema.messages import Options
-from ..inner.least_squares import linearize
-from ..inner.linear_model import LinearModel
+from ..least_squares import LinearModel, linearize
 from ..objective import RoundObjective
 from ..shots import ShotState
 from ..vector import ParameterVector, begun

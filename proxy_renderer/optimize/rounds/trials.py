@@ -13,7 +13,7 @@ from ...guidance.losses import claims_loss
 from ...guidance.regions import Views
 from ...planning.types import Plan
 from ...render.proxy import Render
-from ..inner.descent import fixed_views
+from ..least_squares import fixed_views
 from ..plan import feasible_ranges
 from ..shots import ShotState
 from . import starts

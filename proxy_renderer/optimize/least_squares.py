@@ -1,0 +1,340 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One round's inner steps (lines 8 to 15): what is judged at a point, its linear model, and damped Gauss-Newton steps in the box."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, Protocol
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor
+
+from ..claims.claim import outside
+from .vector import project
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """What is judged in the pictures of a point.
+
+    Attributes:
+        values: (M,) what the claims' measures give, in steps that people notice.
+        lower: (M,) of what is wanted, likewise.
+        upper: (M,) likewise.
+        claim: (M,) number of the claim that each belongs to, from 0.
+        rest: () the loss's other terms.
+        picture: The first shot's.
+    """
+
+    values: Tensor
+    lower: Tensor
+    upper: Tensor
+    claim: Tensor
+    rest: Tensor
+    picture: Any
+
+    def misses(self, values: Tensor) -> Tensor:
+        """(claims,) by how many noticeable steps values (M,) miss each claim."""
+        count = int(self.claim.max()) + 1 if len(self.claim) else 0
+        squares = values.new_zeros(count).index_add(
+            0, self.claim, outside(values, self.lower, self.upper).square()
+        )
+        return squares.sqrt()
+
+    def loss(self, values: Tensor, rest: Tensor, weight: float) -> float:
+        """Claims that are missed, quadratic up to one noticeable step and linear beyond (Huber 1964), and the rest.
+
+        Args:
+            values: (M,) as `values`.
+            rest: () as `rest`.
+        """
+        misses = self.misses(values)
+        return weight * float(F.huber_loss(misses, torch.zeros_like(misses), reduction="sum")) + float(rest)
+
+    def detached(self) -> Assessment:
+        """The same without gradients."""
+        return replace(self, values=self.values.detach(), rest=self.rest.detach())
+
+
+class Slopes(NamedTuple):
+    """What is judged at a point, and how it changes by n components of u.
+
+    Attributes:
+        here: Without gradients.
+        values: (M, n) of the values.
+        rest: (n,) of the rest.
+    """
+
+    here: Assessment
+    values: Tensor
+    rest: Tensor
+
+
+_DAMPING = 1e-3
+"""Curvature that every component gets: of two moves that do the same, the shorter one (Levenberg 1944)."""
+
+_ITERATIONS, _STILL = 200, 1e-5
+"""Of a step's search, at most, and the share of all ranges below which one no longer moves anything."""
+
+_NOTHING = 1e-3
+"""Noticeable steps of all values together, for a component's whole range: so little changes nothing."""
+
+_TELLING = 2
+"""Values more than components that could do the same, at least, to say that they do."""
+
+
+@dataclass(frozen=True)
+class LinearModel:
+    """The loss near a point x.
+
+    Attributes:
+        here: What is judged at the point.
+        slopes: (M, n) of the values.
+        rest_slope: (n,) of the rest.
+        stiffness: (n, n) curvature of the rest.
+        weight: Of a noticeable step by which a claim is missed.
+    """
+
+    here: Assessment
+    slopes: Tensor
+    rest_slope: Tensor
+    stiffness: Tensor
+    weight: float
+
+    def loss(self, move: Tensor) -> float:
+        """Foretold at x + move (n,)."""
+        rest = self.here.rest + self.rest_slope @ move + 0.5 * move @ self.stiffness @ move
+        return self.here.loss(self.here.values + self.slopes @ move, rest, self.weight)
+
+    def step(self, low: Tensor, high: Tensor) -> Tensor:
+        """(n,) the move of least foretold loss within [low, high], by accelerated projected gradients (Nesterov 1983).
+
+        Far misses are weighed down to what Huber's loss has for them, so that one that cannot be mended does not
+        rule the others.
+        """
+        far = self.here.misses(self.here.values).clamp_min(1.0)[self.here.claim]
+        weights = self.weight / far
+        scaled = self.slopes * weights.sqrt()[:, None]
+        steepest = float(torch.linalg.matrix_norm(scaled, 2)) ** 2 if len(scaled) else 0.0
+        curvature = self.stiffness + _DAMPING * torch.eye(len(self.stiffness))
+        rate = 1.0 / (steepest + float(torch.linalg.matrix_norm(curvature, 2)))
+        move = ahead = torch.zeros_like(self.rest_slope)
+        for number in range(_ITERATIONS):
+            values = self.here.values + self.slopes @ ahead
+            missed = outside(values, self.here.lower, self.here.upper)
+            slope = self.slopes.T @ (weights * missed) + self.rest_slope + curvature @ ahead
+            earlier, move = move, project(ahead - rate * slope, low, high)
+            if float((move - earlier).abs().max()) < _STILL:
+                break
+            ahead = move + number / (number + 3) * (move - earlier)
+        return move
+
+    def of(self, components: Tensor) -> LinearModel:
+        """The model of some components (n,) bool; the others stay."""
+        return replace(
+            self,
+            slopes=self.slopes[:, components],
+            rest_slope=self.rest_slope[components],
+            stiffness=self.stiffness[components][:, components],
+        )
+
+    def gains(self, move: Tensor, parts: Mapping[str, slice], low: Tensor, high: Tensor) -> dict[str, float]:
+        """How much lower the loss would be, if some components moved on alone from x + move: by one damped Newton step.
+
+        Args:
+            move: (n,).
+            low: (n,) least that may be moved.
+            high: (n,) most.
+
+        Returns:
+            By the parts' names.
+        """
+        values, held = self.here.values + self.slopes @ move, self.stiffness @ move
+        far = self.here.misses(values).clamp_min(1.0)[self.here.claim]
+        missed = outside(values, self.here.lower, self.here.upper)
+        weights, pull, loss = self.weight / far * (missed != 0), self.rest_slope + held, self.loss(move)
+        found = {}
+        for name, part in parts.items():
+            slopes, stiffness = self.slopes[:, part], self.stiffness[part, part]
+            curvature = slopes.T @ (weights[:, None] * slopes) + stiffness
+            slope = slopes.T @ (weights * missed) + pull[part]
+            newton = torch.linalg.solve(curvature + _DAMPING * torch.eye(len(stiffness)), slope)
+            there = move.clone()
+            there[part] = (move[part] - newton).clamp(low[part], high[part])
+            found[name] = max(loss - self.loss(there), 0.0)
+        return found
+
+    def alike(self, part: slice, other: slice) -> float:
+        """The share of what components do to the values that others could do, in [0, 1].
+
+        Returns:
+            0 also where the components do nothing, or where too few values are known to tell.
+        """
+        told = (self.slopes != 0).any(1)
+        mine, theirs = self.slopes[told, part], self.slopes[told, other]
+        length = float(mine.norm())
+        if length < _NOTHING or len(theirs) < theirs.shape[1] + _TELLING:
+            return 0.0
+        rest = mine - theirs @ torch.linalg.lstsq(theirs, mine, driver="gelsd").solution
+        return 1.0 - float(rest.norm()) / length
+
+    def corrected(self, seen: Assessment, move: Tensor) -> LinearModel:
+        """The model at x, whose slopes agree with what was seen at x + move (Broyden 1965).
+
+        Args:
+            move: (n,), not zero.
+        """
+        along = move / move.square().sum()
+        missing = seen.values - self.here.values - self.slopes @ move
+        rest = seen.rest - self.here.rest - (self.rest_slope + 0.5 * self.stiffness @ move) @ move
+        return replace(
+            self,
+            slopes=self.slopes + missing[:, None] * along,
+            rest_slope=self.rest_slope + rest * along,
+        )
+
+    def moved(self, seen: Assessment, move: Tensor) -> LinearModel:
+        """The model at x + move; arguments as for `corrected`."""
+        there = self.corrected(seen, move)
+        return replace(there, here=seen, rest_slope=there.rest_slope + self.stiffness @ move)
+
+
+_TAKEN = 2
+"""Times that slopes are taken in one loop."""
+
+_RADIUS, _SMALLEST = 0.35, 0.01
+"""Of the region, as shares of each component's feasible range: at first, and where the loop ends."""
+
+_GOOD, _BAD = 0.7, 0.2
+"""Shares of the foretold decrease beyond which the region grows, and below which it shrinks."""
+
+_PROGRESS = 1e-3
+"""A foretold decrease that is not worth a picture."""
+
+
+class ClaimObjective(Protocol):
+    """Pictures of u, and what the words say of them."""
+
+    @property
+    def claim_weight(self) -> float:
+        """Of a noticeable step by which a claim is missed."""
+
+    def stiffness(self, chosen: Tensor) -> Tensor:
+        """(n, n) curvature of the rest by the places of the n chosen components (N,) in their ranges, as far as it is known."""
+
+    def assess(self, u: Tensor) -> Assessment:
+        """What is judged at u (N,) in [0, 1]."""
+
+    def slopes(self, u: Tensor, chosen: Tensor) -> Slopes:
+        """How what is judged at u (N,) changes by the n chosen components (N,)."""
+
+
+def solve(
+    objective: ClaimObjective,
+    u: Tensor,
+    chosen: Tensor,
+    lower: Tensor,
+    upper: Tensor,
+    steps: int,
+    on_step: Callable[[int, float, Any], bool],
+    first: LinearModel | None = None,
+) -> Descent:
+    """Minimizes the objective over the chosen components.
+
+    Args:
+        u: (N,) start, inside the box.
+        chosen: (N,) bool, the components that may move.
+        lower: (N,) lower corner of the feasible box.
+        upper: (N,) upper corner.
+        steps: The most points that are looked at after the start.
+        on_step: Called with (step from 1, loss, picture) after each; True ends the loop.
+        first: The model of the chosen components' shares of their ranges at the start, if there is one already.
+    """
+    if not chosen.any():
+        return Descent(u.clone(), 0.0, 0.0)
+    places = chosen.nonzero(as_tuple=True)[0]
+    start, span = u[chosen], (upper - lower)[chosen]
+    low, high = (lower[chosen] - start) / span, (upper[chosen] - start) / span
+
+    def place(x: Tensor) -> Tensor:
+        """u with the chosen components moved by x, in shares of their ranges."""
+        return u.index_put((places,), start + span * x)
+
+    def linear(x: Tensor) -> LinearModel:
+        return linearize(objective, place(x), chosen, span)
+
+    x, radius, taken, fresh = torch.zeros_like(start), _RADIUS, 1, True
+    model = first or linear(x)
+    loss = model.loss(x)
+    found = Descent(u.clone(), loss, loss, repairs=int(not math.isfinite(loss)))
+    while math.isfinite(found.loss) and found.steps < steps and radius > _SMALLEST:
+        move = model.step((low - x).clamp_min(-radius), (high - x).clamp_max(radius))
+        foretold = found.loss - model.loss(move)
+        if foretold > _PROGRESS:
+            with torch.no_grad():
+                seen = objective.assess(project(place(x + move), lower, upper))
+            loss = seen.loss(seen.values, seen.rest, objective.claim_weight)
+            share = (found.loss - loss) / foretold if math.isfinite(loss) else -math.inf
+            radius = _resized(radius, share, float(move.abs().max()))
+            found.steps += 1
+            if share > 0.0:
+                model, x, fresh = model.moved(seen, move), x + move, False
+                found.loss, found.u = loss, project(place(x), lower, upper)
+            elif math.isfinite(loss):
+                model = model.corrected(seen, move)
+            else:
+                found.repairs += 1
+            if on_step(found.steps, found.loss, seen.picture):
+                break
+            if share >= _BAD or fresh:
+                continue
+        if fresh or taken == _TAKEN:
+            break
+        model, taken, fresh = linear(x), taken + 1, True
+    return found
+
+
+def linearize(objective: ClaimObjective, u: Tensor, chosen: Tensor, span: Tensor) -> LinearModel:
+    """The model at a point, over its chosen components' shares of their ranges.
+
+    Args:
+        u: (N,) the point.
+        chosen: (N,) bool, n components.
+        span: (n,) their ranges.
+    """
+    here, values, rest = objective.slopes(u, chosen)
+    return LinearModel(here, values * span, rest * span, objective.stiffness(chosen), objective.claim_weight)
+
+
+def _resized(radius: float, share: float, length: float) -> float:
+    """The region's next radius, after a step of a length that gave this share of what was foretold."""
+    if share < _BAD:
+        return 0.4 * length
+    return max(radius, min(2.0 * length, 1.0)) if share > _GOOD else radius
+
+
+@dataclass
+class Descent:
+    """The result of an inner loop.
+
+    Attributes:
+        u: (N,) the point of least loss on the fixed views.
+        loss: Its loss on them.
+        start_loss: The loss of the loop's start on them.
+        steps: Steps taken, at most T.
+        repairs: Times that a non-finite loss or gradient was rolled back.
+    """
+
+    u: Tensor
+    loss: float
+    start_loss: float
+    steps: int = 0
+    repairs: int = 0
+
+
+def fixed_views() -> torch.Generator:
+    """The generator of the views that points are compared on."""
+    return torch.Generator().manual_seed(12345)
