@@ -23,7 +23,7 @@ LAYERS = {
         prompt.lexicon prompt=prompt.mentions=prompt.binding=prompt.languages goals planning=planning.lights vlm inputs batch.manifest batch
         render.film render.geometry render.material render.lights=render.lights.types render.transport render.edges render.surface
         render.cycles render claims.measures claims rigs reference.files reference
-        guidance optimize=optimize.inner=optimize.rounds engine
+        guidance optimize=optimize.rounds engine
         cli=cli.commands
     """,
     "vibe_render": """

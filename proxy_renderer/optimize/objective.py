@@ -11,11 +11,9 @@ from torch import Tensor
 
 from ..guidance.guide import Weights
 from ..guidance.losses import border_loss, claims_loss, hue_consistency_loss, prior_loss
-from .forward import forward_slopes, pictures_for
-from .inner.slopes import backward_slopes, difference_slopes
 from .least_squares import Assessment, Slopes, fixed_views
-from .neighbors import Neighbors
 from .shots import ShotState
+from .slopes import Neighbors, backward_slopes, difference_slopes, forward_slopes, pictures_for
 from .vector import ParameterVector
 
 if TYPE_CHECKING:

@@ -6,11 +6,10 @@ import torch
 from loop_parts import Silent
 
 from proxy_renderer.optimize import objective as objectives
-from proxy_renderer.optimize.forward import forward_slopes, pictures_for
-from proxy_renderer.optimize.inner.slopes import backward_slopes
 from proxy_renderer.optimize.rounds.confiner import Start
 from proxy_renderer.optimize.rounds.search import Search
 from proxy_renderer.optimize.shots import ShotInput
+from proxy_renderer.optimize.slopes import backward_slopes, forward_slopes, pictures_for
 from proxy_renderer.planning.types import Plan
 from proxy_renderer.schema.messages import Options
 
