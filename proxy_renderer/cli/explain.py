@@ -107,8 +107,8 @@ def _read(
     with tempfile.TemporaryDirectory(prefix="vibe-explain-") as folder, prepared(scene) as place:
         launch(["export", str(place), f"--out={folder}", *subject], scene, VibeProgress(sys.stderr))
         from ..engine.additions import with_additions
-        from ..optimize import context
-        from ..optimize.drawing import draw
+        from ..optimize.context import plan_context
+        from ..optimize.drawing import draw, picture_size
         from ..optimize.plan import lock
         from ..optimize.vector import ParameterVector
         from ..render.proxy import Proxy
@@ -117,9 +117,9 @@ def _read(
         addition = with_additions([load_scene(Path(folder))], prompt, told=target)
         data = addition.scenes[0]
         vector = ParameterVector(lock(data.instances, (), (), scene.suffix.lower() != ".blend"))
-        proxy = Proxy(data, context.picture_size(data.resolution, _LOOK), device="cpu", seed=0)
+        proxy = Proxy(data, picture_size(data.resolution, _LOOK), device="cpu", seed=0)
         u = vector.encode({})
-        now = context.plan_context(proxy, vector.values(u), draw(proxy, vector, u))
+        now = plan_context(proxy, vector.values(u), draw(proxy, vector, u))
         return addition.understood.scene, dict(vector.instances), now, addition
 
 

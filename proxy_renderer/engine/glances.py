@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ..guidance.encoder import load_encoder
-from ..optimize import context
+from ..optimize.drawing import inner_size
 from ..optimize.looks import EarlyLook, Looks
 from ..optimize.progress import BEFORE
 from ..optimize.shots import ShotInput, gathered
@@ -71,6 +71,6 @@ class Glances:
         added = tuple(scene.instances)
         if added not in self._proxies:
             device = pick_device(options.device)
-            size = context.inner_size(scene, options, load_encoder(options.encoder or None, device))
+            size = inner_size(scene, options, load_encoder(options.encoder or None, device))
             self._proxies[added] = Proxy(scene, size, device, options.seed)
         return self._proxies[added]

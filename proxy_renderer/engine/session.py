@@ -18,8 +18,9 @@ from ..claims.verdict import ShotClaims
 from ..goals.written import as_json, read
 from ..guidance import augment
 from ..guidance.encoder import Encoder, load_encoder
-from ..optimize import context, pipeline
+from ..optimize import pipeline
 from ..optimize.anchoring import BlenderPictures
+from ..optimize.drawing import picture_size
 from ..optimize.progress import Observer
 from ..optimize.rounds.method import VARIABLE, load_method
 from ..optimize.shots import ShotInput
@@ -134,7 +135,7 @@ class EngineSession:
             raise VibeError("There is nothing to draw.", "Send a vibe first.")
         rows: list[list[tuple[str, Image.Image]]] = []  # a column for each variant
         for number, (shot, seen) in enumerate(zip(self.shots, outcome.shots, strict=True)):
-            size = context.picture_size(seen.scene.resolution, self.options.size)
+            size = picture_size(seen.scene.resolution, self.options.size)
             proxy = Proxy(seen.scene, size, str(encoder.device), self.options.seed, fine=True)
             self._predicted.append(
                 predictions.predict(proxy, outcome, number, Path(shot.job), self.options.figures)

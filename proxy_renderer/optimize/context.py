@@ -12,66 +12,19 @@ from torch import Tensor
 from ..color import arrays
 from ..color.tensors import lab_from_srgb
 from ..guidance import regions
-from ..guidance.encoder import Encoder
-from ..planning.lights.glow import glowing, glows
+from ..planning.lights.glow import glows
 from ..planning.types import PictureStats, PlanContext
-from ..prompt.types import LightWords, SceneWords
 from ..render.geometry.camera import view_of
 from ..scene import SceneData
-from ..scene.data import Light
 from ..scene.values import RenderValues
 from ..schema import Values
-from ..schema.messages import Options
 from ..schema.spec import Region
 from . import headroom
-from .places import places
-from .present_looks import present_looks, sees_sky
 
 if TYPE_CHECKING:
     from ..render.proxy import Proxy, Render
 
 _GRID = 64  # rays along each side of the picture
-_LARGEST, _LEAST = 256, 192
-"""Greatest longer side of the pictures inside the loop, in pixels, and the least however small the encoder's are."""
-_OF_A_PICTURE = 128  # the same where a picture says what is wanted: nothing so fine is read off it
-
-
-def scene_words(*scenes: SceneData) -> SceneWords:
-    """The names in the scene, or in all shots of it, that a prompt may mean."""
-    objects: dict[str, Region] = {}
-    materials: dict[str, Region] = {}
-    worn: dict[str, list[str]] = {}
-    lights: dict[str, LightWords] = {}
-    for scene in scenes:
-        # lights that the words have added are no names that the prompt may mean: it is read as before they were there
-        lights |= {light.name: _light_words(scene, light) for light in scene.lights if not light.added}
-        objects |= {o.name: "subject" if o.subject else "surroundings" for o in scene.objects}
-        materials |= {m.name: "subject" if m.role == "subject" else "surroundings" for m in scene.materials}
-        pairs = np.unique(np.stack([scene.mesh.object, scene.mesh.material], 1), axis=0)
-        for o, m in pairs.tolist():
-            names = worn.setdefault(scene.objects[o].name, [])
-            names += [scene.materials[m].name] * (scene.materials[m].name not in names)
-    looks = present_looks(scenes[0]) if scenes else {}
-    dark = {name for name, look in looks.items() if not look.glows}  # with a strength, but a black color
-    subjects = [name for name, region in objects.items() if region == "subject"]
-    return SceneWords(
-        subject=subjects[0] if len(subjects) == 1 else "",
-        objects=objects,
-        materials=materials,
-        object_materials={name: tuple(worn.get(name, ())) for name in objects},
-        lights=lights,
-        glows=tuple(dict.fromkeys(n for scene in scenes for n in glowing(scene) if n not in dark)),
-        places=places(scenes[0]) if scenes else {},
-        looks=looks,
-        sky=not scenes or sees_sky(scenes[0]),
-    )
-
-
-def _light_words(scene: SceneData, light: Light) -> LightWords:
-    orbit, camera = f"light/{light.name}/azimuth", "camera/azimuth"
-    known = orbit in scene.instances and camera in scene.instances
-    turn = scene.value(orbit)[0] - scene.value(camera)[0] if known else None
-    return LightWords(light.type, light.role, turn)
 
 
 def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> PlanContext:
@@ -161,29 +114,3 @@ def coverage(scene: SceneData, material: Tensor, mine: Tensor) -> tuple[float | 
         region = mine if m.role == "subject" else ~mine
         shares[m.name] = float((region & (material == index)).sum()) / max(int(region.sum()), 1)
     return (float((material < 0).sum()) / around if around else None), shares
-
-
-def picture_size(resolution: tuple[int, int], longest: int) -> tuple[int, int]:
-    """Width and height of the artist's picture, scaled so that the longer side has this many pixels.
-
-    Args:
-        resolution: The artist's width and height, pixels.
-        longest: Of the result's sides, pixels.
-    """
-    factor = longest / max(resolution)
-    width, height = (max(round(n * factor), 1) for n in resolution)
-    return width, height
-
-
-def inner_size(scene: SceneData, options: Options, encoder: Encoder) -> tuple[int, int]:
-    """Width and height of the pictures inside the loop; the prediction has the full size.
-
-    Crops are at least three quarters of the picture, so one and a half times what the encoder looks at is enough;
-    but highlights and shadows have to be there, however little it looks at.
-
-    Args:
-        options: `size` is the most that the artist wants.
-        encoder: `size` is what it looks at.
-    """
-    enough = max(_LEAST, encoder.size * 3 // 2) if not options.like else _OF_A_PICTURE
-    return picture_size(scene.resolution, min(options.size, _LARGEST, enough))

@@ -8,10 +8,17 @@ from typing import TYPE_CHECKING
 import torch
 from torch import Tensor
 
+from ..guidance.encoder import Encoder
+from ..scene import SceneData
+from ..schema.messages import Options
 from .vector import ParameterVector
 
 if TYPE_CHECKING:
     from ..render.proxy import Proxy, Render
+
+_LARGEST, _LEAST = 256, 192
+"""Greatest longer side of the pictures inside the loop, in pixels, and the least however small the encoder's are."""
+_OF_A_PICTURE = 128  # the same where a picture says what is wanted: nothing so fine is read off it
 
 
 def draw(
@@ -50,3 +57,29 @@ def chosen_values(
         elif key in vector.taken or moved[vector.slices[key]].any():
             values[key] = value.detach().to(device)
     return values
+
+
+def picture_size(resolution: tuple[int, int], longest: int) -> tuple[int, int]:
+    """Width and height of the artist's picture, scaled so that the longer side has this many pixels.
+
+    Args:
+        resolution: The artist's width and height, pixels.
+        longest: Of the result's sides, pixels.
+    """
+    factor = longest / max(resolution)
+    width, height = (max(round(n * factor), 1) for n in resolution)
+    return width, height
+
+
+def inner_size(scene: SceneData, options: Options, encoder: Encoder) -> tuple[int, int]:
+    """Width and height of the pictures inside the loop; the prediction has the full size.
+
+    Crops are at least three quarters of the picture, so one and a half times what the encoder looks at is enough;
+    but highlights and shadows have to be there, however little it looks at.
+
+    Args:
+        options: `size` is the most that the artist wants.
+        encoder: `size` is what it looks at.
+    """
+    enough = max(_LEAST, encoder.size * 3 // 2) if not options.like else _OF_A_PICTURE
+    return picture_size(scene.resolution, min(options.size, _LARGEST, enough))

@@ -14,7 +14,7 @@ from ..claims.verdict import ShotClaims
 from ..planning.advice import Advice, Advisor
 from ..render.gbuffer import GBuffer
 from ..schema import verdicts
-from . import context
+from .context import plan_context
 from .drawing import chosen_values
 from .plan import feasible_ranges
 from .shots import ShotState
@@ -60,7 +60,7 @@ class Looks:
         """
         vector, proxy = self._shot.vector, self._shot.proxy
         values = vector.values(self._home)
-        now = context.plan_context(proxy, values, self.before)
+        now = plan_context(proxy, values, self.before)
         advice = advisor.advise(self.before.display, vector.instances, now)
         ranges = feasible_ranges(advice.plan, vector.instances, values)
         return project(begun(vector, advice.plan, self._home), *vector.bounds(ranges)), advice

@@ -6,9 +6,14 @@ from __future__ import annotations
 import numpy as np
 import torch
 
+from ..planning.lights.glow import glowing
+from ..prompt.types import LightWords, SceneWords
 from ..render.geometry.camera import view_of
 from ..scene import SceneData
+from ..scene.data import Light
 from ..scene.values import RenderValues
+from ..schema.spec import Region
+from .present_looks import present_looks, sees_sky
 
 _SIDE = 100  # pixels of the square picture that places are measured in
 Place = tuple[float, float, float]
@@ -34,3 +39,41 @@ def places(scene: SceneData) -> dict[str, Place]:
             seen[thing.name] = (float(low + high - 1.0), float(depth[own].mean()), float(high - low))
     far = max((place[1] for place in seen.values()), default=1.0)
     return {name: (x, y / far, width) for name, (x, y, width) in seen.items()}
+
+
+def scene_words(*scenes: SceneData) -> SceneWords:
+    """The names in the scene, or in all shots of it, that a prompt may mean."""
+    objects: dict[str, Region] = {}
+    materials: dict[str, Region] = {}
+    worn: dict[str, list[str]] = {}
+    lights: dict[str, LightWords] = {}
+    for scene in scenes:
+        # lights that the words have added are no names that the prompt may mean: it is read as before they were there
+        lights |= {light.name: _light_words(scene, light) for light in scene.lights if not light.added}
+        objects |= {o.name: "subject" if o.subject else "surroundings" for o in scene.objects}
+        materials |= {m.name: "subject" if m.role == "subject" else "surroundings" for m in scene.materials}
+        pairs = np.unique(np.stack([scene.mesh.object, scene.mesh.material], 1), axis=0)
+        for o, m in pairs.tolist():
+            names = worn.setdefault(scene.objects[o].name, [])
+            names += [scene.materials[m].name] * (scene.materials[m].name not in names)
+    looks = present_looks(scenes[0]) if scenes else {}
+    dark = {name for name, look in looks.items() if not look.glows}  # with a strength, but a black color
+    subjects = [name for name, region in objects.items() if region == "subject"]
+    return SceneWords(
+        subject=subjects[0] if len(subjects) == 1 else "",
+        objects=objects,
+        materials=materials,
+        object_materials={name: tuple(worn.get(name, ())) for name in objects},
+        lights=lights,
+        glows=tuple(dict.fromkeys(n for scene in scenes for n in glowing(scene) if n not in dark)),
+        places=places(scenes[0]) if scenes else {},
+        looks=looks,
+        sky=not scenes or sees_sky(scenes[0]),
+    )
+
+
+def _light_words(scene: SceneData, light: Light) -> LightWords:
+    orbit, camera = f"light/{light.name}/azimuth", "camera/azimuth"
+    known = orbit in scene.instances and camera in scene.instances
+    turn = scene.value(orbit)[0] - scene.value(camera)[0] if known else None
+    return LightWords(light.type, light.role, turn)

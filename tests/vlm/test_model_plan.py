@@ -13,7 +13,8 @@ from tiny_job import write_job
 from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.goals.resolve import Goals, goals_of, goals_or_why
 from proxy_renderer.guidance.encoder import load_encoder
-from proxy_renderer.optimize import context, pipeline
+from proxy_renderer.optimize import pipeline
+from proxy_renderer.optimize.places import scene_words
 from proxy_renderer.optimize.rounds.refinement import Refinement
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.planning.types import Plan, PlanContext
@@ -76,7 +77,7 @@ class TestQuestion:
     def test_the_draft_is_told(self, scene):
         from proxy_renderer.planning.advice import OfflineAdvisor
 
-        advice = OfflineAdvisor(goals_of(Understood(PROMPT, context.scene_words(scene)).parsed)).advise(
+        advice = OfflineAdvisor(goals_of(Understood(PROMPT, scene_words(scene)).parsed)).advise(
             None, scene.instances, PlanContext()
         )
         table = AliasTable(scene.instances, PlanContext())
@@ -330,7 +331,7 @@ def vibe(scene, encoder, model, prompt=PROMPT, **options):
     """A whole small vibe with a model."""
     watch = Silent()
     client = Client(Endpoint(MODEL, model.url, KEY, 5.0))
-    understood = Understood(prompt, context.scene_words(scene))
+    understood = Understood(prompt, scene_words(scene))
     advisor = ModelAdvisor(understood, goals_or_why(understood), client, watch.stage)
     chosen = Options(**{"rounds": 2, "steps": 2, "size": 48, **options})
     outcome = pipeline.run([ShotInput(scene)], prompt, chosen, encoder, watch, advisor)

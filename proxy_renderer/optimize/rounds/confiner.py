@@ -14,7 +14,8 @@ from ...claims.claim import Claim
 from ...planning.advice import Advice, Advisor
 from ...planning.types import Plan, PlanEntry
 from ...schema import Instance, Values
-from .. import context, headroom
+from .. import headroom
+from ..context import plan_context
 from ..plan import carry, feasible_ranges
 from ..shots import ShotState
 from ..vector import ParameterVector, around, opened, project
@@ -110,7 +111,7 @@ class Confiner:
             if advice and all(key in entries for key in shot.names.values()):
                 continue
             picture = shot.draw(u)
-            now = context.plan_context(shot.proxy, shot.vector.values(u), picture)
+            now = plan_context(shot.proxy, shot.vector.values(u), picture)
             asked = self.advisor.advise(picture.display, shot.vector.instances, now)
             unplaced = {key: entry for key, entry in asked.plan.items() if key not in asked.placed}
             mine = asked.plan | headroom.nearer(shot.scene, shot.proxy.geometry, unplaced)

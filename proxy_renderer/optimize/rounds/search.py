@@ -25,9 +25,10 @@ from ...render.proxy import Proxy, Render
 from ...scene import SceneData
 from ...schema import VibeError
 from ...schema.messages import Options
-from .. import context
+from ..drawing import inner_size
 from ..least_squares import Descent
 from ..looks import Looks
+from ..places import scene_words
 from ..progress import Clock, Observer
 from ..shots import ShotInput, ShotState, gathered
 from ..vector import begun
@@ -107,14 +108,14 @@ class Search:
         self.options, self.observer = options, observer
 
         def proxy(scene: SceneData) -> Proxy:
-            size = context.inner_size(scene, options, encoder)
+            size = inner_size(scene, options, encoder)
             return Proxy(scene, size, device=str(encoder.device), seed=options.seed)
 
         self.vector, self.shots = gathered(views, options, proxy)
         if light:
             understood, goals, plan = light.understood, light.goals, light.plan
         else:
-            understood, plan = Understood(prompt, context.scene_words(*(v.scene for v in views))), None
+            understood, plan = Understood(prompt, scene_words(*(v.scene for v in views))), None
             goals = goals_or_why(understood)
         offline = OfflineAdvisor(goals, plan)
         has_words = bool(prompt.strip()) or isinstance(goals, Goals)
