@@ -11,7 +11,7 @@ from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.engine.additions import with_additions
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.optimize.places import scene_words
+from proxy_renderer.optimize.scene_words import scene_words
 from proxy_renderer.planning.lights.glow import glows
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext

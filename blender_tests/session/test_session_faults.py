@@ -13,7 +13,7 @@ from vibe_render.render import final_render
 from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.color.differences import mean_difference
-from proxy_renderer.optimize.places import scene_words
+from proxy_renderer.optimize.scene_words import scene_words
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.mentions.scene import SceneIndex
 from proxy_renderer.render.proxy import Proxy

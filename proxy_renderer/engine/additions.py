@@ -10,7 +10,7 @@ from ..claims.claim import Claim
 from ..claims.wanted import claims_of
 from ..goals.resolve import Goals, goals_or_why
 from ..goals.written import WrittenGoals
-from ..optimize.places import scene_words
+from ..optimize.scene_words import scene_words
 from ..planning.acting import beside_rig
 from ..planning.lights.backdrop import asks_for_backdrop
 from ..planning.lights.glow import glows

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..optimize.places import scene_words
+from ..optimize.scene_words import scene_words
 from ..prompt.lexicon.nearest import Nearest
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.types import LightWords, PromptWord, SceneWords

@@ -8,8 +8,7 @@ import pytest
 
 from lab.bench.scenes import balls
 from proxy_renderer.color.shades import basic
-from proxy_renderer.optimize.places import scene_words
-from proxy_renderer.optimize.present_looks import _parts, present_looks
+from proxy_renderer.optimize.scene_words import _parts, present_looks, scene_words
 
 SCENE = (0.0, 10.0, 0.0)  # from height 0, 10 tall, the subject stands at the bottom
 

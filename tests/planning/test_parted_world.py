@@ -8,7 +8,7 @@ from tiny_job import write_job
 
 from proxy_renderer.engine.additions import with_additions
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.optimize.places import scene_words
+from proxy_renderer.optimize.scene_words import scene_words
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.parser import parse

@@ -17,7 +17,7 @@ from proxy_renderer.color.tensors import linear_from_srgb
 from proxy_renderer.color.view_transform import ViewTransform
 from proxy_renderer.engine.additions import with_additions
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.optimize.places import scene_words
+from proxy_renderer.optimize.scene_words import scene_words
 from proxy_renderer.prompt.lexicon.rigs import KINDS, read, rig_table
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse

@@ -14,8 +14,8 @@ from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.goals.resolve import Goals, goals_of, goals_or_why
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import pipeline
-from proxy_renderer.optimize.places import scene_words
 from proxy_renderer.optimize.rounds.refinement import Refinement
+from proxy_renderer.optimize.scene_words import scene_words
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.planning.types import Plan, PlanContext
 from proxy_renderer.prompt.types import Parsed, Prompts, SceneWords

@@ -28,8 +28,8 @@ from ...schema.messages import Options
 from ..drawing import inner_size
 from ..least_squares import Descent
 from ..looks import Looks
-from ..places import scene_words
 from ..progress import Clock, Observer
+from ..scene_words import scene_words
 from ..shots import ShotInput, ShotState, gathered
 from ..vector import begun
 from .confiner import UNBOUND, Confined, Confiner, RoundReach, Start
