@@ -15,9 +15,9 @@ from proxy_renderer.goals.resolve import goals_or_why
 from proxy_renderer.guidance.encoder import Encoder
 from proxy_renderer.guidance.guide import Weights
 from proxy_renderer.guidance.losses import claims_loss
-from proxy_renderer.optimize.context import plan_context
 from proxy_renderer.optimize.least_squares import fixed_views
 from proxy_renderer.optimize.rounds.method import Method
+from proxy_renderer.optimize.scene_facts import plan_context
 from proxy_renderer.optimize.scene_words import scene_words
 from proxy_renderer.planning.advice import OfflineAdvisor
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary

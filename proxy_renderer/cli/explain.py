@@ -107,9 +107,9 @@ def _read(
     with tempfile.TemporaryDirectory(prefix="vibe-explain-") as folder, prepared(scene) as place:
         launch(["export", str(place), f"--out={folder}", *subject], scene, VibeProgress(sys.stderr))
         from ..engine.additions import with_additions
-        from ..optimize.context import plan_context
         from ..optimize.drawing import draw, picture_size
         from ..optimize.plan import lock
+        from ..optimize.scene_facts import plan_context
         from ..optimize.vector import ParameterVector
         from ..render.proxy import Proxy
         from ..scene import load_scene

@@ -14,9 +14,9 @@ from ..claims.verdict import ShotClaims
 from ..planning.advice import Advice, Advisor
 from ..render.gbuffer import GBuffer
 from ..schema import verdicts
-from .context import plan_context
 from .drawing import chosen_values
 from .plan import feasible_ranges
+from .scene_facts import plan_context
 from .shots import ShotState
 from .vector import begun, project
 

@@ -10,7 +10,7 @@ from plan_parts import CONTEXT, make_plan
 from tiny_job import KEY_LIGHT, write_job
 
 from lab.bench.scenes import balls
-from proxy_renderer.optimize.headroom import elevations, nearer, sizes
+from proxy_renderer.optimize.scene_facts import light_elevations, light_sizes, nearer_lights
 from proxy_renderer.planning.types import PlanEntry
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
@@ -40,23 +40,23 @@ def room(position, heights, kind="POINT"):
 
 
 def test_lamps_stay_between_floor_and_ceiling():
-    low, high = elevations(room((FAR, 0, 0), (-FLOOR, CEILING)))["Key"]
+    low, high = light_elevations(room((FAR, 0, 0), (-FLOOR, CEILING)))["Key"]
     assert math.sin(math.radians(low)) * FAR == pytest.approx(-0.8 * FLOOR)
     assert math.sin(math.radians(high)) * FAR == pytest.approx(0.8 * CEILING)
 
 
 def test_the_nearest_floor_counts():
-    low, _ = elevations(room((FAR, 0, 0), (-3 * FLOOR, -FLOOR)))["Key"]
+    low, _ = light_elevations(room((FAR, 0, 0), (-3 * FLOOR, -FLOOR)))["Key"]
     assert math.sin(math.radians(low)) * FAR == pytest.approx(-0.8 * FLOOR)
 
 
 def test_a_lamp_beyond_stays_the_artists_affair():
-    assert elevations(room((0, 0, CEILING + 1), (CEILING,))) == {}
+    assert light_elevations(room((0, 0, CEILING + 1), (CEILING,))) == {}
 
 
 def test_nothing_limits_lamps_in_the_open():
-    assert elevations(room((FAR, 0, 0), (CEILING,), "SUN")) == {}
-    assert elevations(room((FAR, 0, 0), (-FLOOR,), "SUN")) == {"Key": (0.0, 90.0)}
+    assert light_elevations(room((FAR, 0, 0), (CEILING,), "SUN")) == {}
+    assert light_elevations(room((FAR, 0, 0), (-FLOOR,), "SUN")) == {"Key": (0.0, 90.0)}
 
 
 def test_light_from_below_stays_above_the_floor():
@@ -71,7 +71,7 @@ def test_a_lamp_grows_until_its_lower_edge_is_near_the_floor_and_never_shrinks(t
     scene = load_scene(write_job(tmp_path / "job", **{"light/Key/size": [size]}))
     tilt = math.radians(KEY_LIGHT["elevation"])
     height = scene.pivot[2] + KEY_LIGHT["distance"] * math.sin(tilt)
-    widest = sizes(scene, Proxy(scene, (16, 12)).geometry)
+    widest = light_sizes(scene, Proxy(scene, (16, 12)).geometry)
     assert widest == {"light/Key/size": pytest.approx(max(0.8 * 2 * height / math.cos(tilt), size), rel=1e-3)}
 
 
@@ -105,7 +105,7 @@ BEHIND = {
 
 
 def ranges_behind(scene):
-    return nearer(scene, Proxy(scene, (16, 12)).geometry, BEHIND)
+    return nearer_lights(scene, Proxy(scene, (16, 12)).geometry, BEHIND)
 
 
 def test_a_lamp_that_words_want_behind_a_wall_comes_nearer_and_dims(tmp_path):
@@ -120,7 +120,7 @@ def test_a_lamp_that_words_want_behind_a_wall_comes_nearer_and_dims(tmp_path):
 def test_a_lamp_that_comes_nearer_dims_though_no_word_touches_its_power(tmp_path):
     scene = walled(tmp_path, behind=2.5)
     untouched = {**BEHIND, POWER: PlanEntry((0.8,), (64000.0,), None, "no word touches it")}
-    found = nearer(scene, Proxy(scene, (16, 12)).geometry, untouched)
+    found = nearer_lights(scene, Proxy(scene, (16, 12)).geometry, untouched)
     share = found[DISTANCE].lower[0] / KEY_LIGHT["distance"]
     assert found[POWER].lower == found[POWER].upper == pytest.approx((share**2 * KEY_LIGHT["power"],))
 

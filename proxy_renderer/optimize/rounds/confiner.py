@@ -14,9 +14,8 @@ from ...claims.claim import Claim
 from ...planning.advice import Advice, Advisor
 from ...planning.types import Plan, PlanEntry
 from ...schema import Instance, Values
-from .. import headroom
-from ..context import plan_context
 from ..plan import carry, feasible_ranges
+from ..scene_facts import light_sizes, nearer_lights, plan_context
 from ..shots import ShotState
 from ..vector import ParameterVector, around, opened, project
 from . import starts
@@ -114,7 +113,7 @@ class Confiner:
             now = plan_context(shot.proxy, shot.vector.values(u), picture)
             asked = self.advisor.advise(picture.display, shot.vector.instances, now)
             unplaced = {key: entry for key, entry in asked.plan.items() if key not in asked.placed}
-            mine = asked.plan | headroom.nearer(shot.scene, shot.proxy.geometry, unplaced)
+            mine = asked.plan | nearer_lights(shot.scene, shot.proxy.geometry, unplaced)
             entries = {shot.names[own]: entry for own, entry in mine.items()} | entries
             advice = advice or asked
         assert advice is not None
@@ -176,7 +175,7 @@ def _sizes(shots: Sequence[ShotState]) -> dict[str, float]:
     """Key of a lamp's size -> the most that it may be in any shot."""
     widest: dict[str, float] = {}
     for shot in shots:
-        for own, size in headroom.sizes(shot.scene, shot.proxy.geometry).items():
+        for own, size in light_sizes(shot.scene, shot.proxy.geometry).items():
             key = shot.names[own]
             widest[key] = min(widest.get(key, size), size)
     return widest

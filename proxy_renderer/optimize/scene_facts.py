@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far lamps may go, how far off and how large they may be, before they stand in a floor, a ceiling or a wall."""
+"""Facts of a scene that plans need: what it looks like, what the camera sees of it, and how much room its lights have."""
 
 from __future__ import annotations
 
@@ -7,20 +7,123 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
 import torch
 from torch import Tensor
 
+from ..color import arrays
+from ..color.tensors import lab_from_srgb
+from ..guidance import regions
+from ..planning.lights.glow import glows
 from ..planning.ranges import clip
-from ..planning.types import PlanEntry
+from ..planning.types import PictureStats, PlanContext, PlanEntry
+from ..render.geometry.camera import view_of
 from ..render.geometry.visibility import Hits, RayGeometry
 from ..render.lights.types import light_sources, light_type
 from ..render.lights.types.area import AreaLight
 from ..render.lights.types.light_source import LightSource
 from ..scene import Light, SceneData
 from ..scene.values import RenderValues
-from ..schema import Instance, orbit
+from ..schema import Instance, Values, orbit
+from ..schema.spec import Region
+
+if TYPE_CHECKING:
+    from ..render.proxy import Proxy, Render
+
+
+_GRID = 64  # rays along each side of the picture
+
+
+def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> PlanContext:
+    """What the planner knows: the scene, where its values are now, and what that looks like.
+
+    Args:
+        proxy: Of the shot that plans are made for.
+        values: Current values by key in schema units.
+        picture: The proxy's picture of them.
+    """
+    scene = proxy.scene
+    world, materials = coverage(scene, *_first_hits(proxy, values))
+    textures = {m.name: m.texture.image for m in scene.materials if m.texture is not None}
+    return PlanContext(
+        camera_azimuth=values["camera/azimuth"][0] if "camera/azimuth" in values else 0.0,
+        view=scene.film.view,
+        light_types={light.name: light.type for light in scene.lights},
+        glows=glows(scene),
+        added_lights=tuple(light.name for light in scene.lights if light.added),
+        light_stops={light.name: light.exposure for light in scene.lights if light.exposure},
+        light_elevations=light_elevations(scene),
+        world_share=world,
+        material_share=materials,
+        environment_luminance=_mean_luminance(scene.world.image),
+        backdrop_luminance=_mean_luminance(
+            scene.world.image if scene.world.backdrop is None else scene.world.backdrop
+        ),
+        texture_luminance={name: float(arrays.luminance(image).mean()) for name, image in textures.items()},
+        values=values,
+        picture=picture_stats(picture),
+    )
+
+
+def _mean_luminance(image: np.ndarray | None) -> float:
+    """Mean luminance over the sphere of a linked environment; 0.5, which says nothing, without one."""
+    return 0.5 if image is None else arrays.sphere_luminance(image)
+
+
+def picture_stats(picture: Render) -> PictureStats:
+    """Mean colors of the regions, and how the lightness of the whole picture is spread."""
+    lab = lab_from_srgb(picture.display.detach()).cpu()
+    mask = picture.mask.detach().cpu()
+    means: dict[Region, Tensor] = {
+        "subject": regions.mean(lab, mask),
+        "surroundings": regions.mean(lab, 1.0 - mask),
+    }
+    spread = torch.quantile(lab[..., 0].flatten(), torch.tensor([0.05, 0.5, 0.95]))
+    return PictureStats(
+        lab={region: tuple(m.tolist()) for region, m in means.items()},
+        percentiles=tuple(spread.tolist()),
+    )
+
+
+def _first_hits(proxy: Proxy, values: dict[str, Values]) -> tuple[Tensor, Tensor]:
+    """What a coarse grid of rays meets.
+
+    Returns:
+        (rays,) index of the material, -1 for the world, and whether it is on the subject.
+    """
+    scene, geometry = proxy.scene, proxy.geometry
+    cameras = {k: torch.tensor(v) for k, v in values.items() if k.startswith("camera/")}
+    view = view_of(scene, RenderValues(scene, cameras, geometry.device), (_GRID, _GRID))
+    y, x = torch.meshgrid(torch.arange(_GRID), torch.arange(_GRID), indexing="ij")
+    hits = geometry.first_hits(
+        *view.rays(torch.stack((x.flatten(), y.flatten())).to(geometry.device) + 0.5), "camera"
+    )
+    triangle, hit = hits.triangle.cpu().clamp_min(0), hits.hit.cpu()
+    material = torch.where(hit, geometry.material.cpu()[triangle].long(), -1)
+    subjects = torch.tensor([o.subject for o in scene.objects])
+    return material, subjects[geometry.object.cpu()[triangle].long()] & hit
+
+
+def coverage(scene: SceneData, material: Tensor, mine: Tensor) -> tuple[float | None, dict[str, float]]:
+    """What the camera sees, of rays as in `_first_hits`.
+
+    Returns:
+        The share of the surroundings that is the world (None if there are no surroundings), and the
+        share of its region, subject or surroundings, that each material covers.
+
+    Args:
+        material: (rays,) index of the material that each ray meets, -1 for the world.
+        mine: (rays,) whether it meets the subject.
+    """
+    around = int((~mine).sum())
+    shares = {}
+    for index, m in enumerate(scene.materials):
+        region = mine if m.role == "subject" else ~mine
+        shares[m.name] = float((region & (material == index)).sum()) / max(int(region.sum()), 1)
+    return (float((material < 0).sum()) / around if around else None), shares
+
 
 _KEPT = 0.8  # share of the way to a floor, a ceiling or a wall that a lamp may go: it has a size
 _WALL = "a wall stands where the words want the lamp"
@@ -30,7 +133,7 @@ _PARTS = 16  # surfaces of the subject that a ray from its middle passes, at mos
 _FLAT = 1e-12  # twice the area, seen from above, below which a triangle is a wall
 
 
-def elevations(scene: SceneData) -> dict[str, tuple[float, float]]:
+def light_elevations(scene: SceneData) -> dict[str, tuple[float, float]]:
     """Light -> lowest and highest elevation in degrees; a lamp that is beyond already is the artist's affair."""
     below, above = _heights(scene)
     ranges = {}
@@ -42,7 +145,7 @@ def elevations(scene: SceneData) -> dict[str, tuple[float, float]]:
 
 
 @torch.no_grad()
-def sizes(scene: SceneData, geometry: RayGeometry) -> dict[str, float]:
+def light_sizes(scene: SceneData, geometry: RayGeometry) -> dict[str, float]:
     """Key of a lamp's size -> the size at which it meets a surface, meters; no less than it has.
 
     Args:
@@ -62,8 +165,10 @@ def sizes(scene: SceneData, geometry: RayGeometry) -> dict[str, float]:
     return widest
 
 
-def nearer(scene: SceneData, geometry: RayGeometry, plan: Mapping[str, PlanEntry]) -> dict[str, PlanEntry]:
-    """Other entries for lamps that would stand behind a wall where words want them: nearer, with as much less power.
+def nearer_lights(
+    scene: SceneData, geometry: RayGeometry, plan: Mapping[str, PlanEntry]
+) -> dict[str, PlanEntry]:
+    """Other entries for lamps that would stand behind a wall where words want them: nearer_lights, with as much less power.
 
     Where there is no room for a lamp, it keeps its direction. One that is shut in as it stands is the artist's affair.
 
@@ -85,7 +190,7 @@ def nearer(scene: SceneData, geometry: RayGeometry, plan: Mapping[str, PlanEntry
         if share < _NEAREST or scene.instances[distance].locked:
             found |= {azimuth: _held(turn, _WALL), elevation: _held(tilt, _WALL)}
             continue
-        found[distance] = _held(share * off, f"nearer: {_WALL}")
+        found[distance] = _held(share * off, f"nearer_lights: {_WALL}")
         if not scene.instances[power].locked:
             found[power] = _dimmed(plan[power], scene.instances[power], share**2)
     return found
@@ -102,7 +207,11 @@ def _held(value: float, reason: str) -> PlanEntry:
 
 def _dimmed(entry: PlanEntry, power: Instance, share: float) -> PlanEntry:
     """A range of powers, a share of what it was; of what no word touches, that share of the artist's."""
-    was = _held(power.value[0], f"dimmer, for it comes nearer: {_WALL}") if entry.priority is None else entry
+    was = (
+        _held(power.value[0], f"dimmer, for it comes nearer_lights: {_WALL}")
+        if entry.priority is None
+        else entry
+    )
     lower, upper = clip((share * was.lower[0],), (share * was.upper[0],), power)
     return replace(was, lower=lower, upper=upper)
 
