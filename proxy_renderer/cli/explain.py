@@ -108,8 +108,8 @@ def _read(
         launch(["export", str(place), f"--out={folder}", *subject], scene, VibeProgress(sys.stderr))
         from ..engine.additions import with_additions
         from ..optimize.drawing import draw, picture_size
-        from ..optimize.plan import lock
         from ..optimize.scene_facts import plan_context
+        from ..optimize.shots import lock
         from ..optimize.vector import ParameterVector
         from ..render.proxy import Proxy
         from ..scene import load_scene

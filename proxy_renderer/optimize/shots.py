@@ -15,11 +15,10 @@ from ..claims.claim import ClaimSet
 from ..claims.measures.picture import MeasuredPicture
 from ..planning.types import Plan
 from ..scene import SceneData
-from ..schema import Instance
+from ..schema import GROUPS, Instance, VibeError, labels, matches
 from ..schema.messages import Options
 from .anchoring import Anchoring, PictureSource
 from .drawing import chosen_values, draw
-from .plan import lock
 from .vector import ParameterVector
 
 if TYPE_CHECKING:
@@ -210,3 +209,49 @@ def added_values(scene: SceneData) -> set[str]:
 
 def _alike(a: Instance, b: Instance) -> bool:
     return all(math.isclose(x, y, rel_tol=1e-4, abs_tol=1e-5) for x, y in zip(a.value, b.value, strict=True))
+
+
+def lock(
+    instances: Mapping[str, Instance], groups: Sequence[str], locks: Sequence[str], camera: bool
+) -> dict[str, Instance]:
+    """Instances with the artist's wishes in them: what may not change says why.
+
+    Args:
+        groups: Groups that may change; empty for all but the camera.
+        locks: Patterns of what must stay, see `schema.matches`.
+        camera: Whether the camera may move though no group names it.
+
+    Raises:
+        VibeError: For a group that does not exist and a pattern that nothing matches.
+    """
+    check_groups(groups)
+    for pattern in locks:
+        if not any(matches(key, [pattern]) for key in instances):
+            owners = sorted({key.rpartition("/")[0] for key in instances if key.count("/") > 1})
+            raise VibeError(
+                f"The lock {pattern!r} matches nothing in this scene.",
+                f"Lock a group ({', '.join(GROUPS)}), one thing ({', '.join(owners[:4])}) or a glob (*/roughness).",
+            )
+
+    def reason(key: str, group: str) -> str:
+        if matches(key, list(locks)):
+            return "locked by you"
+        if group == "camera" and "camera" not in groups and not camera:
+            return "the camera stays as you framed it"
+        if groups and group not in groups and not (group == "camera" and camera):
+            return f"{labels.GROUP_TITLES[group]} may not change"
+        return ""
+
+    return {
+        key: replace(i, locked=i.locked or reason(key, i.parameter.group)) for key, i in instances.items()
+    }
+
+
+def check_groups(groups: Sequence[str]) -> None:
+    """Makes sure that all groups exist.
+
+    Raises:
+        VibeError: For one that does not.
+    """
+    if strange := [g for g in groups if g not in GROUPS]:
+        raise VibeError(f"Unknown group {strange[0]!r}.", f"Use some of: {', '.join(GROUPS)}.")
