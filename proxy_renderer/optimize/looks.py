@@ -15,7 +15,7 @@ from ..planning.advice import Advice, Advisor
 from ..render.gbuffer import GBuffer
 from ..schema import verdicts
 from .drawing import chosen_values
-from .plan import feasible_ranges
+from .rounds.confiner import feasible_ranges
 from .scene_facts import plan_context
 from .shots import ShotState
 from .vector import begun, project

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The confiner, lines 2 to 5 and 7 of Algorithm 1: what advice says is made ranges of all parameters, and a box of u."""
+"""Lines 3 to 5 and 7 of Algorithm 1: the plan of a round, its ranges, and their box in u."""
 
 from __future__ import annotations
 
@@ -14,11 +14,38 @@ from ...claims.claim import Claim
 from ...planning.advice import Advice, Advisor
 from ...planning.types import Plan, PlanEntry
 from ...schema import Instance, Values
-from ..plan import carry, feasible_ranges
 from ..scene_facts import light_sizes, nearer_lights, plan_context
 from ..shots import ShotState
-from ..vector import ParameterVector, around, opened, project
+from ..vector import ParameterVector, around, nearest_turn, opened, project
 from . import starts
+
+
+def carry(plan: Plan, earlier: Plan) -> Plan:
+    """The plan, with what an earlier round supported and this one no longer mentions held in its range.
+
+    Without it a value would stay where the earlier round moved it, though its reason says otherwise.
+
+    Args:
+        earlier: The last round's; empty for the first.
+    """
+    gone = {k: e for k, e in earlier.items() if e.prior < 1.0 and plan[k].prior == 1.0}
+    held = {key: replace(entry, priority=None) for key, entry in gone.items()}
+    return Plan({**plan, **held}, plan.notes)
+
+
+def feasible_ranges(
+    plan: Plan, instances: Mapping[str, Instance], values: Mapping[str, Values]
+) -> dict[str, tuple[Values, Values]]:
+    """Key -> (lower, upper) of the plan, azimuths turned to where the values are now.
+
+    Args:
+        instances: The scene's parameters by key.
+        values: Current values by key in schema units; the artist's where missing.
+    """
+    return {
+        key: nearest_turn(instances[key], entry.lower, entry.upper, values.get(key, instances[key].value))
+        for key, entry in plan.items()
+    }
 
 
 @dataclass

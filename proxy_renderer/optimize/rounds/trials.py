@@ -14,10 +14,9 @@ from ...guidance.regions import Views
 from ...planning.types import Plan
 from ...render.proxy import Render
 from ..least_squares import fixed_views
-from ..plan import feasible_ranges
 from ..shots import ShotState
 from . import starts
-from .confiner import Confined, Start
+from .confiner import Confined, Start, feasible_ranges
 from .search import Search
 
 
