@@ -107,9 +107,8 @@ def _read(
     with tempfile.TemporaryDirectory(prefix="vibe-explain-") as folder, prepared(scene) as place:
         launch(["export", str(place), f"--out={folder}", *subject], scene, VibeProgress(sys.stderr))
         from ..engine.additions import with_additions
-        from ..optimize.drawing import draw, picture_size
         from ..optimize.scene_facts import plan_context
-        from ..optimize.shots import lock
+        from ..optimize.shots import draw, lock, picture_size
         from ..optimize.vector import ParameterVector
         from ..render.proxy import Proxy
         from ..scene import load_scene

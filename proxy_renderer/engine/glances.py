@@ -7,10 +7,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ..guidance.encoder import load_encoder
-from ..optimize.drawing import inner_size
 from ..optimize.looks import EarlyLook, Looks
 from ..optimize.progress import BEFORE
-from ..optimize.shots import ShotInput, gathered
+from ..optimize.shots import ShotInput, gathered, inner_size
 from ..planning.advice import OfflineAdvisor
 from ..render.proxy import Proxy
 from ..scene import SceneData, load_scene

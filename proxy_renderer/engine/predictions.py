@@ -12,8 +12,8 @@ from PIL import Image
 
 from ..color.differences import ciede2000
 from ..color.tensors import lab_from_srgb
-from ..optimize.drawing import draw
 from ..optimize.pipeline import Outcome
+from ..optimize.shots import draw
 from ..render.proxy import Proxy, Render
 from . import report
 

@@ -20,10 +20,9 @@ from ..guidance import augment
 from ..guidance.encoder import Encoder, load_encoder
 from ..optimize import pipeline
 from ..optimize.anchoring import BlenderPictures
-from ..optimize.drawing import picture_size
 from ..optimize.progress import Observer
 from ..optimize.rounds.method import VARIABLE, load_method
-from ..optimize.shots import ShotInput
+from ..optimize.shots import ShotInput, picture_size
 from ..prompt.understood import Understood
 from ..reference.like import Reference
 from ..render.proxy import Proxy

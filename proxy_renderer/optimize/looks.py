@@ -14,11 +14,9 @@ from ..claims.verdict import ShotClaims
 from ..planning.advice import Advice, Advisor
 from ..render.gbuffer import GBuffer
 from ..schema import verdicts
-from .drawing import chosen_values
-from .rounds.confiner import feasible_ranges
 from .scene_facts import plan_context
-from .shots import ShotState
-from .vector import begun, project
+from .shots import ShotState, chosen_values
+from .vector import begun, feasible_ranges, project
 
 
 @dataclass(frozen=True)

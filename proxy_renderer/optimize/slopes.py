@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 import torch
 from torch import Tensor
 
-from .drawing import chosen_values
 from .least_squares import Assessment, Slopes
-from .shots import ShotState
+from .shots import ShotState, chosen_values
 
 if TYPE_CHECKING:
     from ..render.proxy import LatentImage, Render

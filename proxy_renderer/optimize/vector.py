@@ -31,7 +31,8 @@ class ParameterVector:
         instances: The instances by key, in the order of the vector.
         slices: Where each key's components are.
         size: N.
-        taken: Keys whose values are written though nothing has moved them: see `shots.ShotState`.
+        taken: Keys whose values are written though nothing has moved them: lights that are added, and in a further shot values
+            that the words name and the first shot has already.
     """
 
     def __init__(self, instances: Mapping[str, Instance]) -> None:
@@ -46,7 +47,7 @@ class ParameterVector:
         self._upper = _stack(i.upper for i in self.instances.values())
         self._log = torch.tensor([i.parameter.scale.name == "log" for i in each])
         self._exponent = torch.tensor([i.parameter.scale.exponent for i in each], dtype=torch.float64)
-        self.taken: set[str] = set()
+        self.taken: frozenset[str] = frozenset()
         self._home = torch.zeros(self.size, dtype=torch.float64)
         self._home = self.encode({key: instance.value for key, instance in self.instances.items()})
 
@@ -55,8 +56,14 @@ class ParameterVector:
         shown = copy(self)
         shown.instances = {own: self.instances[key] for own, key in names.items()}
         shown.slices = {own: self.slices[key] for own, key in names.items()}
-        shown.taken = set()
+        shown.taken = frozenset()
         return shown
+
+    def taking(self, keys: Iterable[str]) -> ParameterVector:
+        """The same u, with these keys among the taken."""
+        other = copy(self)
+        other.taken = self.taken.union(keys)
+        return other
 
     def encode(self, values: Mapping[str, Sequence[float]]) -> Tensor:
         """u of values.
@@ -224,6 +231,16 @@ def opened(lower: Tensor, upper: Tensor, share: Tensor, own: Tensor) -> tuple[Te
     low = torch.where(own < lower, torch.maximum(lower - margin, own), lower - margin)
     high = torch.where(own > upper, torch.minimum(upper + margin, own), upper + margin)
     return low.clamp_min(0.0).minimum(lower), high.clamp_max(1.0).maximum(upper)
+
+
+def feasible_ranges(
+    plan: Plan, instances: Mapping[str, Instance], values: Mapping[str, Values]
+) -> dict[str, tuple[Values, Values]]:
+    """Key -> (lower, upper) of the plan, azimuths turned to where the values are now; the artist's where missing."""
+    return {
+        key: nearest_turn(instances[key], entry.lower, entry.upper, values.get(key, instances[key].value))
+        for key, entry in plan.items()
+    }
 
 
 def nearest_turn(instance: Instance, lower: Values, upper: Values, value: Values) -> tuple[Values, Values]:

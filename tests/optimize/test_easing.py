@@ -8,8 +8,7 @@ from tiny_job import write_job
 
 from proxy_renderer.optimize.rounds import refinement
 from proxy_renderer.optimize.rounds.confiner import Start
-from proxy_renderer.optimize.rounds.easing import eased
-from proxy_renderer.optimize.rounds.refinement import Refinement
+from proxy_renderer.optimize.rounds.refinement import Refinement, eased
 from proxy_renderer.optimize.rounds.search import Search
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.planning.types import Plan

@@ -12,7 +12,7 @@ from tiny_job import write_job
 
 from proxy_renderer.claims.claim import Claim
 from proxy_renderer.color.arrays import srgb_from_linear
-from proxy_renderer.optimize.drawing import picture_size
+from proxy_renderer.optimize.shots import picture_size
 from proxy_renderer.reference.like import Reference
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene

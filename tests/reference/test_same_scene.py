@@ -5,7 +5,7 @@ import pytest
 import torch
 from tiny_job import write_job
 
-from proxy_renderer.optimize.drawing import picture_size
+from proxy_renderer.optimize.shots import picture_size
 from proxy_renderer.reference import same_scene
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene

@@ -18,7 +18,7 @@ from torch import Tensor
 from ...color.tensors import lab_from_srgb
 from ...render.proxy import Proxy
 from ...scene import SceneData
-from ..drawing import picture_size
+from ..shots import picture_size
 from ..vector import ParameterVector
 
 _TURNS = tuple(range(-180, 180, 40))  # degrees of azimuth from the artist's
