@@ -9,9 +9,9 @@ from vibe_render.export import reading
 from vibe_render.scene import bindings, prepare, snapshot
 from vibe_render.scene.subject import SubjectChoice
 
-from proxy_renderer.engine.additions import with_additions
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.optimize.scene_words import scene_words
+from proxy_renderer.optimize.stage import set_stage
 from proxy_renderer.planning.lights.glow import glows
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import PlanContext
@@ -38,7 +38,7 @@ def panel(scene):
 
 def planned(scene, prompt, folder):
     reading.export_scene(scene, folder, SubjectChoice(("Cube",)))
-    addition = with_additions([load_scene(folder)], prompt)
+    addition = set_stage([load_scene(folder)], prompt)
     data = addition.scenes[0]
     parsed, known = parse(prompt, scene_words(data)), PlanContext(glows=glows(data))
     return plan(goals_of(parsed), dict(data.instances), known, light=addition.plan)

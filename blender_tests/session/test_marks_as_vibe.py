@@ -10,8 +10,8 @@ from small_scenes import camera, cube, light, principled, world
 from vibe_render.export import reading, sketch
 from vibe_render.scene.subject import SubjectChoice
 
-from proxy_renderer.engine.additions import with_additions
 from proxy_renderer.engine.readings import WordReader
+from proxy_renderer.optimize.stage import set_stage
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import messages, schema_hash
 
@@ -134,7 +134,7 @@ def marked(folder, prompt, target=()):
 def understood(folder, prompt, target=()):
     """What the report of a vibe says of the words."""
     scene = load_scene(reading.export_scene(bpy.context.scene, folder, SubjectChoice()).folder)
-    return with_additions([scene], prompt, told=target).understood.words
+    return set_stage([scene], prompt, target=target).understood.words
 
 
 @pytest.mark.parametrize(("build", "prompt"), CASES, ids=[prompt[:30] for _, prompt in CASES])

@@ -29,7 +29,7 @@ from ..schema.options import checks
 from ..schema.spec import Region
 
 if TYPE_CHECKING:
-    from ..engine.additions import Addition
+    from ..optimize.stage import Stage
 
 _LIGHTS = (("Key", "AREA", "key"), ("Fill", "AREA", "fill"), ("Rim", "AREA", "rim"))
 _MATERIALS: dict[str, Region] = {"Subject": "subject", "Surroundings": "surroundings"}
@@ -73,7 +73,7 @@ def account(
     return "\n".join([explain(*decided), *(["", "Light", *(f"  {line}" for line in light)] if light else [])])
 
 
-def _light(goals: Goals, addition: Addition | None) -> list[str]:
+def _light(goals: Goals, addition: Stage | None) -> list[str]:
     """The rig that the words ask for, and who plays its parts in the scene; without one, what each of its lights is."""
     if addition:
         return list(addition.lighting.notes) if addition.lighting else []
@@ -98,7 +98,7 @@ def _reasons(prompt: str, words: SceneWords, target: Sequence[str]) -> str:
 
 def _read(
     prompt: str, scene: Path, subject: Sequence[str], target: Sequence[str]
-) -> tuple[SceneWords, dict[str, Instance], PlanContext, Addition]:
+) -> tuple[SceneWords, dict[str, Instance], PlanContext, Stage]:
     """A scene as the first round of a vibe sees it: its names, its parameters, and the picture that they give."""
     from ..blender.launch import launch
     from ..blender.meshes import prepared
@@ -106,14 +106,14 @@ def _read(
 
     with tempfile.TemporaryDirectory(prefix="vibe-explain-") as folder, prepared(scene) as place:
         launch(["export", str(place), f"--out={folder}", *subject], scene, VibeProgress(sys.stderr))
-        from ..engine.additions import with_additions
         from ..optimize.scene_facts import plan_context
         from ..optimize.shots import draw, lock, picture_size
+        from ..optimize.stage import set_stage
         from ..optimize.vector import ParameterVector
         from ..render.proxy import Proxy
         from ..scene import load_scene
 
-        addition = with_additions([load_scene(Path(folder))], prompt, told=target)
+        addition = set_stage([load_scene(Path(folder))], prompt, target=target)
         data = addition.scenes[0]
         vector = ParameterVector(lock(data.instances, (), (), scene.suffix.lower() != ".blend"))
         proxy = Proxy(data, picture_size(data.resolution, _LOOK), device="cpu", seed=0)

@@ -10,12 +10,12 @@ from ..guidance.encoder import load_encoder
 from ..optimize.looks import EarlyLook, Looks
 from ..optimize.progress import BEFORE
 from ..optimize.shots import ShotInput, gathered, inner_size
+from ..optimize.stage import set_stage
 from ..planning.advice import OfflineAdvisor
 from ..render.proxy import Proxy
 from ..scene import SceneData, load_scene
 from ..schema import VibeError, messages
 from . import report
-from .additions import with_additions
 from .device import pick_device
 
 
@@ -44,9 +44,7 @@ class Glances:
             VibeError: The job cannot be read.
         """
         options = messages.Options.from_dict(request.options)
-        addition = with_additions(
-            [self._scene(request.job)], request.prompt, options.new_lights, options.target
-        )
+        addition = set_stage([self._scene(request.job)], request.prompt, options.new_lights, options.target)
         (scene,) = addition.scenes
         _, (shot,) = gathered([ShotInput(scene)], options, lambda _: self._proxy(scene, options))
         if stopped():

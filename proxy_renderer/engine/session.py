@@ -23,6 +23,7 @@ from ..optimize.anchoring import BlenderPictures
 from ..optimize.progress import Observer
 from ..optimize.rounds.method import VARIABLE, load_method
 from ..optimize.shots import ShotInput, picture_size
+from ..optimize.stage import Stage, set_stage
 from ..prompt.understood import Understood
 from ..reference.like import Reference
 from ..render.proxy import Proxy
@@ -33,7 +34,6 @@ from ..vlm.advisor import ModelAdvisor
 from ..vlm.client import Client
 from ..vlm.endpoint import find_endpoint
 from . import predictions, report
-from .additions import Addition, with_additions
 from .claimed import claims_about, foreseen
 from .device import pick_device
 
@@ -83,7 +83,7 @@ class EngineSession:
         self._observer.stage("setting the light")
         written = read(Path(self.options.goals)) if self.options.goals else None
         self.prompt = written.prompt if written else self.prompt
-        addition = with_additions(found, self.prompt, self.options.new_lights, self.options.target, written)
+        addition = set_stage(found, self.prompt, self.options.new_lights, self.options.target, written)
         scenes, self._understood = addition.scenes, addition.understood
         clock.lap("load scene")
         advisor = self._advisor(addition)
@@ -192,7 +192,7 @@ class EngineSession:
             claims=self._claims[request.shot].verdicts(*map(torch.from_numpy, (before, predicted, after))),
         )
 
-    def _advisor(self, addition: Addition) -> ModelAdvisor | None:
+    def _advisor(self, addition: Stage) -> ModelAdvisor | None:
         """The model as parser and confiner; None for the offline planner."""
         if self._model is None or not self.prompt.strip():
             return None

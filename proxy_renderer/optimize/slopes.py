@@ -105,7 +105,7 @@ class _ShotNearby:
     """A shot's pictures of a point and its neighbors; arguments as for `Neighbors`."""
 
     def __init__(self, shot: ShotState, u: Tensor, strides: Tensor) -> None:
-        self._shot, self._u, self._moved, self._proxy = shot, u, u + strides, shot.proxy
+        self._shot, self._u, self._moved, self._proxy = shot, u, u + strides, shot.corrected
         values = self._values(u)
         self._cache = self._proxy.traced(values)
         self._here = self._proxy.expose(values, self._cache)
@@ -184,7 +184,7 @@ class _Nearby:
     """
 
     def __init__(self, shot: ShotState, u: Tensor, chosen: Tensor) -> None:
-        self._shot, self._u, self._proxy = shot, u, shot.proxy
+        self._shot, self._u, self._proxy = shot, u, shot.corrected
         keys = {own for own, part in shot.vector.slices.items() if chosen[part].any()}
         self._film = {key for key in keys if _of_film(shot, key)}
         self._scene = keys - self._film

@@ -22,9 +22,10 @@ from ...scene import SceneData
 from ...schema import VibeError
 from ...schema.messages import Options
 from ..least_squares import Descent
-from ..progress import Clock, Looks, Observer
+from ..looks import Looks
+from ..progress import Clock, Observer
 from ..shots import ShotInput, ShotState, gathered, inner_size
-from ..stage import Stage, set_stage
+from ..stage import Stage, read_stage
 from ..vector import begun
 from .confiner import Confined, Confiner, Place, RoundStart
 from .judge import Judge
@@ -88,7 +89,7 @@ class Search:
             return Proxy(scene, size, device=str(encoder.device), seed=options.seed)
 
         self.vector, self.shots = gathered(views, options, proxy)
-        self._stage = stage or set_stage([view.scene for view in views], prompt)
+        self._stage = stage or read_stage([view.scene for view in views], prompt)
         words = bool(prompt.strip()) or isinstance(self._stage.goals, Goals)
         lights = self._stage.understood.scene.lights
         self._offline, asked = (
@@ -104,7 +105,7 @@ class Search:
             self.method, encoder, prompt, bool(options.encoder), self._stage.claims, self.reference
         )
         alone = len(self.shots) == 1 and observer.wants_looks
-        self.looks = Looks(self.shots[0], observer) if alone else None
+        self.looks = Looks(self.shots[0]) if alone else None
 
     def show_plan(self) -> None:
         """Shows what the words alone give, before the first anchor; the words' own plan, also where a model is asked later."""
@@ -114,13 +115,15 @@ class Search:
             u, advice = self.looks.planned(self._offline)
         except VibeError:  # if nobody else understands the words either, the first round says so
             return
-        self.looks.begin(u)
-        self.looks.show(self.shots[0], u, self.judge.claims_of(advice.goals, self.shots[0]))
+        self.observer.begin(self.looks.before)
+        self.observer.look(self.looks.values(u))
+        claims = self.judge.claims_of(advice.goals, self.shots[0])
+        self.observer.look(self.looks.drawn(u, claims))
 
     def show(self, shots: Sequence[ShotState], u: Tensor) -> None:
         """Shows the best look so far, at u (N,)."""
         if self.looks:
-            self.looks.show(shots[0], u, self.judge.claims)
+            self.observer.look(self.looks.drawn(u, self.judge.claims, shots[0]))
 
     def confine(self, here: RoundStart) -> Confined:
         """Lines 2 to 5 and 7 of Algorithm 1: render, parse, compose, confine, project."""

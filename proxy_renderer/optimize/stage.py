@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Gives a scene what the words ask for and it lacks: a rig, single lights, a backdrop of its own."""
+"""What a vibe begins with: the words, read against the scene once, and the scene, lit as they ask for."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from ..claims.claim import Claim
 from ..claims.wanted import claims_of
 from ..goals.resolve import Goals, goals_or_why
 from ..goals.written import WrittenGoals
-from ..optimize.scene_words import scene_words
 from ..planning.acting import beside_rig
+from ..planning.advice import OfflineAdvisor
 from ..planning.lights.backdrop import asks_for_backdrop
 from ..planning.lights.glow import glows
 from ..planning.lights.lacking import lacking
@@ -24,19 +24,20 @@ from ..rigs.lighting import Lighting, lighting
 from ..scene import SceneData
 from ..schema import VibeError
 from ..schema.added_lights import ADDED_LIGHTS, light_name
+from .scene_words import scene_words
 
 _SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim")}
 """Lights that single words may need, as "rim light" does where no rig is asked for."""
 
 
 @dataclass(frozen=True)
-class Addition:
-    """A scene with what the words ask for and it lacks.
+class Stage:
+    """Scenes and goals of a vibe.
 
     Attributes:
-        scenes: The shots.
+        scenes: The shots, with the lights that the words ask for and the scene lacks.
         understood: The words, read against the scene.
-        goals: What the words wish for; why there are none where nothing is understood.
+        goals: The words' wishes; the reason why there are none where nothing is understood.
         lighting: The rig that the words ask for, set up; None where they ask for none.
     """
 
@@ -47,49 +48,58 @@ class Addition:
 
     @property
     def plan(self) -> LightPlan | None:
-        """Of the rig."""
+        """The rig's plan."""
         return self.lighting.plan if self.lighting else None
 
+    @property
+    def advisor(self) -> OfflineAdvisor:
+        """The planner of these goals."""
+        return OfflineAdvisor(self.goals, self.plan)
+
     def claims(self, goals: Goals) -> tuple[Claim, ...]:
-        """What the words claim of the image, the rig's structure among it."""
+        """The claims of goals about the image, the rig's structure among them."""
         vocabulary = default_vocabulary()
         if self.lighting is None:
             return claims_of(goals, vocabulary)
         return (*self.lighting.claims, *claims_of(beside_rig(goals, self.lighting.plan), vocabulary))
 
 
-def with_additions(
+def read_stage(scenes: Sequence[SceneData], prompt: str) -> Stage:
+    """The words, read against scenes that stay as they are lit."""
+    understood = Understood(prompt, scene_words(*scenes))
+    return Stage(list(scenes), understood, goals_or_why(understood))
+
+
+def set_stage(
     scenes: Sequence[SceneData],
     prompt: str,
     new_lights: bool = True,
-    told: Sequence[str] = (),
+    target: Sequence[str] = (),
     written: WrittenGoals | None = None,
-) -> Addition:
-    """The shots, lit by the rig that the words ask for; or with what is on standby for them, where they ask for no rig.
+) -> Stage:
+    """The shots, lit by the rig that the words ask for; or with lights on standby for single words, where they ask for no rig.
 
     Args:
         scenes: One or several shots. The first decides on lights for all; a backdrop is for all of them or for none.
-        prompt: What the artist typed; where nothing in it is understood offline, nothing is added.
+        prompt: Where nothing in it is understood offline, nothing is added.
         new_lights: Whether the scene may get lights.
-        told: "copper=Cup": what the artist says that words describe.
+        target: "copper=Cup": what words describe, as the artist says.
         written: Goals in the place of those that the prompt asks for; None for its own.
 
     Raises:
-        VibeError: The scene has nothing that a word is told to describe.
+        VibeError: The scene has nothing that a word is to describe.
     """
-    understood = Understood(prompt, scene_words(*scenes), told)
+    understood = Understood(prompt, scene_words(*scenes), target)
     goals = written.within(understood.scene) if written else goals_or_why(understood)
     if isinstance(goals, VibeError):
-        return Addition(list(scenes), understood, goals)
-    if chosen := chosen_rig(goals, rig_table(), default_vocabulary()):
-        lit = lighting(scenes, goals.parsed, chosen, new_lights)
-        return Addition(lit.scenes, understood, goals, lit)
-    return Addition(_with_standby(scenes, goals, new_lights), understood, goals)
+        return Stage(list(scenes), understood, goals)
+    vocabulary = default_vocabulary()
+    if chosen := chosen_rig(goals, rig_table(), vocabulary):
+        rig = lighting(scenes, goals.parsed, chosen, new_lights)
+        return Stage(rig.scenes, understood, goals, rig)
 
-
-def _with_standby(scenes: Sequence[SceneData], goals: Goals, new_lights: bool) -> list[SceneData]:
-    """The shots with lights and a backdrop on standby that single words need."""
-    first, vocabulary = scenes[0], default_vocabulary()
+    # No rig: lights and a backdrop that single words need
+    first = scenes[0]
     context = PlanContext(
         camera_azimuth=first.value("camera/azimuth")[0],
         glows=glows(first),
@@ -102,4 +112,4 @@ def _with_standby(scenes: Sequence[SceneData], goals: Goals, new_lights: bool) -
     parts = asks_for_backdrop(goals, instances, context, vocabulary)
     if parts and all(scene.may_be_parted for scene in scenes):
         scenes = [scene.parted() for scene in scenes]
-    return [scene.with_lights(names) for scene in scenes] if names else list(scenes)
+    return Stage([scene.with_lights(names) if names else scene for scene in scenes], understood, goals)
