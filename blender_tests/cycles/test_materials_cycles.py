@@ -18,7 +18,7 @@ from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.color.differences import ciede2000
 from proxy_renderer.color.tensors import lab_from_srgb
-from proxy_renderer.engine.report import load_picture
+from proxy_renderer.engine.pictures import load_picture
 from proxy_renderer.render.proxy import Proxy, Render
 from proxy_renderer.scene import load_scene
 

@@ -10,7 +10,7 @@ from vibe_render.scene.subject import SubjectChoice
 from lab.bench.metrics import difference
 from lab.blender.scenes.build import build
 from lab.blender.scenes.recipe import CameraRecipe, FinishRecipe, SceneRecipe, WorldRecipe
-from proxy_renderer.engine.report import load_picture
+from proxy_renderer.engine.pictures import load_picture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 

@@ -18,7 +18,7 @@ from lab.blender.scenes.recipe import (
     SceneRecipe,
     WorldRecipe,
 )
-from proxy_renderer.engine.report import load_picture
+from proxy_renderer.engine.pictures import load_picture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 

@@ -159,7 +159,7 @@ def test_an_anchored_proxy_shows_what_cycles_renders(scene, tmp_path):
     values = {"light/Area/power": [300.0], "light/Sun/color": [1.0, 0.6, 0.3], "film/exposure": [-1.0]}
     with bindings.trial(scene, values, analysis.objects, analysis.pivot):
         final_render.render(scene, tmp_path / "after.png", 64, 256)
-    from proxy_renderer.engine.report import load_picture
+    from proxy_renderer.engine.pictures import load_picture
 
     after = torch.from_numpy(load_picture(tmp_path / "after.png"))
     proxy = Proxy(data, (64, 64))

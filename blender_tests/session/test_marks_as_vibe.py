@@ -10,7 +10,7 @@ from small_scenes import camera, cube, light, principled, world
 from vibe_render.export import reading, sketch
 from vibe_render.scene.subject import SubjectChoice
 
-from proxy_renderer.engine.readings import WordReader
+from proxy_renderer.engine.live import WordReader
 from proxy_renderer.optimize.stage import set_stage
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import messages, schema_hash

@@ -28,7 +28,7 @@ from torch.nn.functional import adaptive_avg_pool2d
 from lab.bench import blender, cache
 from lab.bench.objective import TERMS, agreement, objective
 from proxy_renderer.color.tensors import lab_from_srgb, linear_from_srgb, luminance
-from proxy_renderer.engine.report import load_picture
+from proxy_renderer.engine.pictures import load_picture
 from proxy_renderer.guidance import augment
 from proxy_renderer.guidance.encoder import Encoder, load_encoder
 from proxy_renderer.guidance.regions import mean

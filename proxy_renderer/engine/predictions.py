@@ -15,7 +15,7 @@ from ..color.tensors import lab_from_srgb
 from ..optimize.pipeline import Outcome
 from ..optimize.shots import draw
 from ..render.proxy import Proxy, Render
-from . import report
+from .pictures import image, save_picture
 
 PREDICTION = "prediction.png"
 PICTURES = {
@@ -61,8 +61,8 @@ def predict(proxy: Proxy, outcome: Outcome, number: int, job: Path, figures: boo
     for name, correction in corrections.items():
         proxy.correction = correction
         picture = _drawn(proxy, outcome, number)
-        report.save_picture(picture.display, job / PICTURES[name])
-    return Predicted(list(corrections), report.image(picture.mask))
+        save_picture(picture.display, job / PICTURES[name])
+    return Predicted(list(corrections), image(picture.mask))
 
 
 def variants(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> list[Image.Image]:
@@ -81,9 +81,9 @@ def variants(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> list[Ima
     for place, look in enumerate(outcome.variants, start=1):
         proxy.correction, *_ = look.anchors[number]
         path = job / variant(place)
-        report.save_picture(_drawn(proxy, look, number).display, path)
-        with Image.open(path) as image:
-            pictures.append(image.convert("RGB"))
+        save_picture(_drawn(proxy, look, number).display, path)
+        with Image.open(path) as file:
+            pictures.append(file.convert("RGB"))
     return pictures
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One vibe in the engine: from a job folder to values, and, once Cycles has rendered, to its measure."""
+"""One vibe in the engine: from job folders to values, and the measure of what Cycles made of them."""
 
 from __future__ import annotations
 
@@ -35,7 +35,24 @@ from ..vlm.client import Client
 from ..vlm.endpoint import find_endpoint
 from . import predictions, report
 from .claimed import claims_about, foreseen
-from .device import pick_device
+from .pictures import compare, load_picture, save_image
+
+
+def pick_device(name: str) -> str:
+    """The torch device for a name; "auto" is a CUDA card where there is one.
+
+    Raises:
+        VibeError: If torch does not have it here.
+    """
+    if name in ("", "auto"):
+        return "cuda" if torch.cuda.is_available() else "cpu"
+    try:
+        torch.zeros(1, device=name)
+    except (RuntimeError, AssertionError) as error:
+        raise VibeError(
+            f"There is no device {name!r} here.", "Use --device cpu, or run `vibe doctor`."
+        ) from error
+    return name
 
 
 class EngineSession:
@@ -147,8 +164,8 @@ class EngineSession:
                 ]
             )
         if outcome.variants:
-            sheet = report.compare(rows, self.prompt, self._fonts())
-            report.save_image(sheet, Path(self.shots[0].job) / messages.VARIANTS)
+            sheet = compare(rows, self.prompt, self._fonts())
+            save_image(sheet, Path(self.shots[0].job) / messages.VARIANTS)
 
     def _fonts(self) -> Path:
         """The folder of Blender's fonts."""
@@ -166,7 +183,7 @@ class EngineSession:
         """
         if self._encoder is None:
             raise VibeError("There is nothing to finish.", "Send a vibe first.")
-        before, after = (report.load_picture(Path(p)) for p in (request.before, request.after))
+        before, after = (load_picture(Path(p)) for p in (request.before, request.after))
         shape, shot = (after.shape[1], after.shape[0]), self.shots[request.shot]
         job = Path(shot.job)
         found = self._predicted[request.shot]
@@ -183,7 +200,7 @@ class EngineSession:
             for label, p in panels
         ]
         self._rows = [*self._rows[: request.shot], images]
-        report.save_image(report.compare(self._rows, self.prompt, self._fonts()), Path(request.compare_out))
+        save_image(compare(self._rows, self.prompt, self._fonts()), Path(request.compare_out))
         subject = np.asarray(found.mask.resize(shape, Image.Resampling.LANCZOS), np.float32) / 255.0
         return messages.Finished(
             prediction={name: predictions.apart(each, after, subject) for name, each in drawn.items()},

@@ -1,12 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The engine as a process: NUL-delimited JSON on stdin and stdout, see `schema.messages`.
-
-Start it with `python -m proxy_renderer.engine.worker`. It says "ready" before it imports anything heavy,
-then warms up while the other side exports the scene, and stays warm between vibes.
-"""
+"""The engine's process: answers requests on its standard streams."""
 
 from __future__ import annotations
 
+import ctypes
 import errno
 import os
 import sys
@@ -20,13 +17,30 @@ from ..folders import cache_folder
 from ..optimize.progress import BEFORE
 from ..schema import VibeError, faults, messages, schema_hash
 from ..schema.wire import check_schema
-from .allocator import keep_freed_memory
-from .remote_observer import RemoteObserver, look_message
-from .wire import Wire
+from .wire import RemoteObserver, Wire, look_message
 
 if TYPE_CHECKING:
-    from .glances import Glances
+    from .live import Glances
     from .session import EngineSession
+
+
+_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of mallopt(3)
+_KEPT = 2**30  # bytes
+
+
+def keep_freed_memory() -> None:
+    """Has glibc keep up to a gigabyte of what is freed; elsewhere nothing changes.
+
+    An array over 32 MB is else the system's again as soon as it is freed, and the next one is cleared page by page: a step
+    of a picture of 2048² took twice as long for that.
+    """
+    if sys.platform != "linux":
+        return
+    library = ctypes.CDLL(None)
+    if hasattr(library, "mallopt"):
+        library.mallopt(_MMAP_THRESHOLD, _KEPT)
+        library.mallopt(_TRIM_THRESHOLD, _KEPT)
+
 
 _LOW_PRIORITY = 5  # of 19, as `nice` counts: at 10 an engine on a busy machine took a minute to be warm
 
@@ -44,7 +58,7 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     warming.join()
     threading.Thread(target=_read_words, args=(wire,), daemon=True).start()
     session: EngineSession | None = None
-    glances: Glances | None = None
+    live: Glances | None = None
     while True:
         request = wire.inbox.get()
         if request is None or isinstance(request, messages.Quit):
@@ -56,8 +70,8 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
                 session = None
                 session = _vibe(wire, request)
             elif isinstance(request, messages.Glance):
-                glances = glances or _no_glances()
-                wire.send(_glance(wire, request, glances))
+                live = live or _no_glances()
+                wire.send(_glance(wire, request, live))
             elif isinstance(request, messages.Finish):
                 if session is None:
                     raise VibeError("There is nothing to finish.", "Send a vibe first.")
@@ -116,7 +130,7 @@ def _vibe(wire: Wire, request: messages.Vibe) -> EngineSession:
 
 
 def _no_glances() -> Glances:
-    from .glances import Glances
+    from .live import Glances
 
     return Glances()
 
@@ -130,7 +144,7 @@ def _glance(wire: Wire, request: messages.Glance, glances: Glances) -> messages.
 
 def _read_words(wire: Wire) -> None:
     """Says how words are understood, without end; of several that wait, only the newest."""
-    from .readings import WordReader
+    from .live import WordReader
 
     reader = WordReader()
     while True:
@@ -155,7 +169,6 @@ def _warm_up() -> None:
     try:
         from ..guidance.encoder import load_encoder
         from ..prompt.lexicon.user_words import default_vocabulary
-        from . import glances, session  # noqa: F401
 
         load_encoder(None, "cpu")
         default_vocabulary()

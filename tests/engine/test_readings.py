@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from proxy_renderer.engine.readings import readings
+from proxy_renderer.engine.live import readings
 from proxy_renderer.prompt.types import LightWords, SceneWords
 
 SCENE = SceneWords(

@@ -12,7 +12,7 @@ from typing import Any
 
 from lab.bench.wild import product
 from proxy_renderer.blender import launch
-from proxy_renderer.engine.report import load_picture
+from proxy_renderer.engine.pictures import load_picture
 from proxy_renderer.schema import atomic
 from proxy_renderer.schema.verdicts import missing_by_word
 

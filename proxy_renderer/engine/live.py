@@ -1,19 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How the words of a prompt are understood, one by one, while they are typed."""
+"""Answers while the artist types: how words are read, and what a first look at them is like."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from ..guidance.encoder import load_encoder
+from ..optimize.looks import EarlyLook, Looks
+from ..optimize.progress import BEFORE
 from ..optimize.scene_words import scene_words
+from ..optimize.shots import ShotInput, gathered, inner_size
+from ..optimize.stage import set_stage
+from ..planning.advice import OfflineAdvisor
 from ..prompt.lexicon.nearest import Nearest
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.types import LightWords, PromptWord, SceneWords
 from ..prompt.understood import Understood
-from ..scene import load_scene
+from ..render.proxy import Proxy
+from ..scene import SceneData, load_scene
+from ..schema import VibeError, messages
 from ..schema.messages import AskReadings, Readings, WordReading
 from ..schema.targets import GENERAL, listed
+from . import report
+from .session import pick_device
 
 _OTHERS = 2  # known words that are offered in place of one that is not used
 
@@ -85,3 +95,57 @@ def _reading(word: PromptWord) -> WordReading:
     else:
         state, meaning = "understood", describes
     return WordReading(word.text, state, meaning, [], word.key, names, [*word.others])
+
+
+class Glances:
+    """Answers glances at one job after another.
+
+    A scene is loaded once, and its proxies stay: one for each set of lights and backdrops that words have asked for.
+    """
+
+    def __init__(self) -> None:
+        self._job = ""
+        self._found: SceneData | None = None
+        self._proxies: dict[tuple[str, ...], Proxy] = {}
+
+    def look(self, request: messages.Glance, stopped: Callable[[], bool]) -> EarlyLook | None:
+        """The look of a glance; a picture of the artist's own values is left beside it.
+
+        Args:
+            request: The words, and the job folder.
+            stopped: Whether nobody wants it any more; asked between the parts that take long.
+
+        Returns:
+            None if it was stopped, or no word is known yet.
+
+        Raises:
+            VibeError: The job cannot be read.
+        """
+        options = messages.Options.from_dict(request.options)
+        addition = set_stage([self._scene(request.job)], request.prompt, options.new_lights, options.target)
+        (scene,) = addition.scenes
+        _, (shot,) = gathered([ShotInput(scene)], options, lambda _: self._proxy(scene, options))
+        if stopped():
+            return None
+        looks = Looks(shot)
+        advisor = OfflineAdvisor(addition.goals, addition.plan)
+        report.save_picture(looks.before.display, Path(request.job) / BEFORE)
+        try:
+            u, advice = looks.planned(advisor)
+        except VibeError:  # half a word, perhaps
+            return None
+        return None if stopped() else looks.drawn(u, addition.claims(advice.goals))
+
+    def _scene(self, job: str) -> SceneData:
+        if self._found is None or job != self._job:
+            self._job, self._found = job, load_scene(Path(job))
+            self._proxies.clear()
+        return self._found
+
+    def _proxy(self, scene: SceneData, options: messages.Options) -> Proxy:
+        added = tuple(scene.instances)
+        if added not in self._proxies:
+            device = pick_device(options.device)
+            size = inner_size(scene, options, load_encoder(options.encoder or None, device))
+            self._proxies[added] = Proxy(scene, size, device, options.seed)
+        return self._proxies[added]
