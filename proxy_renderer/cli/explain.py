@@ -6,7 +6,8 @@ from __future__ import annotations
 import json
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,11 +25,13 @@ from ..prompt.types import SceneWords
 from ..prompt.understood import Understood
 from ..rigs.chosen import chosen_rig
 from ..scene.plain import plain_instances
-from ..schema import Instance, VibeError
+from ..schema import VibeError
+from ..schema.messages import Options
 from ..schema.options import checks
 from ..schema.spec import Region
 
 if TYPE_CHECKING:
+    from ..optimize.shots import ShotState
     from ..optimize.stage import Stage
 
 _LIGHTS = (("Key", "AREA", "key"), ("Fill", "AREA", "fill"), ("Rim", "AREA", "rim"))
@@ -55,28 +58,37 @@ def account(
         target: "copper=Cup": what words describe, where they are taken for something else.
         as_goals: Give the goals alone, as `vibe run --goals` reads them.
     """
-    words, instances, context, addition = (
-        _read(prompt, scene, subject, target) if scene else (*_plain(), None)
-    )
-    if with_reasons:
-        return _reasons(prompt, words, target)
-    goals = addition.goals if addition else goals_or_why(Understood(prompt, words, target))
-    if as_goals:
-        if isinstance(goals, VibeError):
-            raise goals
-        return json.dumps(written.as_json(goals), indent=2, ensure_ascii=False)
-    advice = OfflineAdvisor(goals, addition.plan if addition else None).advise(None, instances, context)
+    with ExitStack() as stack:
+        if scene:
+            stage, shot = stack.enter_context(_exported(prompt, scene, subject, target))
+            words, goals = stage.understood.scene, stage.goals
+        else:
+            stage = shot = None
+            words = SceneWords(materials=dict(_MATERIALS))
+            goals = goals_or_why(Understood(prompt, words, target))
+        if with_reasons:
+            return _reasons(prompt, words, target)
+        if as_goals:
+            if isinstance(goals, VibeError):
+                raise goals
+            return json.dumps(written.as_json(goals), indent=2, ensure_ascii=False)
+        if stage and shot:
+            advice = shot.advised(stage.advisor, shot.vector.encode({}))
+        else:
+            instances = plain_instances(_LIGHTS, _MATERIALS.items())
+            context = PlanContext(light_types={name: kind for name, kind, _ in _LIGHTS})
+            advice = OfflineAdvisor(goals).advise(None, instances, context)
     decided = advice.goals, advice.prompts, advice.plan
-    light = _light(advice.goals, addition)
+    light = _light(advice.goals, stage)
     if as_json:
         return json.dumps({**as_dict(*decided), "light": light}, indent=2, ensure_ascii=False)
     return "\n".join([explain(*decided), *(["", "Light", *(f"  {line}" for line in light)] if light else [])])
 
 
-def _light(goals: Goals, addition: Stage | None) -> list[str]:
+def _light(goals: Goals, stage: Stage | None) -> list[str]:
     """The rig that the words ask for, and who plays its parts in the scene; without one, what each of its lights is."""
-    if addition:
-        return list(addition.lighting.notes) if addition.lighting else []
+    if stage:
+        return list(stage.lighting.notes) if stage.lighting else []
     chosen = chosen_rig(goals, rig_table(), default_vocabulary())
     if chosen is None:
         return []
@@ -96,33 +108,27 @@ def _reasons(prompt: str, words: SceneWords, target: Sequence[str]) -> str:
     return why(reader)
 
 
-def _read(
+@contextmanager
+def _exported(
     prompt: str, scene: Path, subject: Sequence[str], target: Sequence[str]
-) -> tuple[SceneWords, dict[str, Instance], PlanContext, Stage]:
-    """A scene as the first round of a vibe sees it: its names, its parameters, and the picture that they give."""
+) -> Iterator[tuple[Stage, ShotState]]:
+    """A scene as the first round of a vibe has it, while its export lasts."""
     from ..blender.launch import launch
     from ..blender.meshes import prepared
     from ..blender.progress import VibeProgress
 
     with tempfile.TemporaryDirectory(prefix="vibe-explain-") as folder, prepared(scene) as place:
         launch(["export", str(place), f"--out={folder}", *subject], scene, VibeProgress(sys.stderr))
-        from ..optimize.scene_facts import plan_context
-        from ..optimize.shots import draw, lock, picture_size
+        from ..optimize.shots import ShotInput, gathered, picture_size
         from ..optimize.stage import set_stage
-        from ..optimize.vector import ParameterVector
         from ..render.proxy import Proxy
         from ..scene import load_scene
 
-        addition = set_stage([load_scene(Path(folder))], prompt, target=target)
-        data = addition.scenes[0]
-        vector = ParameterVector(lock(data.instances, (), (), scene.suffix.lower() != ".blend"))
-        proxy = Proxy(data, picture_size(data.resolution, _LOOK), device="cpu", seed=0)
-        u = vector.encode({})
-        now = plan_context(proxy, vector.values(u), draw(proxy, vector, u))
-        return addition.understood.scene, dict(vector.instances), now, addition
-
-
-def _plain() -> tuple[SceneWords, dict[str, Instance], PlanContext]:
-    instances = plain_instances(_LIGHTS, _MATERIALS.items())
-    context = PlanContext(light_types={name: kind for name, kind, _ in _LIGHTS})
-    return SceneWords(materials=dict(_MATERIALS)), instances, context
+        stage = set_stage([load_scene(Path(folder))], prompt, target=target)
+        options = Options(camera=scene.suffix.lower() != ".blend")
+        _, (shot,) = gathered(
+            [ShotInput(stage.scenes[0])],
+            options,
+            lambda data: Proxy(data, picture_size(data.resolution, _LOOK), device="cpu", seed=0),
+        )
+        yield stage, shot

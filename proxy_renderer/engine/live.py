@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Answers while the artist types: how words are read, and what a first look at them is like."""
+"""Answers while the artist types: how words are read, and a first look at them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from ..optimize.progress import BEFORE
 from ..optimize.scene_words import scene_words
 from ..optimize.shots import ShotInput, gathered, inner_size
 from ..optimize.stage import set_stage
-from ..planning.advice import OfflineAdvisor
 from ..prompt.lexicon.nearest import Nearest
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.types import LightWords, PromptWord, SceneWords
@@ -20,9 +19,8 @@ from ..prompt.understood import Understood
 from ..render.proxy import Proxy
 from ..scene import SceneData, load_scene
 from ..schema import VibeError, messages
-from ..schema.messages import AskReadings, Readings, WordReading
 from ..schema.targets import GENERAL, listed
-from . import report
+from .pictures import save_picture
 from .session import pick_device
 
 _OTHERS = 2  # known words that are offered in place of one that is not used
@@ -35,13 +33,18 @@ class WordReader:
         self._job: tuple[str, int] = ("", 0)
         self._scene = SceneWords()
 
-    def read(self, request: AskReadings) -> Readings:
-        """The words of a prompt as a vibe of the exported scene understands them.
-
-        Raises:
-            VibeError: The scene cannot be read.
-        """
-        scene = self._described(request.job) if request.job else _named(request)
+    def read(self, request: messages.AskReadings) -> messages.Readings:
+        """The words of a prompt as a vibe of the exported scene understands them; raises VibeError if it cannot be read."""
+        if request.job:
+            return readings(request.prompt, self._described(request.job), request.target)
+        # Only names are known: everything may be the subject.
+        objects = request.objects
+        scene = SceneWords(
+            objects=dict.fromkeys(objects, "subject"),
+            materials=dict.fromkeys((m for names in objects.values() for m in names), "subject"),
+            object_materials={name: tuple(materials) for name, materials in objects.items()},
+            lights={name: LightWords(kind) for name, kind in request.lights.items()},
+        )
         return readings(request.prompt, scene, request.target)
 
     def _described(self, job: str) -> SceneWords:
@@ -55,46 +58,38 @@ class WordReader:
         return self._scene
 
 
-def readings(prompt: str, scene: SceneWords, target: Sequence[str] = ()) -> Readings:
+def readings(prompt: str, scene: SceneWords, target: Sequence[str] = ()) -> messages.Readings:
     """The words of a prompt as a vibe of a scene understands them.
 
     Args:
         prompt: What the artist has typed so far.
-        target: "copper=Cup": what the artist says that words describe.
+        target: "copper=Cup": what words describe, as the artist says.
     """
     if not prompt.strip():
-        return Readings(prompt)
+        return messages.Readings(prompt)
     understood = Understood(prompt, scene, target)
     note = str(understood.unknown or "")
     if not understood.words:  # a target that cannot be is taken back by a click on its word
         understood = Understood(prompt, scene)
-    return Readings(prompt, [*map(_reading, understood.words)], note)
+    return messages.Readings(prompt, [*map(_reading, understood.words)], note)
 
 
-def _named(request: AskReadings) -> SceneWords:
-    """A scene of which only names are known: everything may be the subject."""
-    return SceneWords(
-        objects=dict.fromkeys(request.objects, "subject"),
-        materials=dict.fromkeys((m for names in request.objects.values() for m in names), "subject"),
-        object_materials={name: tuple(materials) for name, materials in request.objects.items()},
-        lights={name: LightWords(kind) for name, kind in request.lights.items()},
-    )
-
-
-def _reading(word: PromptWord) -> WordReading:
+def _reading(word: PromptWord) -> messages.WordReading:
     """A word with what it describes; one that is not used, with known words in its place."""
     names = [candidate.name for candidate in word.candidates]
     if not word.is_used:
         unknown = not word.candidates
         others = default_vocabulary().made(Nearest).choices(word.text, _OTHERS) if unknown else []
-        return WordReading(word.text, "left out", word.target, others, word.key, names, [*word.others])
+        return messages.WordReading(
+            word.text, "left out", word.target, others, word.key, names, [*word.others]
+        )
     is_general = word.target in GENERAL and word.thing not in word.target
     describes = f"describes {listed(word.target)}" + (f" ({word.thing})" if is_general else "")
     if word.guess:
         state, meaning = "guessed", f"taken for “{word.guess}”, {describes}"
     else:
         state, meaning = "understood", describes
-    return WordReading(word.text, state, meaning, [], word.key, names, [*word.others])
+    return messages.WordReading(word.text, state, meaning, [], word.key, names, [*word.others])
 
 
 class Glances:
@@ -109,10 +104,9 @@ class Glances:
         self._proxies: dict[tuple[str, ...], Proxy] = {}
 
     def look(self, request: messages.Glance, stopped: Callable[[], bool]) -> EarlyLook | None:
-        """The look of a glance; a picture of the artist's own values is left beside it.
+        """The look of a glance; an image of the artist's own values is left in the job folder.
 
         Args:
-            request: The words, and the job folder.
             stopped: Whether nobody wants it any more; asked between the parts that take long.
 
         Returns:
@@ -122,19 +116,19 @@ class Glances:
             VibeError: The job cannot be read.
         """
         options = messages.Options.from_dict(request.options)
-        addition = set_stage([self._scene(request.job)], request.prompt, options.new_lights, options.target)
-        (scene,) = addition.scenes
+        found = [self._scene(request.job)]
+        stage = set_stage(found, request.prompt, options.new_lights, options.target)
+        (scene,) = stage.scenes
         _, (shot,) = gathered([ShotInput(scene)], options, lambda _: self._proxy(scene, options))
         if stopped():
             return None
         looks = Looks(shot)
-        advisor = OfflineAdvisor(addition.goals, addition.plan)
-        report.save_picture(looks.before.display, Path(request.job) / BEFORE)
+        save_picture(looks.before, Path(request.job) / BEFORE)
         try:
-            u, advice = looks.planned(advisor)
+            u, advice = looks.planned(stage.advisor)
         except VibeError:  # half a word, perhaps
             return None
-        return None if stopped() else looks.drawn(u, addition.claims(advice.goals))
+        return None if stopped() else looks.drawn(u, stage.claims(advice.goals))
 
     def _scene(self, job: str) -> SceneData:
         if self._found is None or job != self._job:
@@ -143,9 +137,9 @@ class Glances:
         return self._found
 
     def _proxy(self, scene: SceneData, options: messages.Options) -> Proxy:
-        added = tuple(scene.instances)
-        if added not in self._proxies:
+        parameters = tuple(scene.instances)
+        if parameters not in self._proxies:
             device = pick_device(options.device)
             size = inner_size(scene, options, load_encoder(options.encoder or None, device))
-            self._proxies[added] = Proxy(scene, size, device, options.seed)
-        return self._proxies[added]
+            self._proxies[parameters] = Proxy(scene, size, device, options.seed)
+        return self._proxies[parameters]

@@ -17,6 +17,11 @@ if TYPE_CHECKING:
     from torch import Tensor
 
     from ..optimize.looks import EarlyLook
+_PREVIEW_SECONDS = 1.0
+_PROGRESS_SECONDS = 0.1
+_ANSWER_SECONDS = 600.0
+"""Most that Blender may take to answer: it may be rendering something else first."""
+_Look = TypeVar("_Look", bound=messages.LookSoFar)
 
 
 class Wire:
@@ -71,13 +76,6 @@ class Wire:
         self.inbox.put(None)
 
 
-_PREVIEW_SECONDS = 1.0
-_PROGRESS_SECONDS = 0.1
-_ANSWER_SECONDS = 600.0
-"""Most that Blender may take to answer: it may be rendering something else first."""
-_Look = TypeVar("_Look", bound=messages.LookSoFar)
-
-
 class RemoteObserver:
     """Tells the other side how the loop goes, and the loop when to end.
 
@@ -87,50 +85,34 @@ class RemoteObserver:
 
     def __init__(self, wire: Wire, job: Path, wants_looks: bool = False) -> None:
         self._wire, self._job, self.wants_looks = wire, job, wants_looks
-        self._previewed = self._told = 0.0
+        self._previewed = self._reported = 0.0
 
     def stage(self, name: str) -> None:
-        """Says what is going on outside of the loop."""
+        """Reports what is going on outside of the loop."""
         self._wire.send(messages.Stage(name))
 
     def begin(self, display: Tensor) -> None:
-        """Shows the picture of the artist's own values.
-
-        Args:
-            display: (H, W, 3) in [0, 1].
-        """
+        """Shows the image (H, W, 3) of the artist's own values."""
         from .pictures import save_picture
 
         save_picture(display, self._job / BEFORE)
         self._wire.send(messages.Stage("looking for the look", BEFORE))
 
     def look(self, look: EarlyLook) -> None:
-        """Hands a look over.
-
-        Args:
-            look: The look; one whose picture is not drawn yet leaves the last picture as it is.
-        """
+        """Hands a look over; one whose image is not drawn yet leaves the last image as it is."""
         self._wire.send(look_message(messages.LookSoFar, look, self._job))
 
     def step(self, progress: messages.Progress, display: Tensor) -> bool:
-        """Reports a step, with a new preview about once a second.
-
-        Args:
-            progress: What the panel shows of it.
-            display: (H, W, 3) the picture of the step's values, in [0, 1].
-
-        Returns:
-            Whether the loop should end.
-        """
+        """Reports a step, with its image (H, W, 3) about once a second; returns whether the loop should end."""
         from .pictures import save_picture
 
         now = time.monotonic()
         if now - self._previewed > _PREVIEW_SECONDS:
             save_picture(display, self._job / progress.preview)
             self._previewed = now
-        if now - self._told > _PROGRESS_SECONDS or progress.step == progress.steps:
+        if now - self._reported > _PROGRESS_SECONDS or progress.step == progress.steps:
             self._wire.send(progress)
-            self._told = now
+            self._reported = now
         return self.stopped()
 
     def stopped(self) -> bool:
@@ -159,7 +141,7 @@ class RemoteObserver:
 
 
 def look_message(kind: type[_Look], look: EarlyLook, job: Path) -> _Look:
-    """The message of a look, whose picture is written into the job folder."""
+    """The message of a look, whose image is written into the job folder."""
     from .pictures import save_picture
 
     if look.display is not None:

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The engine's process: answers requests on its standard streams."""
+"""The engine's process: answers requests on its standard streams.
+
+Start it with `python -m proxy_renderer.engine.worker`. It says "ready" before it imports anything heavy,
+then warms up while the other side exports the scene, and stays warm between vibes.
+"""
 
 from __future__ import annotations
 
@@ -26,22 +30,6 @@ if TYPE_CHECKING:
 
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of mallopt(3)
 _KEPT = 2**30  # bytes
-
-
-def keep_freed_memory() -> None:
-    """Has glibc keep up to a gigabyte of what is freed; elsewhere nothing changes.
-
-    An array over 32 MB is else the system's again as soon as it is freed, and the next one is cleared page by page: a step
-    of a picture of 2048² took twice as long for that.
-    """
-    if sys.platform != "linux":
-        return
-    library = ctypes.CDLL(None)
-    if hasattr(library, "mallopt"):
-        library.mallopt(_MMAP_THRESHOLD, _KEPT)
-        library.mallopt(_TRIM_THRESHOLD, _KEPT)
-
-
 _LOW_PRIORITY = 5  # of 19, as `nice` counts: at 10 an engine on a busy machine took a minute to be warm
 
 
@@ -58,7 +46,7 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     warming.join()
     threading.Thread(target=_read_words, args=(wire,), daemon=True).start()
     session: EngineSession | None = None
-    live: Glances | None = None
+    glances: Glances | None = None
     while True:
         request = wire.inbox.get()
         if request is None or isinstance(request, messages.Quit):
@@ -70,8 +58,10 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
                 session = None
                 session = _vibe(wire, request)
             elif isinstance(request, messages.Glance):
-                live = live or _no_glances()
-                wire.send(_glance(wire, request, live))
+                from .live import Glances
+
+                glances = glances or Glances()
+                wire.send(_glance(wire, request, glances))
             elif isinstance(request, messages.Finish):
                 if session is None:
                     raise VibeError("There is nothing to finish.", "Send a vibe first.")
@@ -89,13 +79,13 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
 
 
 def _fault(error: Exception) -> messages.Error:
-    """What to say of an error that nobody expected."""
+    """The message of an error that nobody expected."""
     fault = faults.unexpected(error, "the engine was at work")
     return messages.Error(fault.message, fault.remedy, unexpected=True)
 
 
 def _file_trouble(request: object, error: OSError) -> messages.Error:
-    """What to say where files cannot be read or written."""
+    """The message of a file that cannot be read or written."""
     if error.errno not in (errno.ENOSPC, errno.EDQUOT):
         return _fault(error)
     folder = Path(request.compare_out).parent if isinstance(request, messages.Finish) else None
@@ -108,7 +98,7 @@ def _file_trouble(request: object, error: OSError) -> messages.Error:
 def _vibe(wire: Wire, request: messages.Vibe) -> EngineSession:
     """Carries out one vibe and sends its result.
 
-    Its pictures are drawn before that if they are waited for, as in the panel. Otherwise Blender renders meanwhile.
+    Its images are drawn before that if they are waited for, as in the panel. Otherwise Blender renders meanwhile.
     """
     check_schema(request.schema, "add-on")
     options = messages.Options.from_dict(request.options)
@@ -127,12 +117,6 @@ def _vibe(wire: Wire, request: messages.Vibe) -> EngineSession:
     if not request.looks:
         session.draw()
     return session
-
-
-def _no_glances() -> Glances:
-    from .live import Glances
-
-    return Glances()
 
 
 def _glance(wire: Wire, request: messages.Glance, glances: Glances) -> messages.Glanced:
@@ -169,11 +153,26 @@ def _warm_up() -> None:
     try:
         from ..guidance.encoder import load_encoder
         from ..prompt.lexicon.user_words import default_vocabulary
+        from . import live, session  # noqa: F401
 
         load_encoder(None, "cpu")
         default_vocabulary()
     except VibeError:
         pass
+
+
+def keep_freed_memory() -> None:
+    """Has glibc keep up to a gigabyte of what is freed; elsewhere nothing changes.
+
+    An array over 32 MB is else the system's again as soon as it is freed, and the next one is cleared page by page: a step
+    of a picture of 2048² took twice as long for that.
+    """
+    if sys.platform != "linux":
+        return
+    library = ctypes.CDLL(None)
+    if hasattr(library, "mallopt"):
+        library.mallopt(_MMAP_THRESHOLD, _KEPT)
+        library.mallopt(_TRIM_THRESHOLD, _KEPT)
 
 
 def main() -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from proxy_renderer.engine.lettering import font, wrapped
+from proxy_renderer.engine.pictures import font, wrapped
 
 MISSING = "\u0378"  # no letter: drawn as what stands for one that a font lacks
 

@@ -50,17 +50,17 @@ def test_every_round_starts_from_a_picture_and_so_does_the_prediction(scene, mon
     source = Elsewhere(scene)
     outcome = run(scene, source, "red ball, bright background")
     assert source.asked[0] == {}
-    assert {r["round"] for r in outcome.shots[0].anchoring.records} == {1, 2}
+    assert {r["round"] for r in outcome.shots[0].records} == {1, 2}
     last = {
         k: list(v)
         for k, v in outcome.vector.values(outcome.u).items()
         if v != outcome.vector.instances[k].value
     }
     assert last in source.asked
-    assert len(source.asked) == len(outcome.shots[0].anchoring.records) <= 6
-    assert outcome.shots[0].anchoring.proxy.correction is not None
+    assert len(source.asked) == len(outcome.shots[0].records) <= 6
+    assert outcome.shots[0].anchor.correction is not None
     assert (
-        outcome.shots[0].anchoring.records[0]["delta_e"] > outcome.shots[0].anchoring.records[-1]["delta_e"]
+        outcome.shots[0].records[0]["delta_e"] > outcome.shots[0].records[-1]["delta_e"]
     )
 
 
@@ -77,7 +77,7 @@ def test_a_loop_with_pictures_is_reproducible(scene):
 def test_a_loop_without_pictures_is_the_proxys_own(scene):
     plain, without = run(scene, None), run(scene, lambda values, size: None)
     assert torch.equal(plain.u, without.u)
-    assert without.shots[0].anchoring.records == []
+    assert without.shots[0].records == []
 
 
 def test_an_old_correction_is_kept_near_and_dropped_far(scene):

@@ -9,7 +9,7 @@ from loop_parts import PROMPT, Silent
 from tiny_job import write_job
 
 from proxy_renderer.claims.wanted import claims_of
-from proxy_renderer.engine.claimed import claims_about, foreseen
+from proxy_renderer.engine.report import claims_about, foreseen
 from proxy_renderer.optimize.least_squares import fixed_views
 from proxy_renderer.optimize.rounds import refinement
 from proxy_renderer.optimize.rounds import search as rounds
