@@ -59,11 +59,12 @@ def account(
         as_goals: Give the goals alone, as `vibe run --goals` reads them.
     """
     with ExitStack() as stack:
-        if scene:
-            stage, shot = stack.enter_context(_exported(prompt, scene, subject, target))
+        stage, shot = (
+            stack.enter_context(_exported(prompt, scene, subject, target)) if scene else (None, None)
+        )
+        if stage:
             words, goals = stage.understood.scene, stage.goals
         else:
-            stage = shot = None
             words = SceneWords(materials=dict(_MATERIALS))
             goals = goals_or_why(Understood(prompt, words, target))
         if with_reasons:

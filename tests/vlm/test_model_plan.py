@@ -7,6 +7,7 @@ import random
 
 import pytest
 import torch
+from loop_parts import any_round
 from model_server import KEY, MODEL, document, has_picture, plan_for, refuses, says, serving
 from tiny_job import write_job
 
@@ -14,7 +15,6 @@ from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.goals.resolve import Goals, goals_of, goals_or_why
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import pipeline
-from proxy_renderer.optimize.rounds.refinement import Refinement
 from proxy_renderer.optimize.scene_words import scene_words
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.planning.types import Plan, PlanContext
@@ -342,7 +342,7 @@ class TestLoop:
     @pytest.fixture(autouse=True)
     def all_rounds(self, monkeypatch):
         """However soon the picture shows the words: what a model is asked in later rounds is tried here."""
-        monkeypatch.setattr(Refinement, "_goes_on", lambda self: self._see_end() or True)
+        monkeypatch.setattr(pipeline, "next_round", any_round)
 
     def test_the_model_plans_every_round_from_the_current_picture(self, scene, encoder):
         with serving(lambda body, n: says(plan_for(body))) as model:
