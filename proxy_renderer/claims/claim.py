@@ -14,7 +14,7 @@ from torch import Tensor
 from ..color.floats import chroma, lab_from_srgb
 from ..render.gbuffer import GBuffer
 from ..schema import Values
-from .measures.flat import RegionMeans
+from .measures.color import RegionMeans
 from .measures.picture import MeasuredPicture, Part, region_of
 from .measures.registry import MEASURES
 

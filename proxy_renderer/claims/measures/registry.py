@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from torch import Tensor
 
-from . import air, color, flat, light, surface, tone
+from . import color, light, surface, tone
 
 
 @dataclass(frozen=True)
@@ -61,20 +61,20 @@ MEASURES: dict[str, Measure] = {
     "sharpness": Measure(surface.sharpness, "L*/px", 0.4, "sharpness of reflections"),
     "unscattered": Measure(surface.unscattered, "", 0.05, "share of mirrored or transmitted light"),
     "sheen": Measure(surface.sheen, "", 0.05, "glow along the edges"),
-    "mean": Measure(flat.mean, "OKLab", 1.0, "color"),
-    "lower_quartile": Measure(flat.tone(0.25), "L*", 2.0, "lightness of the darker quarter"),
-    "median": Measure(flat.tone(0.5), "L*", 2.0, "median lightness"),
-    "upper_quartile": Measure(flat.tone(0.75), "L*", 2.0, "lightness of the lighter quarter"),
-    "spread": Measure(flat.spread, "L*", 3.0, "from its darkest to its lightest tenth"),
-    "cast": Measure(flat.cast, "ab", 2.0, "color cast"),
-    "shadow_cast": Measure(flat.cast_between(*flat.SHADOWS), "ab", 2.0, "color cast of the shadows"),
-    "midtone_cast": Measure(flat.cast_between(*flat.MIDTONES), "ab", 2.0, "color cast of the midtones"),
-    "highlight_cast": Measure(flat.cast_between(*flat.LIGHTS), "ab", 2.0, "color cast of the lights"),
-    "from_right": Measure(flat.from_right, "L*", 3.0, "lighter on the right than on the left"),
-    "from_above": Measure(flat.from_above, "L*", 3.0, "lighter above than below"),
-    "veil": Measure(flat.veil, "%", 3.0, "light over everything"),
-    "haze": Measure(air.haze, "", 0.04, "share of light that the air takes away"),
-    "mist_below": Measure(air.mist_below, "", 0.04, "how much more the air hides below than above"),
-    "air_lightness": Measure(air.air_lightness, "L*", 2.0, "lightness of the air"),
+    "mean": Measure(color.mean, "OKLab", 1.0, "color"),
+    "lower_quartile": Measure(color.tone(0.25), "L*", 2.0, "lightness of the darker quarter"),
+    "median": Measure(color.tone(0.5), "L*", 2.0, "median lightness"),
+    "upper_quartile": Measure(color.tone(0.75), "L*", 2.0, "lightness of the lighter quarter"),
+    "spread": Measure(color.spread, "L*", 3.0, "from its darkest to its lightest tenth"),
+    "cast": Measure(color.cast, "ab", 2.0, "color cast"),
+    "shadow_cast": Measure(color.cast_between(*color.SHADOWS), "ab", 2.0, "color cast of the shadows"),
+    "midtone_cast": Measure(color.cast_between(*color.MIDTONES), "ab", 2.0, "color cast of the midtones"),
+    "highlight_cast": Measure(color.cast_between(*color.LIGHTS), "ab", 2.0, "color cast of the lights"),
+    "from_right": Measure(color.from_right, "L*", 3.0, "lighter on the right than on the left"),
+    "from_above": Measure(color.from_above, "L*", 3.0, "lighter above than below"),
+    "veil": Measure(color.veil, "%", 3.0, "light over everything"),
+    "haze": Measure(light.haze, "", 0.04, "share of light that the air takes away"),
+    "mist_below": Measure(light.mist_below, "", 0.04, "how much more the air hides below than above"),
+    "air_lightness": Measure(light.air_lightness, "L*", 2.0, "lightness of the air"),
 }
 """By name, as `quantities.toml` and the wishes of the vocabulary call them."""
