@@ -14,7 +14,7 @@ from ..prompt.lexicon.claim_text import warmth_asked
 from ..prompt.types import Attribute
 from ..schema import Values
 from .claim import Claim
-from .colored import as_accent
+from .colors import as_accent
 
 _OPPOSED = 0.5
 """Cosine between a tint and the other direction, from where a picture cannot have both."""

@@ -27,9 +27,8 @@ from .beside import (
     still_light,
 )
 from .claim import Claim
-from .colored import in_colored_light, in_the_dark, of_color, part_of
+from .colors import in_colored_light, in_the_dark, of_color, of_matter, part_of
 from .comparing import compares
-from .matter import of_matter
 from .measures.picture import Part
 
 _OF_MOODS = 0.5

@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 
 from proxy_renderer.claims.claim import Claim, ClaimSet
-from proxy_renderer.claims.colored import tinted
+from proxy_renderer.claims.colors import tinted
 from proxy_renderer.claims.measures.picture import MeasuredPicture, region_of
 from proxy_renderer.claims.measures.registry import MEASURES
 from proxy_renderer.color.tensors import linear_from_srgb, oklab_from_srgb, srgb_from_linear
