@@ -9,8 +9,8 @@ import torch
 from torch import Tensor
 
 from proxy_renderer.claims.claim import ClaimSet
+from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.claims.measures.picture import MeasuredPicture
-from proxy_renderer.claims.wanted import claims_of
 from proxy_renderer.goals.resolve import goals_or_why
 from proxy_renderer.guidance.encoder import Encoder
 from proxy_renderer.guidance.guide import Weights

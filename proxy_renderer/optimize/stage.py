@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..claims.claim import Claim
-from ..claims.wanted import claims_of
+from ..claims.from_goals import claims_of
 from ..goals.resolve import Goals, goals_or_why
 from ..goals.written import WrittenGoals
 from ..planning.acting import beside_rig

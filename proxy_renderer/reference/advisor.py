@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
-from ..claims.wanted import claims_of
+from ..claims.from_goals import claims_of
 from ..goals.resolve import Goals
 from ..planning.advice import Advice, Advisor
 from ..planning.types import Plan, PlanContext, PlanEntry

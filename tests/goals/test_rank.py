@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from goal_parts import drawn, plan_of, read
 
-from proxy_renderer.claims.wanted import claims_of
+from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.goals.resolve import Goals, Lost, goals_of
 from proxy_renderer.goals.wish import Wish
 from proxy_renderer.prompt.lexicon.claim_text import read_claim

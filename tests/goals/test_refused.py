@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from goal_parts import ROOM, drawn, plan_of, read
 
-from proxy_renderer.claims.wanted import claims_of
+from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.goals import written
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.inputs import check

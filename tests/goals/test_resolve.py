@@ -10,7 +10,7 @@ from itertools import combinations, product
 import pytest
 from goal_parts import ROOM, drawn, plan_of, read
 
-from proxy_renderer.claims.wanted import claims_of
+from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.goals.contradictions import contradicts
 from proxy_renderer.goals.meaning import wishes_of
 from proxy_renderer.goals.resolve import Goals, goals_of, resolved

@@ -9,7 +9,7 @@ from dataclasses import fields, replace
 import pytest
 from goal_parts import ROOM, drawn, exact, plan_of, read
 
-from proxy_renderer.claims.wanted import claims_of
+from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.goals import written
 from proxy_renderer.goals.resolve import Goals, goals_of
 from proxy_renderer.goals.wish import Wish

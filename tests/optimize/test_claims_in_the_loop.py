@@ -8,7 +8,7 @@ import torch
 from loop_parts import PROMPT, Silent
 from tiny_job import write_job
 
-from proxy_renderer.claims.wanted import claims_of
+from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.engine.report import claims_about, foreseen
 from proxy_renderer.optimize import stage
 from proxy_renderer.optimize.least_squares import fixed_views

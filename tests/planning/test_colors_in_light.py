@@ -4,7 +4,7 @@
 import pytest
 import torch
 
-from proxy_renderer.claims.wanted import claims_of
+from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.color.blackbody import blackbody
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.lights.facing import kelvin_color
