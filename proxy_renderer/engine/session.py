@@ -15,7 +15,7 @@ from PIL import Image
 
 from ..claims.verdict import ShotClaims
 from ..goals.written import read
-from ..guidance import augment
+from ..guidance import regions
 from ..guidance.encoder import Encoder, load_encoder
 from ..optimize import pipeline
 from ..optimize.anchoring import BlenderPictures
@@ -228,7 +228,7 @@ def _variant(look: pipeline.Outcome, number: int) -> messages.Variant:
 def _similarity(encoder: Encoder, picture: np.ndarray, caption: str) -> float:
     """Cosine of an image (H, W, 3) and a caption (equation 2)."""
     batch = torch.from_numpy(picture).permute(2, 0, 1)[None].to(encoder.device)
-    features = encoder.encode_images(augment.whole(batch, encoder.size))
+    features = encoder.encode_images(regions.whole(batch, encoder.size))
     return round(float((features @ encoder.encode_texts([caption]).T).item()), 4)
 
 
