@@ -13,8 +13,7 @@ from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.claims.measures.picture import MeasuredPicture
 from proxy_renderer.goals.resolve import goals_or_why
 from proxy_renderer.guidance.encoder import Encoder
-from proxy_renderer.guidance.guide import Weights
-from proxy_renderer.guidance.losses import claims_loss
+from proxy_renderer.guidance.guide import Weights, claims_loss
 from proxy_renderer.optimize.least_squares import fixed_views
 from proxy_renderer.optimize.rounds.method import Method
 from proxy_renderer.optimize.scene_facts import plan_context

@@ -16,8 +16,7 @@ from lab.methods.adam import Adam, StepSettings
 from proxy_renderer.claims.claim import Claim
 from proxy_renderer.guidance import regions
 from proxy_renderer.guidance.encoder import Encoder
-from proxy_renderer.guidance.guide import Guidance, Weights
-from proxy_renderer.guidance.losses import positive_loss
+from proxy_renderer.guidance.guide import Guidance, Weights, positive_loss
 from proxy_renderer.optimize.objective import RoundObjective
 from proxy_renderer.optimize.rounds.confiner import Confined
 from proxy_renderer.optimize.rounds.selection import Selection, relevant

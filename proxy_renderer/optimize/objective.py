@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import torch
 from torch import Tensor
 
-from ..guidance.guide import Weights
-from ..guidance.losses import border_loss, claims_loss, hue_consistency_loss, prior_loss
+from ..guidance.guide import Weights, border_loss, claims_loss, hue_consistency_loss, prior_loss
 from .least_squares import Assessment, Slopes, fixed_views
 from .shots import ShotState
 from .slopes import Neighbors, backward_slopes, difference_slopes, forward_slopes, pictures_for

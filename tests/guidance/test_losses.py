@@ -5,7 +5,7 @@ import pytest
 import torch
 import torch.nn.functional as F
 
-from proxy_renderer.guidance import losses as L
+from proxy_renderer.guidance import guide as L
 from proxy_renderer.guidance import regions
 
 

@@ -7,8 +7,7 @@ from loop_parts import PROMPT, Silent
 from tiny_job import write_job
 
 from proxy_renderer.engine.report import changed_values, parameter_records
-from proxy_renderer.guidance.guide import Weights
-from proxy_renderer.guidance.losses import claims_loss
+from proxy_renderer.guidance.guide import Weights, claims_loss
 from proxy_renderer.optimize import objective as objectives
 from proxy_renderer.optimize import pipeline
 from proxy_renderer.optimize.least_squares import fixed_views

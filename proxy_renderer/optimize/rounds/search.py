@@ -13,7 +13,7 @@ from torch import Tensor
 from ...claims.claim import HOLDS
 from ...goals.resolve import Goals
 from ...guidance.encoder import Encoder
-from ...guidance.losses import claims_loss
+from ...guidance.guide import claims_loss
 from ...planning.advice import Advisor
 from ...reference.advisor import beside
 from ...reference.like import Reference

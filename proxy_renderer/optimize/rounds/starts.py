@@ -12,7 +12,7 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from ...color.tensors import lab_from_srgb
-from ...guidance.losses import claims_loss
+from ...guidance.guide import claims_loss
 from ...guidance.regions import Views
 from ...planning.types import Plan, PlanEntry
 from ...schema import Instance
