@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from torch import Tensor
 
-from . import color, light, surface, tone
+from . import color, light, tone
 
 
 @dataclass(frozen=True)
@@ -58,9 +58,9 @@ MEASURES: dict[str, Measure] = {
     "key_to_fill": Measure(light.key_to_fill, "stops", 0.3, "from shade to light"),
     "rim": Measure(light.rim, "L*", 3.0, "lightness of the outline above the inside"),
     "gloss": Measure(light.gloss, "L*", 1.5, "contrast of highlights"),
-    "sharpness": Measure(surface.sharpness, "L*/px", 0.4, "sharpness of reflections"),
-    "unscattered": Measure(surface.unscattered, "", 0.05, "share of mirrored or transmitted light"),
-    "sheen": Measure(surface.sheen, "", 0.05, "glow along the edges"),
+    "sharpness": Measure(light.sharpness, "L*/px", 0.4, "sharpness of reflections"),
+    "unscattered": Measure(light.unscattered, "", 0.05, "share of mirrored or transmitted light"),
+    "sheen": Measure(light.sheen, "", 0.05, "glow along the edges"),
     "mean": Measure(color.mean, "OKLab", 1.0, "color"),
     "lower_quartile": Measure(color.tone(0.25), "L*", 2.0, "lightness of the darker quarter"),
     "median": Measure(color.tone(0.5), "L*", 2.0, "median lightness"),
