@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import torch
 
 from .. import __version__
-from ..claims.verdict import ShotClaims
+from ..claims.claim import ShotClaims
 from ..goals.written import as_json
 from ..optimize.rounds.method import VARIABLE
 from ..schema import Values

@@ -13,7 +13,7 @@ import numpy as np
 import torch
 from PIL import Image
 
-from ..claims.verdict import ShotClaims
+from ..claims.claim import ShotClaims
 from ..goals.written import read
 from ..guidance import regions
 from ..guidance.encoder import Encoder, load_encoder

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from ..claims.claim import Claim
-from ..claims.verdict import ShotClaims
+from ..claims.claim import Claim, ShotClaims
 from ..planning.advice import Advice, Advisor
 from ..schema import verdicts
 from .shots import ShotState

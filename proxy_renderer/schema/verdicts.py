@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 ClaimVerdict = Mapping[str, Any]
-"""A row of the report's `claims`; `proxy_renderer.claims.verdict` says what is in it."""
+"""A row of the report's `claims`; `proxy_renderer.claims.claim` says what is in it."""
 
 
 def missing_by_word(rows: Sequence[ClaimVerdict]) -> dict[str, list[ClaimVerdict]]:
