@@ -6,10 +6,10 @@ import torch
 from loop_parts import Silent
 
 from proxy_renderer.optimize import objective as objectives
+from proxy_renderer.optimize.objective import backward_slopes, forward_slopes, pictures_for
 from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
 from proxy_renderer.optimize.rounds.search import Search
 from proxy_renderer.optimize.shots import ShotInput
-from proxy_renderer.optimize.slopes import backward_slopes, forward_slopes, pictures_for
 from proxy_renderer.schema.messages import Options
 
 PROMPT = "glossy deep red ball, warm soft light from the left, thin fog, vignette, high contrast"

@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from proxy_renderer.optimize.least_squares import Assessment, solve
-from proxy_renderer.optimize.slopes import backward_slopes, difference_slopes
+from proxy_renderer.optimize.objective import backward_slopes, difference_slopes
 
 
 def doubles(values):

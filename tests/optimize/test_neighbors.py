@@ -5,10 +5,10 @@ import pytest
 import torch
 from loop_parts import Silent
 
+from proxy_renderer.optimize.objective import Neighbors, difference_slopes
 from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
 from proxy_renderer.optimize.rounds.search import Search
 from proxy_renderer.optimize.shots import ShotInput
-from proxy_renderer.optimize.slopes import Neighbors, difference_slopes
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.schema.messages import Options
 
