@@ -64,12 +64,8 @@ class ClipOnly(Adam):
     ) -> Selection:
         """All that can move."""
         keys = relevant(now.plan, vector, now.upper > now.lower)
-        home = vector.encode({})
-        none = torch.zeros_like(home)
-        return Selection(
-            sorted(keys),
-            RoundObjective(shots, vector, keys, now.lower, now.upper, home, none, self.weights),
-        )
+        box = now.lower, now.upper
+        return Selection(sorted(keys), RoundObjective(shots, vector, now.plan, keys, box, self.weights))
 
 
 class ClipAuthors(ClipOnly):

@@ -15,7 +15,6 @@ from torch import Tensor
 from ..color.floats import chroma, hex_from_srgb, lab_from_srgb, srgb_from_oklab
 from ..render.gbuffer import GBuffer
 from ..schema import Values
-from .claim import HOLDS, Claim, ClaimSet
 from .measures.color import RegionMeans
 from .measures.picture import MeasuredPicture, Part, region_of
 from .measures.registry import MEASURES

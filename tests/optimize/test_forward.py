@@ -29,7 +29,7 @@ def both(begun, keys):
     objective, now = begun
     chosen = objective.vector.mark(keys) & (now.upper > now.lower)
     box = now.lower, now.upper
-    forward = forward_slopes(objective.seen, objective._judge, now.u, chosen, box)
+    forward = forward_slopes(objective.seen, objective.judge, now.u, chosen, box)
     return forward, backward_slopes(objective.assess, now.u, chosen), (now.upper - now.lower)[chosen]
 
 

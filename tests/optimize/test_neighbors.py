@@ -39,7 +39,7 @@ def stands(key):
 
 
 def nearby(objective, u, strides):
-    return Neighbors(objective.seen, objective._judge, u, strides)
+    return Neighbors(objective.seen, objective.judge, u, strides)
 
 
 @torch.no_grad()

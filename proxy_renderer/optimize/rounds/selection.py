@@ -23,17 +23,13 @@ from ...schema.messages import Options
 from ..least_squares import LinearModel, linearize
 from ..objective import RoundObjective
 from ..shots import ShotState
-from ..vector import ParameterVector, begun
+from ..vector import ParameterVector
 
 _HALF, _MISSED = 1.5, 3.0
 """Places in the order of priorities that half the gain costs, and how many more where claims are missed for long: what words
 name goes first, but what it cannot earn is left to what can."""
 
 _FAINTEST = 2.0**-20
-
-_NAMED = 0.15
-"""Weight of the pull to where words have the search begin, as to a named color: it gives way to what claims see, not to
-similarity alone."""
 
 ALIKE, _NOTHING_NEW = 0.9, 0.1
 """Share of what a parameter does to the claims that another one does too, and of its gain that is left beside that one."""
@@ -96,11 +92,7 @@ def select(
         for k in relevant(plan, vector, upper > lower)
         if vector.instances[k].parameter.group != "camera" or plan[k].is_named
     }
-    any_hue = {key for key in probed if plan[key].any_hue}
-    held = begun(vector, plan, vector.encode({})), _pull(plan, vector, probed)
-    objective = RoundObjective(
-        shots, vector, probed, lower, upper, *held, weights, any_hue, bool(options.like)
-    )
+    objective = RoundObjective(shots, vector, plan, probed, (lower, upper), weights, bool(options.like))
     model, parts, low, high = _probe(objective, vector, probed, u, lower, upper)
     keys, shared = choose(plan, options.top_k, model, parts, low, high, _HALF + _MISSED * opening)
     mine = torch.zeros(len(low), dtype=torch.bool)
@@ -194,11 +186,3 @@ def _probe(
         end = int(before[vector.slices[key].stop - 1])
         parts[key] = slice(end - int(wide[vector.slices[key]].sum()), end)
     return model, parts, ((lower - u)[wide] / span), ((upper - u)[wide] / span)
-
-
-def _pull(plan: Plan, vector: ParameterVector, probed: set[str]) -> Tensor:
-    """(N,) weight in [0, 1] of the pull home: on what may be optimized though no word named it, and on what has a start."""
-    weight = torch.zeros(vector.size, dtype=torch.float64)
-    for key in probed:
-        weight[vector.slices[key]] = plan[key].prior if plan[key].start is None else _NAMED
-    return weight
