@@ -34,9 +34,6 @@ def color(picture: MeasuredPicture, where: Tensor) -> Tensor:
     Its lightness is that of where its color shows: what mirrors a white wall says little of a teal. Hue and chroma are those
     of its darker part.
 
-    Args:
-        where: (H, W) bool, the region.
-
     Returns:
         (3,) OKLab, times 100.
     """
@@ -49,11 +46,7 @@ def color(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def tint(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Where the mean color lies off gray: (2,) a* and b* of CIE Lab.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Where the mean color lies off gray: (2,) a* and b* of CIE Lab."""
     return picture.lab[..., 1:][where].mean(0)
 
 
@@ -71,29 +64,17 @@ def accent(picture: MeasuredPicture, where: Tensor, direction: Tensor) -> Tensor
 
 
 def lightness(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Mean lightness: (1,) L*.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Mean lightness: (1,) L*."""
     return picture.lab[..., 0][where].mean()[None]
 
 
 def chroma(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Mean distance from gray: (1,) C* of CIE Lab.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Mean distance from gray: (1,) C* of CIE Lab."""
     return _chroma_of(picture, where).mean()[None]
 
 
 def vividest(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Distance from gray that all but the most vivid thirtieth of the pixels keep below: (1,) C* of CIE Lab.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Distance from gray that all but the most vivid thirtieth of the pixels keep below: (1,) C* of CIE Lab."""
     return _chroma_of(picture, where).quantile(1 - 1 / 30)[None]
 
 
@@ -103,39 +84,23 @@ def _chroma_of(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How far the mean color lies towards orange, or, below 0, towards blue: (1,) b* and half of a*.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """How far the mean color lies towards orange, or, below 0, towards blue: (1,) b* and half of a*."""
     _, a, b = picture.lab[where].mean(0)
     return (b + 0.5 * a)[None]
 
 
 def shadow_warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Warmth of the darkest part of a region: (1,), see `warmth`.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Warmth of the darkest part of a region: (1,), see `warmth`."""
     return warmth(picture, where & (_rank(picture, where) <= _ENDS))
 
 
 def highlight_warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Warmth of the lightest part of a region: (1,), see `warmth`.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Warmth of the lightest part of a region: (1,), see `warmth`."""
     return warmth(picture, where & (_rank(picture, where) >= 1 - _ENDS))
 
 
 def brown_distance(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Mean distance of colors from the one line of brown tints that a sepia print has: (1,) Lab; gray is 5 away.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Mean distance of colors from the one line of brown tints that a sepia print has: (1,) Lab; gray is 5 away."""
     _, a, b = picture.lab[where].unbind(-1)
     along = 0.34, 0.94  # hue of sepia, 70 degrees
     brown, across = a * along[0] + b * along[1], b * along[0] - a * along[1]
@@ -165,11 +130,7 @@ _PATCH = 24
 
 
 def mean(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Mean color of a region: (3,) OKLab, times 100.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Mean color of a region: (3,) OKLab, times 100."""
     return picture.oklab[where].mean(0)
 
 
@@ -204,11 +165,7 @@ def tone(share: float) -> Callable[[MeasuredPicture, Tensor], Tensor]:
 
 
 def spread(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """From the darkest to the lightest tenth of a region: (1,) L*.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """From the darkest to the lightest tenth of a region: (1,) L*."""
     return (lightness_below(picture, where, 0.9) - lightness_below(picture, where, 0.1))[None]
 
 
@@ -218,9 +175,6 @@ def cast(picture: MeasuredPicture, where: Tensor) -> Tensor:
     Light and grade tint gray things as well, and a thing that is much more colorful is paint. Where all is colorful, all of
     it counts. Gray pixels tell the light, as in Yang, Gao and Li 2015, "Efficient Illuminant Estimation in the Real World
     using Gray Pixels"; the weights are Cauchy's.
-
-    Args:
-        where: (H, W) bool, the region.
     """
     lab = picture.lab[where]
     return grayness(lab) @ lab[:, 1:]
@@ -240,20 +194,12 @@ def cast_between(low: float, high: float) -> Callable[[MeasuredPicture, Tensor],
 
 
 def from_right(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much lighter the right third of a region is than its left third: (1,) L*.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """How much lighter the right third of a region is than its left third: (1,) L*."""
     return _across(picture, where, 1)[None]
 
 
 def from_above(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much lighter the upper third of a region is than its lower third: (1,) L*.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """How much lighter the upper third of a region is than its lower third: (1,) L*."""
     return -_across(picture, where, 0)[None]
 
 
@@ -261,9 +207,6 @@ def veil(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Light that lies over everything, as haze does: the dark channel of a region (He, Sun and Tang 2009).
 
     In a clear picture nearly every patch has something dark or colorful in it, where one of red, green and blue is low.
-
-    Args:
-        where: (H, W) bool, the region.
 
     Returns:
         (1,) mean over patches of the least of red, green and blue, sRGB-encoded, in percent.

@@ -29,29 +29,17 @@ _SPOT = 0.002
 
 
 def light_right(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How far the light comes from the right: (1,) in [-1, 1], in the camera's space.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """How far the light comes from the right: (1,) in [-1, 1], in the camera's space."""
     return _shading(picture, where)[0:1]
 
 
 def light_up(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How far the light comes from above: (1,) in [-1, 1], in the camera's space.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """How far the light comes from above: (1,) in [-1, 1], in the camera's space."""
     return _shading(picture, where)[1:2]
 
 
 def light_front(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How far the light comes from the camera's side: (1,) in [-1, 1].
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """How far the light comes from the camera's side: (1,) in [-1, 1]."""
     return _shading(picture, where)[2:3]
 
 
@@ -59,9 +47,6 @@ def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """The steepest slope of light where surfaces are smooth, even and of one material: edges of shadows.
 
     Highlights, too, have steep slopes under small lamps.
-
-    Args:
-        where: (H, W) bool, the region.
 
     Returns:
         (1,) stops per pixel of a picture of 192; 0 if fewer than 32 pixels can be measured.
@@ -87,9 +72,6 @@ def key_to_fill(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
     Between the tenths of the region in most and in least light, each material by itself, so that dark paint is no shade;
     the brightest percent, highlights, is left out.
-
-    Args:
-        where: (H, W) bool, the region.
     """
     light, material = (picture.shading.clamp_min(0) + _FLOOR).log2()[where], picture.seen.material[where]
     spans, counts = [], []
@@ -105,11 +87,7 @@ def key_to_fill(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def rim(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much lighter the lightest fifth of a region's outline is than its inside: (1,) L*.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """How much lighter the lightest fifth of a region's outline is than its inside: (1,) L*."""
     light, band = picture.lab[..., 0], 2 * max(min(where.shape) // 96, 1) + 1
     inside = -largest_around(-where.float(), band) > 0
     edge = where & ~inside
@@ -124,9 +102,6 @@ def gloss(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
     What people call glossy has highlights of high contrast and sharpness (Marlow, Kim and Anderson 2012); both
     raise it, for the sides are near. Light that only grows towards an outline has one side, and is none.
-
-    Args:
-        where: (H, W) bool, the region.
 
     Returns:
         (1,) L*; 0 for a region of fewer than 32 pixels.
@@ -219,9 +194,6 @@ def haze(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Share of the light of what is seen there that fog takes away: (1,) in [0, 1].
 
     The world has no distance; a region that shows little else is measured with it.
-
-    Args:
-        where: (H, W) bool, the region.
     """
     passing = picture.seen.transmittance
     surfaces = where & (picture.seen.material >= 0)
@@ -232,9 +204,6 @@ def mist_below(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """How much more light the air takes away from the lowest fifth of a thing in the frame than from its highest.
 
     Mist that lies on the ground hides the foot and leaves the head; all of a thing is about as far away.
-
-    Args:
-        where: (H, W) bool, the thing.
 
     Returns:
         (1,) difference of two shares, in [-1, 1].
@@ -249,9 +218,6 @@ def air_lightness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """How light a region is where the air hides it, by how much it does: (1,) L*; its mean lightness without fog.
 
     How much is no way to make it lighter: thin fog shows the dark that is behind it, and is not white for that.
-
-    Args:
-        where: (H, W) bool, the region.
     """
     veil = (1.0 - picture.seen.transmittance.detach())[where] + _CLEAR
     return (picture.lab[..., 0][where] @ veil / veil.sum())[None]
@@ -283,9 +249,6 @@ def unscattered(picture: MeasuredPicture, where: Tensor) -> Tensor:
     the one and quadratic in the other has nearly all of it. Metal and glass scatter none. Shadows and creases change
     quickly too, so that intricate things have some of it in any case.
 
-    Args:
-        where: (H, W) bool, the region.
-
     Returns:
         (1,) share in [0, 1] of how much light differs within a material; 0 where none has 32 pixels.
     """
@@ -306,9 +269,6 @@ def sheen(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
     Velvet and dust glow along their edges, on the side of the lamp and on the other.
 
-    Args:
-        where: (H, W) bool, the region.
-
     Returns:
         (1,) share of a material's mean light; 0 where none has 32 pixels.
     """
@@ -325,9 +285,6 @@ def sheen(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 def sharpness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """How sharp reflections are: the steepest slopes of lightness inside of surfaces.
-
-    Args:
-        where: (H, W) bool, the region.
 
     Returns:
         (1,) L* per pixel of a picture of 192; 0 if fewer than 32 pixels can be measured.

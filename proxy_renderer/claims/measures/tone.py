@@ -18,9 +18,6 @@ def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """From the darkest to the lightest twentieth, of the region or of the subject in it: (1,) L*.
 
     A small thing in a spot of light is a picture of high contrast, however little of it is light.
-
-    Args:
-        where: (H, W) bool, the region.
     """
     subject = region_of(picture.seen, "subject") & where
     parts = [where, subject] if subject.sum() >= FEW else [where]
@@ -29,20 +26,12 @@ def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def black_point(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How light the darkest fiftieth is: (1,) L*.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """How light the darkest fiftieth is: (1,) L*."""
     return lightness_below(picture, where, 0.02)[None]
 
 
 def white_point(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How light the lightest fiftieth is: (1,) L*.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """How light the lightest fiftieth is: (1,) L*."""
     return lightness_below(picture, where, 0.98)[None]
 
 
@@ -78,11 +67,7 @@ def corner_falls(picture: MeasuredPicture) -> Tensor:
 
 
 def standing_out(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much lighter a region is than the surroundings, by their medians: (1,) L*; below 0 it is darker.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """How much lighter a region is than the surroundings, by their medians: (1,) L*; below 0 it is darker."""
     return (
         lightness_below(picture, where, 0.5)
         - lightness_below(picture, region_of(picture.seen, "surroundings"), 0.5)
@@ -90,21 +75,13 @@ def standing_out(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def silhouette(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much darker a region is than the surroundings, less half of its own spread of light: (1,) L*.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """How much darker a region is than the surroundings, less half of its own spread of light: (1,) L*."""
     spread = lightness_below(picture, where, 0.9) - lightness_below(picture, where, 0.1)
     return -standing_out(picture, where) - 0.5 * spread
 
 
 def separation(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How far the region's mean color is from that of the ring right around it: (1,) distance in CIE Lab.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """How far the region's mean color is from that of the ring right around it: (1,) distance in CIE Lab."""
     width = 2 * max(min(where.shape) // 16, 1) + 1
     ring = (largest_around(where, width) > 0) & ~where
     if not ring.any():
@@ -114,20 +91,12 @@ def separation(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def burnt(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Share of a region that is burnt out, by a soft step at L* 97: (1,) in [0, 1].
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Share of a region that is burnt out, by a soft step at L* 97: (1,) in [0, 1]."""
     return torch.sigmoid(2 * (picture.lab[..., 0][where] - 97.0)).mean()[None]
 
 
 def drowned(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Share of a region that drowns in black, by a soft step at L* 4: (1,) in [0, 1].
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Share of a region that drowns in black, by a soft step at L* 4: (1,) in [0, 1]."""
     return torch.sigmoid(2 * (4.0 - picture.lab[..., 0][where])).mean()[None]
 
 

@@ -70,11 +70,7 @@ def find_starts(search: Search) -> list[Start]:
 
 
 def _coarse_pass(search: Search, point: Tensor, now: Confined) -> tuple[Tensor, float, Tensor]:
-    """A few steps on few views.
-
-    Returns:
-        The end point (N,), its loss on all views, and the first shot's image (H, W, 3).
-    """
+    """A few steps on few views: The end point (N,), its loss on all views, and the first shot's image (H, W, 3)."""
     few = []
     for shot in now.shots:
         guidance = copy(shot.guidance)
