@@ -70,21 +70,18 @@ class Stem(nn.Module):
 
 
 def with_logarithm(x: Tensor) -> Tensor:
-    """A picture (B, 3, H, W) and its logarithm, as six channels.
+    """An image (B, 3, H, W), display values less 0.5 and over 0.25, and its logarithm, as six channels.
 
     In the logarithm light and color add up, so that a shaded side, a cast of the light or a highlight looks alike on every color.
-
-    Args:
-        x: Display values, less 0.5 and over 0.25.
     """
     return torch.cat([x, torch.log((0.25 * x + 0.5).clamp_min(0) + _DARK) + 1], 1)
 
 
 class Tower(nn.Sequential):
-    """Pictures (B, 3, H, W) → features (B, features).
+    """Images (B, 3, H, W) → features (B, features).
 
     Args:
-        stem: Makes, for a number of channels, what turns pictures into a grid of a fourth of their size.
+        stem: Makes, for a number of channels, what turns images into a grid of a fourth of their size.
         strides: Of each stage; a 2 halves the grid.
     """
 
@@ -108,12 +105,7 @@ class Tower(nn.Sequential):
 
 @register_model
 def vibe_resnet(pretrained: bool = False, num_classes: int = 128, **unused: Any) -> Tower:
-    """What `timm_model_name: "vibe_resnet"` in an open_clip configuration builds.
-
-    Args:
-        pretrained: Has no effect: timm passes it, and there are no pretrained weights.
-        num_classes: timm's name for the length of a feature.
-    """
+    """The tower that `timm_model_name: "vibe_resnet"` in an open_clip configuration builds; `pretrained` has no effect."""
     return Tower(num_classes, Stem, (32, 64, 96, 160), (2, 2, 2, 2), (1, 2, 2, 1))
 
 
@@ -130,8 +122,8 @@ class Encoder:
     """A frozen dual encoder with its own preprocessing.
 
     Attributes:
-        name: What the user asked for.
-        size: Side of the square picture that the model sees, in pixels.
+        name: As the user named it.
+        size: Side of the square image that the model sees, in pixels.
     """
 
     def __init__(self, name: str, model: Any, tokenizer: Any, device: torch.device) -> None:
@@ -151,14 +143,7 @@ class Encoder:
         )
 
     def encode_images(self, pictures: Tensor) -> Tensor:
-        """Features of pictures.
-
-        Args:
-            pictures: (B, 3, H, W) display values in [0, 1], of any size.
-
-        Returns:
-            (B, D) of length 1, differentiable in the pictures.
-        """
+        """Unit features (B, D) of images (B, 3, H, W) in [0, 1] of any size, differentiable in them."""
         return F.normalize(self._model.encode_image(self.preprocess(pictures)).float(), dim=-1)
 
     @torch.no_grad()
@@ -167,14 +152,7 @@ class Encoder:
         return F.normalize(self._model.encode_text(self._tokenizer(texts).to(self.device)).float(), dim=-1)
 
     def preprocess(self, pictures: Tensor) -> Tensor:
-        """What the model's own transform does to a picture, differentiably: resize, crop or pad, normalize.
-
-        Args:
-            pictures: (B, 3, H, W) display values in [0, 1].
-
-        Returns:
-            (B, 3, size, size).
-        """
+        """The model's own transform of images (B, 3, H, W) in [0, 1], differentiable: resize, crop or pad to (B, 3, size, size), normalize."""
         height, width = pictures.shape[-2:]
         pick = {"shortest": min, "longest": max}.get(self._resize)
         scale = self.size / pick(height, width) if pick else None

@@ -22,15 +22,7 @@ _CLOSE = 6.0  # a Lab distance that still is the named color
 
 
 def positive_loss(features: Tensor, text: Tensor) -> Tensor:
-    """Equation 3: 1 − s(I, p), mean over views.
-
-    Args:
-        features: (views, D) unit features of views of a picture.
-        text: (1, D) unit features of a phrase.
-
-    Returns:
-        A scalar in [0, 2].
-    """
+    """Equation 3: 1 − s(I, p), a mean over views in [0, 2]; of unit features (views, D) of an image and (1, D) of a phrase."""
     return 1.0 - (features @ text.T).mean()
 
 
@@ -38,7 +30,7 @@ def negative_loss(features: Tensor, texts: Tensor, margin: float) -> Tensor:
     """Equation 4: max(0, s(I, p⁻) − m), mean over views, of the phrase that fits most.
 
     Args:
-        features: (views, D) unit features of views of a picture.
+        features: (views, D) unit features of an image.
         texts: (phrases, D) unit features of what it must not look like.
         margin: m, the similarity that is allowed.
     """
@@ -48,13 +40,13 @@ def negative_loss(features: Tensor, texts: Tensor, margin: float) -> Tensor:
 def direction_loss(
     features: Tensor, start: Tensor, text: Tensor, plain: Tensor, least: float = 0.1
 ) -> Tensor:
-    """1 − cos(ΔI, ΔT): the picture should change in the direction in which the words differ from a plain caption.
+    """1 − cos(ΔI, ΔT): the image should change in the direction in which the words differ from a plain caption.
 
-    What makes the picture like the words by making it unlike any picture goes another way (StyleGAN-NADA).
+    What makes the image like the words by making it unlike any image goes another way (StyleGAN-NADA).
 
     Args:
-        features: (views, D) unit features of the picture.
-        start: (D,) mean unit features of the starting picture.
+        features: (views, D) unit features of the image.
+        start: (D,) mean unit features of the starting image.
         text: (1, D) unit features of the words.
         plain: (1, D) unit features of a caption without any look.
         least: Length of ΔI below which its direction says little.
@@ -74,7 +66,7 @@ def claims_loss(residuals: list[Tensor]) -> Tensor:
     """Sum over claims of how far each is missed, quadratic up to one noticeable step and linear beyond (Huber 1964).
 
     Args:
-        residuals: Of each claim, (n,) in steps that people notice.
+        residuals: Of each claim, (n,) in noticeable steps.
     """
     missed = torch.stack([(r.square().sum() + 1e-8).sqrt() for r in residuals])
     return F.huber_loss(missed, torch.zeros_like(missed), reduction="sum")
@@ -96,13 +88,7 @@ def hue_consistency_loss(where: Tensor, colors: Tensor, weights: Tensor) -> Tens
 
 
 def prior_loss(where: Tensor, home: Tensor, weight: Tensor) -> Tensor:
-    """Pull to the artist's values of what no word names.
-
-    Args:
-        where: (N,) position of each component within its feasible range, in [0, 1].
-        home: (N,) position of the artist's value, likewise.
-        weight: (N,) in [0, 1], 0 for components that words name.
-    """
+    """Pull to the artist's values: squared distance from home of places (N,) in their ranges, weighted by (N,) in [0, 1]."""
     return (weight * (where - home).square()).sum()
 
 
@@ -118,10 +104,10 @@ class Weights:
         subject: λ_fg.
         surroundings: λ_bg.
         whole: λ_full.
-        direction: Change of the whole picture in the direction of the words.
+        direction: Change of the whole image in the direction of the words.
         negative: λ_neg.
-        border: Subject on the picture's border.
-        claims: What the words claim of the picture, see `claims.claim`.
+        border: Subject on the image's border.
+        claims: Of claims, in noticeable steps.
         prior: Pull of what no word names to the artist's value.
         hue: Pull of a color's components to one place in their ranges.
     """
@@ -138,21 +124,16 @@ class Weights:
 
 
 class Guidance(Protocol):
-    """What judges a picture: `PromptGuidance`, or a plug-in's.
+    """Judges an image: `PromptGuidance`, or a plug-in's.
 
     Attributes:
-        views: How many crops of each region it looks at.
+        views: Number of crops of each region.
     """
 
     views: regions.Views
 
     def __call__(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
-        """The weighted loss terms of a picture, whose sum is the loss.
-
-        Args:
-            display: (H, W, 3) in [0, 1].
-            mask: (H, W) soft subject coverage.
-        """
+        """The weighted loss terms of an image (H, W, 3) in [0, 1] with a soft subject mask (H, W); their sum is the loss."""
 
 
 class NoGuidance:
@@ -169,9 +150,8 @@ class PromptGuidance:
     """The objective for one prompt.
 
     Args:
-        start: Display picture (H, W, 3) and mask (H, W) of the artist's scene: hinge margins are
-            calibrated on it, because encoders differ in how alike they find everything.
-        views: How many crops of each region.
+        start: Image (H, W, 3) and mask (H, W) of the artist's scene: hinge margins are calibrated on it, because encoders
+            differ in how alike they find everything.
     """
 
     def __init__(
@@ -198,12 +178,7 @@ class PromptGuidance:
         self.margins = {r: self._margin(features[r], r) for r in _REGIONS}
 
     def __call__(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
-        """The weighted terms, whose sum is the loss.
-
-        Args:
-            display: (H, W, 3) in [0, 1].
-            mask: (H, W) soft subject coverage.
-        """
+        """The weighted terms. Arguments as for `Guidance`."""
         w = self.weights
         terms: dict[str, Tensor] = {}
         features = self._features(display, mask, generator)
@@ -230,7 +205,7 @@ class PromptGuidance:
         return dict(zip(batch, features.split([len(v) for v in batch.values()]), strict=True))
 
     def _margin(self, features: Tensor, region: str) -> float:
-        """How alike this encoder finds the starting picture and the region's phrases on average."""
+        """Mean similarity that this encoder finds between the starting image and the region's phrases."""
         phrases = torch.cat([self.positive[region], self.negative[region]])
         return float((features @ phrases.T).mean()) if len(phrases) else 0.0
 

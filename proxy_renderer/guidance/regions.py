@@ -18,15 +18,13 @@ _TRIES = 8
 def quads(
     count: int, generator: torch.Generator, scale: tuple[float, float] = (0.75, 1.0), distortion: float = 0.2
 ) -> Tensor:
-    """Random quadrilaterals inside the picture, each the source of one view.
+    """Random quadrilaterals inside the image, each the source of one view: (count, 4, 2) corners in [-1, 1].
+
+    They run clockwise from the top left; x to the right, y down.
 
     Args:
-        generator: Source of all randomness (on the CPU).
-        scale: Range of the crop's side relative to the picture's.
+        scale: Range of the crop's side relative to the image's.
         distortion: How far a corner may move inwards, relative to half the crop's side.
-
-    Returns:
-        (count, 4, 2) corners in [-1, 1], clockwise from the top left; x to the right, y down.
     """
     side = scale[0] + (scale[1] - scale[0]) * torch.rand(count, 1, 1, generator=generator)
     center = (2.0 * torch.rand(count, 1, 2, generator=generator) - 1.0) * (1.0 - side)
@@ -35,15 +33,12 @@ def quads(
 
 
 def keeping(mask: Tensor, count: int, generator: torch.Generator, share: float = 0.7) -> Tensor:
-    """Random quadrilaterals that hold at least this share of a region.
+    """Random quadrilaterals, as from `quads`, that hold at least a share of a region.
+
+    Crops that hold less are drawn again; after a few tries the one that holds most is taken.
 
     Args:
         mask: (H, W) soft membership of the region.
-        share: Crops that hold less of the region are drawn again; after a few tries the one that
-            holds most is taken.
-
-    Returns:
-        (count, 4, 2) corners as from `quads`.
     """
     tries = quads(count * _TRIES, generator)
     small = F.interpolate(mask.detach().cpu().float()[None, None], size=(32, 32), mode="area")[0, 0]
@@ -59,16 +54,7 @@ def keeping(mask: Tensor, count: int, generator: torch.Generator, share: float =
 
 
 def warp(pictures: Tensor, corners: Tensor, size: int) -> Tensor:
-    """The views that the quadrilaterals cut out.
-
-    Args:
-        pictures: (B, C, H, W), or (1, C, H, W) for views of one picture.
-        corners: (B, 4, 2) as from `quads`.
-        size: Side of the result, pixels.
-
-    Returns:
-        (B, C, size, size), differentiable in the pictures.
-    """
+    """The views (B, C, size, size) that quadrilaterals (B, 4, 2) cut out of images (B or 1, C, H, W), differentiable in them."""
     pictures = _shrink(pictures, 2 * size)
     count = len(corners)
     axis = (torch.arange(size, dtype=torch.float64) + 0.5) * (2.0 / size) - 1.0
@@ -80,15 +66,7 @@ def warp(pictures: Tensor, corners: Tensor, size: int) -> Tensor:
 
 
 def whole(pictures: Tensor, size: int) -> Tensor:
-    """The uncropped picture, squeezed to a square.
-
-    Args:
-        pictures: (B, C, H, W).
-        size: Side of the result, pixels.
-
-    Returns:
-        (B, C, size, size), differentiable in the pictures.
-    """
+    """The uncropped images (B, C, H, W), squeezed to squares (B, C, size, size), differentiable in them."""
     return F.interpolate(pictures, size=(size, size), mode="bilinear", antialias=True, align_corners=False)
 
 
@@ -128,21 +106,13 @@ class Views:
 
 
 def mean(values: Tensor, mask: Tensor) -> Tensor:
-    """Mean over a region.
-
-    Args:
-        values: (H, W, C).
-        mask: (H, W) soft membership of the region; all 0 gives 0.
-
-    Returns:
-        (C,).
-    """
+    """Mean (C,) of values (H, W, C) over a region with soft membership (H, W); an empty one gives 0."""
     weight = mask[..., None]
     return (values * weight).sum((0, 1)) / weight.sum((0, 1)).clamp_min(1e-6)
 
 
 def subject_views(display: Tensor, mask: Tensor, count: int, generator: torch.Generator, size: int) -> Tensor:
-    """I ⊙ M, framed by the subject, each view on another plain background.
+    """I ⊙ M, framed by the subject, each view on another plain background: (count, 3, size, size).
 
     Half of the backgrounds are random colors, so that nothing can be said about the subject by
     changing what is behind it (CLIP-Mesh); the others are the mean color of the surroundings, so
@@ -151,10 +121,6 @@ def subject_views(display: Tensor, mask: Tensor, count: int, generator: torch.Ge
     Args:
         display: (H, W, 3) in [0, 1].
         mask: (H, W) soft subject coverage.
-        size: Side of the views, pixels.
-
-    Returns:
-        (count, 3, size, size), differentiable in picture and mask.
     """
     box = _frame(mask)
     display, mask = display[box], mask[box]
@@ -168,18 +134,7 @@ def subject_views(display: Tensor, mask: Tensor, count: int, generator: torch.Ge
 def surroundings_views(
     display: Tensor, mask: Tensor, count: int, generator: torch.Generator, size: int
 ) -> Tensor:
-    """I ⊙ (1 − M), the hole filled with the mean color of what remains.
-
-    Args:
-        display: As for `subject_views`.
-        mask: As for `subject_views`.
-        count: As for `subject_views`.
-        generator: As for `subject_views`.
-        size: As for `subject_views`.
-
-    Returns:
-        (count, 3, size, size), differentiable in picture and mask.
-    """
+    """I ⊙ (1 − M), the hole filled with the mean color of what remains. Arguments as for `subject_views`."""
     rest = (1.0 - mask)[..., None]
     filled = display * rest + mask[..., None] * mean(display, 1.0 - mask)
     corners = regions.keeping(1.0 - mask, count, generator)
@@ -187,13 +142,7 @@ def surroundings_views(
 
 
 def whole_views(display: Tensor, count: int, generator: torch.Generator, size: int) -> Tensor:
-    """The full frame first, then count - 1 random large crops of it: (count, 3, size, size).
-
-    Args:
-        display: (H, W, 3) in [0, 1].
-        count: How many views, at least 1.
-        size: Side of the views, pixels.
-    """
+    """The full frame of an image (H, W, 3) first, then count - 1 random large crops of it: (count, 3, size, size)."""
     picture = display.permute(2, 0, 1)[None]
     full = regions.whole(picture, size)
     if count == 1:

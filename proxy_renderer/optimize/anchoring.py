@@ -28,15 +28,12 @@ AnchorRequest = Callable[[messages.Anchor], messages.Anchored | None]
 
 
 class BlenderPictures:
-    """A source of Cycles' pictures of one scene. What goes wrong is noted, and the loop goes on without.
-
-    Args:
-        shot: Which of a vibe's shots it is.
+    """A source of Cycles' pictures of one of a vibe's shots. Failures are noted, and the loop goes on without.
 
     Attributes:
-        seconds: How long Blender took for each picture.
-        waited: Seconds that it was busy with something else, as the artist's own picture, when it was asked.
-        notes: What went wrong, in words for the artist.
+        seconds: Blender's time for each picture.
+        waited: Seconds that it was busy with something else, as the artist's own image, when it was asked.
+        notes: Failures, in words for the artist.
     """
 
     def __init__(self, scene: SceneData, ask: AnchorRequest, seed: int, shot: int = 0) -> None:
@@ -48,7 +45,7 @@ class BlenderPictures:
         self.notes: list[str] = []
 
     def __call__(self, values: dict[str, list[float]], size: tuple[int, int]) -> CyclesPicture | None:
-        """A picture of values, width and height as given; None where there is none to be had."""
+        """A picture of values, of a width and height; None where there is none to be had."""
         if self._over:
             return None
         self._number += 1

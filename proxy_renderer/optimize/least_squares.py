@@ -18,11 +18,11 @@ from .vector import project
 
 @dataclass(frozen=True)
 class Assessment:
-    """What is judged in the pictures of a point.
+    """The judgment of the images of a point.
 
     Attributes:
-        values: (M,) what the claims' measures give, in steps that people notice.
-        lower: (M,) of what is wanted, likewise.
+        values: (M,) of the claims' measures, in noticeable steps.
+        lower: (M,) of the interval that is sought, likewise.
         upper: (M,) likewise.
         claim: (M,) number of the claim that each belongs to, from 0.
         rest: () the loss's other terms.
@@ -37,7 +37,7 @@ class Assessment:
     picture: Any
 
     def misses(self, values: Tensor) -> Tensor:
-        """(claims,) by how many noticeable steps values (M,) miss each claim."""
+        """(claims,) noticeable steps by which values (M,) miss each claim."""
         count = int(self.claim.max()) + 1 if len(self.claim) else 0
         squares = values.new_zeros(count).index_add(
             0, self.claim, outside(values, self.lower, self.upper).square()
@@ -45,12 +45,7 @@ class Assessment:
         return squares.sqrt()
 
     def loss(self, values: Tensor, rest: Tensor, weight: float) -> float:
-        """Claims that are missed, quadratic up to one noticeable step and linear beyond (Huber 1964), and the rest.
-
-        Args:
-            values: (M,) as `values`.
-            rest: () as `rest`.
-        """
+        """The loss of values (M,) and a rest (): missed claims, quadratic up to one noticeable step and linear beyond (Huber 1964)."""
         misses = self.misses(values)
         return weight * float(F.huber_loss(misses, torch.zeros_like(misses), reduction="sum")) + float(rest)
 
@@ -60,13 +55,7 @@ class Assessment:
 
 
 class Slopes(NamedTuple):
-    """What is judged at a point, and how it changes by n components of u.
-
-    Attributes:
-        here: Without gradients.
-        values: (M, n) of the values.
-        rest: (n,) of the rest.
-    """
+    """The judgment of a point, without gradients, and how its values (M, n) and rest (n,) change by n components of u."""
 
     here: Assessment
     values: Tensor
@@ -91,7 +80,7 @@ class LinearModel:
     """The loss near a point x.
 
     Attributes:
-        here: What is judged at the point.
+        here: The judgment of the point.
         slopes: (M, n) of the values.
         rest_slope: (n,) of the rest.
         stiffness: (n, n) curvature of the rest.
@@ -105,15 +94,14 @@ class LinearModel:
     weight: float
 
     def loss(self, move: Tensor) -> float:
-        """Foretold at x + move (n,)."""
+        """Predicted at x + move (n,)."""
         rest = self.here.rest + self.rest_slope @ move + 0.5 * move @ self.stiffness @ move
         return self.here.loss(self.here.values + self.slopes @ move, rest, self.weight)
 
     def step(self, low: Tensor, high: Tensor) -> Tensor:
-        """(n,) the move of least foretold loss within [low, high], by accelerated projected gradients (Nesterov 1983).
+        """(n,) the move of least predicted loss within [low, high], by accelerated projected gradients (Nesterov 1983).
 
-        Far misses are weighed down to what Huber's loss has for them, so that one that cannot be mended does not
-        rule the others.
+        Far misses are weighed down to what Huber's loss has for them, so that one that cannot be satisfied does not rule the others.
         """
         far = self.here.misses(self.here.values).clamp_min(1.0)[self.here.claim]
         weights = self.weight / far
@@ -142,16 +130,7 @@ class LinearModel:
         )
 
     def gains(self, move: Tensor, parts: Mapping[str, slice], low: Tensor, high: Tensor) -> dict[str, float]:
-        """How much lower the loss would be, if some components moved on alone from x + move: by one damped Newton step.
-
-        Args:
-            move: (n,).
-            low: (n,) least that may be moved.
-            high: (n,) most.
-
-        Returns:
-            By the parts' names.
-        """
+        """By parts: the fall of the loss if its components moved on alone from x + move (n,) within [low, high], by one damped Newton step."""
         values, held = self.here.values + self.slopes @ move, self.stiffness @ move
         far = self.here.misses(values).clamp_min(1.0)[self.here.claim]
         missed = outside(values, self.here.lower, self.here.upper)
@@ -168,11 +147,7 @@ class LinearModel:
         return found
 
     def alike(self, part: slice, other: slice) -> float:
-        """The share of what components do to the values that others could do, in [0, 1].
-
-        Returns:
-            0 also where the components do nothing, or where too few values are known to tell.
-        """
+        """The share of a part's effect on the values that another could have, in [0, 1]; 0 where that cannot be told from so few."""
         told = (self.slopes != 0).any(1)
         mine, theirs = self.slopes[told, part], self.slopes[told, other]
         length = float(mine.norm())
@@ -182,11 +157,7 @@ class LinearModel:
         return 1.0 - float(rest.norm()) / length
 
     def corrected(self, seen: Assessment, move: Tensor) -> LinearModel:
-        """The model at x, whose slopes agree with what was seen at x + move (Broyden 1965).
-
-        Args:
-            move: (n,), not zero.
-        """
+        """The model at x, whose slopes agree with what was seen at x + move (n,), not zero (Broyden 1965)."""
         along = move / move.square().sum()
         missing = seen.values - self.here.values - self.slopes @ move
         rest = seen.rest - self.here.rest - (self.rest_slope + 0.5 * self.stiffness @ move) @ move
@@ -216,20 +187,20 @@ _PROGRESS = 1e-3
 
 
 class ClaimObjective(Protocol):
-    """Pictures of u, and what the words say of them."""
+    """Judges images of u."""
 
     @property
     def claim_weight(self) -> float:
         """Of a noticeable step by which a claim is missed."""
 
     def stiffness(self, chosen: Tensor) -> Tensor:
-        """(n, n) curvature of the rest by the places of the n chosen components (N,) in their ranges, as far as it is known."""
+        """(n, n) known curvature of the rest by the places of the n chosen components (N,) in their ranges."""
 
     def assess(self, u: Tensor) -> Assessment:
-        """What is judged at u (N,) in [0, 1]."""
+        """The judgment of u (N,) in [0, 1]."""
 
     def slopes(self, u: Tensor, chosen: Tensor) -> Slopes:
-        """How what is judged at u (N,) changes by the n chosen components (N,)."""
+        """The change of the judgment at u (N,) by the n chosen components (N,)."""
 
 
 def solve(
@@ -242,14 +213,20 @@ def solve(
     on_step: Callable[[int, float, Any], bool],
     first: LinearModel | None = None,
 ) -> Descent:
-    """Minimizes the objective over the chosen components.
+    """Minimizes the objective over the chosen components by a damped Gauss-Newton method in the box.
+
+    A claim is a residual, in noticeable steps. Residuals and parameters are few, so such a step is cheap, and worth many gradient
+    steps. The terms of similarity, and the pull to the artist's values, are followed by their gradient. The region that slopes are
+    trusted in is a rectangle (Voglis and Lagaris 2004), for the box is one. Slopes cost more than steps; between the times that
+    they are taken, they are corrected by what the steps show, as in the secant version of Levenberg-Marquardt (Madsen, Nielsen and
+    Tingleff 2004, section 3.5).
 
     Args:
         u: (N,) start, inside the box.
         chosen: (N,) bool, the components that may move.
         lower: (N,) lower corner of the feasible box.
         upper: (N,) upper corner.
-        steps: The most points that are looked at after the start.
+        steps: The most points that are judged after the start.
         on_step: Called with (step from 1, loss, picture) after each; True ends the loop.
         first: The model of the chosen components' shares of their ranges at the start, if there is one already.
     """
@@ -260,7 +237,6 @@ def solve(
     low, high = (lower[chosen] - start) / span, (upper[chosen] - start) / span
 
     def place(x: Tensor) -> Tensor:
-        """u with the chosen components moved by x, in shares of their ranges."""
         return u.index_put((places,), start + span * x)
 
     def linear(x: Tensor) -> LinearModel:
@@ -298,19 +274,13 @@ def solve(
 
 
 def linearize(objective: ClaimObjective, u: Tensor, chosen: Tensor, span: Tensor) -> LinearModel:
-    """The model at a point, over its chosen components' shares of their ranges.
-
-    Args:
-        u: (N,) the point.
-        chosen: (N,) bool, n components.
-        span: (n,) their ranges.
-    """
+    """The model at u (N,), over shares of the ranges (n,) of n chosen components (N,)."""
     here, values, rest = objective.slopes(u, chosen)
     return LinearModel(here, values * span, rest * span, objective.stiffness(chosen), objective.claim_weight)
 
 
 def _resized(radius: float, share: float, length: float) -> float:
-    """The region's next radius, after a step of a length that gave this share of what was foretold."""
+    """The region's next radius, after a step of a length that gave this share of the predicted decrease."""
     if share < _BAD:
         return 0.4 * length
     return max(radius, min(2.0 * length, 1.0)) if share > _GOOD else radius
@@ -318,12 +288,12 @@ def _resized(radius: float, share: float, length: float) -> float:
 
 @dataclass
 class Descent:
-    """The result of an inner loop.
+    """The result of the inner steps.
 
     Attributes:
         u: (N,) the point of least loss on the fixed views.
         loss: Its loss on them.
-        start_loss: The loss of the loop's start on them.
+        start_loss: The loss of the start on them.
         steps: Steps taken, at most T.
         repairs: Times that a non-finite loss or gradient was rolled back.
     """

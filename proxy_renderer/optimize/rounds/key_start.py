@@ -34,14 +34,13 @@ _BETTER = 0.01
 def with_key_turned(
     scene: SceneData, vector: ParameterVector, u: Tensor, lower: Tensor, upper: Tensor, goal: Tensor
 ) -> Tensor:
-    """A point whose key light comes from where it does in a picture; u itself where none is better, or it may not turn.
+    """A point whose key light comes from where it does in an image; u itself where none is better, or it may not turn.
 
     Args:
-        vector: The parameters of u.
         u: (N,) within the box.
         lower: (N,) its lower corner.
         upper: (N,) its upper corner.
-        goal: (H, W, 3) the picture, sRGB-encoded.
+        goal: (H, W, 3) the image, sRGB-encoded.
     """
     movable = vector.mark(vector.instances) & (upper > lower)
     keys = [key for key in _azimuths(vector) if bool(movable[vector.slices[key]].all())]
@@ -65,7 +64,7 @@ def _azimuths(vector: ParameterVector) -> Iterator[str]:
 
 
 class _Look:
-    """How like a picture the scene is, its key light turned."""
+    """Compares the scene with an image, its key light turned."""
 
     def __init__(
         self, scene: SceneData, vector: ParameterVector, light: str, u: Tensor, goal: Tensor
@@ -100,7 +99,7 @@ class _Look:
         box: tuple[Tensor, Tensor],
         best: tuple[Tensor, float],
     ) -> tuple[Tensor, float]:
-        """The best of some directions within a box, degrees, and of the best so far: the point, and how like it is."""
+        """The best point of some directions within a box, degrees, and of the best so far, with its likeness."""
         for azimuth, elevation in directions:
             point = self.turned(azimuth, elevation).clamp(*box)
             if (likeness := self.likeness(point)) > best[1]:
@@ -109,7 +108,7 @@ class _Look:
 
     @torch.no_grad()
     def likeness(self, u: Tensor) -> float:
-        """The greatest correlation of lightness with the picture, over strengths of the key and exposures."""
+        """The greatest correlation of lightness with the image, over strengths of the key and exposures."""
         key = self._proxy.render(self._vector.decode(u)).linear - self._rest
         tried = itertools.product(_STRENGTHS, _EXPOSURES)
         lights = [(exposure * (strength * key + self._rest)).clamp_min(0.0) for strength, exposure in tried]
@@ -121,5 +120,5 @@ class _Look:
 
 
 def _cells(display: Tensor) -> Tensor:
-    """(n,) L* of the cells of a picture (H, W, 3)."""
+    """(n,) L* of the cells of an image (H, W, 3)."""
     return F.adaptive_avg_pool2d(lab_from_srgb(display)[..., 0][None, None], _CELLS).flatten()

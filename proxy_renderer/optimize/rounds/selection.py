@@ -37,12 +37,12 @@ ALIKE, _NOTHING_NEW = 0.9, 0.1
 
 @dataclass(frozen=True)
 class Selection:
-    """What a round optimizes.
+    """Parameters that a round optimizes.
 
     Attributes:
-        keys: S_K, what serves most first.
-        objective: What is minimized, differentiable in all that was looked at.
-        shared: Key of a parameter that is held -> the one of S_K that does the same to what the words claim.
+        keys: S_K, the most useful first.
+        objective: Differentiable in all that was looked at.
+        shared: Key of a parameter that is held -> the one of S_K that does the same to the claims.
         model: The objective near the point where they were chosen, over the components of S_K; None if nobody needs it.
     """
 
@@ -52,7 +52,7 @@ class Selection:
     model: LinearModel | None = None
 
     def with_reasons(self, plan: Plan) -> Plan:
-        """The plan, with what is held and why."""
+        """The plan, with the reasons of parameters that are held."""
         held = {
             key: replace(
                 plan[key], reason=f"{plan[key].reason}; held: {other} does the same to what is claimed"
@@ -73,15 +73,13 @@ def select(
     weights: Weights,
     opening: float = 0.0,
 ) -> Selection:
-    """S_K (equation 7): the K parameters that receive gradients.
+    """S_K (equation 7): the K parameters that receive gradients, of `top_k` in the options.
 
     Args:
-        vector: The parameters of u.
-        u: (N,) where parameters are chosen.
+        u: (N,) where they are chosen.
         lower: (N,) lower corner of the feasible box.
         upper: (N,) upper corner.
-        options: K is `top_k`.
-        opening: In [0, 1]: for how long claims have been missed, see `search.Confined`.
+        opening: In [0, 1]: for how long claims have been missed, see `Confined`.
 
     Raises:
         VibeError: Nothing that the words name may change.
@@ -102,11 +100,7 @@ def select(
 
 
 def relevant(plan: Plan, vector: ParameterVector, wide: Tensor) -> set[str]:
-    """Keys of what a round may change.
-
-    Args:
-        vector: The parameters of u.
-        wide: (N,) bool, the components that have a range.
+    """Keys that a round may change, of components (N,) bool that have a range.
 
     Raises:
         VibeError: Nothing that the words name is among them.
@@ -129,7 +123,7 @@ def choose(
     high: Tensor,
     half: float = _HALF,
 ) -> tuple[list[str], dict[str, str]]:
-    """The K most important parameters, refined by how much each can still lower the loss beside those before it.
+    """The K most important parameters, refined by how much each can still lower the loss next to those before it.
 
     Half the gain costs some places: a parameter at the right end of its range, or one that the loss does not
     depend on, makes room for one that still helps.
@@ -144,7 +138,7 @@ def choose(
         half: Places in the order of priorities that half the gain costs.
 
     Returns:
-        The keys, and what is held -> the key that does the same.
+        The keys, and held ones -> the key that does the same.
     """
     move, free = torch.zeros_like(low), torch.zeros(len(low), dtype=torch.bool)
     left = dict(parts)

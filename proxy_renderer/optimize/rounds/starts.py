@@ -70,7 +70,7 @@ def find_starts(search: Search) -> list[Start]:
 
 
 def _coarse_pass(search: Search, point: Tensor, now: Confined) -> tuple[Tensor, float, Tensor]:
-    """A few steps on few views: The end point (N,), its loss on all views, and the first shot's image (H, W, 3)."""
+    """The end point (N,) of a few steps on few views, its loss on all views, and the first shot's image (H, W, 3)."""
     few = []
     for shot in now.shots:
         guidance = copy(shot.guidance)
@@ -102,11 +102,6 @@ def draw_starts(
 
     What the plan optimizes is drawn anew from its range, a color's components at one place in theirs: the corners
     of the box are other hues. What `roam` has opened moves as one.
-
-    Args:
-        vector: The parameters of u.
-        u: (N,) inside the box.
-        box: Lower and upper corner, each (N,).
     """
     generator = torch.Generator().manual_seed(seed)
     keys = [key for key, entry in plan.items() if entry.priority is not None]
@@ -124,11 +119,7 @@ def draw_starts(
 
 
 def roam(instances: Mapping[str, Instance], plan: Plan) -> Plan:
-    """The plan, with ranges to draw from for how the scene is lit where the words leave that open.
-
-    Args:
-        instances: The scene's parameters by key.
-    """
+    """The plan, with ranges to draw from for how the scene is lit where the words leave that open."""
     roaming = Plan(dict(plan), plan.notes)
     for key, entry in plan.items():
         instance = instances[key]
@@ -144,12 +135,7 @@ def roam(instances: Mapping[str, Instance], plan: Plan) -> Plan:
 
 
 def with_reasons(plan: Plan, vector: ParameterVector, u: Tensor) -> Plan:
-    """The plan, with the reason "varied" for what this point has varied.
-
-    Args:
-        vector: The parameters of u.
-        u: (N,) the point.
-    """
+    """The plan, with the reason "varied" for what u (N,) has varied."""
     moved = vector.values(u)
     varied = {
         key: replace(entry, reason=VARIED)
@@ -162,21 +148,12 @@ def with_reasons(plan: Plan, vector: ParameterVector, u: Tensor) -> Plan:
 
 
 def distance(a: Tensor, b: Tensor) -> float:
-    """How different two pictures look: mean Lab distance of their cells, which ignores fine detail.
-
-    Args:
-        a: (H, W, 3) display values in [0, 1].
-    """
+    """Difference of two images (H, W, 3): mean Lab distance of their cells, which ignores fine detail."""
     return float((_cells(a) - _cells(b)).norm(dim=0).mean())
 
 
 def most_diverse(pictures: list[Tensor], losses: list[float], number: int) -> list[int]:
-    """Indices of pictures that differ most, the first one and others of the better half.
-
-    Args:
-        pictures: (H, W, 3) each.
-        losses: Of the pictures; smaller is better.
-    """
+    """Indices of images (H, W, 3) that differ most, the first one and others of the better half by their losses."""
     ranked = sorted(range(len(losses)), key=losses.__getitem__)
     good = ranked[: max(-(-len(ranked) // 2), number)]
     chosen = [0]
@@ -187,5 +164,5 @@ def most_diverse(pictures: list[Tensor], losses: list[float], number: int) -> li
 
 
 def _cells(display: Tensor) -> Tensor:
-    """(3, 16, 16) mean Lab colors of a picture (H, W, 3)."""
+    """(3, 16, 16) mean Lab colors of an image (H, W, 3)."""
     return F.adaptive_avg_pool2d(lab_from_srgb(display.detach()).permute(2, 0, 1), _CELLS)
