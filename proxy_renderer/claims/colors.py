@@ -180,7 +180,7 @@ def of_material(attribute: Attribute, others: Iterable[Attribute], vocabulary: V
 
 
 def _colors(color: Attribute, material: Attribute) -> bool:
-    """Whether an attribute is the color of the objects that have a material."""
+    """True if an attribute is the color of the objects that have a material."""
     owners = {*color.owners}, {*material.owners}
     same = not all(owners) or not owners[0].isdisjoint(owners[1])
     return color.color is not None and not color.negated and color.region == material.region and same

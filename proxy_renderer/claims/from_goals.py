@@ -121,7 +121,7 @@ def _of_text(text: ClaimText, attribute: Attribute) -> Claim:
 
 
 def _compares(attribute: Attribute, attributes: Sequence[Attribute], vocabulary: Vocabulary) -> bool:
-    """Whether an attribute, or the mood that it comes from, has a comparative word, as "colder"."""
+    """True if an attribute, or the mood that it comes from, has a comparative word, as "colder"."""
     if attribute.cause:
         moods = [a for a in attributes if not a.cause and attribute.cause == a.word]
         return any(_compares(mood, (), vocabulary) for mood in moods)
@@ -178,7 +178,7 @@ def _allowing_colors(claim: Claim, usual: bool, colors: Sequence[Claim]) -> Clai
 
 
 def _narrows(claim: Claim, usual: bool, first: Claim) -> bool:
-    """Whether a claim adds anything to one of higher rank.
+    """True if a claim adds anything to one of higher rank.
 
     Of one measure of one part, a claim that goes further in the same sense does: an old detective movie is as gray as the
     movie, not as the old one. Of several colors of a part the first counts.
@@ -230,14 +230,14 @@ def _cast_direction(claim: Claim) -> Values:
 
 
 def _is_painted(claim: Claim, attribute: Attribute) -> bool:
-    """Whether a claim is the color of a place or a sky, not of the light there: sand is yellow at noon, and a sunset's sky orange."""
+    """True for the color of a place or a sky, not of the light there: sand is yellow at noon, and a sunset's sky orange."""
     if claim.part == "sky":
         return claim.measure in (*_TINTS, "warmth")
     return attribute.slot == "setting" and claim.part == "surroundings" and claim.measure in _TINTS
 
 
 def _is_light(claim: Claim) -> bool:
-    """Whether a claim is about the color of light, which objects that have a color of their own hide."""
+    """True for claims about the color of light, which objects that have a color of their own hide."""
     return claim.part == "picture" and claim.measure in (*_TINTS, "warmth", "off_hue")
 
 

@@ -116,7 +116,7 @@ class RemoteObserver:
         return self.stopped()
 
     def stopped(self) -> bool:
-        """Whether the loop should end."""
+        """True to end the loop."""
         return self._wire.stop.is_set()
 
     def ask(self, request: messages.Anchor) -> messages.Anchored | None:

@@ -98,7 +98,7 @@ _EVERY_PLAIN = 2
 
 @dataclass(frozen=True)
 class Views:
-    """How many views of each region a step looks at."""
+    """Number of views of each region that a step looks at."""
 
     subject: int = 3
     surroundings: int = 2

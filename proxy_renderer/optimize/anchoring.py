@@ -106,5 +106,5 @@ class AnchorState:
     earlier: Correction | None = None
 
     def distance(self, u: Tensor) -> float:
-        """How far u (N,) is from the picture, in its worst component's whole range; infinite without one."""
+        """Distance of u (N,) from the picture, in its worst component's whole range; infinite without one."""
         return float((u - self.u).abs().max()) if self.u is not None else float("inf")

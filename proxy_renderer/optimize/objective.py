@@ -44,11 +44,10 @@ _Judge = Callable[[Sequence["Render"], Tensor], Assessment]
 
 
 class RoundObjective:
-    """What one round minimizes, see `least_squares.ClaimObjective`.
+    """The function that a round minimizes, see `least_squares.ClaimObjective`.
 
     Args:
         seen: Draws and judges the shots, one or several.
-        vector: The parameters of u.
         plan: Says what is pulled to the artist's value, or to where words have the search begin, and which hues are free.
         free: Keys that gradients go to; the camera's visibility, say, is not differentiated when the camera is held.
         box: Lower and upper corner of the feasible box, each (N,).

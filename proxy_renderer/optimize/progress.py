@@ -41,7 +41,7 @@ class Observer(Protocol):
         """A step is done, whose values look like display (H, W, 3) in [0, 1]; True ends the loop with the best so far."""
 
     def stopped(self) -> bool:
-        """Whether the loop should end with the best so far: work that takes long outside of steps asks this."""
+        """True to end the loop with the best so far: work that takes long outside of steps asks this."""
 
     def ask(self, request: Anchor) -> Anchored | None:
         """Blender's answer; None if there is none, or the loop should end."""

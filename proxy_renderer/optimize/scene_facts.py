@@ -34,19 +34,20 @@ if TYPE_CHECKING:
 
 
 _GRID = 64  # rays along each side of the picture
+_KEPT = 0.8  # share of the way to a floor, a ceiling or a wall that a light may go: it has a size
+_WALL = "a wall stands where the words want the lamp"
+_PLACE = ("azimuth", "elevation", "distance", "power")
+_NEAREST = 0.3  # share of its distance to the subject that a light keeps at least, see `schema.parameters`
+_PARTS = 16  # surfaces of the subject that a ray from its middle passes, at most
+_FLAT = 1e-12  # twice the area, seen from above, below which a triangle is a wall
 
 
 def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> PlanContext:
-    """What the planner knows: the scene, where its values are now, and what that looks like.
-
-    Args:
-        proxy: Of the shot that plans are made for.
-        values: Current values by key in schema units.
-        picture: The proxy's picture of them.
-    """
+    """The planner's facts: the scene, its current values by key in schema units, and the proxy's image of them."""
     scene = proxy.scene
-    world, materials = coverage(scene, *_first_hits(proxy, values))
+    world, materials = _coverage(proxy, values)
     textures = {m.name: m.texture.image for m in scene.materials if m.texture is not None}
+    backdrop = scene.world.image if scene.world.backdrop is None else scene.world.backdrop
     return PlanContext(
         camera_azimuth=values["camera/azimuth"][0] if "camera/azimuth" in values else 0.0,
         view=scene.film.view,
@@ -58,12 +59,10 @@ def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> Pl
         world_share=world,
         material_share=materials,
         environment_luminance=_mean_luminance(scene.world.image),
-        backdrop_luminance=_mean_luminance(
-            scene.world.image if scene.world.backdrop is None else scene.world.backdrop
-        ),
+        backdrop_luminance=_mean_luminance(backdrop),
         texture_luminance={name: float(arrays.luminance(image).mean()) for name, image in textures.items()},
         values=values,
-        picture=picture_stats(picture),
+        picture=_picture_stats(picture),
     )
 
 
@@ -72,69 +71,43 @@ def _mean_luminance(image: np.ndarray | None) -> float:
     return 0.5 if image is None else arrays.sphere_luminance(image)
 
 
-def picture_stats(picture: Render) -> PictureStats:
-    """Mean colors of the regions, and how the lightness of the whole picture is spread."""
-    lab = lab_from_srgb(picture.display.detach()).cpu()
-    mask = picture.mask.detach().cpu()
+def _picture_stats(picture: Render) -> PictureStats:
+    """Mean colors of the regions, and percentiles of the lightness of the whole image."""
+    lab, mask = lab_from_srgb(picture.display.detach()).cpu(), picture.mask.detach().cpu()
     means: dict[Region, Tensor] = {
         "subject": regions.mean(lab, mask),
         "surroundings": regions.mean(lab, 1.0 - mask),
     }
     spread = torch.quantile(lab[..., 0].flatten(), torch.tensor([0.05, 0.5, 0.95]))
     return PictureStats(
-        lab={region: tuple(m.tolist()) for region, m in means.items()},
-        percentiles=tuple(spread.tolist()),
+        lab={region: tuple(m.tolist()) for region, m in means.items()}, percentiles=tuple(spread.tolist())
     )
 
 
-def _first_hits(proxy: Proxy, values: dict[str, Values]) -> tuple[Tensor, Tensor]:
-    """What a coarse grid of rays meets.
-
-    Returns:
-        (rays,) index of the material, -1 for the world, and whether it is on the subject.
-    """
+def _coverage(proxy: Proxy, values: dict[str, Values]) -> tuple[float | None, dict[str, float]]:
+    """The world's share of the surroundings (None if there are none), and each material's share of its region, as the camera sees them."""
     scene, geometry = proxy.scene, proxy.geometry
     cameras = {k: torch.tensor(v) for k, v in values.items() if k.startswith("camera/")}
     view = view_of(scene, RenderValues(scene, cameras, geometry.device), (_GRID, _GRID))
+
+    # Materials and subjects that a coarse grid of rays meets
     y, x = torch.meshgrid(torch.arange(_GRID), torch.arange(_GRID), indexing="ij")
-    hits = geometry.first_hits(
-        *view.rays(torch.stack((x.flatten(), y.flatten())).to(geometry.device) + 0.5), "camera"
-    )
+    pixels = torch.stack((x.flatten(), y.flatten())).to(geometry.device) + 0.5
+    hits = geometry.first_hits(*view.rays(pixels), "camera")
     triangle, hit = hits.triangle.cpu().clamp_min(0), hits.hit.cpu()
     material = torch.where(hit, geometry.material.cpu()[triangle].long(), -1)
     subjects = torch.tensor([o.subject for o in scene.objects])
-    return material, subjects[geometry.object.cpu()[triangle].long()] & hit
+    subject = subjects[geometry.object.cpu()[triangle].long()] & hit
 
-
-def coverage(scene: SceneData, material: Tensor, mine: Tensor) -> tuple[float | None, dict[str, float]]:
-    """What the camera sees, of rays as in `_first_hits`.
-
-    Returns:
-        The share of the surroundings that is the world (None if there are no surroundings), and the
-        share of its region, subject or surroundings, that each material covers.
-
-    Args:
-        material: (rays,) index of the material that each ray meets, -1 for the world.
-        mine: (rays,) whether it meets the subject.
-    """
-    around = int((~mine).sum())
-    shares = {}
+    around, shares = int((~subject).sum()), {}
     for index, m in enumerate(scene.materials):
-        region = mine if m.role == "subject" else ~mine
+        region = subject if m.role == "subject" else ~subject
         shares[m.name] = float((region & (material == index)).sum()) / max(int(region.sum()), 1)
     return (float((material < 0).sum()) / around if around else None), shares
 
 
-_KEPT = 0.8  # share of the way to a floor, a ceiling or a wall that a lamp may go: it has a size
-_WALL = "a wall stands where the words want the lamp"
-_PLACE = ("azimuth", "elevation", "distance", "power")
-_NEAREST = 0.3  # share of its distance to the subject that a lamp keeps at least, see `schema.parameters`
-_PARTS = 16  # surfaces of the subject that a ray from its middle passes, at most
-_FLAT = 1e-12  # twice the area, seen from above, below which a triangle is a wall
-
-
 def light_elevations(scene: SceneData) -> dict[str, tuple[float, float]]:
-    """Light -> lowest and highest elevation in degrees; a lamp that is beyond already is the artist's affair."""
+    """Light -> lowest and highest elevation in degrees; none for a light that is beyond already, which the artist has placed."""
     below, above = _heights(scene)
     ranges = {}
     for light in (light for light in scene.lights if not light.fixed):
@@ -146,19 +119,15 @@ def light_elevations(scene: SceneData) -> dict[str, tuple[float, float]]:
 
 @torch.no_grad()
 def light_sizes(scene: SceneData, geometry: RayGeometry) -> dict[str, float]:
-    """Key of a lamp's size -> the size at which it meets a surface, meters; no less than it has.
-
-    Args:
-        scene: Its lamps are looked at where they stand.
-    """
+    """Key of a light's size -> the size in meters at which it meets a surface where it stands; no less than it has."""
     widest: dict[str, float] = {}
-    for lamp in light_sources(scene, RenderValues(scene, {}, geometry.device)):
-        key = f"light/{lamp.light.name}/size"
-        if lamp.at_infinity or key not in scene.instances:
+    for source in light_sources(scene, RenderValues(scene, {}, geometry.device)):
+        key = f"light/{source.light.name}/size"
+        if source.at_infinity or key not in scene.instances:
             continue
-        arms = _arms(lamp)
+        arms = _arms(source)
         length = arms.norm(dim=0)
-        origin = lamp.position[:, None].expand_as(arms)
+        origin = source.position[:, None].expand_as(arms)
         free = geometry.nearest(origin, arms / length, "shadow").distance
         growth = max(float((_KEPT * free / length).min()), 1.0)
         widest[key] = min(widest.get(key, math.inf), growth * scene.value(key)[0])
@@ -168,12 +137,9 @@ def light_sizes(scene: SceneData, geometry: RayGeometry) -> dict[str, float]:
 def nearer_lights(
     scene: SceneData, geometry: RayGeometry, plan: Mapping[str, PlanEntry]
 ) -> dict[str, PlanEntry]:
-    """Other entries for lamps that would stand behind a wall where words want them: nearer_lights, with as much less power.
+    """Other entries for lights that would stand behind a wall where words want them: nearer, with as much less power.
 
-    Where there is no room for a lamp, it keeps its direction. One that is shut in as it stands is the artist's affair.
-
-    Args:
-        plan: What may happen to its parameters, by key.
+    Where there is no room for a light, it keeps its direction. One that is shut in as it stands is left to the artist.
     """
     found: dict[str, PlanEntry] = {}
     for light in (light for light in scene.lights if not light.fixed):
@@ -197,7 +163,7 @@ def nearer_lights(
 
 
 def _ends(entry: PlanEntry, artist: float) -> tuple[float, float]:
-    """Of the range that words name; twice the artist's value where they name none."""
+    """The range that words name; twice the artist's value where they name none."""
     return (entry.lower[0], entry.upper[0]) if entry.is_named else (artist, artist)
 
 
@@ -206,7 +172,7 @@ def _held(value: float, reason: str) -> PlanEntry:
 
 
 def _dimmed(entry: PlanEntry, power: Instance, share: float) -> PlanEntry:
-    """A range of powers, a share of what it was; of what no word touches, that share of the artist's."""
+    """A range of powers, times a share; of a power that no word touches, that share of the artist's."""
     was = (
         _held(power.value[0], f"dimmer, for it comes nearer_lights: {_WALL}")
         if entry.priority is None
@@ -217,7 +183,7 @@ def _dimmed(entry: PlanEntry, power: Instance, share: float) -> PlanEntry:
 
 
 def _free(scene: SceneData, geometry: RayGeometry, angles: Sequence[tuple[float, float]]) -> list[float]:
-    """How far a lamp may stand off at each azimuth and elevation and still light the subject, meters.
+    """The distance in meters at each azimuth and elevation from which a light still lights the subject.
 
     Infinite in the open; 0 where there is no room for it between the subject, which is in nobody's way, and a wall.
     """
@@ -237,13 +203,13 @@ def _free(scene: SceneData, geometry: RayGeometry, angles: Sequence[tuple[float,
     return torch.where(free > skin, free, 0.0).tolist()
 
 
-def _arms(lamp: LightSource) -> Tensor:
-    """(3, n) from the middle of a lamp to its outline."""
-    if isinstance(lamp, AreaLight):
-        u, v = lamp.half_axes()
+def _arms(source: LightSource) -> Tensor:
+    """(3, n) from the middle of a light to its outline."""
+    if isinstance(source, AreaLight):
+        u, v = source.half_axes()
         half = torch.cat((u, v, u + v, u - v), 1)
     else:
-        half = torch.eye(3, device=lamp.position.device) * lamp.size
+        half = torch.eye(3, device=source.position.device) * source.size
     return torch.cat((half, -half), 1)
 
 

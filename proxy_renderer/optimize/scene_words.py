@@ -21,15 +21,27 @@ from ..scene.values import RenderValues
 from ..schema import Values
 from ..schema.spec import Region
 
-_PLACE_SIDE = 100  # pixels of the square picture that places are measured in
+_SIDE = 64  # rays along each side of the image
+_SKY = 0.05  # share of what surrounds the subject from which the sky is seen
+_GLOWS = 0.05  # radiance from which a surface glows
+_CLIPPED = 4.0  # times what the display shows at most: the strongest glow whose color counts
+# |z| of normals: above it level, below it upright, above it part of a roof
+_LEVEL, _UPRIGHT, _SLOPED = 0.9, 0.25, 0.2
+_FLAT = 0.15  # how much the slope of a roof varies at most
+_MOST, _SOME = 0.75, 0.5  # share of a material's surface that has to be so
+_LEAST = 0.02  # share of the image of a structure
+_CLEAR = 2.0  # how many times larger than the second a structure has to be
+_NEAR = 0.08  # of the scene's height: two levels within it are one
+_TALL, _HIGH = 0.4, 0.6  # of the scene's height: least height of walls, and where roofs begin
+_PLACE_SIDE = 100  # pixels of the square image that places are measured in
+
 Place = tuple[float, float, float]
 
 
 def places(scene: SceneData) -> dict[str, Place]:
-    """Of each object before the camera: x (-1 left, 1 right), y (0 near, 1 far), and its share of the picture's width.
+    """Of each object before the camera: x (-1 left, 1 right), y (0 near, 1 far), and its share of the image's width.
 
-    Args:
-        scene: With the artist's values. An object that reaches behind the camera, such as a floor, has no place.
+    An object that reaches behind the camera, such as a floor, has no place.
     """
     view = view_of(scene, RenderValues(scene, {}, "cpu"), (_PLACE_SIDE, _PLACE_SIDE))
     mesh, seen = scene.mesh, {}
@@ -85,25 +97,8 @@ def _light_words(scene: SceneData, light: Light) -> LightWords:
     return LightWords(light.type, light.role, turn)
 
 
-_SIDE = 64  # rays along each side of the image
-_SKY = 0.05  # share of what surrounds the subject from which the sky is seen
-_GLOWS = 0.05  # radiance from which a surface glows
-_CLIPPED = 4.0  # times what the display shows at most: the strongest glow whose color counts
-_LEVEL, _UPRIGHT, _SLOPED = (
-    0.9,
-    0.25,
-    0.2,
-)  # |z| of normals: above it level, below it upright, above it part of a roof
-_FLAT = 0.15  # how much the slope of a roof varies at most
-_MOST, _SOME = 0.75, 0.5  # share of a material's surface that has to be so
-_LEAST = 0.02  # share of the image of a structure
-_CLEAR = 2.0  # how many times larger than the second a structure has to be
-_NEAR = 0.08  # of the scene's height: two levels within it are one
-_TALL, _HIGH = 0.4, 0.6  # of the scene's height: least height of walls, and where roofs begin
-
-
 def sees_sky(scene: SceneData) -> bool:
-    """Whether the camera sees the world, and not only surfaces."""
+    """True if the camera sees the world, and not only surfaces."""
     rays = _rays(scene)
     subjects = np.array([o.subject for o in scene.objects], bool)
     around = rays.count - int(subjects[rays.object].sum())
@@ -112,7 +107,7 @@ def sees_sky(scene: SceneData) -> bool:
 
 @dataclass(frozen=True)
 class _Rays:
-    """What a coarse grid of rays from the camera meets: those that hit, and how many there were in all."""
+    """Hits of a coarse grid of rays from the camera, and the number of all rays."""
 
     count: int
     material: np.ndarray

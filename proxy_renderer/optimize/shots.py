@@ -138,7 +138,7 @@ class ShotState:
         return shot
 
     def gbuffer(self, u: Tensor) -> GBuffer:
-        """What its camera sees at u (N,)."""
+        """The camera's view at u (N,)."""
         return self.proxy.gbuffer(chosen_values(self.vector, u, self.proxy.device))
 
     def viewed(self, u: Tensor) -> ShotState:
@@ -149,7 +149,7 @@ class ShotState:
         return replace(self, seen=seen, claims=self.claims.in_view(seen))
 
     def residuals(self, picture: Render) -> list[Tensor]:
-        """How far an image is from each claim: (n,) in noticeable steps, differentiable in it."""
+        """Distance of an image from each claim: (n,) in noticeable steps, differentiable in it."""
         return self.claims.residuals(self._measured(picture)) if self.claims else []
 
     def aims(self, picture: Render) -> list[tuple[Tensor, Tensor, Tensor]]:

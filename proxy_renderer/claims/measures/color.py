@@ -46,17 +46,14 @@ def color(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def tint(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Where the mean color lies off gray: (2,) a* and b* of CIE Lab."""
+    """Mean distance from gray: (2,) a* and b* of CIE Lab."""
     return picture.lab[..., 1:][where].mean(0)
 
 
 def accent(picture: MeasuredPicture, where: Tensor, direction: Tensor) -> Tensor:
-    """How far the part of a region that lies farthest in a color's direction does so: (1,) a* and b* along it.
-
-    Two lights of two colors tint different parts of a picture, and its mean by neither.
+    """Distance from gray along a color's direction of the part of a region that lies farthest in it: (1,) a* and b*.
 
     Args:
-        where: (H, W) bool, the region.
         direction: (2,) unit vector in a* and b*.
     """
     along = picture.lab[..., 1:][where] @ direction
@@ -84,7 +81,7 @@ def _chroma_of(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How far the mean color lies towards orange, or, below 0, towards blue: (1,) b* and half of a*."""
+    """Distance of the mean color towards orange, or, below 0, towards blue: (1,) b* and half of a*."""
     _, a, b = picture.lab[where].mean(0)
     return (b + 0.5 * a)[None]
 
@@ -149,7 +146,7 @@ class RegionMeans:
         self._owners = torch.arange(len(pixels), device=self._pixels.device).repeat_interleave(self._counts)
 
     def of(self, picture: MeasuredPicture) -> dict[int, Tensor]:
-        """What a picture has, each (3,) OKLab, times 100, by the regions' numbers."""
+        """An image's means, each (3,) OKLab, times 100, by the regions' numbers."""
         colors = picture.oklab.flatten(0, 1)[self._pixels]
         sums = colors.new_zeros(len(self._counts), 3).index_add(0, self._owners, colors)
         return dict(zip(self._numbers, (sums / self._counts[:, None]).unbind(), strict=True))
@@ -170,12 +167,7 @@ def spread(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def cast(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Where a region lies off gray, its grayest pixels counting most: (2,) a* and b* of CIE Lab.
-
-    Light and grade tint gray things as well, and a thing that is much more colorful is paint. Where all is colorful, all of
-    it counts. Gray pixels tell the light, as in Yang, Gao and Li 2015, "Efficient Illuminant Estimation in the Real World
-    using Gray Pixels"; the weights are Cauchy's.
-    """
+    """Distance from gray, a region's grayest pixels counting most: (2,) a* and b* of CIE Lab."""
     lab = picture.lab[where]
     return grayness(lab) @ lab[:, 1:]
 
@@ -194,12 +186,12 @@ def cast_between(low: float, high: float) -> Callable[[MeasuredPicture, Tensor],
 
 
 def from_right(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much lighter the right third of a region is than its left third: (1,) L*."""
+    """Lightness of the right third of a region less that of its left third: (1,) L*."""
     return _across(picture, where, 1)[None]
 
 
 def from_above(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much lighter the upper third of a region is than its lower third: (1,) L*."""
+    """Lightness of the upper third of a region less that of its lower third: (1,) L*."""
     return -_across(picture, where, 0)[None]
 
 

@@ -29,17 +29,17 @@ _SPOT = 0.002
 
 
 def light_right(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How far the light comes from the right: (1,) in [-1, 1], in the camera's space."""
+    """Share of light from the right: (1,) in [-1, 1], in the camera's space."""
     return _shading(picture, where)[0:1]
 
 
 def light_up(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How far the light comes from above: (1,) in [-1, 1], in the camera's space."""
+    """Share of light from above: (1,) in [-1, 1], in the camera's space."""
     return _shading(picture, where)[1:2]
 
 
 def light_front(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How far the light comes from the camera's side: (1,) in [-1, 1]."""
+    """Share of light from the camera's side: (1,) in [-1, 1]."""
     return _shading(picture, where)[2:3]
 
 
@@ -87,7 +87,7 @@ def key_to_fill(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def rim(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much lighter the lightest fifth of a region's outline is than its inside: (1,) L*."""
+    """Lightness of the lightest fifth of a region's outline less that of its inside: (1,) L*."""
     light, band = picture.lab[..., 0], 2 * max(min(where.shape) // 96, 1) + 1
     inside = -largest_around(-where.float(), band) > 0
     edge = where & ~inside

@@ -13,13 +13,13 @@ from . import color, light, tone
 
 @dataclass(frozen=True)
 class Measure:
-    """How to get numbers off a picture.
+    """A way to get numbers off an image.
 
     Attributes:
-        take: The picture and a region (H, W) bool, of at least one pixel, in; (n,) numbers out.
+        take: The image and a region (H, W) bool, of at least one pixel, in; (n,) numbers out.
         unit: For the report.
-        notice: The least difference between two pictures that people notice side by side.
-        says: What it is, for the report.
+        notice: The least difference between two images that people notice side by side.
+        says: Its name in the report.
         directed: Whether `take` also wants the (2,) direction in a* and b* of the color that it looks for.
     """
 

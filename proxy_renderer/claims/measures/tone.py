@@ -26,12 +26,12 @@ def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def black_point(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How light the darkest fiftieth is: (1,) L*."""
+    """Lightness of the darkest fiftieth: (1,) L*."""
     return lightness_below(picture, where, 0.02)[None]
 
 
 def white_point(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How light the lightest fiftieth is: (1,) L*."""
+    """Lightness of the lightest fiftieth: (1,) L*."""
     return lightness_below(picture, where, 0.98)[None]
 
 
@@ -67,7 +67,7 @@ def corner_falls(picture: MeasuredPicture) -> Tensor:
 
 
 def standing_out(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much lighter a region is than the surroundings, by their medians: (1,) L*; below 0 it is darker."""
+    """Lightness of a region less that of the surroundings, by their medians: (1,) L*."""
     return (
         lightness_below(picture, where, 0.5)
         - lightness_below(picture, region_of(picture.seen, "surroundings"), 0.5)
@@ -75,13 +75,13 @@ def standing_out(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def silhouette(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much darker a region is than the surroundings, less half of its own spread of light: (1,) L*."""
+    """Darkness of a region before its surroundings, less half of its own spread of light: (1,) L*."""
     spread = lightness_below(picture, where, 0.9) - lightness_below(picture, where, 0.1)
     return -standing_out(picture, where) - 0.5 * spread
 
 
 def separation(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How far the region's mean color is from that of the ring right around it: (1,) distance in CIE Lab."""
+    """Distance of the region's mean color from that of the ring right around it: (1,) in CIE Lab."""
     width = 2 * max(min(where.shape) // 16, 1) + 1
     ring = (largest_around(where, width) > 0) & ~where
     if not ring.any():

@@ -24,7 +24,7 @@ _NEAR = 0.25  # of a range on either side of a start: a variant stays what it is
 
 @dataclass(frozen=True)
 class Start:
-    """Where a refinement starts.
+    """The start of a refinement.
 
     Attributes:
         u: (N,) the point.
@@ -40,7 +40,7 @@ class Start:
 
 
 class Place(Enum):
-    """Where a round begins."""
+    """The place where a round begins."""
 
     START = "at the start"
     LAST_END = "where the last round ended"
@@ -50,7 +50,7 @@ class Place(Enum):
 
 @dataclass(frozen=True)
 class RoundReach:
-    """How far a round may go.
+    """The part of the ranges that a round may reach.
 
     Attributes:
         share: From where it begins, of each component's feasible range.
@@ -197,7 +197,7 @@ class Confiner:
         return ranges
 
     def _opens(self, key: str, entry: PlanEntry) -> bool:
-        """Whether a range may open while claims are missed: one that words name, but no finish, which is what its word says."""
+        """True for ranges that may open while claims are missed: those that words name, but no finish, which is what its word says."""
         parameter = self._vector.instances[key].parameter
         finish = parameter.group == "material" and parameter.kind != "color"
         return entry.is_named and not (entry.usual or finish)

@@ -91,14 +91,14 @@ class Outcome:
 
 @dataclass(frozen=True)
 class RoundEnd:
-    """Where a round ended, as Cycles has it.
+    """The end of a round, as Cycles has it.
 
     Attributes:
         u: (N,) the point.
         shots: With their proxies corrected there.
-        missed: How far its images are from the words' claims.
+        missed: Distance of its images from the words' claims.
         loss: At the point, before that correction.
-        start: Where the round began.
+        start: The round before it was planned.
         confined: The round's plan and ranges.
         record: For the report, see `Outcome.rounds`.
         settled: Whether the steps have hardly lowered the loss.
@@ -177,7 +177,7 @@ def next_round(search: Search, ends: Sequence[RoundEnd]) -> RoundStart | None:
 
 
 def is_stuck(search: Search, ends: Sequence[RoundEnd]) -> bool:
-    """Whether another round of the same kind is worth nothing."""
+    """True if another round of the same kind is worth nothing."""
     last, best = ends[-1], nearest(ends)
     if len(ends) > 1 and last.settled:
         return True
@@ -189,7 +189,7 @@ def is_stuck(search: Search, ends: Sequence[RoundEnd]) -> bool:
 
 
 def claims_words(shots: Sequence[ShotState]) -> bool:
-    """Whether the words claim anything that can be measured in the images."""
+    """True if the words claim anything that can be measured in the images."""
     return any(shot.claims and shot.claims.words for shot in shots)
 
 
@@ -210,7 +210,7 @@ def least_change(search: Search, ends: Sequence[RoundEnd]) -> RoundEnd:
 
 
 def eased(search: Search, shots: Sequence[ShotState], plan: Plan, u: Tensor) -> Tensor | None:
-    """Where supports are as near to the artist's values as the proxy's images allow.
+    """A point with supports as near to the artist's values as the proxy's images allow.
 
     A round steps at once to where all claims are satisfied, and often past it: a dark car may need a little more light to be
     told from its floor, and gets a white floor in glaring light, for nothing that is claimed speaks against that.

@@ -65,7 +65,7 @@ class Judge:
 
     @property
     def has_begun(self) -> bool:
-        """Whether the claims are known."""
+        """True if the claims are known."""
         return bool(self._artist)
 
     def claims_of(self, goals: Goals, shot: ShotState) -> tuple[Claim, ...]:
