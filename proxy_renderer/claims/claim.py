@@ -15,9 +15,9 @@ from torch import Tensor
 from ..color.floats import chroma, hex_from_srgb, lab_from_srgb, srgb_from_oklab
 from ..render.gbuffer import GBuffer
 from ..schema import Values
+from .measures import MEASURES
 from .measures.color import RegionMeans
 from .measures.picture import MeasuredPicture, Part, region_of
-from .measures.registry import MEASURES
 
 _FEW = 16  # pixels of which nothing can be said
 _SEEN = 0.05  # share of a region that is left, at least, when what words color is left out

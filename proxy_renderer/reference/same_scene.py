@@ -11,8 +11,8 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from ..claims.claim import Claim
+from ..claims.measures import MEASURES
 from ..claims.measures.picture import MeasuredPicture
-from ..claims.measures.registry import MEASURES
 from ..color.tensors import lab_from_srgb
 from ..render.gbuffer import GBuffer
 from .statements import Statement

@@ -15,9 +15,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ..claims.claim import Claim
+from ..claims.measures import MEASURES
 from ..claims.measures.color import grayness
 from ..claims.measures.picture import Part
-from ..claims.measures.registry import MEASURES
 from ..claims.measures.tone import corner_falls
 from ..schema import Values
 from .regions import Told

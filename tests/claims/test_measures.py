@@ -10,8 +10,8 @@ from torch import Tensor
 
 from proxy_renderer.claims.claim import Claim, ClaimSet
 from proxy_renderer.claims.colors import tints
+from proxy_renderer.claims.measures import MEASURES
 from proxy_renderer.claims.measures.picture import MeasuredPicture, region_of
-from proxy_renderer.claims.measures.registry import MEASURES
 from proxy_renderer.color.tensors import linear_from_srgb, oklab_from_srgb, srgb_from_linear
 from proxy_renderer.render.gbuffer import GBuffer
 

@@ -8,7 +8,7 @@ import torch
 
 from proxy_renderer.claims.claim import Claim
 from proxy_renderer.claims.from_goals import claims_of
-from proxy_renderer.claims.measures.registry import MEASURES
+from proxy_renderer.claims.measures import MEASURES
 from proxy_renderer.color.floats import lab_from_srgb, oklab_from_srgb, srgb_from_hex
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.prompt.lexicon.entries import OWNERS, read_wishes

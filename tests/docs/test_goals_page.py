@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from proxy_renderer.claims.measures.registry import MEASURES
+from proxy_renderer.claims.measures import MEASURES
 from proxy_renderer.cli.explain import account
 from proxy_renderer.goals import written
 from proxy_renderer.prompt.lexicon.entries import COLOR_MODES, OWNERS, RANGE_MODES, SLOTS

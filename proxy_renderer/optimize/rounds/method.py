@@ -66,8 +66,7 @@ class Method:
         self, now: Confined, vector: ParameterVector, shots: Sequence[ShotState], u: Tensor, options: Options
     ) -> Selection:
         """S_K (line 6), chosen at u (N,), and what is minimized over it."""
-        box = now.lower, now.upper
-        return select(now.plan, vector, shots, u, *box, options, self.weights, now.opening)
+        return select(now, vector, shots, u, options, self.weights)
 
     def descend(
         self,

@@ -24,15 +24,19 @@ from ..least_squares import LinearModel, linearize
 from ..objective import RoundObjective
 from ..shots import ShotState
 from ..vector import ParameterVector
+from .confiner import Confined
 
-_HALF, _MISSED = 1.5, 3.0
-"""Places in the order of priorities that half the gain costs, and how many more where claims are missed for long: what words
-name goes first, but what it cannot earn is left to what can."""
+_HALF = 1.5
+"""Places in the order of priorities that half the gain costs."""
+_MISSED = 3.0
+"""How many more where claims are missed for long: what words name goes first, but what it cannot earn is left to what can."""
 
 _FAINTEST = 2.0**-20
 
-ALIKE, _NOTHING_NEW = 0.9, 0.1
-"""Share of what a parameter does to the claims that another one does too, and of its gain that is left beside that one."""
+ALIKE = 0.9
+"""Share of a parameter's effect on the claims that another one has too, from where they do the same."""
+_NOTHING_NEW = 0.1
+"""Share of its gain that is left to it then, up to which it is held."""
 
 
 @dataclass(frozen=True)
@@ -63,27 +67,19 @@ class Selection:
 
 
 def select(
-    plan: Plan,
+    now: Confined,
     vector: ParameterVector,
     shots: Sequence[ShotState],
     u: Tensor,
-    lower: Tensor,
-    upper: Tensor,
     options: Options,
     weights: Weights,
-    opening: float = 0.0,
 ) -> Selection:
-    """S_K (equation 7): the K parameters that receive gradients, of `top_k` in the options.
-
-    Args:
-        u: (N,) where they are chosen.
-        lower: (N,) lower corner of the feasible box.
-        upper: (N,) upper corner.
-        opening: In [0, 1]: for how long claims have been missed, see `Confined`.
+    """S_K (equation 7), chosen at u (N,): the K parameters that receive gradients, `top_k` in the options.
 
     Raises:
         VibeError: Nothing that the words name may change.
     """
+    plan, lower, upper = now.plan, now.lower, now.upper
     # Moving the camera means tracing everything again: only words are worth that.
     probed = {
         k
@@ -91,8 +87,18 @@ def select(
         if vector.instances[k].parameter.group != "camera" or plan[k].is_named
     }
     objective = RoundObjective(shots, vector, plan, probed, (lower, upper), weights, bool(options.like))
-    model, parts, low, high = _probe(objective, vector, probed, u, lower, upper)
-    keys, shared = choose(plan, options.top_k, model, parts, low, high, _HALF + _MISSED * opening)
+
+    # The loss near u over all of these keys, in shares of their ranges, and each key's part of it
+    wide = vector.mark(probed) & (upper > lower)
+    before, span = wide.cumsum(0), (upper - lower)[wide]
+    model = linearize(objective, u, wide, span)
+    low, high = (lower - u)[wide] / span, (upper - u)[wide] / span
+    parts = {}
+    for key in sorted(probed):
+        end = int(before[vector.slices[key].stop - 1])
+        parts[key] = slice(end - int(wide[vector.slices[key]].sum()), end)
+
+    keys, shared = choose(plan, options.top_k, model, parts, low, high, _HALF + _MISSED * now.opening)
     mine = torch.zeros(len(low), dtype=torch.bool)
     for key in keys:
         mine[parts[key]] = True
@@ -161,22 +167,3 @@ def choose(
         shared |= {key: best for key in same if gains[key] <= _NOTHING_NEW * alone[key]}
         left = {key: other for key, other in left.items() if key not in shared}
     return keys, shared
-
-
-def _probe(
-    objective: RoundObjective,
-    vector: ParameterVector,
-    probed: set[str],
-    u: Tensor,
-    lower: Tensor,
-    upper: Tensor,
-) -> tuple[LinearModel, dict[str, slice], Tensor, Tensor]:
-    """The loss near u over all of these keys, in shares of their ranges; where each key is; the box around u."""
-    wide = vector.mark(probed) & (upper > lower)
-    before, span = wide.cumsum(0), (upper - lower)[wide]
-    model = linearize(objective, u, wide, span)
-    parts = {}
-    for key in sorted(probed):
-        end = int(before[vector.slices[key].stop - 1])
-        parts[key] = slice(end - int(wide[vector.slices[key]].sum()), end)
-    return model, parts, ((lower - u)[wide] / span), ((upper - u)[wide] / span)

@@ -28,7 +28,7 @@ class ClaimText:
 
     Attributes:
         part: One of `PARTS`; "thing" is what the word describes.
-        measure: A key of `claims.measures.registry.MEASURES`.
+        measure: A key of `claims.measures.MEASURES`.
         lower: Of the interval.
         upper: Of the interval.
         change: What is enough of a change since the artist's picture; None if only the interval counts.
