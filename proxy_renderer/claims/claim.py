@@ -34,8 +34,7 @@ _INSIDE, _INSIDE_COLOR = 0.5, 0.85
 """Share of half an interval's width that is left at its ends when values are sought; the latter for colors: what only just
 passes as navy is another blue to some who look at the picture."""
 
-_MARGIN = 2.0
-"""The same for an interval with one end, in noticeable steps."""
+_MARGIN = 2.0  # the same for an interval with one end, in noticeable steps
 
 _SATURATED, _WIDENED = 40.0, 0.045
 """C* of a color from which the measure's own step counts for its chroma and hue. Between paler colors smaller differences are
@@ -283,11 +282,8 @@ def outside(values: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
     return (values - upper).clamp_min(0.0) - (lower - values).clamp_min(0.0)
 
 
-_COLORS = ("color", "mean")
-"""Measures in OKLab."""
-
-_BLACK = 0.02
-"""Of white, as a picture is stored: what is darker everywhere shows nothing."""
+_COLORS = ("color", "mean")  # measures in OKLab
+_BLACK = 0.02  # of white, as a picture is stored: what is darker everywhere shows nothing
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from ..optimize.looks import EarlyLook
 _PREVIEW_SECONDS = 1.0
 _PROGRESS_SECONDS = 0.1
-_ANSWER_SECONDS = 600.0
-"""Most that Blender may take to answer: it may be rendering something else first."""
+_ANSWER_SECONDS = 600.0  # most that Blender may take to answer: it may be rendering something else first
 _Look = TypeVar("_Look", bound=messages.LookSoFar)
 
 

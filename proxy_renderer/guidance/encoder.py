@@ -18,8 +18,7 @@ from torch import Tensor, nn
 from ..schema.errors import VibeError
 
 PATCH = 4
-_DARK = 0.03
-"""Added before logarithms are taken: black noise says nothing."""
+_DARK = 0.03  # added before logarithms are taken: black noise says nothing
 GRID = 5
 """Cells along one side of the last grid of features."""
 
@@ -114,8 +113,7 @@ EMBEDDED = Path(__file__).with_name("embedded")
 MERGES = "merges.txt.gz"
 """The merges of a folder's own, smaller vocabulary, read by open_clip's tokenizer."""
 _REMEDY = "Use the embedded encoder (leave --encoder out), or a tag such as ViT-B-32-256/datacomp_s34b_b86k."
-_PATIENCE = 8.0
-"""Seconds to wait for the hub's answer."""
+_PATIENCE = 8.0  # seconds to wait for the hub's answer
 
 
 class Encoder:

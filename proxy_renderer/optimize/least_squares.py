@@ -71,8 +71,7 @@ _ITERATIONS, _STILL = 200, 1e-5
 _NOTHING = 1e-3
 """Noticeable steps of all values together, for a component's whole range: so little changes nothing."""
 
-_TELLING = 2
-"""Values more than components that could do the same, at least, to say that they do."""
+_TELLING = 2  # values more than components that could do the same, at least, to say that they do
 
 
 @dataclass(frozen=True)
@@ -173,8 +172,7 @@ class LinearModel:
         return replace(there, here=seen, rest_slope=there.rest_slope + self.stiffness @ move)
 
 
-_TAKEN = 2
-"""Times that slopes are taken in one loop."""
+_TAKEN = 2  # times that slopes are taken in one loop
 
 _RADIUS, _SMALLEST = 0.35, 0.01
 """Of the region, as shares of each component's feasible range: at first, and where the loop ends."""
@@ -182,8 +180,7 @@ _RADIUS, _SMALLEST = 0.35, 0.01
 _GOOD, _BAD = 0.7, 0.2
 """Shares of the foretold decrease beyond which the region grows, and below which it shrinks."""
 
-_PROGRESS = 1e-3
-"""A foretold decrease that is not worth a picture."""
+_PROGRESS = 1e-3  # A foretold decrease that is not worth a picture
 
 
 class ClaimObjective(Protocol):

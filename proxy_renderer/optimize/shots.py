@@ -32,8 +32,7 @@ if TYPE_CHECKING:
 MOVES = "it changes from shot to shot in your scene"
 """Why a value is locked that differs between shots of one .blend."""
 
-_HERE = 0.01
-"""Of a component's whole range: so near to an anchor, its correction is as good as a new one."""
+_HERE = 0.01  # of a component's whole range: so near to an anchor, its correction is as good as a new one
 _NEAR = 0.25  # of a component's whole range: so far an old correction is better than none
 
 _LARGEST, _LEAST = 256, 192

@@ -21,8 +21,7 @@ _MIRRORED = 0.4
 _PLAIN = 1.0
 """Chroma, OKLab times 100, that pixels count for beside their own, where lightness is read: gray things have none."""
 
-_ACCENT = 0.1
-"""Share of a region that one of several colors of light has to tint."""
+_ACCENT = 0.1  # share of a region that one of several colors of light has to tint
 
 _ENDS = 0.3
 """Share of the darkest, or of the lightest, pixels that tints of shadows and of lights are read from."""
@@ -122,8 +121,7 @@ _GRAY = 10.0
 _DARKEST, _LEAST = 25.0, 0.02
 """L* below which a pixel says less of a cast, the less the darker, and what black counts."""
 
-_PATCH = 24
-"""Patches of a dark channel along the longer side of a picture."""
+_PATCH = 24  # patches of a dark channel along the longer side of a picture
 
 
 def mean(picture: MeasuredPicture, where: Tensor) -> Tensor:

@@ -12,20 +12,14 @@ from torch import Tensor
 
 from .picture import FEW, GRAIN, MeasuredPicture, largest_around
 
-_FLOOR = 0.004
-"""Linear luminance below which differences are not seen on a display in a lit room."""
-
-_HIGHLIGHTS = (0.03, 0.06)
-"""How far the sides of a highlight are, in roots of a region's area."""
+_FLOOR = 0.004  # linear luminance below which differences are not seen on a display in a lit room
+_HIGHLIGHTS = (0.03, 0.06)  # how far the sides of a highlight are, in roots of a region's area
 
 _BEND = 0.5
 """Cosine between normals beyond which two places do not lie on one surface, but on both sides of an edge."""
 
-_EVEN = 0.15
-"""Stops per pixel by which a texture may change: the edges of a pattern are no shadows."""
-
-_SPOT = 0.002
-"""The share of a region that the sharpest highlight fills at least."""
+_EVEN = 0.15  # stops per pixel by which a texture may change: the edges of a pattern are no shadows
+_SPOT = 0.002  # the share of a region that the sharpest highlight fills at least
 
 
 def light_right(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -183,11 +177,8 @@ def _blurred(field: Tensor) -> Tensor:
     return F.conv2d(padded, torch.outer(kernel, kernel)[None, None])[0, 0]
 
 
-_CLEAR = 1e-3
-"""Weight of what no fog hides."""
-
-_END = 0.2
-"""Share of a thing that is its foot, or its head."""
+_CLEAR = 1e-3  # weight of what no fog hides
+_END = 0.2  # share of a thing that is its foot, or its head
 
 
 def haze(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -223,23 +214,12 @@ def air_lightness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return (picture.lab[..., 0][where] @ veil / veil.sum())[None]
 
 
-_EVEN_FIT = 0.02
-"""Share of the mean light by which grain makes light differ."""
-
-_STEADY = 1e-4
-"""Of a fit: keeps it solvable where normals hardly turn."""
-
-_STEEPEST = (0.97, 0.995)
-"""Shares of a region's slopes, in order, that its sharpest edges lie between."""
-
-_GRAZING = 3.0
-"""Power with which sheen grows towards the edge: it is no matter of the last pixel alone."""
-
-_OBLIQUE = 0.5
-"""Cosine between normal and view where sheen is given: 60 degrees."""
-
-_MIRROR_HIGHLIGHTS = 0.99
-"""Share of a region that is no highlight."""
+_EVEN_FIT = 0.02  # share of the mean light by which grain makes light differ
+_STEADY = 1e-4  # of a fit: keeps it solvable where normals hardly turn
+_STEEPEST = (0.97, 0.995)  # shares of a region's slopes, in order, that its sharpest edges lie between
+_GRAZING = 3.0  # power with which sheen grows towards the edge: it is no matter of the last pixel alone
+_OBLIQUE = 0.5  # cosine between normal and view where sheen is given: 60 degrees
+_MIRROR_HIGHLIGHTS = 0.99  # share of a region that is no highlight
 
 
 def unscattered(picture: MeasuredPicture, where: Tensor) -> Tensor:

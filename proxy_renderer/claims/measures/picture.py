@@ -21,8 +21,7 @@ FEW = 32
 GRAIN = 192
 """Slopes are given per pixel of a picture of this size."""
 
-_DARKEST = 0.05
-"""Of a pattern, relative to its mean: what is darker mirrors rather than scatters light."""
+_DARKEST = 0.05  # of a pattern, relative to its mean: what is darker mirrors rather than scatters light
 
 Part = Literal["subject", "surroundings", "sky", "picture"]
 """A part of the picture that a claim speaks of; the sky is what is seen of the world."""

@@ -27,8 +27,7 @@ _FINER = ((-20, 0), (20, 0), (0, -15), (0, 15))
 _SIZE = 48  # longer side of the pictures, pixels
 _STRENGTHS, _EXPOSURES = (0.25, 0.5, 1.0, 2.0, 4.0), (0.5, 1.0, 2.0)
 _CELLS = 24
-_BETTER = 0.01
-"""Correlation by which another direction has to be better than the artist's."""
+_BETTER = 0.01  # correlation by which another direction has to be better than the artist's
 
 
 def with_key_turned(

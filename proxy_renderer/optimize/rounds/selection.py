@@ -26,8 +26,7 @@ from ..shots import ShotState
 from ..vector import ParameterVector
 from .confiner import Confined
 
-_HALF = 1.5
-"""Places in the order of priorities that half the gain costs."""
+_HALF = 1.5  # places in the order of priorities that half the gain costs
 _MISSED = 3.0
 """How many more where claims are missed for long: what words name goes first, but what it cannot earn is left to what can."""
 
@@ -35,8 +34,7 @@ _FAINTEST = 2.0**-20
 
 ALIKE = 0.9
 """Share of a parameter's effect on the claims that another one has too, from where they do the same."""
-_NOTHING_NEW = 0.1
-"""Share of its gain that is left to it then, up to which it is held."""
+_NOTHING_NEW = 0.1  # share of its gain that is left to it then, up to which it is held
 
 
 @dataclass(frozen=True)
