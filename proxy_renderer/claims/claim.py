@@ -43,6 +43,9 @@ seen, in the proportions of CIEDE2000's weights of chroma, 1 + 0.045 C* (Sharma,
 _MANY = 8  # claims about mean colors that are worth being measured together
 _HARDEST = 100.0  # a miss, in noticeable steps, that nothing is worse than
 
+_COLORS = ("color", "mean")  # measures in OKLab
+_BLACK = 0.02  # of white, as a picture is stored: what is darker everywhere shows nothing
+
 
 @dataclass(frozen=True)
 class Claim:
@@ -280,10 +283,6 @@ def _inside(box: tuple[float, float, float, float], like: Tensor) -> Tensor:
 def outside(values: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
     """Distance of values from [lower, upper], all of one shape; below it less than 0, inside 0."""
     return (values - upper).clamp_min(0.0) - (lower - values).clamp_min(0.0)
-
-
-_COLORS = ("color", "mean")  # measures in OKLab
-_BLACK = 0.02  # of white, as a picture is stored: what is darker everywhere shows nothing
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,9 @@ _DARK = 0.03  # added before logarithms are taken: black noise says nothing
 GRID = 5
 """Cells along one side of the last grid of features."""
 
+_REMEDY = "Use the embedded encoder (leave --encoder out), or a tag such as ViT-B-32-256/datacomp_s34b_b86k."
+_PATIENCE = 8.0  # seconds to wait for the hub's answer
+
 
 class Block(nn.Module):
     """Two 3 × 3 convolutions and a shortcut; `stride` halves the picture."""
@@ -112,8 +115,6 @@ EMBEDDED = Path(__file__).with_name("embedded")
 """The encoder that guides by default."""
 MERGES = "merges.txt.gz"
 """The merges of a folder's own, smaller vocabulary, read by open_clip's tokenizer."""
-_REMEDY = "Use the embedded encoder (leave --encoder out), or a tag such as ViT-B-32-256/datacomp_s34b_b86k."
-_PATIENCE = 8.0  # seconds to wait for the hub's answer
 
 
 class Encoder:

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 _FEW = 10  # pixels that say nothing of a subject
 _CLOSE = 6.0  # a Lab distance that still is the named color
 
+_REGIONS = ("subject", "surroundings", "whole")
+_PLAIN = "a picture of an object"  # says nothing of its look
+
 
 def positive_loss(features: Tensor, text: Tensor) -> Tensor:
     """Equation 3: 1 − s(I, p), a mean over views in [0, 2]; of unit features (views, D) of an image and (1, D) of a phrase."""
@@ -90,10 +93,6 @@ def hue_consistency_loss(where: Tensor, colors: Tensor, weights: Tensor) -> Tens
 def prior_loss(where: Tensor, home: Tensor, weight: Tensor) -> Tensor:
     """Pull to the artist's values: squared distance from home of places (N,) in their ranges, weighted by (N,) in [0, 1]."""
     return (weight * (where - home).square()).sum()
-
-
-_REGIONS = ("subject", "surroundings", "whole")
-_PLAIN = "a picture of an object"  # says nothing of its look
 
 
 @dataclass(frozen=True)

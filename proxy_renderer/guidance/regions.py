@@ -14,6 +14,9 @@ from . import regions
 _CORNERS = torch.tensor([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 _TRIES = 8
 
+_EVERY_PLAIN = 2
+"""Step between the views of a subject that stand on the mean color of its surroundings; the first one does."""
+
 
 def quads(
     count: int, generator: torch.Generator, scale: tuple[float, float] = (0.75, 1.0), distortion: float = 0.2
@@ -90,10 +93,6 @@ def _homographies(corners: Tensor) -> Tensor:
     rows_v = torch.stack([zero, zero, zero, x, y, one, -v * x, -v * y], -1)
     solved = torch.linalg.solve(torch.cat([rows_u, rows_v], 1), torch.cat([u, v], 1))
     return torch.cat([solved, torch.ones_like(solved[:, :1])], 1).view(-1, 3, 3)
-
-
-_EVERY_PLAIN = 2
-"""Step between the views of a subject that stand on the mean color of its surroundings; the first one does."""
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,27 @@ from torch import Tensor
 from ..claims.claim import outside
 from .vector import project
 
+_DAMPING = 1e-3
+"""Curvature that every component gets: of two moves that do the same, the shorter one (Levenberg 1944)."""
+
+_ITERATIONS, _STILL = 200, 1e-5
+"""Of a step's search, at most, and the share of all ranges below which one no longer moves anything."""
+
+_NOTHING = 1e-3
+"""Noticeable steps of all values together, for a component's whole range: so little changes nothing."""
+
+_TELLING = 2  # values more than components that could do the same, at least, to say that they do
+
+_TAKEN = 2  # times that slopes are taken in one loop
+
+_RADIUS, _SMALLEST = 0.35, 0.01
+"""Of the region, as shares of each component's feasible range: at first, and where the loop ends."""
+
+_GOOD, _BAD = 0.7, 0.2
+"""Shares of the predicted decrease beyond which the region grows, and below which it shrinks."""
+
+_PROGRESS = 1e-3  # a predicted decrease that is not worth a picture
+
 
 @dataclass(frozen=True)
 class Assessment:
@@ -60,18 +81,6 @@ class Slopes(NamedTuple):
     here: Assessment
     values: Tensor
     rest: Tensor
-
-
-_DAMPING = 1e-3
-"""Curvature that every component gets: of two moves that do the same, the shorter one (Levenberg 1944)."""
-
-_ITERATIONS, _STILL = 200, 1e-5
-"""Of a step's search, at most, and the share of all ranges below which one no longer moves anything."""
-
-_NOTHING = 1e-3
-"""Noticeable steps of all values together, for a component's whole range: so little changes nothing."""
-
-_TELLING = 2  # values more than components that could do the same, at least, to say that they do
 
 
 @dataclass(frozen=True)
@@ -172,17 +181,6 @@ class LinearModel:
         return replace(there, here=seen, rest_slope=there.rest_slope + self.stiffness @ move)
 
 
-_TAKEN = 2  # times that slopes are taken in one loop
-
-_RADIUS, _SMALLEST = 0.35, 0.01
-"""Of the region, as shares of each component's feasible range: at first, and where the loop ends."""
-
-_GOOD, _BAD = 0.7, 0.2
-"""Shares of the foretold decrease beyond which the region grows, and below which it shrinks."""
-
-_PROGRESS = 1e-3  # A foretold decrease that is not worth a picture
-
-
 class ClaimObjective(Protocol):
     """Judges images of u."""
 
@@ -245,12 +243,12 @@ def solve(
     found = Descent(u.clone(), loss, loss, repairs=int(not math.isfinite(loss)))
     while math.isfinite(found.loss) and found.steps < steps and radius > _SMALLEST:
         move = model.step((low - x).clamp_min(-radius), (high - x).clamp_max(radius))
-        foretold = found.loss - model.loss(move)
-        if foretold > _PROGRESS:
+        predicted = found.loss - model.loss(move)
+        if predicted > _PROGRESS:
             with torch.no_grad():
                 seen = objective.assess(project(place(x + move), lower, upper))
             loss = seen.loss(seen.values, seen.rest, objective.claim_weight)
-            share = (found.loss - loss) / foretold if math.isfinite(loss) else -math.inf
+            share = (found.loss - loss) / predicted if math.isfinite(loss) else -math.inf
             radius = _resized(radius, share, float(move.abs().max()))
             found.steps += 1
             if share > 0.0:

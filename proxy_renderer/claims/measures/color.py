@@ -26,6 +26,14 @@ _ACCENT = 0.1  # share of a region that one of several colors of light has to ti
 _ENDS = 0.3
 """Share of the darkest, or of the lightest, pixels that tints of shadows and of lights are read from."""
 
+_GRAY = 10.0
+"""C* of CIE Lab at which a pixel counts half for a color cast: about what people call gray at a glance."""
+
+_DARKEST, _LEAST = 25.0, 0.02
+"""L* below which a pixel says less of a cast, the less the darker, and what black counts."""
+
+_PATCH = 24  # patches of a dark channel along the longer side of a picture
+
 
 def color(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Color of a region without its deepest shadows and its highlights, as people name it.
@@ -114,14 +122,6 @@ def _rank(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 SHADOWS, MIDTONES, LIGHTS = (0.02, 0.25), (0.25, 0.75), (0.75, 0.98)
 """Shares of the pixels in order of lightness that shadows, midtones and lights are read from."""
-
-_GRAY = 10.0
-"""C* of CIE Lab at which a pixel counts half for a color cast: about what people call gray at a glance."""
-
-_DARKEST, _LEAST = 25.0, 0.02
-"""L* below which a pixel says less of a cast, the less the darker, and what black counts."""
-
-_PATCH = 24  # patches of a dark channel along the longer side of a picture
 
 
 def mean(picture: MeasuredPicture, where: Tensor) -> Tensor:

@@ -21,6 +21,16 @@ _BEND = 0.5
 _EVEN = 0.15  # stops per pixel by which a texture may change: the edges of a pattern are no shadows
 _SPOT = 0.002  # the share of a region that the sharpest highlight fills at least
 
+_CLEAR = 1e-3  # weight of what no fog hides
+_END = 0.2  # share of a thing that is its foot, or its head
+
+_EVEN_FIT = 0.02  # share of the mean light by which grain makes light differ
+_STEADY = 1e-4  # of a fit: keeps it solvable where normals hardly turn
+_STEEPEST = (0.97, 0.995)  # shares of a region's slopes, in order, that its sharpest edges lie between
+_GRAZING = 3.0  # power with which sheen grows towards the edge: it is no matter of the last pixel alone
+_OBLIQUE = 0.5  # cosine between normal and view where sheen is given: 60 degrees
+_MIRROR_HIGHLIGHTS = 0.99  # share of a region that is no highlight
+
 
 def light_right(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Share of light from the right: (1,) in [-1, 1], in the camera's space."""
@@ -177,10 +187,6 @@ def _blurred(field: Tensor) -> Tensor:
     return F.conv2d(padded, torch.outer(kernel, kernel)[None, None])[0, 0]
 
 
-_CLEAR = 1e-3  # weight of what no fog hides
-_END = 0.2  # share of a thing that is its foot, or its head
-
-
 def haze(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Share of the light of what is seen there that fog takes away: (1,) in [0, 1].
 
@@ -212,14 +218,6 @@ def air_lightness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """
     veil = (1.0 - picture.seen.transmittance.detach())[where] + _CLEAR
     return (picture.lab[..., 0][where] @ veil / veil.sum())[None]
-
-
-_EVEN_FIT = 0.02  # share of the mean light by which grain makes light differ
-_STEADY = 1e-4  # of a fit: keeps it solvable where normals hardly turn
-_STEEPEST = (0.97, 0.995)  # shares of a region's slopes, in order, that its sharpest edges lie between
-_GRAZING = 3.0  # power with which sheen grows towards the edge: it is no matter of the last pixel alone
-_OBLIQUE = 0.5  # cosine between normal and view where sheen is given: 60 degrees
-_MIRROR_HIGHLIGHTS = 0.99  # share of a region that is no highlight
 
 
 def unscattered(picture: MeasuredPicture, where: Tensor) -> Tensor:

@@ -33,6 +33,11 @@ from .key_start import with_key_turned
 from .method import Method
 from .selection import Selection
 
+_VALUES = 48  # that a round for a reference image may refine, at least
+
+_STRIDE = 0.05
+"""A projection that moves no value by more than this share of its whole range is not worth another anchor."""
+
 
 class Judge:
     """Says how near the images of all shots are to the words.
@@ -97,12 +102,6 @@ class Judge:
                 shot = replace(shot, claims=claims, before=before, seen=before.seen)
             found.append(replace(shot, guidance=guidance))
         return found
-
-
-_VALUES = 48  # that a round for a reference image may refine, at least
-
-_STRIDE = 0.05
-"""A projection that moves no value by more than this share of its whole range is not worth another anchor."""
 
 
 class Missed(NamedTuple):
