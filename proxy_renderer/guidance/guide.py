@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     from .encoder import Encoder
 
 
-_FEW = 10  # pixels that say nothing of a subject
-_CLOSE = 6.0  # a Lab distance that still is the named color
-
 _REGIONS = ("subject", "surroundings", "whole")
 _PLAIN = "a picture of an object"  # says nothing of its look
 
