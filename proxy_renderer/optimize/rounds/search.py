@@ -108,7 +108,7 @@ class Missed(NamedTuple):
     """Distance of images from the words' claims; the least is the best.
 
     Attributes:
-        distance: Sum over claims of how far each is missed, see `losses.claims_loss`: one that is far off, as a subject that
+        distance: Sum over claims of how far each is missed, see `claims_loss`: one that is far off, as a subject that
             can hardly be seen, counts more than two that are nearly satisfied.
         claims: Number of claims that are not satisfied.
     """
