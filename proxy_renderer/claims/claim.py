@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -103,16 +103,14 @@ class Claim:
             where = torch.ones_like(where)
         if self.box:
             where = where & _inside(self.box, where)
-        rest = where.clone()
-        for part, materials in (*self.apart, *self._unpainted(seen)):
+        apart, rest = self.apart, where.clone()
+        if self.part == "subject" and self.measure == "color" and not self.materials and seen.surrounding:
+            # A color of the subject is not painted on materials of its surroundings, though it wears them.
+            apart = (*apart, ("picture", seen.surrounding))
+        for part, materials in apart:
             rest &= ~region_of(seen, part, materials)
         where = rest if rest.sum() > _SEEN * where.sum() else where
         return where if where.sum() >= _FEW else None
-
-    def _unpainted(self, seen: GBuffer) -> Iterator[tuple[Part, tuple[str, ...]]]:
-        """Materials that a color of the subject is not painted on, though it wears them: those of its surroundings."""
-        if self.part == "subject" and self.measure == "color" and not self.materials and seen.surrounding:
-            yield "picture", seen.surrounding
 
     def value(self, picture: MeasuredPicture, where: Tensor) -> Tensor:
         """Its value (n,) in the region `where` of an image, differentiable in it."""

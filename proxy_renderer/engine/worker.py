@@ -34,11 +34,7 @@ _LOW_PRIORITY = 5  # of 19, as `nice` counts: at 10 an engine on a busy machine 
 
 
 def serve(source: BinaryIO, sink: BinaryIO) -> None:
-    """Answers requests until the other side quits or goes. Whatever fails in one becomes an `Error` message.
-
-    Args:
-        source: Binary stream of requests, see `schema.wire`.
-    """
+    """Answers requests, see `schema.wire`, until the other side quits or goes. A failure becomes an `Error` message."""
     wire = Wire(source, sink)
     wire.send(messages.Ready(schema_hash(), __version__))
     warming = threading.Thread(target=_warm_up, daemon=True)

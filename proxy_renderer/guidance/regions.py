@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Views of the regions of an image, as the encoder sees them: random large crops under a random perspective."""
+"""Views of the regions of an image, as the encoder sees them: random large crops under a random perspective.
+
+text2mesh and CLIPasso do the same. Colors are never touched, because they are the signal.
+"""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from ..prompt.types import LightWords, MaterialLook, SceneWords
 from ..render.geometry.camera import view_of
 from ..render.material.textures import geometry_of
 from ..scene import SceneData, SceneMesh
-from ..scene.data import Light, Material
+from ..scene.data import Material
 from ..scene.values import RenderValues
 from ..schema import Values
 from ..schema.spec import Region
@@ -66,8 +66,12 @@ def scene_words(*scenes: SceneData) -> SceneWords:
     worn: dict[str, list[str]] = {}
     lights: dict[str, LightWords] = {}
     for scene in scenes:
-        # lights that the words have added are no names that the prompt may mean: it is read as before they were there
-        lights |= {light.name: _light_words(scene, light) for light in scene.lights if not light.added}
+        # A prompt means no lights that its words have added: it is read as before they were there.
+        for light in (light for light in scene.lights if not light.added):
+            orbit, camera = f"light/{light.name}/azimuth", "camera/azimuth"
+            known = orbit in scene.instances and camera in scene.instances
+            turn = scene.value(orbit)[0] - scene.value(camera)[0] if known else None
+            lights[light.name] = LightWords(light.type, light.role, turn)
         objects |= {o.name: "subject" if o.subject else "surroundings" for o in scene.objects}
         materials |= {m.name: "subject" if m.role == "subject" else "surroundings" for m in scene.materials}
         pairs = np.unique(np.stack([scene.mesh.object, scene.mesh.material], 1), axis=0)
@@ -88,13 +92,6 @@ def scene_words(*scenes: SceneData) -> SceneWords:
         looks=looks,
         sky=not scenes or sees_sky(scenes[0]),
     )
-
-
-def _light_words(scene: SceneData, light: Light) -> LightWords:
-    orbit, camera = f"light/{light.name}/azimuth", "camera/azimuth"
-    known = orbit in scene.instances and camera in scene.instances
-    turn = scene.value(orbit)[0] - scene.value(camera)[0] if known else None
-    return LightWords(light.type, light.role, turn)
 
 
 def sees_sky(scene: SceneData) -> bool:
@@ -176,9 +173,8 @@ def _glow(scene: SceneData, material: Material) -> Values | None:
     brightest = max(emitted)
     if strength * brightest < _GLOWS:
         return None
-    clipped = (
-        max(min(strength * brightest, _CLIPPED), 1.0) / brightest
-    )  # a strong glow is paler than its color
+    # a strong glow is paler than its color
+    clipped = max(min(strength * brightest, _CLIPPED), 1.0) / brightest
     return srgb_from_linear([min(clipped * c, 1.0) for c in emitted])
 
 
@@ -207,11 +203,16 @@ def _structures(scene: SceneData, rays: _Rays) -> dict[str, int]:
         if share >= _LEAST:
             for part in _parts(rays.height[own], rays.slope[own], (float(low), tall, stands)):
                 found.setdefault(part, {})[number] = share
-    return {part: best for part, shares in found.items() if (best := _largest(shares)) is not None}
+    clear = {}
+    for part, shares in found.items():
+        best, *others = sorted(shares, key=lambda number: -shares[number])
+        if not others or shares[best] >= _CLEAR * shares[others[0]]:
+            clear[part] = best
+    return clear
 
 
 def _parts(height: np.ndarray, slope: np.ndarray, scene: tuple[float, float, float]) -> Iterator[str]:
-    """The structures that a material may be, from what is seen of it.
+    """Structures that a material may be.
 
     Args:
         scene: The height of its lowest point, its extent upward, and the height that the subject stands on.
@@ -231,9 +232,3 @@ def _parts(height: np.ndarray, slope: np.ndarray, scene: tuple[float, float, flo
         yield "roof"
     if (slope < -_LEVEL).sum() > _SOME * len(height) and np.median(height) > low + _HIGH * tall:
         yield "ceiling"
-
-
-def _largest(shares: dict[int, float]) -> int | None:
-    """The material with the largest share; None where others have about as much."""
-    first, *others = sorted(shares, key=lambda number: -shares[number])
-    return first if not others or shares[first] >= _CLEAR * shares[others[0]] else None

@@ -36,13 +36,10 @@ _PATCH = 24  # patches of a dark channel along the longer side of a picture
 
 
 def color(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Color of a region without its deepest shadows and its highlights, as people name it.
+    """Color of a region without its deepest shadows and its highlights, as people name it: (3,) OKLab, times 100.
 
     Its lightness is that of where its color shows: what mirrors a white wall says little of a teal. Hue and chroma are those
     of its darker part.
-
-    Returns:
-        (3,) OKLab, times 100.
     """
     light, seen = picture.oklab[..., 0].detach()[where], picture.oklab[where]
     low, matte, high = torch.quantile(light, light.new_tensor([_REST, 1 - _MIRRORED, 1 - _REST]))
@@ -130,11 +127,7 @@ def mean(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 class RegionMeans:
-    """The measure `mean` of many regions at once.
-
-    Args:
-        regions: (H, W) bool each, of at least one pixel, by any number.
-    """
+    """The measure `mean` of many regions at once, (H, W) bool each, by any number."""
 
     def __init__(self, regions: Mapping[int, Tensor]) -> None:
         self._numbers = tuple(regions)
@@ -194,12 +187,9 @@ def from_above(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def veil(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Light that lies over everything, as haze does: the dark channel of a region (He, Sun and Tang 2009).
+    """Light that lies over everything, as haze does: (1,) the dark channel of a region, in percent (He, Sun and Tang 2009).
 
-    In a clear picture nearly every patch has something dark or colorful in it, where one of red, green and blue is low.
-
-    Returns:
-        (1,) mean over patches of the least of red, green and blue, sRGB-encoded, in percent.
+    In a clear image nearly every patch has something dark or colorful in it, where one of red, green and blue is low.
     """
     width = 2 * (max(where.shape) // _PATCH // 2) + 1
     least = -F.max_pool2d(-picture.display.amin(-1)[None, None], width, stride=1, padding=width // 2)[0, 0]
@@ -207,13 +197,7 @@ def veil(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def grayness(lab: Tensor) -> Tensor:
-    """How much each of some pixels counts for a cast: (N,) of sum 1, no function of the picture to gradients.
-
-    Black is gray in any light, and counts for little.
-
-    Args:
-        lab: (N, 3) CIE Lab.
-    """
+    """Weights (N,) of pixels (N, 3) CIE Lab in a cast, of sum 1 and without gradients; black is gray in any light, and counts little."""
     lab = lab.detach()
     weights = (lab[:, 0] / _DARKEST).clamp(_LEAST, 1.0) / (1 + lab[:, 1:].square().sum(-1) / _GRAY**2)
     return weights / weights.sum()

@@ -48,12 +48,9 @@ def light_front(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """The steepest slope of light where surfaces are smooth, even and of one material: edges of shadows.
+    """The steepest slope of light where surfaces are smooth, even and of one material: edges of shadows, (1,) stops per pixel.
 
-    Highlights, too, have steep slopes under small lamps.
-
-    Returns:
-        (1,) stops per pixel of a picture of 192; 0 if fewer than 32 pixels can be measured.
+    Highlights, too, have steep slopes under small lights. It is per pixel of an image of 192; 0 if fewer than 32 can be measured.
     """
     seen = picture.seen
     material = seen.material.float()
@@ -72,7 +69,7 @@ def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def key_to_fill(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much more light falls on the sides that the key reaches than on those that only the fill does: (1,) stops.
+    """Light on the sides that the key reaches, relative to those that only the fill does: (1,) stops.
 
     Between the tenths of the region in most and in least light, each material by itself, so that dark paint is no shade;
     the brightest percent, highlights, is left out.
@@ -102,13 +99,10 @@ def rim(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def gloss(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Contrast of highlights: how far the brightest small spots and streaks rise above both of their sides.
+    """Contrast of highlights: (1,) L* by which the brightest small spots and streaks rise above both of their sides.
 
     What people call glossy has highlights of high contrast and sharpness (Marlow, Kim and Anderson 2012); both
     raise it, for the sides are near. Light that only grows towards an outline has one side, and is none.
-
-    Returns:
-        (1,) L*; 0 for a region of fewer than 32 pixels.
     """
     count = int(where.sum())
     if count < FEW:
@@ -198,12 +192,9 @@ def haze(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def mist_below(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much more light the air takes away from the lowest fifth of a thing in the frame than from its highest.
+    """Share of light that the air takes away from the lowest fifth of a target in the frame, less that of its highest: (1,).
 
-    Mist that lies on the ground hides the foot and leaves the head; all of a thing is about as far away.
-
-    Returns:
-        (1,) difference of two shares, in [-1, 1].
+    Mist that lies on the ground hides the foot and leaves the head; all of a target is about as far away.
     """
     row = where.nonzero()[:, 0].to(picture.seen.transmittance)
     high, low = torch.quantile(row, row.new_tensor([_END, 1 - _END]))
@@ -212,23 +203,20 @@ def mist_below(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def air_lightness(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How light a region is where the air hides it, by how much it does: (1,) L*; its mean lightness without fog.
+    """Lightness of a region, weighted by how much the air hides it: (1,) L*; its mean lightness without fog.
 
-    How much is no way to make it lighter: thin fog shows the dark that is behind it, and is not white for that.
+    More air does not make it lighter: thin fog shows the dark that is behind it, and is not white for that.
     """
     veil = (1.0 - picture.seen.transmittance.detach())[where] + _CLEAR
     return (picture.lab[..., 0][where] @ veil / veil.sum())[None]
 
 
 def unscattered(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much of what is seen on a surface is an image of other things, mirrored or from behind, and no scattered light.
+    """Share of the differences of light on a surface that are images of other objects, mirrored or from behind: (1,).
 
     Scattered light changes slowly with a surface's direction and place (Ramamoorthi and Hanrahan 2001): what is linear in
     the one and quadratic in the other has nearly all of it. Metal and glass scatter none. Shadows and creases change
-    quickly too, so that intricate things have some of it in any case.
-
-    Returns:
-        (1,) share in [0, 1] of how much light differs within a material; 0 where none has 32 pixels.
+    quickly too, so that intricate objects have some of it in any case.
     """
 
     def share(light: Tensor, normal: Tensor, place: Tensor) -> Tensor:
@@ -243,12 +231,9 @@ def unscattered(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def sheen(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much lighter a surface is where it is seen from 60 degrees than scattered light makes it, highlights left out.
+    """Light of a surface that is seen from 60 degrees beyond scattered light, as a share of the mean: (1,); without highlights.
 
-    Velvet and dust glow along their edges, on the side of the lamp and on the other.
-
-    Returns:
-        (1,) share of a material's mean light; 0 where none has 32 pixels.
+    Velvet and dust glow along their edges, on the side of the light and on the other.
     """
 
     def rise(light: Tensor, normal: Tensor, place: Tensor) -> Tensor:
@@ -262,11 +247,7 @@ def sheen(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def sharpness(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How sharp reflections are: the steepest slopes of lightness inside of surfaces.
-
-    Returns:
-        (1,) L* per pixel of a picture of 192; 0 if fewer than 32 pixels can be measured.
-    """
+    """Sharpness of reflections: the steepest slopes of lightness inside of surfaces, (1,) L* per pixel of an image of 192."""
     material = picture.seen.material.float()
     same = largest_around(material, 3) == -largest_around(-material, 3)
     inside = where & same & ~(largest_around(~where, 5) > 0)

@@ -36,22 +36,16 @@ def white_point(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def vignette(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much darker the corners are than the middle ring, in the second least darkened corner.
+    """Darkness of the corners relative to the middle ring of the whole image, in the second least darkened one: (1,) L*.
 
     All four count, because light from one side darkens two of them. The subject is left out.
-
-    Args:
-        where: Not read: it is a measure of the whole picture.
-
-    Returns:
-        (1,) L*; 0 if no corner can be measured.
     """
     falls = corner_falls(picture)
     return falls[min(1, len(falls) - 1)][None] if len(falls) else picture.lab.new_zeros(1)
 
 
 def corner_falls(picture: MeasuredPicture) -> Tensor:
-    """How much darker each corner is than the middle ring, the subject left out: (n,) L*, n at most 4, the least first."""
+    """Darkness of each corner relative to the middle ring, the subject left out: (n,) L*, n at most 4, the least first."""
     light, free = picture.lab[..., 0], region_of(picture.seen, "surroundings")
     height, width = light.shape
     y, x = torch.meshgrid(_middles(height, light), _middles(width, light), indexing="ij")
@@ -101,12 +95,7 @@ def drowned(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def lightness_below(picture: MeasuredPicture, where: Tensor, share: float) -> Tensor:
-    """Lightness () below which a share of the region lies; the mean of the pixels near it, for gradients.
-
-    Args:
-        where: (H, W) bool, the region.
-        share: In [0, 1].
-    """
+    """Lightness () below which a share of the region lies; the mean of the pixels near it, for gradients."""
     light = picture.lab[..., 0][where].sort().values
     middle, reach = share * (len(light) - 1), max(0.01 * len(light), 1.0)
     first, last = max(round(middle - reach), 0), min(round(middle + reach), len(light) - 1)
