@@ -32,7 +32,7 @@ from ..schema.spec import Region
 
 if TYPE_CHECKING:
     from ..optimize.shots import ShotState
-    from ..optimize.stage import Stage
+    from ..optimize.stage import StagedScenes
 
 _LIGHTS = (("Key", "AREA", "key"), ("Fill", "AREA", "fill"), ("Rim", "AREA", "rim"))
 _MATERIALS: dict[str, Region] = {"Subject": "subject", "Surroundings": "surroundings"}
@@ -86,7 +86,7 @@ def account(
     return "\n".join([explain(*decided), *(["", "Light", *(f"  {line}" for line in light)] if light else [])])
 
 
-def _light(goals: Goals, stage: Stage | None) -> list[str]:
+def _light(goals: Goals, stage: StagedScenes | None) -> list[str]:
     """The rig that the words ask for, and who plays its parts in the scene; without one, what each of its lights is."""
     if stage:
         return list(stage.lighting.notes) if stage.lighting else []
@@ -112,7 +112,7 @@ def _reasons(prompt: str, words: SceneWords, target: Sequence[str]) -> str:
 @contextmanager
 def _exported(
     prompt: str, scene: Path, subject: Sequence[str], target: Sequence[str]
-) -> Iterator[tuple[Stage, ShotState]]:
+) -> Iterator[tuple[StagedScenes, ShotState]]:
     """A scene as the first round of a vibe has it, while its export lasts."""
     from ..blender.launch import launch
     from ..blender.meshes import prepared

@@ -22,7 +22,7 @@ from ..optimize.anchoring import BlenderPictures
 from ..optimize.progress import Observer
 from ..optimize.rounds.method import load_method
 from ..optimize.shots import ShotInput, picture_size
-from ..optimize.stage import Stage, set_stage
+from ..optimize.stage import StagedScenes, set_stage
 from ..render.proxy import Proxy
 from ..scene import load_scene
 from ..schema import VibeError, messages
@@ -194,7 +194,7 @@ class EngineSession:
             claims=claims.verdicts(*map(torch.from_numpy, (before, shown, after))),
         )
 
-    def _advisor(self, stage: Stage) -> ModelAdvisor | None:
+    def _advisor(self, stage: StagedScenes) -> ModelAdvisor | None:
         """The model as parser and confiner; None for the offline planner."""
         if self._model is None or not self.prompt.strip():
             return None

@@ -17,7 +17,7 @@ from .rounds.refinement import Outcome, RoundEnd, least_change, nearest, next_ro
 from .rounds.search import Search
 from .rounds.starts import find_starts
 from .shots import ShotInput
-from .stage import Stage
+from .stage import StagedScenes
 
 
 def run(
@@ -27,7 +27,7 @@ def run(
     encoder: Encoder,
     observer: Observer,
     advisor: Advisor | None = None,
-    stage: Stage | None = None,
+    stage: StagedScenes | None = None,
     method: Method | None = None,
 ) -> Outcome:
     """Finds the values that make the scene look like the prompt.

@@ -35,10 +35,8 @@ _NEAR = 0.08  # of the scene's height: two levels within it are one
 _TALL, _HIGH = 0.4, 0.6  # of the scene's height: least height of walls, and where roofs begin
 _PLACE_SIDE = 100  # pixels of the square image that places are measured in
 
-Place = tuple[float, float, float]
 
-
-def places(scene: SceneData) -> dict[str, Place]:
+def places(scene: SceneData) -> dict[str, tuple[float, float, float]]:
     """Of each object before the camera: x (-1 left, 1 right), y (0 near, 1 far), and its share of the image's width.
 
     An object that reaches behind the camera, such as a floor, has no place.

@@ -31,7 +31,7 @@ _SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim")}
 
 
 @dataclass(frozen=True)
-class Stage:
+class StagedScenes:
     """Scenes and goals of a vibe.
 
     Attributes:
@@ -64,10 +64,10 @@ class Stage:
         return (*self.lighting.claims, *claims_of(beside_rig(goals, self.lighting.plan), vocabulary))
 
 
-def read_stage(scenes: Sequence[SceneData], prompt: str) -> Stage:
+def read_stage(scenes: Sequence[SceneData], prompt: str) -> StagedScenes:
     """The words, read against scenes that stay as they are lit."""
     understood = Understood(prompt, scene_words(*scenes))
-    return Stage(list(scenes), understood, goals_or_why(understood))
+    return StagedScenes(list(scenes), understood, goals_or_why(understood))
 
 
 def set_stage(
@@ -76,7 +76,7 @@ def set_stage(
     new_lights: bool = True,
     target: Sequence[str] = (),
     written: WrittenGoals | None = None,
-) -> Stage:
+) -> StagedScenes:
     """The shots, lit by the rig that the words ask for; or with lights on standby for single words, where they ask for no rig.
 
     Args:
@@ -92,11 +92,11 @@ def set_stage(
     understood = Understood(prompt, scene_words(*scenes), target)
     goals = written.within(understood.scene) if written else goals_or_why(understood)
     if isinstance(goals, VibeError):
-        return Stage(list(scenes), understood, goals)
+        return StagedScenes(list(scenes), understood, goals)
     vocabulary = default_vocabulary()
     if chosen := chosen_rig(goals, rig_table(), vocabulary):
         rig = lighting(scenes, goals.parsed, chosen, new_lights)
-        return Stage(rig.scenes, understood, goals, rig)
+        return StagedScenes(rig.scenes, understood, goals, rig)
 
     # No rig: lights and a backdrop that single words need
     first = scenes[0]
@@ -112,4 +112,4 @@ def set_stage(
     parts = asks_for_backdrop(goals, instances, context, vocabulary)
     if parts and all(scene.may_be_parted for scene in scenes):
         scenes = [scene.parted() for scene in scenes]
-    return Stage([scene.with_lights(names) if names else scene for scene in scenes], understood, goals)
+    return StagedScenes([scene.with_lights(names) if names else scene for scene in scenes], understood, goals)

@@ -39,7 +39,7 @@ class Start:
     first: int = 0
 
 
-class Place(Enum):
+class RoundPlace(Enum):
     """The place where a round begins."""
 
     START = "at the start"
@@ -76,7 +76,7 @@ class RoundStart:
     """
 
     start: Start
-    place: Place
+    place: RoundPlace
     u: Tensor
     shots: Sequence[ShotState]
     number: int
@@ -86,7 +86,7 @@ class RoundStart:
     @classmethod
     def at(cls, start: Start) -> RoundStart:
         """The first round from a start."""
-        return cls(start, Place.START, start.u, start.shots, start.first, Plan())
+        return cls(start, RoundPlace.START, start.u, start.shots, start.first, Plan())
 
 
 @dataclass

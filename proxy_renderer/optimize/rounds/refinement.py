@@ -25,7 +25,7 @@ from ..least_squares import Descent
 from ..shots import ShotState
 from ..vector import ParameterVector
 from . import starts
-from .confiner import Confined, Place, RoundReach, RoundStart, Start
+from .confiner import Confined, RoundPlace, RoundReach, RoundStart, Start
 from .search import Missed, Search
 from .selection import Selection
 
@@ -162,14 +162,14 @@ def next_round(search: Search, ends: Sequence[RoundEnd]) -> RoundStart | None:
         opening = 0.0 if too_wide else min(opening + OPENING, WIDEST)
     if astray and not too_wide:
         share *= 0.5
-    place = Place.BEST_END if astray else Place.LAST_END
+    place = RoundPlace.BEST_END if astray else RoundPlace.LAST_END
 
     if is_stuck(search, ends):
         # Variants stay near their own start; the middle of ranges as wide as an image's is no better than any other point.
-        was_there = any(end.start.place is Place.MIDDLE for end in ends)
+        was_there = any(end.start.place is RoundPlace.MIDDLE for end in ends)
         if was_there or not has_claims or start.drawn is not None or search.reference:
             return None
-        place, share = Place.MIDDLE, 1.0
+        place, share = RoundPlace.MIDDLE, 1.0
     number, earlier = last.start.number + 1, last.confined.plan
     return RoundStart(start, place, best.u, best.shots, number, earlier, RoundReach(share, opening))
 

@@ -26,9 +26,9 @@ from ..least_squares import Descent
 from ..looks import Looks
 from ..progress import Clock, Observer
 from ..shots import ShotInput, ShotState, gathered, inner_size
-from ..stage import Stage, read_stage
+from ..stage import StagedScenes, read_stage
 from ..vector import begun
-from .confiner import Confined, Confiner, Place, RoundStart
+from .confiner import Confined, Confiner, RoundPlace, RoundStart
 from .key_start import with_key_turned
 from .method import Method
 from .selection import Selection
@@ -39,7 +39,7 @@ _STRIDE = 0.05
 """A projection that moves no value by more than this share of its whole range is not worth another anchor."""
 
 
-class Judge:
+class ImageJudge:
     """Says how near the images of all shots are to the words.
 
     Args:
@@ -140,7 +140,7 @@ class Search:
         encoder: Encoder,
         observer: Observer,
         advisor: Advisor | None = None,
-        stage: Stage | None = None,
+        stage: StagedScenes | None = None,
         method: Method | None = None,
     ) -> None:
         self.method, self.observer = method or Method(), observer
@@ -166,7 +166,7 @@ class Search:
         # Variants have the time of one vibe in common, as far as that goes.
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds
         self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, observer)
-        self.judge = Judge(
+        self.judge = ImageJudge(
             self.method, encoder, prompt, bool(options.encoder), self._stage.claims, self.reference
         )
         alone = len(self.shots) == 1 and observer.wants_looks
@@ -207,9 +207,9 @@ class Search:
     def placed(self, now: Confined, here: RoundStart) -> Confined:
         """The round at the point where its steps begin, with the proxies corrected there."""
         u = now.u
-        if here.place is Place.MIDDLE:
+        if here.place is RoundPlace.MIDDLE:
             u = self.confiner.middle(now)
-        elif here.place is Place.START and self.reference and self.reference.same:
+        elif here.place is RoundPlace.START and self.reference and self.reference.same:
             goal = self.reference.display
             u = with_key_turned(self.shots[0].scene, self.vector, u, now.lower, now.upper, goal)
         return replace(now, u=u, shots=[shot.anchored(u, here.number, _STRIDE) for shot in now.shots])
