@@ -48,12 +48,9 @@ def variant_file(number: int) -> str:
 def predict(
     proxy: Proxy, outcome: Outcome, number: int, job: Path, figures: bool
 ) -> tuple[list[str], Image.Image]:
-    """Draws a shot of the values found, into its job folder.
+    """Draws a shot (from 0) of the values found by its proxy of full size, into its job folder.
 
-    Args:
-        proxy: Of the shot, at full size.
-        number: Of the shot, from 0.
-        figures: Whether also to draw what would have been predicted without the last anchor, where there is one, and without any.
+    With `figures` also what would have been predicted without the last anchor, where there is one, and without any.
 
     Returns:
         The names of `PICTURES` that there are, and the share of each pixel that the subject covers, as an image.
@@ -133,12 +130,9 @@ def load_picture(path: Path, shape: tuple[int, int] | None = None) -> np.ndarray
 
 
 def compare(rows: Sequence[Sequence[tuple[str, Image.Image]]], prompt: str, fonts: Path) -> Image.Image:
-    """Labeled panels side by side, rows of them one below the other, the prompt at the foot.
+    """Labeled panels side by side, rows of (label, image) one below the other, the prompt at the foot.
 
-    Args:
-        rows: (label, image), from left to right; all in a row are as high as the first.
-        prompt: Long ones are wrapped, and cut after four lines; "" for none.
-        fonts: Blender's folder of fonts.
+    All images in a row are as high as the first. Long prompts are wrapped, and cut after four lines; "" for none.
     """
     title = font(26, prompt, fonts)
     label = font(18, "".join(name for row in rows for name, _ in row), fonts)

@@ -84,16 +84,10 @@ def changed_values(outcome: Outcome, shot: ShotState | None = None) -> dict[str,
 
 
 def anchored(outcome: Outcome, blenders: Sequence[BlenderPictures]) -> dict[str, Any]:
-    """The pictures of Cycles that corrected the proxies.
+    """{"anchored": {"pictures", "predicted", "notes"}} on the pictures of Cycles that corrected the proxy of each shot.
 
     `predicted` is the mean CIEDE2000 between what was predicted and what the next picture of Cycles showed, the
     last time; of several shots, their mean.
-
-    Args:
-        blenders: The picture source of each shot.
-
-    Returns:
-        {"anchored": {"pictures", "predicted", "notes"}}.
     """
     pictures, predicted, notes = [], [], []
     for shot, blender in zip(outcome.shots, blenders, strict=True):

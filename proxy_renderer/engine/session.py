@@ -51,10 +51,9 @@ def pick_device(name: str) -> str:
 
 
 class EngineSession:
-    """A vibe's state between its result and its measure.
+    """A vibe's state between its result and its measure; images are written to the job folders of its shots.
 
     Args:
-        shots: The job folders that the scene was exported to, one or several; images are written there too.
         vlm_key: The vision-language model's key from the preferences; "" for the environment's.
     """
 

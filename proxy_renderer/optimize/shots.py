@@ -199,14 +199,7 @@ def chosen_values(
 def gathered(
     views: Sequence[ShotInput], options: Options, proxy: Callable[[SceneData], Proxy]
 ) -> tuple[ParameterVector, list[ShotState]]:
-    """The vector of what the shots of a vibe share, and the shots.
-
-    Args:
-        proxy: Makes the proxy of a scene.
-
-    Raises:
-        VibeError: A group or a lock names nothing.
-    """
+    """The vector of what the shots of a vibe share, and the shots; raises VibeError if a group or a lock names nothing."""
     instances, names = shared_parameters(views, ("camera", "film") if options.grade_each else ("camera",))
     vector = ParameterVector(lock(instances, options.groups, options.lock, options.camera))
     vector = vector.taking(added_values(views[0].scene))
@@ -220,15 +213,10 @@ def gathered(
 def shared_parameters(
     views: Sequence[ShotInput], own: Sequence[str] = ()
 ) -> tuple[dict[str, Instance], list[dict[str, str]]]:
-    """One set of parameters for all shots: those of one name are one, and have the first shot's value.
+    """One set of parameters for all shots, by name, and for each shot its keys -> theirs; values are the first shot's.
 
-    A value that is locked in one of them is locked in all, and so is one that moves within a .blend.
-
-    Args:
-        own: Groups that every shot has to itself.
-
-    Returns:
-        The parameters, and for each shot its keys -> theirs.
+    A value that is locked in one of them is locked in all, and so is one that moves within a .blend. Every shot has the groups
+    in `own` to itself.
     """
     shared: dict[str, Instance] = {}
     files: dict[str, str] = {}
@@ -303,14 +291,10 @@ def picture_size(resolution: tuple[int, int], longest: int) -> tuple[int, int]:
 
 
 def inner_size(scene: SceneData, options: Options, encoder: Encoder) -> tuple[int, int]:
-    """Width and height of the images inside the loop; the prediction has the full size.
+    """Width and height of the images inside the loop, at most the options' `size`; the prediction has the full size.
 
     Crops are at least three quarters of the image, so one and a half times what the encoder looks at is enough;
     but highlights and shadows have to be there, however little it looks at.
-
-    Args:
-        options: `size` is the most that the artist wants.
-        encoder: `size` is what it looks at.
     """
     enough = max(_LEAST, encoder.size * 3 // 2) if not options.like else _OF_A_PICTURE
     return picture_size(scene.resolution, min(options.size, _LARGEST, enough))

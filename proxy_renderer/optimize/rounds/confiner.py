@@ -117,12 +117,7 @@ class Confined:
 
 
 class Confiner:
-    """Plans the rounds of one vibe.
-
-    Args:
-        vector: The parameters of u.
-        replan: Makes the plan of a round from the scene's parameters and the advisor's plan, see `Method.plan`.
-    """
+    """Plans the rounds of one vibe; `replan` makes the plan of a round of the advisor's, see `Method.plan`."""
 
     def __init__(
         self,
@@ -139,11 +134,7 @@ class Confiner:
                 self._widest[key] = min(self._widest.get(key, size), size)
 
     def advise(self, shots: Sequence[ShotState], u: Tensor, earlier: Plan) -> Advice:
-        """The advice for the first shot at u (N,); its plan has entries of the others for what only they have.
-
-        Args:
-            earlier: The plan of the round before; empty for the first.
-        """
+        """The advice for the first shot at u (N,); its plan has entries of the others for what only they have."""
         advice: Advice | None = None
         entries: dict[str, PlanEntry] = {}
         for shot in shots:

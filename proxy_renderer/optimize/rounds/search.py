@@ -40,11 +40,7 @@ _STRIDE = 0.05
 
 
 class ImageJudge:
-    """Says how near the images of all shots are to the words.
-
-    Args:
-        every_word: Whether the encoder is asked for all words.
-        word_claims: The claims of goals, without those of the reference image.
+    """Says how near the images of all shots are to the words; the encoder is asked for all of them with `every_word`.
 
     Attributes:
         claims: Of words and reference image; none before `begin`.
