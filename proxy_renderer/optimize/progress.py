@@ -48,11 +48,7 @@ class Observer(Protocol):
 
 
 class Clock:
-    """Turns steps into progress messages.
-
-    Attributes:
-        stopped: Whether the observer asked for the end.
-    """
+    """Turns steps into progress messages; `stopped` once the observer has asked for the end."""
 
     def __init__(self, rounds: int, steps: int, observer: Observer) -> None:
         self._rounds, self._most, self._observer = rounds, steps, observer

@@ -79,10 +79,10 @@ def set_stage(
 ) -> StagedScenes:
     """The shots, lit by the rig that the words ask for; or with lights on standby for single words, where they ask for no rig.
 
+    Where nothing in the prompt is understood offline, nothing is added. The first of several shots decides on lights for all; a
+    backdrop is for all of them or for none.
+
     Args:
-        scenes: One or several shots. The first decides on lights for all; a backdrop is for all of them or for none.
-        prompt: Where nothing in it is understood offline, nothing is added.
-        new_lights: Whether the scene may get lights.
         target: "copper=Cup": what words describe, as the artist says.
         written: Goals in the place of those that the prompt asks for; None for its own.
 
