@@ -32,14 +32,7 @@ class EarlyLook:
 
 
 class Looks:
-    """Looks of one shot. No anchor is asked for: images are corrected by those that were taken anyway.
-
-    Args:
-        shot: Of a vibe that has no other, as loaded.
-
-    Attributes:
-        before: The artist's image, (H, W, 3).
-    """
+    """Looks of one shot, as loaded. No anchor is asked for: images are corrected by those that were taken anyway; `before` is the artist's."""
 
     def __init__(self, shot: ShotState) -> None:
         self._shot, self._home = shot, shot.vector.encode({})

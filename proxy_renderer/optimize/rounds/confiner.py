@@ -54,7 +54,7 @@ class RoundReach:
 
     Attributes:
         share: From where it begins, of each component's feasible range.
-        opening: By how much ranges that words name are wider than the plan's on either side, likewise.
+        opening: By how much ranges that words name are wider than the plan's on either side.
     """
 
     share: float = 1.0
