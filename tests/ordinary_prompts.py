@@ -12,15 +12,15 @@ from proxy_renderer.prompt.binding.targets import NOWHERE
 from proxy_renderer.prompt.lexicon.entries import normalize
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.parser import prepared
-from proxy_renderer.prompt.types import LightWords, SceneWords
+from proxy_renderer.prompt.types import LightDescription, SceneDescription
 
 FILE = Path(__file__).parent / "prompt" / "ordinary_words.toml"
-ROOM = SceneWords(
+ROOM = SceneDescription(
     "Chair",
     {"Chair": "subject", "Table": "surroundings", "Wall": "surroundings", "Floor": "surroundings"},
     {"Seat": "subject", "Wood": "surroundings", "Plaster": "surroundings", "Tiles": "surroundings"},
     {"Chair": ("Seat",), "Table": ("Wood",), "Wall": ("Plaster",), "Floor": ("Tiles",)},
-    {"Key": LightWords("AREA", "key", -50.0), "Fill": LightWords("AREA", "fill", 60.0)},
+    {"Key": LightDescription("AREA", "key", -50.0), "Fill": LightDescription("AREA", "fill", 60.0)},
 )
 _LOOK = re.compile(r"\[([^]]*)\]")
 

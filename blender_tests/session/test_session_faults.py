@@ -13,7 +13,7 @@ from vibe_render.render import final_render
 from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.color.differences import mean_difference
-from proxy_renderer.optimize.context import scene_words
+from proxy_renderer.optimize.context import described
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.mentions.scene import SceneIndex
 from proxy_renderer.render.proxy import Proxy
@@ -56,7 +56,7 @@ def test_fault(scene, tmp_path, name):
     assert fault.warns or fault.near is None or not warnings
     longest = max(scene.render.resolution_x, scene.render.resolution_y)
     size = scene.render.resolution_x, scene.render.resolution_y
-    SceneIndex(scene_words(read), default_vocabulary()).named(
+    SceneIndex(described(read), default_vocabulary()).named(
         ("lamp",)
     )  # what a prompt may name can be looked up
     picture = render(read, size)

@@ -38,7 +38,7 @@ def examples(
     """
     found = []
     scenes = {s.scene.name: s.scene for s in sentences}
-    words_of = {name: stand_in(scene).words for name, scene in scenes.items()}
+    words_of = {name: stand_in(scene).scene for name, scene in scenes.items()}
     for artists in sentences:
         words = words_of[artists.scene.name]
         sentence = glossed(artists, words, vocabulary)

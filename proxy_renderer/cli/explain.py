@@ -14,13 +14,12 @@ from ..goals import written
 from ..goals.resolve import Goals, goals_or_why
 from ..planning.advice import OfflineAdvisor
 from ..planning.explanation import as_dict, explain
-from ..planning.types import PlanContext
 from ..prompt.binding.reader import PromptReader
 from ..prompt.binding.why import why
 from ..prompt.lexicon.rigs import rig_table
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.parser import prepared
-from ..prompt.types import SceneWords
+from ..prompt.types import SceneDescription
 from ..prompt.understood import Understood
 from ..rigs.chosen import chosen_rig
 from ..scene.plain import plain_instances
@@ -55,17 +54,15 @@ def account(
         target: "copper=Cup": what words describe, where they are taken for something else.
         as_goals: Give the goals alone, as `vibe run --goals` reads them.
     """
-    words, instances, context, addition = (
-        _read(prompt, scene, subject, target) if scene else (*_plain(), None)
-    )
+    instances, known, addition = _read(prompt, scene, subject, target) if scene else (*_plain(), None)
     if with_reasons:
-        return _reasons(prompt, words, target)
-    goals = addition.goals if addition else goals_or_why(Understood(prompt, words, target))
+        return _reasons(prompt, known, target)
+    goals = addition.goals if addition else goals_or_why(Understood(prompt, known, target))
     if as_goals:
         if isinstance(goals, VibeError):
             raise goals
         return json.dumps(written.as_json(goals), indent=2, ensure_ascii=False)
-    advice = OfflineAdvisor(goals, addition.plan if addition else None).advise(None, instances, context)
+    advice = OfflineAdvisor(goals, addition.plan if addition else None).advise(None, instances, known)
     decided = advice.goals, advice.prompts, advice.plan
     light = _light(advice.goals, addition)
     if as_json:
@@ -88,17 +85,17 @@ def _light(goals: Goals, addition: Addition | None) -> list[str]:
     return [f"Light: {chosen.rig.says}", *lights]
 
 
-def _reasons(prompt: str, words: SceneWords, target: Sequence[str]) -> str:
+def _reasons(prompt: str, known: SceneDescription, target: Sequence[str]) -> str:
     """What the reader chose among, and why."""
     vocabulary = default_vocabulary()
-    reader = PromptReader(vocabulary, words, told=checks.targets(target))
-    reader.read(prepared(prompt, words, vocabulary))
+    reader = PromptReader(vocabulary, known, told=checks.targets(target))
+    reader.read(prepared(prompt, known, vocabulary))
     return why(reader)
 
 
 def _read(
     prompt: str, scene: Path, subject: Sequence[str], target: Sequence[str]
-) -> tuple[SceneWords, dict[str, Instance], PlanContext, Addition]:
+) -> tuple[dict[str, Instance], SceneDescription, Addition]:
     """A scene as the first round of a vibe sees it: its names, its parameters, and the picture that they give."""
     from ..blender.launch import launch
     from ..blender.meshes import prepared
@@ -119,11 +116,11 @@ def _read(
         vector = ParameterVector(lock(data.instances, (), (), scene.suffix.lower() != ".blend"))
         proxy = Proxy(data, context.picture_size(data.resolution, _LOOK), device="cpu", seed=0)
         u = vector.encode({})
-        now = context.plan_context(proxy, vector.values(u), draw(proxy, vector, u))
-        return addition.understood.scene, dict(vector.instances), now, addition
+        now = context.described_now(
+            addition.understood.scene, proxy, vector.values(u), draw(proxy, vector, u)
+        )
+        return dict(vector.instances), now, addition
 
 
-def _plain() -> tuple[SceneWords, dict[str, Instance], PlanContext]:
-    instances = plain_instances(_LIGHTS, _MATERIALS.items())
-    context = PlanContext(light_types={name: kind for name, kind, _ in _LIGHTS})
-    return SceneWords(materials=dict(_MATERIALS)), instances, context
+def _plain() -> tuple[dict[str, Instance], SceneDescription]:
+    return plain_instances(_LIGHTS, _MATERIALS.items()), SceneDescription(materials=dict(_MATERIALS))

@@ -10,14 +10,14 @@ from ..claims.claim import Claim
 from ..claims.wanted import claims_of
 from ..goals.resolve import Goals, goals_or_why
 from ..goals.written import WrittenGoals
-from ..optimize.context import scene_words
+from ..optimize.context import described
 from ..planning.acting import beside_rig
 from ..planning.lights.backdrop import asks_for_backdrop
-from ..planning.lights.glow import glows
 from ..planning.lights.lacking import lacking
-from ..planning.types import LightPlan, PlanContext
+from ..planning.types import LightPlan
 from ..prompt.lexicon.rigs import rig_table
 from ..prompt.lexicon.user_words import default_vocabulary
+from ..prompt.types import SceneDescription
 from ..prompt.understood import Understood
 from ..rigs.chosen import chosen_rig
 from ..rigs.lighting import Lighting, lighting
@@ -77,29 +77,26 @@ def with_additions(
     Raises:
         VibeError: The scene has nothing that a word is told to describe.
     """
-    understood = Understood(prompt, scene_words(*scenes), told)
+    understood = Understood(prompt, described(*scenes), told)
     goals = written.within(understood.scene) if written else goals_or_why(understood)
     if isinstance(goals, VibeError):
         return Addition(list(scenes), understood, goals)
     if chosen := chosen_rig(goals, rig_table(), default_vocabulary()):
         lit = lighting(scenes, goals.parsed, chosen, new_lights)
         return Addition(lit.scenes, understood, goals, lit)
-    return Addition(_with_standby(scenes, goals, new_lights), understood, goals)
+    return Addition(_with_standby(scenes, understood.scene, goals, new_lights), understood, goals)
 
 
-def _with_standby(scenes: Sequence[SceneData], goals: Goals, new_lights: bool) -> list[SceneData]:
+def _with_standby(
+    scenes: Sequence[SceneData], known: SceneDescription, goals: Goals, new_lights: bool
+) -> list[SceneData]:
     """The shots with lights and a backdrop on standby that single words need."""
     first, vocabulary = scenes[0], default_vocabulary()
-    context = PlanContext(
-        camera_azimuth=first.value("camera/azimuth")[0],
-        glows=glows(first),
-        light_types={light.name: light.type for light in first.lights},
-    )
     spare = [ADDED_LIGHTS[light.name] for light in first.standby.lights if light.name in _SPARE]
     roles = {light.name: light.role for light in spare}
     instances = dict(first.instances)
-    names = lacking(goals, instances, context, roles, vocabulary) if new_lights else []
-    parts = asks_for_backdrop(goals, instances, context, vocabulary)
+    names = lacking(goals, instances, known, roles, vocabulary) if new_lights else []
+    parts = asks_for_backdrop(goals, instances, known, vocabulary)
     if parts and all(scene.may_be_parted for scene in scenes):
         scenes = [scene.parted() for scene in scenes]
     return [scene.with_lights(names) for scene in scenes] if names else list(scenes)

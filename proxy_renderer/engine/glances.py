@@ -52,7 +52,7 @@ class Glances:
         _, (shot,) = gathered([ShotInput(scene)], options, lambda _: self._proxy(scene, options))
         if stopped():
             return None
-        looks = Looks(shot)
+        looks = Looks(shot, addition.understood.scene)
         advisor = OfflineAdvisor(addition.goals, addition.plan)
         report.save_picture(looks.before.display, Path(request.job) / BEFORE)
         try:

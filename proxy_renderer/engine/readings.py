@@ -6,10 +6,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..optimize.context import scene_words
+from ..optimize.context import described
 from ..prompt.lexicon.nearest import Nearest
 from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.types import LightWords, PromptWord, SceneWords
+from ..prompt.types import LightDescription, PromptWord, SceneDescription
 from ..prompt.understood import Understood
 from ..scene import load_scene
 from ..schema.messages import AskReadings, Readings, WordReading
@@ -23,7 +23,7 @@ class WordReader:
 
     def __init__(self) -> None:
         self._job: tuple[str, int] = ("", 0)
-        self._scene = SceneWords()
+        self._scene = SceneDescription()
 
     def read(self, request: AskReadings) -> Readings:
         """The words of a prompt as a vibe of the exported scene understands them.
@@ -34,18 +34,18 @@ class WordReader:
         scene = self._described(request.job) if request.job else _named(request)
         return readings(request.prompt, scene, request.target)
 
-    def _described(self, job: str) -> SceneWords:
+    def _described(self, job: str) -> SceneDescription:
         """The names in an exported scene."""
         try:
             known = job, (Path(job) / "scene.json").stat().st_mtime_ns
         except OSError:  # Live has ended, and its job is gone: the panel asks again
-            return SceneWords()
+            return SceneDescription()
         if known != self._job:
-            self._scene, self._job = scene_words(load_scene(job)), known
+            self._scene, self._job = described(load_scene(job)), known
         return self._scene
 
 
-def readings(prompt: str, scene: SceneWords, target: Sequence[str] = ()) -> Readings:
+def readings(prompt: str, scene: SceneDescription, target: Sequence[str] = ()) -> Readings:
     """The words of a prompt as a vibe of a scene understands them.
 
     Args:
@@ -61,13 +61,13 @@ def readings(prompt: str, scene: SceneWords, target: Sequence[str] = ()) -> Read
     return Readings(prompt, [*map(_reading, understood.words)], note)
 
 
-def _named(request: AskReadings) -> SceneWords:
+def _named(request: AskReadings) -> SceneDescription:
     """A scene of which only names are known: everything may be the subject."""
-    return SceneWords(
+    return SceneDescription(
         objects=dict.fromkeys(request.objects, "subject"),
         materials=dict.fromkeys((m for names in request.objects.values() for m in names), "subject"),
         object_materials={name: tuple(materials) for name, materials in request.objects.items()},
-        lights={name: LightWords(kind) for name, kind in request.lights.items()},
+        lights={name: LightDescription(kind) for name, kind in request.lights.items()},
     )
 
 

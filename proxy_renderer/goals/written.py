@@ -13,7 +13,7 @@ from ..color.floats import hex_from_srgb
 from ..prompt.lexicon.claim_text import ClaimText, read_claim
 from ..prompt.lexicon.entries import OWNERS, SLOTS, parse_effect
 from ..prompt.lexicon.quantities import quantities
-from ..prompt.types import GLOW, STRONGEST, Attribute, Parsed, PromptObject, SceneWords
+from ..prompt.types import GLOW, STRONGEST, Attribute, Parsed, PromptObject, SceneDescription
 from ..schema import VibeError
 from ..schema.means import may_serve
 from ..schema.spec import Region
@@ -110,7 +110,7 @@ class WrittenGoals:
     wishes: tuple[Wish, ...]
     attributes: tuple[Attribute, ...]
 
-    def within(self, words: SceneWords) -> Goals:
+    def within(self, words: SceneDescription) -> Goals:
         """The goals in a scene: what describes a material or a light that is not there describes all of its region."""
         bound = {id(a): _bound(a, words) for a in self.attributes}
         notes = [
@@ -124,7 +124,7 @@ class WrittenGoals:
         return resolved(parsed, wishes)
 
 
-def _bound(attribute: Attribute, words: SceneWords) -> Attribute:
+def _bound(attribute: Attribute, words: SceneDescription) -> Attribute:
     gone = _lacking(attribute.lights, words)
     return replace(
         attribute,
@@ -133,7 +133,7 @@ def _bound(attribute: Attribute, words: SceneWords) -> Attribute:
     )
 
 
-def _lacking(lights: Iterable[str], words: SceneWords) -> list[str]:
+def _lacking(lights: Iterable[str], words: SceneDescription) -> list[str]:
     known = {*words.lights, *(f"{GLOW}{name}" for name in words.glows)}
     return [name for name in lights if name not in known]
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,11 +15,9 @@ from ..color.tensors import lab_from_srgb
 from ..guidance import regions
 from ..guidance.encoder import Encoder
 from ..planning.lights.glow import glowing, glows
-from ..planning.types import PictureStats, PlanContext
-from ..prompt.types import LightWords, SceneWords
+from ..prompt.types import LightDescription, PictureStats, SceneDescription
 from ..render.geometry.camera import view_of
 from ..scene import SceneData
-from ..scene.data import Light
 from ..scene.values import RenderValues
 from ..schema import Values
 from ..schema.messages import Options
@@ -36,15 +35,15 @@ _LARGEST, _LEAST = 256, 192
 _OF_A_PICTURE = 128  # the same where a picture says what is wanted: nothing so fine is read off it
 
 
-def scene_words(*scenes: SceneData) -> SceneWords:
-    """The names in the scene, or in all shots of it, that a prompt may mean."""
+def described(*scenes: SceneData) -> SceneDescription:
+    """The scene, or all shots of it, as words and plans know it before any change."""
     objects: dict[str, Region] = {}
     materials: dict[str, Region] = {}
     worn: dict[str, list[str]] = {}
-    lights: dict[str, LightWords] = {}
+    lights: dict[str, LightDescription] = {}
     for scene in scenes:
         # lights that the words have added are no names that the prompt may mean: it is read as before they were there
-        lights |= {light.name: _light_words(scene, light) for light in scene.lights if not light.added}
+        lights |= _lights(scene, added=False)
         objects |= {o.name: "subject" if o.subject else "surroundings" for o in scene.objects}
         materials |= {m.name: "subject" if m.role == "subject" else "surroundings" for m in scene.materials}
         pairs = np.unique(np.stack([scene.mesh.object, scene.mesh.material], 1), axis=0)
@@ -54,7 +53,7 @@ def scene_words(*scenes: SceneData) -> SceneWords:
     looks = present_looks(scenes[0]) if scenes else {}
     dark = {name for name, look in looks.items() if not look.glows}  # with a strength, but a black color
     subjects = [name for name, region in objects.items() if region == "subject"]
-    return SceneWords(
+    return SceneDescription(
         subject=subjects[0] if len(subjects) == 1 else "",
         objects=objects,
         materials=materials,
@@ -64,18 +63,23 @@ def scene_words(*scenes: SceneData) -> SceneWords:
         places=places(scenes[0]) if scenes else {},
         looks=looks,
         sky=not scenes or sees_sky(scenes[0]),
+        emitters={name: glow for scene in reversed(scenes) for name, glow in glows(scene).items()},
+        camera_azimuth=scenes[0].value("camera/azimuth", (0.0,))[0] if scenes else 0.0,
+        view=scenes[0].film.view if scenes else "AgX",
+        environment_luminance=_mean_luminance(scenes[0].world.image if scenes else None),
+        texture_luminance={
+            m.name: float(arrays.luminance(m.texture.image).mean())
+            for scene in scenes
+            for m in scene.materials
+            if m.texture is not None
+        },
     )
 
 
-def _light_words(scene: SceneData, light: Light) -> LightWords:
-    orbit, camera = f"light/{light.name}/azimuth", "camera/azimuth"
-    known = orbit in scene.instances and camera in scene.instances
-    turn = scene.value(orbit)[0] - scene.value(camera)[0] if known else None
-    return LightWords(light.type, light.role, turn)
-
-
-def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> PlanContext:
-    """What the planner knows: the scene, where its values are now, and what that looks like.
+def described_now(
+    known: SceneDescription, proxy: Proxy, values: dict[str, Values], picture: Render
+) -> SceneDescription:
+    """A scene with its current values, what they look like, and the lights and the backdrop that it got.
 
     Args:
         proxy: Of the shot that plans are made for.
@@ -84,25 +88,33 @@ def plan_context(proxy: Proxy, values: dict[str, Values], picture: Render) -> Pl
     """
     scene = proxy.scene
     world, materials = coverage(scene, *_look(proxy, values))
-    textures = {m.name: m.texture.image for m in scene.materials if m.texture is not None}
-    return PlanContext(
+    backdrop = scene.world.image if scene.world.backdrop is None else scene.world.backdrop
+    return replace(
+        known,
+        added_lights=_lights(scene, added=True),
         camera_azimuth=values["camera/azimuth"][0] if "camera/azimuth" in values else 0.0,
-        view=scene.film.view,
-        light_types={light.name: light.type for light in scene.lights},
-        glows=glows(scene),
-        added_lights=tuple(light.name for light in scene.lights if light.added),
-        light_stops={light.name: light.exposure for light in scene.lights if light.exposure},
-        light_elevations=headroom.elevations(scene),
         world_share=world,
         material_share=materials,
-        environment_luminance=_mean_luminance(scene.world.image),
-        backdrop_luminance=_mean_luminance(
-            scene.world.image if scene.world.backdrop is None else scene.world.backdrop
-        ),
-        texture_luminance={name: float(arrays.luminance(image).mean()) for name, image in textures.items()},
+        backdrop_luminance=_mean_luminance(backdrop),
         values=values,
         picture=picture_stats(picture),
     )
+
+
+def _lights(scene: SceneData, added: bool) -> dict[str, LightDescription]:
+    """The lights of a scene that the words have added, or its own."""
+    lights = [light for light in scene.lights if light.added == added]
+    limits = headroom.elevations(scene) if lights else {}
+    found = {}
+    for light in lights:
+        orbit, camera = f"light/{light.name}/azimuth", "camera/azimuth"
+        known = orbit in scene.instances and camera in scene.instances
+        turn = scene.value(orbit)[0] - scene.value(camera)[0] if known else None
+        ends = limits.get(light.name, (-90.0, 90.0))
+        found[light.name] = LightDescription(
+            light.type, light.role, turn, stops=light.exposure, elevations=ends
+        )
+    return found
 
 
 def _mean_luminance(image: np.ndarray | None) -> float:

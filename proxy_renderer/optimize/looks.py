@@ -12,6 +12,7 @@ from torch import Tensor
 from ..claims.claim import Claim
 from ..claims.verdict import ShotClaims
 from ..planning.advice import Advice, Advisor
+from ..prompt.types import SceneDescription
 from ..render.gbuffer import GBuffer
 from ..schema import verdicts
 from . import context
@@ -41,10 +42,11 @@ class Looks:
 
     Args:
         shot: Of a vibe that has no other.
+        described: The scene, before any change.
     """
 
-    def __init__(self, shot: ShotState) -> None:
-        self._shot, self._home = shot, shot.vector.encode({})
+    def __init__(self, shot: ShotState, described: SceneDescription) -> None:
+        self._shot, self._described, self._home = shot, described, shot.vector.encode({})
         with torch.no_grad():
             self.before = shot.draw(self._home)
         self._before_seen = self._seen(self._home)
@@ -60,7 +62,7 @@ class Looks:
         """
         vector, proxy = self._shot.vector, self._shot.proxy
         values = vector.values(self._home)
-        now = context.plan_context(proxy, values, self.before)
+        now = context.described_now(self._described, proxy, values, self.before)
         advice = advisor.advise(self.before.display, vector.instances, now)
         ranges = feasible_ranges(advice.plan, vector.instances, values)
         return project(begun(vector, advice.plan, self._home), *vector.bounds(ranges)), advice

@@ -9,10 +9,10 @@ from typing import Any, Protocol
 
 from ..goals.resolve import Goals
 from ..prompt.prompts import compose
-from ..prompt.types import Attribute, Prompts
+from ..prompt.types import Attribute, Prompts, SceneDescription
 from ..schema import Instance, VibeError
 from .planner import plan
-from .types import LightPlan, Plan, PlanContext
+from .types import LightPlan, Plan
 
 NO_PROMPTS = Prompts("", "", "")
 """Nothing to ask an encoder."""
@@ -42,13 +42,13 @@ class Advice:
 class Advisor(Protocol):
     """Fills the typed structures of a round."""
 
-    def advise(self, display: Any, instances: Mapping[str, Instance], context: PlanContext) -> Advice:
+    def advise(self, display: Any, instances: Mapping[str, Instance], scene: SceneDescription) -> Advice:
         """Parse, compose, confine.
 
         Args:
             display: The current rendering, (H, W, 3) in [0, 1].
             instances: The scene's parameters by key, locks included.
-            context: What is known about the scene and its current picture.
+            scene: What is known about the scene and its current picture.
         """
 
 
@@ -63,12 +63,12 @@ class OfflineAdvisor:
     def __init__(self, goals: Goals | VibeError, light: LightPlan | None = None) -> None:
         self.goals, self.light = goals, light
 
-    def advise(self, display: Any, instances: Mapping[str, Instance], context: PlanContext) -> Advice:
+    def advise(self, display: Any, instances: Mapping[str, Instance], scene: SceneDescription) -> Advice:
         """Raises VibeError if no word of the prompt is known."""
         if isinstance(self.goals, VibeError):
             raise self.goals
         prompts = compose(self.goals.parsed, self.goals.overruled)
-        decided = plan(self.goals, dict(instances), context, light=self.light)
+        decided = plan(self.goals, dict(instances), scene, light=self.light)
         served = self.light.served if self.light else ()
         placed = frozenset(self.light.entries if self.light else ())
         return Advice(self.goals, prompts, decided, unmeasured(self.goals, served), placed=placed)

@@ -75,7 +75,7 @@ def painted(effect: Effect, attribute: Attribute, instance: Instance, sources: S
     else:
         linear = _albedo(linear_from_srgb(srgb))
     if instance.parameter.family == "material/tint":
-        texture = max(sources.context.texture_luminance.get(instance.owner, 0.4), 0.02)
+        texture = max(sources.scene.texture_luminance.get(instance.owner, 0.4), 0.02)
         linear = tuple(v / texture for v in linear)
     if attribute.strength < 0.8:
         linear = tuple(a + (b - a) * attribute.strength for a, b in zip(instance.value, linear, strict=True))
@@ -162,9 +162,9 @@ def _cast(linear: Values, amount: float) -> Values:
 
 def _shown_strength(srgb: Values, instance: Instance, sources: Sources) -> Range:
     """Strength at which a world of the "shown" color looks as named; white as white, not gray."""
-    context = sources.context
+    scene = sources.scene
     if lab_from_srgb(srgb)[0] > 93:
-        ends = tuple(radiance(goal, context.view) for goal in (88.0, 93.0))
+        ends = tuple(radiance(goal, scene.view) for goal in (88.0, 93.0))
     else:
         bright = max(linear_from_srgb(srgb))
         ends = tuple(share * bright for share in _SHOWN) if bright > _BLACK else (0.0, 1.0)

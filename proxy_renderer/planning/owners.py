@@ -5,11 +5,10 @@ from __future__ import annotations
 
 from ..prompt.lexicon.entries import OWNERS, Effect
 from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.types import Attribute, Parsed
+from ..prompt.types import Attribute, Parsed, SceneDescription
 from ..schema import Instance
 from .lights.choice import SceneLights
 from .materials import SceneMaterials
-from .types import PlanContext
 
 BACKDROP = "world/backdrop_strength"
 """There, if what the camera sees of the world is not what lights."""
@@ -29,11 +28,15 @@ class Owners:
     """
 
     def __init__(
-        self, parsed: Parsed, instances: dict[str, Instance], context: PlanContext, vocabulary: Vocabulary
+        self,
+        parsed: Parsed,
+        instances: dict[str, Instance],
+        scene: SceneDescription,
+        vocabulary: Vocabulary,
     ) -> None:
-        self._parsed, self._instances, self._world_share = parsed, instances, context.world_share
-        self.materials = SceneMaterials(instances, context.material_share)
-        self.lights = SceneLights(parsed, instances, context, vocabulary)
+        self._parsed, self._instances, self._world_share = parsed, instances, scene.world_share
+        self.materials = SceneMaterials(instances, scene.material_share)
+        self.lights = SceneLights(parsed, instances, scene, vocabulary)
 
     def of(self, effect: Effect, attribute: Attribute) -> list[Instance]:
         """The instances of an effect's family that an attribute means; may be empty."""

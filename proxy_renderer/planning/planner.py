@@ -13,7 +13,7 @@ from ..goals.wish import Wish
 from ..prompt.lexicon.entries import Effect
 from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.types import GLOW, Parsed
+from ..prompt.types import GLOW, Parsed, SceneDescription
 from ..schema import Instance, Values, labels
 from .acting import STAGES, acts, beside_rig, grade_of, is_usual, stage_of
 from .agreement import Agreements, WishedRange, lacking, reason_of
@@ -23,7 +23,7 @@ from .owners import BACKDROP, SEEN, Owners
 from .ranges import clip, effect_range, within
 from .sources import Sources, WorldLook
 from .support import added_power, supports
-from .types import LightPlan, Plan, PlanContext, PlanEntry
+from .types import LightPlan, Plan, PlanEntry
 
 _OF_SHADOWS = ("size", "angle")
 """Parameters that begin well inside of their ranges: edges of shadows have slopes that say little of where hardness is found."""
@@ -48,7 +48,7 @@ _SECOND = 6  # how much later a mood's own words come than the prompt's
 def plan(
     goals: Goals,
     instances: dict[str, Instance],
-    context: PlanContext,
+    scene: SceneDescription,
     vocabulary: Vocabulary | None = None,
     light: LightPlan | None = None,
 ) -> Plan:
@@ -59,12 +59,12 @@ def plan(
 
     Args:
         instances: The scene's parameters by key.
-        context: What is known about the scene and its picture.
+        scene: What is known about the scene and its picture.
         vocabulary: What words mean; the artist's own if None.
         light: What a rig plans; None where the words ask for none.
     """
     light = light or LightPlan()
-    planner = _Planner(goals, instances, context, vocabulary or default_vocabulary(), light)
+    planner = _Planner(goals, instances, scene, vocabulary or default_vocabulary(), light)
     entries = planner.entries()
     entries |= {key: entry for key, entry in light.entries.items() if not planner.instances[key].locked}
     support = supports(goals.parsed, planner.instances, planner.sources, entries, planner.owners)
@@ -80,16 +80,16 @@ class _Planner:
         self,
         goals: Goals,
         instances: dict[str, Instance],
-        context: PlanContext,
+        scene: SceneDescription,
         vocabulary: Vocabulary,
         light: LightPlan,
     ) -> None:
         parsed = self.parsed = goals.parsed
         self.vocabulary = vocabulary
         self.instances = {key: _protected(i, parsed) for key, i in instances.items()}
-        self.owners = Owners(parsed, self.instances, context, vocabulary)
+        self.owners = Owners(parsed, self.instances, scene, vocabulary)
         stops = [i.value[0] for i in instances.values() if i.parameter.name in ("exposure", "grade_exposure")]
-        self.sources = Sources(context, exposure=sum(stops))
+        self.sources = Sources(scene, exposure=sum(stops))
         self.notes = [*parsed.notes, *goals.notes()]
         self.agreed = Agreements()
         self.kept: dict[str, list[str]] = {}
@@ -135,7 +135,7 @@ class _Planner:
 
     def _ranges(self, wish: Wish, effect: Effect) -> Iterator[WishedRange]:
         """A wish's ranges of the parameters that one of its effects is about."""
-        added = self.sources.context.added_lights
+        added = self.sources.scene.added_lights
         for instance in self.owners.of(effect, wish.attribute):
             if instance.owner in added and effect.mode == "times" and effect.name == "power":
                 if effect.lower[0] < 1.0:
@@ -184,12 +184,12 @@ class _Planner:
         return effect.priority + late + (_SECOND if wish.implied else 0)
 
     def _note_sources(self) -> None:
-        context, key = self.sources.context, self.owners.lights.key
-        facing = facing_radiance(self.instances, context, self.agreed.value, key)
+        scene, key = self.sources.scene, self.owners.lights.key
+        facing = facing_radiance(self.instances, scene, self.agreed.value, key)
         self.sources = replace(self.sources, key=facing)
-        world = backdrop = self._world("", context.environment_luminance)
+        world = backdrop = self._world("", scene.environment_luminance)
         if BACKDROP in self.instances:
-            backdrop = self._world("backdrop_", context.backdrop_luminance)
+            backdrop = self._world("backdrop_", scene.backdrop_luminance)
         self.sources = replace(self.sources, world=world, backdrop=backdrop)
 
     def _world(self, part: str, level: float) -> WorldLook:

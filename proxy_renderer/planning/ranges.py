@@ -37,18 +37,18 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
         shown = tuple(a * b for a, b in zip(instance.value, own, strict=True))
         low, high = _glow_color(effect, attribute.strength, shown)
     elif effect.name == "azimuth" and effect.mode in ("camera", "sides"):
-        low, high = _azimuth(effect, instance, sources.context.camera_azimuth)
+        low, high = _azimuth(effect, instance, sources.scene.camera_azimuth)
     else:
         low, high = _MODES.get(effect.mode, _plain)(effect, attribute.strength, instance, sources)
     if attribute.shades and effect.name in OWN_COLOR:
         low, high = beyond_present(low, high, attribute, instance)
     if effect.name == "elevation":
-        bottom, top = sources.context.light_elevations.get(instance.owner, (-90.0, 90.0))
+        bottom, top = sources.scene.light(instance.owner).elevations
         low, high = ((min(max(v[0], bottom), top),) for v in (low, high))
     if instance.parameter.name == "emission_color" and effect.family.startswith("light/"):
         low, high = _over_glow(low, high, _computed_glow(instance, sources))
-    if effect.family == "material/emission" and not effect.mode and instance.owner in sources.context.glows:
-        computed = max(sources.context.glows[instance.owner].strength, 1e-3)
+    if effect.family == "material/emission" and not effect.mode and instance.owner in sources.scene.emitters:
+        computed = max(sources.scene.emitters[instance.owner].strength, 1e-3)
         low, high = (low[0] / computed,), (high[0] / computed,)
     return clip(low, high, instance)
 
@@ -59,7 +59,7 @@ def within(values: Values, lower: Values, upper: Values) -> Values:
 
 
 def _computed_glow(instance: Instance, sources: Sources) -> Values:
-    glow = sources.context.glows.get(instance.owner)
+    glow = sources.scene.emitters.get(instance.owner)
     return glow.color if glow else (1.0, 1.0, 1.0)
 
 
@@ -173,13 +173,13 @@ def _lightness(effect: Effect, strength: float, instance: Instance, sources: Sou
             for goal in (low, high)
         ]
         return tuple(map(min, *shades)), tuple(map(max, *shades))
-    context = sources.context
+    scene = sources.scene
     if instance.parameter.group == "world":
         scale = 1 / max(luminance(sources.world.color), 1e-3)
     else:
-        scale = watts(instance, context) * instance.reference
+        scale = watts(instance, scene) * instance.reference
     scale /= 2**sources.exposure
-    return (radiance(low, context.view) * scale,), (radiance(high, context.view) * scale,)
+    return (radiance(low, scene.view) * scale,), (radiance(high, scene.view) * scale,)
 
 
 def _share(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
@@ -189,7 +189,7 @@ def _share(effect: Effect, strength: float, instance: Instance, sources: Sources
     if instance.parameter.group == "world":
         scale = sources.key / max(luminance(sources.world.color), 1e-3)
     else:
-        scale = sources.key * watts(instance, sources.context) * instance.reference
+        scale = sources.key * watts(instance, sources.scene) * instance.reference
     return (effect.lower[0] * scale,), (effect.upper[0] * scale,)
 
 

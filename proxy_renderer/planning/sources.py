@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..prompt.types import SceneDescription
 from ..schema import Values
-from .types import PlanContext
 
 Range = tuple[Values, Values]
 
@@ -29,7 +29,7 @@ class Sources:
     """What ranges are computed from besides the effect itself.
 
     Attributes:
-        context: The scene and its current picture.
+        scene: The scene and its current picture.
         exposure: Stops between the scene's radiance and the view transform, as the artist has them.
         world: What the plan settles on for the world.
         backdrop: The same for what the camera sees of it.
@@ -37,7 +37,7 @@ class Sources:
         key: Radiance, before exposure, of a white surface that faces the key lights; 0 if there are none.
     """
 
-    context: PlanContext
+    scene: SceneDescription
     exposure: float = 0.0
     world: WorldLook = WorldLook()
     backdrop: WorldLook = WorldLook()

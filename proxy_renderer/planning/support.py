@@ -94,10 +94,10 @@ def _is_seen(attribute: Attribute) -> bool:
 
 def _exposures(exposure: Instance, sources: Sources) -> Range:
     """Some stops around the artist's, and as many as a picture that is all dark, or all light, lacks."""
-    (artist,), (now,) = exposure.value, sources.context.values.get(exposure.key, exposure.value)
+    (artist,), (now,) = exposure.value, sources.scene.values.get(exposure.key, exposure.value)
     lower, upper = artist - _STOPS, artist + _STOPS
-    if sources.context.picture and sources.context.picture.percentiles:
-        darkest, _, lightest = sources.context.picture.percentiles
+    if sources.scene.picture and sources.scene.picture.percentiles:
+        darkest, _, lightest = sources.scene.picture.percentiles
         lower = min(lower, now + min(_stops(darkest, _DARKEST, sources), 0.0))
         upper = max(upper, now + max(_stops(lightest, _LIGHTEST, sources), 0.0))
     return (lower,), (upper,)
@@ -105,7 +105,7 @@ def _exposures(exposure: Instance, sources: Sources) -> Range:
 
 def _stops(lightness: float, wanted: float, sources: Sources) -> float:
     """From a gray of some L* to another."""
-    view = sources.context.view
+    view = sources.scene.view
     return math.log2(radiance(wanted, view) / radiance(lightness, view))
 
 
@@ -144,7 +144,7 @@ def _added_lights(
 ) -> dict[str, PlanEntry]:
     """A light that the words ask for has to show, whatever else they say of it."""
     why = "supports the words: they ask for a light that the scene lacks"
-    keys = (f"light/{name}/power" for name in sources.context.added_lights)
+    keys = (f"light/{name}/power" for name in sources.scene.added_lights)
     return {
         key: PlanEntry(*facing_white(instances[key], *_ADDED, sources), _LATE - 2, why, prior=0.0)
         for key in keys

@@ -19,7 +19,7 @@ from .lexicon.vocabulary import Vocabulary
 from .lexicon.word_table import table
 from .names import scene_names
 from .tokens import Token, composed
-from .types import SceneWords
+from .types import SceneDescription
 
 _LONGEST = 5  # words in a phrase
 _SHORTEST, _SHORTEST_FOREIGN = 4, 6  # letters of a word that may be mistyped
@@ -36,7 +36,9 @@ class Lexer:
         foreign: Words of another language: only long ones may be English ones with a mistake, "travertin".
     """
 
-    def __init__(self, vocabulary: Vocabulary, words: SceneWords, foreign: Collection[str] = ()) -> None:
+    def __init__(
+        self, vocabulary: Vocabulary, words: SceneDescription, foreign: Collection[str] = ()
+    ) -> None:
         self.vocabulary, self.foreign = vocabulary, foreign
         self.names = scene_names(words)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..schema.spec import Region
 from .lexicon.entries import normalize
-from .types import SceneWords
+from .types import SceneDescription
 
 _NAMES = 16_384  # names of scenes that are remembered
 
@@ -54,7 +54,7 @@ def is_detail(material: str) -> bool:
     return not name_words("details").isdisjoint((last, last.removesuffix("s")))
 
 
-def scene_names(words: SceneWords) -> frozenset[str]:
+def scene_names(words: SceneDescription) -> frozenset[str]:
     """What things in a scene are called: by whole names, by last words, and by what limbs are parts of."""
     named = (*words.objects, *words.materials)
     spoken = {plain_name(words.subject)} | {spell(n) for spell in (plain_name, _last, _whole) for n in named}
@@ -71,7 +71,7 @@ def _whole(name: str) -> str:
     return whole if last in name_words("limbs") else ""
 
 
-def limbs(words: SceneWords) -> dict[str, tuple[str, ...]]:
+def limbs(words: SceneDescription) -> dict[str, tuple[str, ...]]:
     """Of each object the materials of its parts that are objects of their own: the duck's head, the only teapot's lid."""
     parts = name_words("limbs") | name_words("details")
     heads: dict[Region, set[str]] = {"subject": set(), "surroundings": set()}

@@ -25,19 +25,19 @@ from .lexicon.vocabulary import Vocabulary
 from .meaning import complete
 from .names import scene_names
 from .spared import Spared, without_spared
-from .types import Parsed, SceneWords
+from .types import Parsed, SceneDescription
 
 _TAG = re.compile(r"</?[a-zA-Z][^<>]{0,200}>|\x1b\[[0-9;]*[A-Za-z]|[\x00-\x08\x0e-\x1f\x7f]")
 _THINGS_STAY = "things are not added, moved or removed, only their look changes."
 
 
-def prepared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> str:
+def prepared(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> str:
     """A prompt as readers take it."""
     return _prepared(gloss(text, scene, vocabulary).english, scene, vocabulary)[0]
 
 
 def _prepared(
-    text: str, scene: SceneWords, vocabulary: Vocabulary
+    text: str, scene: SceneDescription, vocabulary: Vocabulary
 ) -> tuple[str, list[KeyedSpan], list[Spared]]:
     """A prompt with hours, temperatures and lists as sentences say them; apart from it what it says after keys, and what stays."""
     told, own = kelvins.told(hours.told(text, vocabulary)), scene.made(_own_names, vocabulary)
@@ -45,7 +45,7 @@ def _prepared(
     return *keyed_spans(said, own), spared
 
 
-def _own_names(scene: SceneWords, _: Vocabulary) -> dict[str, str]:
+def _own_names(scene: SceneDescription, _: Vocabulary) -> dict[str, str]:
     """The names of a scene's objects, materials and lights, by how they are in lower case."""
     return {name.lower(): name for name in (*scene.lights, *scene.materials, *scene.object_materials)}
 
@@ -88,7 +88,7 @@ class _OpenedPrompt:
         return {normalize(word) for word in self.glossed.unknown}
 
 
-def _opened(prompt: str, scene: SceneWords, vocabulary: Vocabulary) -> _OpenedPrompt:
+def _opened(prompt: str, scene: SceneDescription, vocabulary: Vocabulary) -> _OpenedPrompt:
     """A prompt in English words; VibeError where it is empty, too long, or in a language that is not understood."""
     text = _checked(prompt)
     glossed = gloss(text, scene, vocabulary)
@@ -106,7 +106,7 @@ def refuse_without_look(prompt: str) -> None:
     Raises:
         VibeError: The prompt is empty, too long, in a language that is not understood, or has no look word.
     """
-    scene, vocabulary = SceneWords(), default_vocabulary()
+    scene, vocabulary = SceneDescription(), default_vocabulary()
     opened = _opened(prompt, scene, vocabulary)
     found = looks(opened.said, scene, vocabulary, opened.foreign_words)
     if not found.looks:
@@ -127,7 +127,7 @@ def _without_look(opened: _OpenedPrompt, undone: Sequence[str], lacking: Iterabl
 
 def parse(
     prompt: str,
-    scene: SceneWords,
+    scene: SceneDescription,
     vocabulary: Vocabulary | None = None,
     weights: FactWeights | None = None,
     told: Mapping[str, str] | None = None,
@@ -145,7 +145,7 @@ def parse(
 
 def read(
     prompt: str,
-    scene: SceneWords,
+    scene: SceneDescription,
     vocabulary: Vocabulary | None = None,
     weights: FactWeights | None = None,
     told: Mapping[str, str] | None = None,

@@ -13,7 +13,7 @@ from .lexicon.vocabulary import Vocabulary
 from .mentions.names import parts
 from .mentions.nouns import REGIONS, fit_rank, materials_of
 from .mentions.scene import SceneIndex
-from .types import GLOW, SceneWords
+from .types import GLOW, SceneDescription
 
 _END = r"(?=\s*(?:[,.;:!]|and\b|but\b|while\b|$))"
 _AND = re.compile(r"\s*(?:,|\band\b|\bor\b)\s*")
@@ -37,7 +37,7 @@ class Spared:
         return f"'{self.text}': {names or 'what no word names'} stays as it is."
 
 
-def without_spared(text: str, scene: SceneWords, vocabulary: Vocabulary) -> tuple[str, list[Spared]]:
+def without_spared(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> tuple[str, list[Spared]]:
     """A prompt without what it says should stay, and what that is.
 
     Args:
@@ -75,7 +75,7 @@ def _patterns(v: Vocabulary) -> list[re.Pattern[str]]:
 class _Finder:
     """Finds what of a scene stays."""
 
-    def __init__(self, scene: SceneWords, vocabulary: Vocabulary) -> None:
+    def __init__(self, scene: SceneDescription, vocabulary: Vocabulary) -> None:
         self._scene, self._vocabulary, self._index = scene, vocabulary, scene.made(SceneIndex, vocabulary)
 
     def kept(self, what: str) -> Iterator[str]:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from ..color.constants import Lab
 from ..schema import Values, VibeError
 from ..schema.spec import Region
 from ..schema.targets import NOT_USED
@@ -18,20 +19,24 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class LightWords:
-    """What a prompt may say of a light in the scene.
+class LightDescription:
+    """A light of a scene.
 
     Attributes:
-        type: "POINT", "SPOT", "AREA" or "SUN".
+        type: "POINT", "SPOT", "AREA" or "SUN"; "" if unknown.
         role: "key", "fill", "rim" or "other".
         turn: Azimuth relative to the camera, degrees: 0 behind it, 90 on its right; None if unknown.
         objects: Names of those that it mainly lights; none where that is unknown.
+        stops: Added to its power by Blender (its `exposure`).
+        elevations: Lowest and highest elevation that floor and ceiling leave it, degrees.
     """
 
     type: str = ""
     role: str = "other"
     turn: float | None = None
     objects: tuple[str, ...] = ()
+    stops: float = 0.0
+    elevations: tuple[float, float] = (-90.0, 90.0)
 
 
 @dataclass(frozen=True)
@@ -53,6 +58,38 @@ class MaterialLook:
     structures: frozenset[str] = frozenset()
 
 
+@dataclass(frozen=True)
+class Glow:
+    """Light of a material that emits.
+
+    Attributes:
+        light: Radiance of a white surface at the subject that faces it, if its own radiance is 1.
+        azimuth: Direction in which it is seen from the subject, degrees, as in `schema.orbit`.
+        objects: Names of the objects that show it.
+        color: Mean color that nodes compute, linear; its emission color multiplies it. White where nodes compute none.
+        strength: Mean strength that nodes compute; its emission multiplies it. 1 where nodes compute none.
+    """
+
+    light: float
+    azimuth: float
+    objects: tuple[str, ...] = ()
+    color: Values = (1.0, 1.0, 1.0)
+    strength: float = 1.0
+
+
+@dataclass(frozen=True)
+class PictureStats:
+    """Measurements of the current image.
+
+    Attributes:
+        lab: "subject"/"surroundings" -> mean display color.
+        percentiles: Display lightness L* of the whole image at 5, 50 and 95 percent.
+    """
+
+    lab: dict[Region, Lab] = field(default_factory=dict)
+    percentiles: tuple[float, float, float] | None = None
+
+
 WEAKEST, STRONGEST = 0.05, 3.0
 """Strengths of words, however many intensities stand before them: "very, very, very dark" is as dark as it gets."""
 GLOW = "material/"
@@ -60,37 +97,59 @@ GLOW = "material/"
 
 
 @dataclass(frozen=True)
-class SceneWords:
-    """The names in a scene that a prompt may mean; all empty when there is no scene.
+class SceneDescription:
+    """A scene as words and plans know it; everything is empty or unknown where there is none.
 
     Attributes:
         subject: What the subject is called, say the mesh file's name; "" when unknown.
         objects: Object name -> "subject" or "surroundings".
         materials: Material name -> "subject" or "surroundings".
         object_materials: Object name -> names of the materials on it.
-        lights: Light name -> what may be said of it.
+        lights: Light name -> the light; without the added ones, which a prompt cannot name.
         glows: Names of materials that emit light.
         groups: Collection or parent -> names of the objects in it.
-        places: Object name -> x (-1 left, 1 right), y (0 near, 1 far), and size as a share of the picture's width.
+        places: Object name -> x (-1 left, 1 right), y (0 near, 1 far), and size as a share of the image's width.
         looks: Material name -> how it looks at present; empty where only names are known.
         sky: Whether the camera sees the sky.
+        added_lights: Light that the scene lacks and that the words ask for -> the light.
+        emitters: Material -> light of its emission; also of a material whose emission is black.
+        camera_azimuth: Degrees, as in `schema.orbit`: light directions are relative to it.
+        view: View transform: "AgX", "Filmic", "Standard", ...
+        world_share: Share of the surroundings' pixels that show the world, not a surface; None if unknown.
+        material_share: Material -> share of its region's pixels; empty if unknown.
+        environment_luminance: Mean luminance of a linked environment at strength 1, untinted.
+        backdrop_luminance: The same of a linked backdrop that only the camera sees.
+        texture_luminance: Material -> mean luminance of its linked base color.
+        values: Current values by key; the artist's where missing.
+        picture: Measurements of the image that these values give; None before the first one.
     """
 
     subject: str = ""
     objects: dict[str, Region] = field(default_factory=dict)
     materials: dict[str, Region] = field(default_factory=dict)
     object_materials: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    lights: dict[str, LightWords] = field(default_factory=dict)
+    lights: dict[str, LightDescription] = field(default_factory=dict)
     glows: tuple[str, ...] = ()
     groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
     places: dict[str, tuple[float, float, float]] = field(default_factory=dict)
     looks: Mapping[str, MaterialLook] = field(default_factory=dict)
     sky: bool = True
+    added_lights: dict[str, LightDescription] = field(default_factory=dict)
+    emitters: dict[str, Glow] = field(default_factory=dict)
+    camera_azimuth: float = 0.0
+    view: str = "AgX"
+    world_share: float | None = None
+    material_share: dict[str, float] = field(default_factory=dict)
+    environment_luminance: float = 0.5
+    backdrop_luminance: float = 0.5
+    texture_luminance: dict[str, float] = field(default_factory=dict)
+    values: dict[str, Values] = field(default_factory=dict)
+    picture: PictureStats | None = None
     _made: dict[Any, tuple[Vocabulary, Any]] = field(
         init=False, repr=False, compare=False, default_factory=dict
     )
 
-    def made(self, make: Callable[[SceneWords, Vocabulary], T], vocabulary: Vocabulary) -> T:
+    def made(self, make: Callable[[SceneDescription, Vocabulary], T], vocabulary: Vocabulary) -> T:
         """What is made of the names with a vocabulary, once for all prompts.
 
         Args:
@@ -100,6 +159,10 @@ class SceneWords:
             self._made[make] = vocabulary, make(self, vocabulary)
         made: T = self._made[make][1]
         return made
+
+    def light(self, name: str) -> LightDescription:
+        """A light by its name, an added one too."""
+        return self.lights.get(name) or self.added_lights.get(name) or LightDescription()
 
 
 @dataclass(frozen=True)

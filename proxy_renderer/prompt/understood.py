@@ -10,7 +10,7 @@ from ..schema import VibeError
 from ..schema.options import checks
 from .lexicon.user_words import default_vocabulary
 from .parser import read
-from .types import Parsed, PromptWord, SceneWords
+from .types import Parsed, PromptWord, SceneDescription
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Understood:
     """
 
     prompt: str
-    scene: SceneWords
+    scene: SceneDescription
     told: InitVar[Iterable[str]] = ()
     words: tuple[PromptWord, ...] = field(default=(), init=False)
     unknown: VibeError | None = field(default=None, init=False)

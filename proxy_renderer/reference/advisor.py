@@ -10,9 +10,9 @@ from typing import Any
 from ..claims.wanted import claims_of
 from ..goals.resolve import Goals
 from ..planning.advice import Advice, Advisor
-from ..planning.types import Plan, PlanContext, PlanEntry
+from ..planning.types import Plan, PlanEntry
 from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.types import LightWords, Parsed, Prompts
+from ..prompt.types import LightDescription, Parsed, Prompts, SceneDescription
 from ..schema import Instance, VibeError
 from . import light_probe, ranges
 from .light_colors import light_colors
@@ -31,7 +31,7 @@ class LikeAdvisor:
     def __init__(self, reference: Reference, words: Advisor | None, keys: Collection[str]) -> None:
         self._reference, self._words, self._keys = reference, words, keys
 
-    def advise(self, display: Any, instances: Mapping[str, Instance], context: PlanContext) -> Advice:
+    def advise(self, display: Any, instances: Mapping[str, Instance], scene: SceneDescription) -> Advice:
         """As `Advisor.advise`: what words name is theirs, what the picture needs is its own.
 
         Raises:
@@ -39,7 +39,7 @@ class LikeAdvisor:
         """
         if self._words is None:  # beside words it is no goal, but where they start from
             self._reference.compare(display)
-        advice = self._words.advise(display, instances, context) if self._words else None
+        advice = self._words.advise(display, instances, scene) if self._words else None
         own = self._own(instances, advice)
         if advice is None:
             if not own:
@@ -79,7 +79,11 @@ class LikeAdvisor:
 
 
 def beside(
-    reference: Reference | None, words: Advisor, has_words: bool, shots: int, lights: Mapping[str, LightWords]
+    reference: Reference | None,
+    words: Advisor,
+    has_words: bool,
+    shots: int,
+    lights: Mapping[str, LightDescription],
 ) -> Advisor:
     """Who plans for words and a picture together.
 

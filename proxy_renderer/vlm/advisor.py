@@ -12,11 +12,11 @@ from ..goals.resolve import Goals, goals_of, resolved
 from ..goals.wish import Wish
 from ..planning.advice import Advice, OfflineAdvisor
 from ..planning.planner import plan as confine
-from ..planning.types import LightPlan, Plan, PlanContext, PlanEntry
+from ..planning.types import LightPlan, Plan, PlanEntry
 from ..prompt.lexicon.quantities import quantities
 from ..prompt.parser import parse
 from ..prompt.prompts import compose
-from ..prompt.types import Attribute, Parsed, PromptObject, Prompts
+from ..prompt.types import Attribute, Parsed, PromptObject, Prompts, SceneDescription
 from ..prompt.understood import Understood
 from ..schema import Instance, VibeError
 from .aliases import AliasTable
@@ -64,7 +64,7 @@ class ModelAdvisor:
         self._given_up = False
         self._counts = {"clipped": 0, "mended": 0, "dropped": 0, "missing": 0}
 
-    def advise(self, display: Any, instances: Mapping[str, Instance], context: PlanContext) -> Advice:
+    def advise(self, display: Any, instances: Mapping[str, Instance], context: SceneDescription) -> Advice:
         """The model's advice for a round; the offline planner's if the model fails.
 
         Args:
@@ -108,7 +108,7 @@ class ModelAdvisor:
         }
 
     def _ask(
-        self, display: Any, instances: Mapping[str, Instance], context: PlanContext, draft: Advice | None
+        self, display: Any, instances: Mapping[str, Instance], context: SceneDescription, draft: Advice | None
     ) -> Reply:
         table = AliasTable(instances, context)
         empty = Advice(Goals(Parsed(self._prompt)), Prompts("", "", ""), Plan())
@@ -128,7 +128,7 @@ class ModelAdvisor:
         return reply
 
     def _combine(
-        self, draft: Advice | None, reply: Reply, instances: Mapping[str, Instance], context: PlanContext
+        self, draft: Advice | None, reply: Reply, instances: Mapping[str, Instance], context: SceneDescription
     ) -> Advice:
         """The model's words where it has some, the draft's elsewhere; its ranges over the drafted ones."""
         read = draft.goals if draft else goals_of(self._read(reply.prompts.whole))
@@ -155,7 +155,7 @@ class ModelAdvisor:
         draft: Advice | None,
         unknown: VibeError | None,
         instances: Mapping[str, Instance],
-        context: PlanContext,
+        context: SceneDescription,
         why: str,
     ) -> Advice:
         """The advice without the model: the draft, or the model's earlier caption as the vocabulary reads it."""

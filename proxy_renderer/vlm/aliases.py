@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ..color.floats import decode, encode
-from ..planning.types import PlanContext
+from ..prompt.types import SceneDescription
 from ..schema import Instance, Values
 from ..schema.spec import SRGB
 
@@ -51,7 +51,7 @@ class AliasTable:
         names: Key -> name in questions, the inverse of `rows`.
     """
 
-    def __init__(self, instances: Mapping[str, Instance], context: PlanContext) -> None:
+    def __init__(self, instances: Mapping[str, Instance], context: SceneDescription) -> None:
         self._camera = context.camera_azimuth
         free = [i for i in instances.values() if not i.locked]
         owners = {
@@ -66,7 +66,7 @@ class AliasTable:
             for n, (owner, role) in enumerate(materials[:_MATERIALS], 1)
         ]
         self.aliases += [
-            Alias(f"light{n}", _name(owner), role, kind=context.light_types.get(owner, ""))
+            Alias(f"light{n}", _name(owner), role, kind=context.light(owner).type)
             for n, (owner, role) in enumerate(lights[:_LIGHTS], 1)
         ]
         chosen = [*materials[:_MATERIALS], *lights[:_LIGHTS]]

@@ -8,9 +8,9 @@ from typing import Any
 
 from ..color.floats import hex_from_srgb, srgb_from_lab
 from ..goals.resolve import Goals
-from ..planning.types import Plan, PlanContext
+from ..planning.types import Plan
 from ..prompt.lexicon.quantities import quantities
-from ..prompt.types import Prompts
+from ..prompt.types import Prompts, SceneDescription
 from ..schema import FAMILIES
 from ..schema.spec import SRGB
 from .aliases import AliasTable
@@ -53,7 +53,7 @@ range that is right needs no entry: leave it out and it stays. Colors are sRGB c
 def make_question(
     look: str,
     table: AliasTable,
-    context: PlanContext,
+    context: SceneDescription,
     draft: tuple[Goals, Prompts, Plan],
     picture: bytes | None,
 ) -> Question:
@@ -154,7 +154,7 @@ def _docs(table: AliasTable) -> dict[str, str]:
     return docs
 
 
-def _row(name: str, table: AliasTable, context: PlanContext, plan: Plan) -> dict[str, Any]:
+def _row(name: str, table: AliasTable, context: SceneDescription, plan: Plan) -> dict[str, Any]:
     instance = table.rows[name]
     now = table.shown(instance, context.values.get(instance.key, instance.value))
     low, high = table.bounds(instance)
@@ -166,7 +166,7 @@ def _row(name: str, table: AliasTable, context: PlanContext, plan: Plan) -> dict
     return row
 
 
-def _measured(context: PlanContext) -> dict[str, Any]:
+def _measured(context: SceneDescription) -> dict[str, Any]:
     """Measures of the current picture, for models that see badly or not at all."""
     if context.picture is None:
         return {}

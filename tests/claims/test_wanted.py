@@ -15,11 +15,11 @@ from proxy_renderer.prompt.lexicon.entries import OWNERS, read_wishes
 from proxy_renderer.prompt.lexicon.quantities import quantities
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.types import SceneDescription
 from proxy_renderer.schema import FAMILIES, VibeError
 from proxy_renderer.schema.verdicts import missing_by_word
 
-SCENE = SceneWords(
+SCENE = SceneDescription(
     "vase",
     {"vase": "subject", "Table": "surroundings"},
     {"Clay": "subject", "Wood": "surroundings"},

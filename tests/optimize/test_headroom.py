@@ -6,12 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plan_parts import CONTEXT, make_plan
+from plan_parts import SCENE, make_plan
 from tiny_job import KEY_LIGHT, write_job
 
 from lab.bench.scenes import balls
 from proxy_renderer.optimize.headroom import elevations, nearer, sizes
 from proxy_renderer.planning.types import PlanEntry
+from proxy_renderer.prompt.types import LightDescription
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 
@@ -60,9 +61,9 @@ def test_nothing_limits_lamps_in_the_open():
 
 
 def test_light_from_below_stays_above_the_floor():
-    limited = replace(CONTEXT, light_elevations={"Key": (-12.0, 60.0)})
+    limited = replace(SCENE, lights={"Key": LightDescription("AREA", elevations=(-12.0, 60.0))})
     assert make_plan("lit from below")["light/Key/elevation"].upper[0] < -12.0
-    entry = make_plan("lit from below", context=limited)["light/Key/elevation"]
+    entry = make_plan("lit from below", scene=limited)["light/Key/elevation"]
     assert entry.lower[0] == pytest.approx(-12.0)
 
 

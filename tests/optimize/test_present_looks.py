@@ -8,7 +8,7 @@ import pytest
 
 from lab.bench.scenes import balls
 from proxy_renderer.color.shades import basic
-from proxy_renderer.optimize.context import scene_words
+from proxy_renderer.optimize.context import described
 from proxy_renderer.optimize.present_looks import _parts, present_looks
 
 SCENE = (0.0, 10.0, 0.0)  # from height 0, 10 tall, the subject stands at the bottom
@@ -36,7 +36,7 @@ def test_shares_are_those_of_the_objects_that_wear_a_material(scene):
     assert 0.0 < sum(look.share for look in looks.values()) <= 1.0
     for look in looks.values():
         assert sum(look.worn.values()) == pytest.approx(look.share)
-    assert scene_words(scene).looks == looks
+    assert described(scene).looks == looks
 
 
 def test_a_strength_without_a_color_is_no_glow(scene):
@@ -45,7 +45,7 @@ def test_a_strength_without_a_color_is_no_glow(scene):
     for color, glows in (((0.0, 0.0, 0.0), False), ((0.0, 0.2, 1.0), True)):
         lit = with_value(bright, f"material/{name}/emission_color", color)
         assert present_looks(lit)[name].glows is glows
-        assert (name in scene_words(lit).glows) is glows
+        assert (name in described(lit).glows) is glows
 
 
 def parts(height, slope):

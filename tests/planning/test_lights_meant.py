@@ -6,17 +6,16 @@ from plan_parts import make_instances, make_plan
 
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.lights.lacking import lacking
-from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.types import LightDescription, SceneDescription
 
 STANDBY = {"Vibe Key": "key", "Vibe Fill": "fill", "Vibe Rim": "rim"}
 TWO = (("Area", "AREA", "key", -70.0), ("Area.001", "AREA", "fill", 70.0))
 
 
 def plan_of(prompt, lights):
-    context = PlanContext(light_types={name: kind for name, kind, _, _ in lights})
+    context = SceneDescription(lights={name: LightDescription(kind) for name, kind, _, _ in lights})
     return make_plan(prompt, make_instances(lights=lights), context)
 
 
@@ -98,8 +97,8 @@ def test_a_scene_that_has_the_lights_lacks_none():
 
 
 def found(prompt, lights):
-    context = PlanContext(light_types={name: kind for name, kind, _, _ in lights})
-    goals = goals_of(parse(prompt, SceneWords()))
+    context = SceneDescription(lights={name: LightDescription(kind) for name, kind, _, _ in lights})
+    goals = goals_of(parse(prompt, SceneDescription()))
     return lacking(goals, make_instances(lights=lights), context, STANDBY, default_vocabulary())
 
 

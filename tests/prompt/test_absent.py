@@ -4,15 +4,15 @@
 import pytest
 
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.types import SceneDescription
 from proxy_renderer.schema import VibeError
 
-VASE = SceneWords(
+VASE = SceneDescription(
     objects={"Vase": "subject", "Lemons": "subject", "Table": "surroundings"},
     materials={"Glaze": "subject", "Peel": "subject", "Wood": "surroundings"},
     object_materials={"Vase": ("Glaze",), "Lemons": ("Peel",), "Table": ("Wood",)},
 )
-MESH = SceneWords("Mesh", {"Mesh": "subject"}, {"Material": "subject"}, {"Mesh": ("Material",)})
+MESH = SceneDescription("Mesh", {"Mesh": "subject"}, {"Material": "subject"}, {"Mesh": ("Material",)})
 
 
 def said(prompt, scene):

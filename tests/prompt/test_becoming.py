@@ -7,7 +7,7 @@ from proxy_renderer.prompt.binding.becoming import becoming
 from proxy_renderer.prompt.lexer import Lexer
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.tokens import Token
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.types import SceneDescription
 
 VOCABULARY = shipped_vocabulary()
 _TARGETS = {
@@ -21,7 +21,7 @@ _TARGETS = {
 
 
 def token(word):
-    (found,) = Lexer(VOCABULARY, SceneWords()).clauses(word)[0]
+    (found,) = Lexer(VOCABULARY, SceneDescription()).clauses(word)[0]
     return found
 
 

@@ -15,14 +15,14 @@ from proxy_renderer.prompt.binding.why import why
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.mentions.names import fit, parts
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import LightWords, SceneWords
+from proxy_renderer.prompt.types import LightDescription, SceneDescription
 
 _READS = """
 from proxy_renderer.prompt.binding.pairs import reading
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.types import SceneDescription
 
-words = SceneWords(
+words = SceneDescription(
     objects={"Armchair": "subject", "Side Table": "surroundings", "Floor": "surroundings"},
     materials={"Velvet": "subject", "Oak": "subject", "Glass": "surroundings", "Parquet": "surroundings"},
     object_materials={"Armchair": ("Velvet", "Oak"), "Side Table": ("Glass", "Oak"), "Floor": ("Parquet",)},
@@ -34,7 +34,7 @@ for prompt in ("navy armchair, oak table darker than the floor", "everything whi
 """
 """Prints what words may describe, in the order in which it is looked at."""
 
-GARAGE = SceneWords(
+GARAGE = SceneDescription(
     objects={"carShell": "subject", "Brake_FL": "subject", "Boden": "surroundings", "Crate": "surroundings"},
     materials={
         "CarShellNew": "subject",
@@ -49,8 +49,8 @@ GARAGE = SceneWords(
         "Crate": ("CrateWood",),
     },
     lights={
-        "Desk Lamp": LightWords("POINT", "fill", 60.0),
-        "Window Area": LightWords("AREA", "key", -60.0),
+        "Desk Lamp": LightDescription("POINT", "fill", 60.0),
+        "Window Area": LightDescription("AREA", "key", -60.0),
     },
 )
 
@@ -119,7 +119,7 @@ def test_what_links_two_words_decides_between_targets_that_are_alike(weight, thi
     assert len({pair.target.names for pair in assigned(read, weights)}) == things
 
 
-BALLS = SceneWords(
+BALLS = SceneDescription(
     objects=dict.fromkeys(("Sphere", "Sphere.001", "Sphere.002"), "subject"),
     materials=dict.fromkeys(("One", "Two", "Three"), "subject"),
     object_materials={"Sphere": ("One",), "Sphere.001": ("Two",), "Sphere.002": ("Three",)},
@@ -184,15 +184,17 @@ def test_a_prompt_is_read_alike_in_every_process():
 
 def test_light_is_any_light_though_one_is_called_so() -> None:
     """A light called "Light" is not told apart by "warm light"."""
-    one = replace(GARAGE, lights={"Light": LightWords("AREA", "key", 0.0)})
-    two = replace(one, lights=one.lights | {"Lamp": LightWords("POINT", "fill", 60.0)})
+    one = replace(GARAGE, lights={"Light": LightDescription("AREA", "key", 0.0)})
+    two = replace(one, lights=one.lights | {"Lamp": LightDescription("POINT", "fill", 60.0)})
     for scene in (one, two):
         (warm,) = (a for a in parse("dusk, warm light", scene).attributes if a.word == "warm light")
         assert warm.lights == ()
 
 
 def test_a_light_is_told_by_its_number() -> None:
-    called = {name: LightWords("AREA", "fill", 0.0) for name in ("Area", "Area.001", "Light", "Light.002")}
+    called = {
+        name: LightDescription("AREA", "fill", 0.0) for name in ("Area", "Area.001", "Light", "Light.002")
+    }
     scene = replace(GARAGE, lights=called)
     for prompt, name in (
         ("area blue", "Area"),

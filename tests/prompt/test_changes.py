@@ -4,7 +4,7 @@
 import pytest
 
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import LightWords, MaterialLook, SceneWords
+from proxy_renderer.prompt.types import LightDescription, MaterialLook, SceneDescription
 
 RED, SAND, NAVY, GREEN = (0.6, 0.1, 0.1), (0.8, 0.75, 0.6), (0.1, 0.15, 0.45), (0.2, 0.5, 0.1)
 LOOKS = {
@@ -14,12 +14,12 @@ LOOKS = {
     "M4": MaterialLook(GREEN, share=0.4, worn={"Plane": 0.4}, structures=frozenset({"ground", "support"})),
     "M5": MaterialLook((0.5, 0.5, 0.5), share=0.01, worn={"Plane.001": 0.01}),
 }
-SCENE = SceneWords(
+SCENE = SceneDescription(
     objects=dict.fromkeys(("Cube.001", "Cube.002", "Cube.003"), "subject")
     | {"Plane": "surroundings", "Plane.001": "surroundings"},
     materials={"M1": "subject", "M2": "subject", "M3": "subject", "M4": "surroundings", "M5": "surroundings"},
     object_materials={next(iter(look.worn)): (name,) for name, look in LOOKS.items()},
-    lights={"Sun": LightWords("SUN", "key")},
+    lights={"Sun": LightDescription("SUN", "key")},
     looks=LOOKS,
 )
 CHANGES = (
@@ -114,7 +114,7 @@ def test_a_ceiling_that_no_material_is_stays_unused():
 
 def test_the_name_of_the_only_material_may_be_anything():
     looks = {"A": MaterialLook(RED, share=0.3), "B": MaterialLook(SAND, share=0.02)}
-    scene = SceneWords(
+    scene = SceneDescription(
         "", {"Torus": "subject"}, dict.fromkeys("AB", "subject"), {"Torus": ("A", "B")}, looks=looks
     )
     assert surfaces("pastel pink donut", scene)
@@ -122,7 +122,7 @@ def test_the_name_of_the_only_material_may_be_anything():
 
 def test_an_object_that_shares_its_material_with_larger_ones_is_not_painted():
     worn = {"Couch": 0.07, "Window": 0.3}
-    scene = SceneWords(
+    scene = SceneDescription(
         objects=dict.fromkeys((*worn, "Lamp"), "subject"),
         materials={"Paint": "subject", "Metal": "subject"},
         object_materials={"Couch": ("Paint",), "Window": ("Paint",), "Lamp": ("Metal",)},

@@ -12,7 +12,7 @@ from lab.bench.sealed.prompts import survey_colors
 from proxy_renderer.color.floats import oklab_from_srgb, srgb_from_hex
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.types import SceneDescription
 from proxy_renderer.schema import Values
 
 COLORS = default_vocabulary().colors
@@ -21,7 +21,7 @@ SURVEY = dict(survey_colors())
 
 def color_of(name: str) -> Values | None:
     """What a vase is painted that is called this."""
-    found = [a.color for a in parse(f"a {name} vase", SceneWords()).attributes if a.color]
+    found = [a.color for a in parse(f"a {name} vase", SceneDescription()).attributes if a.color]
     return found[0] if len(found) == 1 else None
 
 

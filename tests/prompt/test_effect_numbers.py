@@ -2,7 +2,7 @@
 """Effects whose mode or numbers their parameter cannot have are refused when they are read, not while a scene is planned."""
 
 import pytest
-from plan_parts import CONTEXT, make_instances
+from plan_parts import SCENE, make_instances
 
 from proxy_renderer.planning.ranges import effect_range
 from proxy_renderer.planning.sources import Sources
@@ -62,7 +62,7 @@ def test_what_is_read_can_be_planned(mode):
                 )
             except VibeError:
                 continue
-            lower, upper = effect_range(effect, WORD, instance, Sources(CONTEXT, key=1.0))
+            lower, upper = effect_range(effect, WORD, instance, Sources(SCENE, key=1.0))
             assert len(lower) == len(upper) == parameter.components, str(effect)
             pairs = zip(instance.lower, lower, upper, instance.upper, strict=True)
             assert all(a <= b <= c <= d for a, b, c, d in pairs), str(effect)

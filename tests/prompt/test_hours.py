@@ -5,12 +5,12 @@ import pytest
 
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.types import SceneDescription
 
 
 def entries(prompt: str) -> list[str]:
     """The entries that a prompt says itself."""
-    return [a.entry for a in parse(prompt, SceneWords()).attributes if not a.cause]
+    return [a.entry for a in parse(prompt, SceneDescription()).attributes if not a.cause]
 
 
 @pytest.mark.parametrize(

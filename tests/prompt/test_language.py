@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from plan_parts import CONTEXT, LIGHTS, REFERENCES, make_instances, make_plan
+from plan_parts import LIGHTS, REFERENCES, SCENE, make_instances, make_plan
 
 from proxy_renderer.color.floats import (
     lab_from_srgb,
@@ -23,7 +23,6 @@ from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.explanation import as_dict, explain
 from proxy_renderer.planning.grays import radiance
 from proxy_renderer.planning.planner import plan
-from proxy_renderer.planning.types import PictureStats, PlanContext
 from proxy_renderer.prompt.lexer import Lexer
 from proxy_renderer.prompt.lexicon.attributes import COLORS
 from proxy_renderer.prompt.lexicon.entries import COLOR_MODES, parse_effect
@@ -33,7 +32,7 @@ from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.lexicon.vocabulary import load
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.types import PictureStats, SceneDescription
 from proxy_renderer.schema import FAMILIES, Instance, VibeError
 
 PROMPTS = (
@@ -52,9 +51,9 @@ PROMPTS = (
 )
 
 
-def bound(prompt: str, scene: SceneWords | None = None) -> set[tuple[str, str]]:
+def bound(prompt: str, scene: SceneDescription | None = None) -> set[tuple[str, str]]:
     """{(entry, kind of thing)} of the words that the prompt says itself."""
-    return {(a.entry, a.kind) for a in parse(prompt, scene or SceneWords()).attributes if not a.cause}
+    return {(a.entry, a.kind) for a in parse(prompt, scene or SceneDescription()).attributes if not a.cause}
 
 
 # ---- the vocabulary
@@ -84,10 +83,10 @@ def test_vocabulary_is_large_and_every_effect_fits_the_schema():
 
 def test_every_entry_says_or_does_something_and_can_be_said():
     vocabulary = default_vocabulary()
-    lexer = Lexer(vocabulary, SceneWords())
+    lexer = Lexer(vocabulary, SceneDescription())
     for entry in vocabulary.entries.values():
         assert entry.effects or entry.means or entry.name in rig_table().rigs, entry.name
-        assert parse(entry.name, SceneWords()).attributes, entry.name
+        assert parse(entry.name, SceneDescription()).attributes, entry.name
         for word in entry.words:
             tokens = [token for clause in lexer.clauses(word) for token in clause]
             assert any(t.entry or t.color or t.adjective for t in tokens), word
@@ -162,7 +161,7 @@ def _phrasing(prompt, said):
 @pytest.mark.parametrize(("prompt", "said"), [_phrasing(*row) for row in PHRASINGS])
 def test_what_artists_type_is_understood(prompt, said):
     vocabulary = default_vocabulary()
-    parsed = parse(prompt, SceneWords())
+    parsed = parse(prompt, SceneDescription())
     found = {(a.entry, a.kind): a for a in parsed.attributes if not a.cause}
     for wish in said.split("; "):
         if wish.startswith("-"):
@@ -177,8 +176,8 @@ def test_what_artists_type_is_understood(prompt, said):
 
 def test_swapping_the_words_swaps_the_regions():
     for one, other in (("red", "blue"), ("white", "black"), ("teal", "yellow"), ("pink", "dark green")):
-        first = parse(f"{one} teapot, {other} background", SceneWords())
-        second = parse(f"{other} teapot, {one} background", SceneWords())
+        first = parse(f"{one} teapot, {other} background", SceneDescription())
+        second = parse(f"{other} teapot, {one} background", SceneDescription())
         colors = [
             {wish.quantity: wish.attribute.entry for wish in goals_of(p).wishes} for p in (first, second)
         ]
@@ -193,7 +192,7 @@ def test_swapping_the_words_swaps_the_regions():
 
 
 def test_names_in_the_scene_match_several_subjects():
-    scene = SceneWords(
+    scene = SceneDescription(
         objects={"Cup.001": "subject", "WoodTable": "surroundings", "Spoon": "subject"},
         materials={"M1": "subject", "M2": "surroundings", "M3": "subject"},
         object_materials={"Cup.001": ("M1",), "WoodTable": ("M2",), "Spoon": ("M3",)},
@@ -202,7 +201,7 @@ def test_names_in_the_scene_match_several_subjects():
     owners = {a.entry: a.owners for a in parsed.attributes}
     assert owners == {"copper metal": ("M1",), "walnut": ("M2",), "silver metal": ("M3",)}
     instances = make_instances(materials=(("M1", "subject"), ("M2", "surroundings"), ("M3", "subject")))
-    plan_ = plan(goals_of(parsed), instances, CONTEXT)
+    plan_ = plan(goals_of(parsed), instances, SCENE)
     assert plan_["material/M1/base_color"].reason.startswith("'copper'")
     assert plan_["material/M3/base_color"].reason.startswith("'silver'")
     assert plan_["material/M2/metallic"].reason.startswith("'dark walnut'")
@@ -225,7 +224,7 @@ def test_dark_and_pale_materials_keep_their_hue():
 
 def test_prompts_never_negate():
     for prompt in PROMPTS:
-        texts = compose(parse(prompt, SceneWords()))
+        texts = compose(parse(prompt, SceneDescription()))
         for text in (texts.subject, texts.surroundings, texts.whole, *texts.whole_negatives):
             assert not {"no", "not", "without"} & set(text.replace(",", "").split()[:1]), text
 
@@ -235,7 +234,7 @@ def test_prompts_never_negate():
 
 def test_goals_are_of_known_classes():
     for prompt in PROMPTS:
-        for quantity, named in goals_of(parse(prompt, SceneWords())).classes.items():
+        for quantity, named in goals_of(parse(prompt, SceneDescription())).classes.items():
             assert named in quantities().by_name[quantity].classes
 
 
@@ -254,7 +253,7 @@ def test_negation_is_a_bound(prompt, key, limit):
 
 
 def test_negation_repels_a_positively_worded_picture():
-    texts = compose(parse("red teapot, no fog", SceneWords()))
+    texts = compose(parse("red teapot, no fog", SceneDescription()))
     assert any("fog" in text for text in texts.whole_negatives)
     assert "fog" not in texts.whole
 
@@ -287,7 +286,7 @@ def test_intensity_is_monotone(word, key, sign):
 
 def test_directions_are_relative_to_the_camera_and_wrap_to_the_nearest():
     for camera in (0.0, 90.0, -170.0, 300.0):
-        entry = make_plan("red, light from the left", context=PlanContext(camera_azimuth=camera))[
+        entry = make_plan("red, light from the left", scene=SceneDescription(camera_azimuth=camera))[
             "light/Key/azimuth"
         ]
         middle = (entry.lower[0] + entry.upper[0]) / 2
@@ -323,7 +322,7 @@ def test_words_mean_what_they_mean_of_what_they_stand_with():
 
 
 def test_what_is_a_color_and_a_material_is_a_color_before_another_material():
-    attributes = parse("emerald velvet sofa", SceneWords()).attributes
+    attributes = parse("emerald velvet sofa", SceneDescription()).attributes
     assert [(a.entry, bool(a.color)) for a in attributes] == [("emerald", True), ("velvet", False)]
     assert ("emerald", "subject") not in bound("emerald vase")  # the gem, by its own name
     assert {entry for entry, _ in bound("emerald and gold vase")} >= {"emerald gem", "gold"}
@@ -381,8 +380,9 @@ def test_ranges_are_always_legal():
         )
         lab = lambda: (draw.uniform(0, 100), draw.uniform(-60, 60), draw.uniform(-60, 60))  # noqa: E731
         picture = PictureStats({"subject": lab(), "surroundings": lab()}, (5.0, 40.0, 95.0))
-        context = PlanContext(
-            draw.uniform(-180, 180), draw.choice(["AgX", "Filmic", "Standard", "False Color"]),
+        context = SceneDescription(
+            camera_azimuth=draw.uniform(-180, 180),
+            view=draw.choice(["AgX", "Filmic", "Standard", "False Color"]),
             picture=picture if seed % 2 else None,
         )  # fmt: skip
         prompt = PROMPTS[seed] if seed < len(PROMPTS) else random_prompt(draw)
@@ -452,7 +452,7 @@ def test_a_named_color_has_room_for_the_light_and_the_view():
 
 def test_small_parts_keep_their_color():
     instances = make_instances(materials=(("Paint", "subject"), ("Tyre", "subject")))
-    context = PlanContext(material_share={"Paint": 0.95, "Tyre": 0.05})
+    context = SceneDescription(material_share={"Paint": 0.95, "Tyre": 0.05})
     plan_ = make_plan("red car", instances, context)
     assert plan_["material/Paint/base_color"].priority == 1
     assert plan_["material/Tyre/base_color"].priority is None
@@ -465,7 +465,7 @@ def test_a_pale_tint_is_seen():
 
 
 def test_a_muted_tint_tints_less_than_a_vivid_one():
-    scene = SceneWords(objects={"A": "subject", "B": "subject"})
+    scene = SceneDescription(objects={"A": "subject", "B": "subject"})
     spread = []
     for prompt in ("lonely, muted blue", "lonely, blue"):
         entry = make_plan(prompt, scene=scene)["light/Key/color"]
@@ -475,7 +475,7 @@ def test_a_muted_tint_tints_less_than_a_vivid_one():
 
 
 def test_a_color_that_begins_a_prompt_is_that_of_all_subjects():
-    scene = SceneWords(objects={"A": "subject", "B": "subject"})
+    scene = SceneDescription(objects={"A": "subject", "B": "subject"})
     green = next(a for a in parse("emerald green, soft light from the left", scene).attributes if a.color)
     assert (green.kind, green.region) == ("subject", "subject")
     assert next(a for a in parse("emerald green", scene).attributes if a.color).region == "subject"
@@ -489,7 +489,7 @@ def test_a_color_that_begins_a_prompt_is_that_of_all_subjects():
 )
 def test_hopeless_prompts_are_one_clear_error(prompt):
     with pytest.raises(VibeError) as caught:
-        parse(prompt, SceneWords())
+        parse(prompt, SceneDescription())
     assert caught.value.remedy
     assert "\n" not in caught.value.message
 
@@ -510,24 +510,24 @@ def test_markup_emoji_and_shouting_do_not_matter(prompt):
 
 
 def test_unknown_words_are_said_to_be_ignored_and_typos_to_be_guesses():
-    parsed = parse("glosy teall frobnicated teapot, zorp", SceneWords(subject="teapot"))
+    parsed = parse("glosy teall frobnicated teapot, zorp", SceneDescription(subject="teapot"))
     assert parsed.guesses == {"glosy": "glossy", "teall": "teal"}
     assert {"frobnicated", "zorp"} <= set(parsed.ignored)
 
 
 def test_what_a_look_cannot_do_is_ignored():
-    parsed = parse("add a second dragon, gold", SceneWords())
+    parsed = parse("add a second dragon, gold", SceneDescription())
     assert {"add", "second", "dragon"} <= set(parsed.ignored)
     assert goals_of(parsed).classes["substance"] == "metal"
-    assert "haze" in goals_of(parse("add fog, gold", SceneWords())).classes
+    assert "haze" in goals_of(parse("add fog, gold", SceneDescription())).classes
 
 
 def test_explanations_name_everything():
     for prompt in PROMPTS:
-        parsed = parse(prompt, SceneWords())
+        parsed = parse(prompt, SceneDescription())
         texts = compose(parsed)
         goals = goals_of(parsed)
-        plan_ = plan(goals, make_instances(), CONTEXT)
+        plan_ = plan(goals, make_instances(), SCENE)
         text = explain(goals, texts, plan_)
         assert texts.subject in text
         assert all(note in text for note in plan_.notes)
@@ -554,7 +554,7 @@ def test_color_conversions_invert_each_other():
     ],
 )
 def test_lists_and_trailing_words(prompt, entry, kind):
-    scene = SceneWords("Cube", {"Cube": "subject", "Cup": "subject"}, {"M": "subject"}, {"Cup": ("M",)})
+    scene = SceneDescription("Cube", {"Cube": "subject", "Cup": "subject"}, {"M": "subject"}, {"Cup": ("M",)})
     attributes = [a for a in parse(prompt, scene).attributes if a.entry == entry]
     assert attributes
     assert attributes[0].kind == kind or entry == "soft light"
@@ -562,12 +562,12 @@ def test_lists_and_trailing_words(prompt, entry, kind):
 
 
 def test_not_too_qualifies_what_was_said_before():
-    strengths = [a.strength for a in parse("dark, but not too dark", SceneWords()).attributes]
+    strengths = [a.strength for a in parse("dark, but not too dark", SceneDescription()).attributes]
     assert strengths == [0.5]
 
 
 def test_a_place_in_the_dark_is_about_what_is_around():
-    parsed = parse("neon pink sign in the dark", SceneWords())
+    parsed = parse("neon pink sign in the dark", SceneDescription())
     assert parsed.objects[0].name == "sign"
     assert [a.entry for a in parsed.attributes if a.region == "surroundings"] == ["dark surroundings"]
     assert not parsed.ignored
@@ -615,6 +615,6 @@ def test_under_water_nothing_is_made_of_water():
 
 @pytest.mark.parametrize("prompt", ["Overcast day, matte navy blue car", "Stormy weather, navy blue car"])
 def test_a_day_is_not_the_subject(prompt):
-    parsed = parse(prompt, SceneWords())
+    parsed = parse(prompt, SceneDescription())
     assert parsed.objects[0].name == "car"
     assert parsed.objects[0].attributes["color"] == "navy blue"

@@ -16,10 +16,10 @@ from proxy_renderer.prompt.lexicon.languages import lexicons, load
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.types import SceneDescription
 from proxy_renderer.schema import VibeError
 
-GARAGE = SceneWords(
+GARAGE = SceneDescription(
     objects={"carShell": "subject", "Wand": "surroundings"},
     materials={"CarPaint": "subject", "Putz": "surroundings"},
     object_materials={"carShell": ("CarPaint",), "Wand": ("Putz",)},
@@ -27,13 +27,13 @@ GARAGE = SceneWords(
 LEXICON = '[language]\nname = "Test"\nspaces = true\n'
 
 
-def english(text: str, scene: SceneWords = GARAGE) -> str:
+def english(text: str, scene: SceneDescription = GARAGE) -> str:
     return gloss(text, scene, shipped_vocabulary()).english
 
 
 @pytest.mark.parametrize("lexicon", lexicons(), ids=lambda lexicon: lexicon.name)
 def test_every_look_word_of_a_lexicon_is_one_in_english(lexicon):
-    lexer = Lexer(shipped_vocabulary(), SceneWords())
+    lexer = Lexer(shipped_vocabulary(), SceneDescription())
     unknown = []
     for wording in lexicon.looks:
         tokens = [token for clause in lexer.clauses(wording) for token in clause]
@@ -115,10 +115,10 @@ def test_letters_without_spaces_are_cut_where_most_is_known(letters, compounds, 
 
 
 def test_of_things_that_are_called_alike_the_one_in_the_scene_is_meant():
-    balls = SceneWords(
+    balls = SceneDescription(
         objects={"Sphere": "subject"}, materials={"M": "subject"}, object_materials={"Sphere": ("M",)}
     )
-    dials = SceneWords(
+    dials = SceneDescription(
         objects={"Dial": "subject"}, materials={"M": "subject"}, object_materials={"Dial": ("M",)}
     )
     assert english("esfera roja", balls) == "red sphere"
@@ -127,8 +127,8 @@ def test_of_things_that_are_called_alike_the_one_in_the_scene_is_meant():
 
 def test_labels_go_where_the_words_of_a_sentence_go():
     (sentence, *_) = read_folder(Path(sentences.__file__).parent / "french")
-    read = glossed(sentence, stand_in(sentence.scene).words, shipped_vocabulary())
-    assert read.text == english(sentence.text, stand_in(sentence.scene).words)
+    read = glossed(sentence, stand_in(sentence.scene).scene, shipped_vocabulary())
+    assert read.text == english(sentence.text, stand_in(sentence.scene).scene)
     assert [(word.text, word.target) for word in read.words] == [
         ("midnight blue", sentence.words[0].target),
         ("silver", sentence.words[1].target),
@@ -152,7 +152,7 @@ def test_what_a_lexicon_lacks_is_said_in_english():
 
 def test_english_sentences_are_not_taken_for_other_languages():
     labeled = read_folder(Path(sentences.__file__).parent / "development")[::5]
-    read = [gloss(s.text, stand_in(s.scene).words, shipped_vocabulary()).language for s in labeled]
+    read = [gloss(s.text, stand_in(s.scene).scene, shipped_vocabulary()).language for s in labeled]
     assert sum(map(bool, read)) <= 1  # "chrom", "goldn": typed so in German too
 
 

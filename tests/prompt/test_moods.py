@@ -5,9 +5,9 @@ import pytest
 
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.types import SceneDescription
 
-SCENE = SceneWords(
+SCENE = SceneDescription(
     "vase",
     {"vase": "subject", "Wall": "surroundings"},
     {"Clay": "subject", "Plaster": "surroundings"},

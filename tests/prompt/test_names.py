@@ -5,7 +5,6 @@ import pytest
 
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan
-from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.binding.pairs import reading
 from proxy_renderer.prompt.lexicon.things import senses
 from proxy_renderer.prompt.lexicon.user_words import extend
@@ -14,14 +13,14 @@ from proxy_renderer.prompt.mentions import names as fitted
 from proxy_renderer.prompt.mentions.names import fit
 from proxy_renderer.prompt.names import is_detail, kind_of, plain_name
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.types import SceneDescription
 from proxy_renderer.schema import FAMILIES, Instance
 
 
-def scene(worn: dict[str, str]) -> SceneWords:
+def scene(worn: dict[str, str]) -> SceneDescription:
     """Subjects with a material each."""
     materials = dict.fromkeys(worn.values(), "subject")
-    return SceneWords(
+    return SceneDescription(
         "", dict.fromkeys(worn, "subject"), materials, {name: (stuff,) for name, stuff in worn.items()}
     )
 
@@ -37,7 +36,7 @@ DUCK = scene({"Duck": "Duck", "Duck Head": "Duck Head", "Bill": "Beak"})
 TEAPOT = scene({"Teapot": "Glaze", "Lid": "Lid Glaze", "Handle": "Bamboo"})
 
 
-def painted(prompt: str, words: SceneWords, shares: dict[str, float], alike: bool = False) -> set[str]:
+def painted(prompt: str, words: SceneDescription, shares: dict[str, float], alike: bool = False) -> set[str]:
     """Materials whose color a plan changes; each has a gray of its own, or all the same."""
     family = FAMILIES["material/base_color"]
     instances = [
@@ -45,7 +44,7 @@ def painted(prompt: str, words: SceneWords, shares: dict[str, float], alike: boo
         for i, name in enumerate(words.materials)
     ]
     parsed = parse(prompt, words)
-    made = plan(goals_of(parsed), {i.key: i for i in instances}, PlanContext(material_share=shares))
+    made = plan(goals_of(parsed), {i.key: i for i in instances}, SceneDescription(material_share=shares))
     return {i.owner for i in instances if made[i.key].priority is not None}
 
 
@@ -100,7 +99,7 @@ def test_names_that_say_nothing_are_kinds_of_their_own():
     ],
 )
 def test_a_word_for_a_mood_may_be_the_thing_itself(prompt, moods, thing):
-    parsed = parse(prompt, SceneWords())
+    parsed = parse(prompt, SceneDescription())
     assert {a.entry for a in parsed.attributes if not a.cause} == moods
     assert parsed.objects[0].name == thing
 
@@ -119,12 +118,12 @@ def test_names_in_the_scene_come_before_moods():
     ],
 )
 def test_keys_and_values_are_read_as_a_sentence(prompt, entries):
-    parsed = parse(prompt, SceneWords())
+    parsed = parse(prompt, SceneDescription())
     assert {(a.entry, a.negated) for a in parsed.attributes if not a.cause} == entries
 
 
 def test_the_color_of_the_air_is_the_words():
-    parsed = parse("underwater, murky green", SceneWords())
+    parsed = parse("underwater, murky green", SceneDescription())
     assert "haze_color" in {wish.quantity for wish in goals_of(parsed).wishes if wish.attribute.color}
     assert {"ambience", "fog"} <= {a.kind for a in parsed.attributes if a.color}
 
@@ -138,16 +137,16 @@ def test_the_color_of_the_air_is_the_words():
     ],
 )
 def test_a_color_after_light_or_air_is_theirs_if_light_can_have_it(prompt, kind):
-    assert {a.kind for a in parse(prompt, SceneWords()).attributes if a.color} == {kind}
+    assert {a.kind for a in parse(prompt, SceneDescription()).attributes if a.color} == {kind}
 
 
 def test_light_of_gold_is_no_metal():
-    assert "substance" not in goals_of(parse("red vase, gold light", SceneWords())).classes
+    assert "substance" not in goals_of(parse("red vase, gold light", SceneDescription())).classes
 
 
 def test_of_two_materials_of_one_name_the_subjects_is_meant():
     """After Make Single-User the subject has "Monkey.001", and the floor keeps "Monkey"."""
-    words = SceneWords(materials={"Monkey": "surroundings", "Monkey.001": "subject"})
+    words = SceneDescription(materials={"Monkey": "surroundings", "Monkey.001": "subject"})
     assert {a.owners for a in parse("red monkey, glossy", words).attributes if a.color} == {("Monkey.001",)}
 
 
@@ -161,7 +160,7 @@ def test_a_named_color_comes_before_a_word_that_only_changes_one():
     words = scene({"Ball": "Ball"})
     instance = Instance(FAMILIES["material/base_color"], "Ball", (0.5, 0.5, 0.5), 1.0, "subject")
     parsed = parse("the ball is teal, the ball is darker", words)
-    entry = plan(goals_of(parsed), {instance.key: instance}, PlanContext())[instance.key]
+    entry = plan(goals_of(parsed), {instance.key: instance}, SceneDescription())[instance.key]
     assert entry.upper[0] < 0.1 < entry.upper[1]
 
 
@@ -179,7 +178,7 @@ def test_a_named_color_comes_before_a_word_that_only_changes_one():
 )
 def test_a_material_before_a_thing_is_its_look_though_things_are_called_so(prompt, things, looks):
     worn = {thing: (thing,) for thing in things}
-    scene = SceneWords(
+    scene = SceneDescription(
         objects=dict.fromkeys(things, "subject"),
         materials=dict.fromkeys(things, "subject"),
         object_materials=worn,
@@ -228,7 +227,7 @@ def test_parts_of_another_stuff_may_stay_as_they_are() -> None:
 def test_a_color_that_is_said_comes_before_that_of_a_material(prompt: str) -> None:
     instance = Instance(FAMILIES["material/base_color"], "Ball", (0.5, 0.5, 0.5), 1.0, "subject")
     parsed = parse(prompt, scene({"Ball": "Ball"}))
-    entry = plan(goals_of(parsed), {instance.key: instance}, PlanContext())[instance.key]
+    entry = plan(goals_of(parsed), {instance.key: instance}, SceneDescription())[instance.key]
     assert entry.upper[0] > 0.5 > 0.2 > entry.upper[1]
 
 

@@ -8,17 +8,17 @@ import pytest
 from proxy_renderer.cli.explain import account
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.types import SceneDescription
 from proxy_renderer.schema import VibeError
 
-TABLE = SceneWords(
+TABLE = SceneDescription(
     objects={"Cup": "subject", "Table": "subject", "Lemon": "subject", "Wall": "surroundings"},
     materials={"Cup": "subject", "Table": "subject", "Lemon": "subject", "Wall": "surroundings"},
     object_materials={"Cup": ("Cup",), "Table": ("Table",), "Lemon": ("Lemon",), "Wall": ("Wall",)},
 )
 
 
-def said(prompt: str, scene: SceneWords = TABLE) -> dict[str, tuple[str, ...]]:
+def said(prompt: str, scene: SceneDescription = TABLE) -> dict[str, tuple[str, ...]]:
     """Entry or color -> the materials that are meant, or the kind of thing where none are."""
     found = parse(prompt, scene).attributes
     return {a.entry: a.owners or (a.kind,) for a in found if not a.cause}
@@ -97,7 +97,7 @@ def test_what_is_meant_is_found(prompt, meant):
 
 def test_several_things_of_a_name_share_a_list_of_colors():
     balls = ("Ball", "Ball.001", "Ball.002")
-    scene = SceneWords(
+    scene = SceneDescription(
         objects=dict.fromkeys(balls, "subject"),
         materials=dict.fromkeys(("A", "B", "C"), "subject"),
         object_materials={ball: (name,) for ball, name in zip(balls, "ABC", strict=True)},
@@ -146,4 +146,4 @@ def test_a_light_that_is_named_outshines_the_light_of_a_mood():
 
 def test_a_prompt_of_guesses_in_another_language_is_refused():
     with pytest.raises(VibeError):
-        parse("bardzo ciepły i złoty ton, bez cienia", SceneWords())
+        parse("bardzo ciepły i złoty ton, bez cienia", SceneDescription())

@@ -9,7 +9,7 @@ import pytest
 
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.parser import parse, refuse_without_look
-from proxy_renderer.prompt.types import GLOW, LightWords, SceneWords
+from proxy_renderer.prompt.types import GLOW, LightDescription, SceneDescription
 
 SCENES = tomllib.loads(Path(__file__).with_name("plain_readings.toml").read_text("utf-8"))
 WHOLE = {"tone": "picture", "whole": "picture", "ambience": "picture"}
@@ -18,12 +18,12 @@ WHOLE = {"tone": "picture", "whole": "picture", "ambience": "picture"}
 @cache
 def scene(name):
     rows = SCENES[name]
-    return SceneWords(
+    return SceneDescription(
         rows.get("subject", ""),
         rows["objects"],
         rows["materials"],
         {wearer: tuple(worn) for wearer, worn in rows["object_materials"].items()},
-        {light: LightWords(*said) for light, said in rows["lights"].items()},
+        {light: LightDescription(*said) for light, said in rows["lights"].items()},
         tuple(rows.get("glows", ())),
         places={thing: tuple(place) for thing, place in rows.get("places", {}).items()},
     )

@@ -4,10 +4,10 @@
 import pytest
 
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.types import SceneDescription
 
 PARTS = {"Cylinder": "M1", "Cube": "M2", "Torus": "M3"}
-SCENE = SceneWords(
+SCENE = SceneDescription(
     objects=dict.fromkeys(PARTS, "subject") | {"Plane": "surroundings"},
     materials=dict.fromkeys(PARTS.values(), "subject") | {"M4": "surroundings"},
     object_materials={name: (worn,) for name, worn in PARTS.items()} | {"Plane": ("M4",)},
@@ -15,7 +15,7 @@ SCENE = SceneWords(
 )
 
 
-def owners(prompt: str, scene: SceneWords = SCENE) -> dict[str, tuple[str, ...]]:
+def owners(prompt: str, scene: SceneDescription = SCENE) -> dict[str, tuple[str, ...]]:
     return {a.word: a.owners for a in parse(prompt, scene).attributes if a.kind == "subject" and not a.cause}
 
 
@@ -48,7 +48,7 @@ def test_a_look_of_a_part_is_not_shared_out(part):
 
 def test_things_of_one_name_share_as_the_parts_of_the_subject_do():
     rings = ("Ring", "Ring.001", "Ring.002")
-    scene = SceneWords(
+    scene = SceneDescription(
         objects=dict.fromkeys(rings, "subject"),
         materials=dict.fromkeys("ABC", "subject"),
         object_materials=dict(zip(rings, (("A",), ("B",), ("C",)), strict=True)),

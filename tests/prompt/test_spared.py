@@ -5,9 +5,9 @@ import pytest
 
 from proxy_renderer.prompt.binding.pairs import reading
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.types import SceneDescription
 
-HARBOR = SceneWords(
+HARBOR = SceneDescription(
     objects={"Hut": "subject", "Hut_roof": "subject", "Ferry": "surroundings", "Pier": "surroundings"},
     materials={"Hut": "subject", "Roof": "subject", "Hull": "surroundings", "Planks": "surroundings"},
     object_materials={"Hut": ("Hut",), "Hut_roof": ("Roof",), "Ferry": ("Hull",), "Pier": ("Planks",)},

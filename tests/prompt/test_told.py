@@ -6,16 +6,16 @@ from __future__ import annotations
 import pytest
 
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import LightWords, SceneWords
+from proxy_renderer.prompt.types import LightDescription, SceneDescription
 from proxy_renderer.prompt.understood import Understood
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.targets import GENERAL
 
-SCENE = SceneWords(
+SCENE = SceneDescription(
     objects={"Cube.003": "subject", "Cube.004": "subject", "Plane": "surroundings"},
     materials={"Material": "subject", "Material.001": "subject", "Material.002": "surroundings"},
     object_materials={"Cube.003": ("Material",), "Cube.004": ("Material.001",), "Plane": ("Material.002",)},
-    lights={"Area": LightWords("AREA", "key"), "Area.001": LightWords("AREA", "rim")},
+    lights={"Area": LightDescription("AREA", "key"), "Area.001": LightDescription("AREA", "rim")},
 )
 
 
@@ -112,11 +112,11 @@ def test_several_names_are_one_target():
 
 
 def test_a_name_of_the_scene_comes_before_what_every_scene_has():
-    scene = SceneWords(
+    scene = SceneDescription(
         objects={"Light": "subject"},
         materials={"Chalk": "subject"},
         object_materials={"Light": ("Chalk",)},
-        lights={"Sun": LightWords("SUN", "key")},
+        lights={"Sun": LightDescription("SUN", "key")},
     )
     (word,) = Understood("warm", scene, ["warm=Light"]).words
     assert [a.owners for a in Understood("warm", scene, ["warm=Light"]).parsed.attributes] == [("Chalk",)]

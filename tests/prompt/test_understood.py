@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 
 from proxy_renderer.prompt import understood as module
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.types import SceneDescription
 from proxy_renderer.prompt.understood import Understood
 from proxy_renderer.schema import VibeError
 
@@ -15,7 +15,7 @@ def test_a_prompt_is_read_once(monkeypatch):
     read = []
     parse = module.read
     monkeypatch.setattr(module, "read", lambda *given, **more: read.append(given) or parse(*given, **more))
-    understood = Understood("glossy teal, warm light", SceneWords())
+    understood = Understood("glossy teal, warm light", SceneDescription())
     assert [a.entry for a in understood.parsed.attributes][:2] == ["glossy", "teal"]
     assert understood.parsed is understood.parsed
     assert len(read) == 1
@@ -23,7 +23,7 @@ def test_a_prompt_is_read_once(monkeypatch):
 
 @pytest.mark.parametrize("prompt", ["", "hello there", "x" * 100_000])
 def test_what_is_not_understood_is_said_whenever_it_is_asked_for(prompt):
-    understood = Understood(prompt, SceneWords())
+    understood = Understood(prompt, SceneDescription())
     assert understood.unknown
     for _ in range(2):
         with pytest.raises(VibeError) as caught:

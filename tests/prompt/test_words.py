@@ -11,14 +11,13 @@ from lab import bench
 from proxy_renderer.cli.main import main
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan
-from proxy_renderer.planning.types import PlanContext
 from proxy_renderer.prompt.lexicon.entries import normalize
 from proxy_renderer.prompt.lexicon.nearest import Nearest
 from proxy_renderer.prompt.lexicon.user_words import VARIABLE, default_vocabulary, extend
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.types import SceneDescription
 from proxy_renderer.schema import VibeError
 
 UNSEEN = [
@@ -81,7 +80,7 @@ def test_what_says_nothing_about_looks_is_no_look(word):
 )
 def test_a_guess_by_meaning_does_not_act(prompt, word):
     """It is not used, and said so; what it may mean is offered."""
-    parsed = parse(prompt, SceneWords())
+    parsed = parse(prompt, SceneDescription())
     assert word not in {a.word for a in parsed.attributes} | {a.cause for a in parsed.attributes}
     assert word in parsed.ignored
     assert parsed.guesses == {}
@@ -99,7 +98,7 @@ def test_what_denies_a_word_is_not_near_it():
 
 
 def test_things_of_the_same_sort_are_matched_to_names_in_the_scene():
-    scene = SceneWords(
+    scene = SceneDescription(
         objects={"Cup.001_low": "subject", "WoodTable": "surroundings"},
         materials={"M1": "subject", "M2": "surroundings"},
         object_materials={"Cup.001_low": ("M1",), "WoodTable": ("M2",)},
@@ -114,7 +113,7 @@ def test_things_of_the_same_sort_are_matched_to_names_in_the_scene():
 
 def test_one_thing_is_not_guessed_to_be_several():
     wheels = tuple(f"Wheel {i}" for i in range(4))
-    scene = SceneWords(
+    scene = SceneDescription(
         objects=dict.fromkeys(("Shell", *wheels), "subject"),
         materials={"Paint": "subject", "Rubber": "subject"},
         object_materials={"Shell": ("Paint",), **dict.fromkeys(wheels, ("Rubber",))},
@@ -125,7 +124,7 @@ def test_one_thing_is_not_guessed_to_be_several():
 
 def test_a_thing_in_parts_is_meant_as_a_whole():
     parts = {"Hull": ("Paint",), "Mast": ("Pole",), "Sail": ("Cloth",)}
-    scene = SceneWords(
+    scene = SceneDescription(
         objects=dict.fromkeys(parts, "subject"),
         materials=dict.fromkeys(("Paint", "Pole", "Cloth"), "subject"),
         object_materials=parts,
@@ -143,14 +142,14 @@ def test_a_thing_in_parts_is_meant_as_a_whole():
 )
 def test_other_languages_are_one_clear_line(prompt):
     with pytest.raises(VibeError) as caught:
-        parse(prompt, SceneWords())
+        parse(prompt, SceneDescription())
     assert "English" in f"{caught.value.message} {caught.value.remedy}"
 
 
 def test_a_few_foreign_words_are_said():
-    notes = parse("glossy teal teapot, мягкий свет", SceneWords()).notes
+    notes = parse("glossy teal teapot, мягкий свет", SceneDescription()).notes
     assert any("English" in note for note in notes)
-    assert not parse("glossy teal teapot on a wooden desk", SceneWords()).notes
+    assert not parse("glossy teal teapot on a wooden desk", SceneDescription()).notes
 
 
 def test_a_hundred_kilobytes_are_one_clear_error(capsys):
@@ -183,10 +182,10 @@ def own(tmp_path, monkeypatch):
 
 
 def test_own_words_are_understood(own):
-    parsed = parse("our red teapot, midnight plum background", SceneWords())
+    parsed = parse("our red teapot, midnight plum background", SceneDescription())
     assert {a.entry for a in parsed.attributes} == {"brand red", "midnight plum"}
     own.write_text(OWN.replace("our red", "house red"), "utf-8")
-    assert {a.entry for a in parse("house red teapot", SceneWords()).attributes} == {"brand red"}
+    assert {a.entry for a in parse("house red teapot", SceneDescription()).attributes} == {"brand red"}
 
 
 def test_own_words_from_the_configuration_folder(tmp_path, monkeypatch):
@@ -237,9 +236,9 @@ def test_the_command_uses_an_own_vocabulary(own, monkeypatch, capsys):
 
 
 def test_composed_prompts_take_own_words(own):
-    parsed = parse("our red teapot", SceneWords())
+    parsed = parse("our red teapot", SceneDescription())
     assert "brand red" in compose(parsed).subject
-    assert plan(goals_of(parsed), {}, PlanContext()) == {}
+    assert plan(goals_of(parsed), {}, SceneDescription()) == {}
 
 
 def test_a_mood_that_paints_is_refused_with_its_line(tmp_path):

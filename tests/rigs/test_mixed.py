@@ -11,7 +11,7 @@ from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.prompt.lexicon.rigs import Rig, rig_table
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.types import SceneDescription
 from proxy_renderer.rigs.chosen import chosen_rig
 from proxy_renderer.rigs.mixed import at_an_hour, in_a_mood, with_source
 
@@ -66,7 +66,7 @@ def test_a_second_source_stands_on_the_other_side(other):
 )
 def test_of_several_skies_the_darkest_counts(words):
     vocabulary = default_vocabulary()
-    found = chosen_rig(goals_of(parse(words, SceneWords(), vocabulary)), rig_table(), vocabulary)
+    found = chosen_rig(goals_of(parse(words, SceneDescription(), vocabulary)), rig_table(), vocabulary)
     assert found
     assert found.rig.sky < -2.5
 
@@ -74,6 +74,6 @@ def test_of_several_skies_the_darkest_counts(words):
 @pytest.mark.parametrize("words", ["autumn, at night", "summery, dreamy, at night"])
 def test_a_season_at_night_has_a_night_sky(words):
     vocabulary = default_vocabulary()
-    found = chosen_rig(goals_of(parse(words, SceneWords(), vocabulary)), rig_table(), vocabulary)
+    found = chosen_rig(goals_of(parse(words, SceneDescription(), vocabulary)), rig_table(), vocabulary)
     assert found
     assert found.rig.sky < -1.0

@@ -17,11 +17,11 @@ from proxy_renderer.color.tensors import linear_from_srgb
 from proxy_renderer.color.view_transform import ViewTransform
 from proxy_renderer.engine.additions import with_additions
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.optimize.context import scene_words
+from proxy_renderer.optimize.context import described
 from proxy_renderer.prompt.lexicon.rigs import KINDS, read, rig_table
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.types import SceneDescription
 from proxy_renderer.render.material.textures import geometry_of
 from proxy_renderer.rigs.chosen import ChosenRig, chosen_rig
 from proxy_renderer.rigs.exposing import Exposing
@@ -76,7 +76,7 @@ def scene(tmp_path_factory) -> SceneData:
 def chosen(prompt: str) -> ChosenRig | None:
     """The rig of a prompt."""
     vocabulary = default_vocabulary()
-    return chosen_rig(goals_of(parse(prompt, SceneWords(), vocabulary)), rig_table(), vocabulary)
+    return chosen_rig(goals_of(parse(prompt, SceneDescription(), vocabulary)), rig_table(), vocabulary)
 
 
 def rig_name(prompt: str) -> str:
@@ -237,8 +237,8 @@ def test_the_open_sky_gives_pi(scene):
 def test_a_prompt_is_read_alike_before_and_after_lights_are_added(scene):
     prompt = "candlelight from the left, moonlight through the blinds"
     addition = with_additions([scene], prompt)
-    again = parse(prompt, scene_words(*addition.scenes), default_vocabulary())
-    assert again.attributes == parse(prompt, scene_words(scene), default_vocabulary()).attributes
+    again = parse(prompt, described(*addition.scenes), default_vocabulary())
+    assert again.attributes == parse(prompt, described(scene), default_vocabulary()).attributes
     assert all(a in addition.plan.served for a in again.attributes)
 
 
@@ -328,7 +328,7 @@ def _backdrop() -> dict[str, Instance]:
 
 def test_a_sky_behind_haze_is_pale():
     clear, hazy = (
-        parse(prompt, SceneWords(), default_vocabulary()) for prompt in ("sunset", "sunset, hazy air")
+        parse(prompt, SceneDescription(), default_vocabulary()) for prompt in ("sunset", "sunset, hazy air")
     )
     assert (_is_hazy(clear), _is_hazy(hazy)) == (False, True)
     pure, pale = (lab_from_srgb(srgb_from_hex(color)) for color in ("#56a2ec", _veiled("#56a2ec")))

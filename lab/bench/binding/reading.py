@@ -85,11 +85,11 @@ def read(
     whole = stand_in(scene)
     start = time.perf_counter()
     try:
-        parsed = parse(text, whole.words, vocabulary, weights)
+        parsed = parse(text, whole.scene, vocabulary, weights)
     except VibeError as error:
         return SentenceReading((), {}, time.perf_counter() - start, error.message)
     own = {light.name: light.role for light in scene.lights}
-    names = lacking(goals_of(parsed, vocabulary), whole.instances, whole.context, STANDBY, vocabulary)
+    names = lacking(goals_of(parsed, vocabulary), whole.instances, whole.scene, STANDBY, vocabulary)
     binding = _Binding(parsed, whole.with_lights(names), vocabulary)
     reaches = tuple(map(binding.reach, (a for a in parsed.attributes if not a.cause)))
     seconds = time.perf_counter() - start
@@ -105,7 +105,7 @@ class _Binding:
 
     def __init__(self, parsed: Parsed, scene: SceneStandIn, vocabulary: Vocabulary) -> None:
         self.vocabulary = vocabulary
-        self.owners = Owners(parsed, scene.instances, scene.context, vocabulary)
+        self.owners = Owners(parsed, scene.instances, scene.scene, vocabulary)
 
     def reach(self, attribute: Attribute) -> Reach:
         """What an attribute changes; negated words reach what they would change."""

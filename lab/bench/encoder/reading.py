@@ -40,7 +40,7 @@ from proxy_renderer.prompt.lexicon.nearest import Nearest
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.prompt.types import SceneDescription
 from proxy_renderer.schema import VibeError, atomic
 
 WORDS = Path(__file__).parents[1] / "unseen_words.txt"
@@ -148,7 +148,7 @@ def _in_other_words(classes: dict[str, str], noun: str, wording: float) -> str:
     if not sentence:
         return ""
     try:
-        return compose(parse(sentence, SceneWords())).whole or sentence
+        return compose(parse(sentence, SceneDescription())).whole or sentence
     except VibeError:  # the language has no word of it
         return sentence
 

@@ -13,6 +13,7 @@ from torch import Tensor
 from ...claims.claim import Claim
 from ...planning.advice import Advice, Advisor
 from ...planning.types import Plan, PlanEntry
+from ...prompt.types import SceneDescription
 from ...schema import Instance, Values
 from .. import context, headroom
 from ..plan import carry, feasible_ranges
@@ -80,6 +81,7 @@ class Confiner:
     Args:
         vector: The parameters of u.
         shots: One or several; plans are made for the first.
+        described: The scene, before any change.
         advisor: Understands words and picture, and plans.
         replan: Makes the plan of a round from the scene's parameters and the advisor's plan, see `Method.plan`.
 
@@ -91,11 +93,12 @@ class Confiner:
         self,
         vector: ParameterVector,
         shots: Sequence[ShotState],
+        described: SceneDescription,
         advisor: Advisor,
         replan: Callable[[Mapping[str, Instance], Plan], Plan],
     ) -> None:
         self._vector, self._shots, self.advisor, self._replan = vector, shots, advisor, replan
-        self._widest = _sizes(shots)
+        self._described, self._widest = described, _sizes(shots)
 
     def advise(self, u: Tensor, earlier: Plan) -> Advice:
         """The advice for the first shot at u (N,); its plan has entries of the others for what only they have.
@@ -110,7 +113,7 @@ class Confiner:
             if advice and all(key in entries for key in shot.names.values()):
                 continue
             picture = shot.draw(u)
-            now = context.plan_context(shot.proxy, shot.vector.values(u), picture)
+            now = context.described_now(self._described, shot.proxy, shot.vector.values(u), picture)
             asked = self.advisor.advise(picture.display, shot.vector.instances, now)
             unplaced = {key: entry for key, entry in asked.plan.items() if key not in asked.placed}
             mine = asked.plan | headroom.nearer(shot.scene, shot.proxy.geometry, unplaced)

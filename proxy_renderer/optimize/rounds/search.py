@@ -114,7 +114,7 @@ class Search:
         if light:
             understood, goals, plan = light.understood, light.goals, light.plan
         else:
-            understood, plan = Understood(prompt, context.scene_words(*(v.scene for v in views))), None
+            understood, plan = Understood(prompt, context.described(*(v.scene for v in views))), None
             goals = goals_or_why(understood)
         offline = OfflineAdvisor(goals, plan)
         has_words = bool(prompt.strip()) or isinstance(goals, Goals)
@@ -122,7 +122,7 @@ class Search:
             beside(self.reference, each, has_words, len(views), understood.scene.lights)
             for each in (offline, advisor or offline)
         )
-        self.confiner = Confiner(self.vector, self.shots, asked, self.method.plan)
+        self.confiner = Confiner(self.vector, self.shots, understood.scene, asked, self.method.plan)
         self.several = options.variants > 1
         # Variants share what would be one vibe's time, as far as that goes.
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds
@@ -131,7 +131,7 @@ class Search:
         self._asked: object = None
         self.number = 0
         alone = len(self.shots) == 1
-        self.looks = Looks(self.shots[0]) if alone and observer.wants_looks else None
+        self.looks = Looks(self.shots[0], understood.scene) if alone and observer.wants_looks else None
 
     def show_plan(self) -> None:
         """Shows what the words alone give, before the first anchor; the words' own plan, also where a model is asked later."""

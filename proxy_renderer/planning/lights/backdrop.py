@@ -6,16 +6,16 @@ from __future__ import annotations
 from ...color.floats import chroma, lab_from_srgb
 from ...goals.resolve import Goals
 from ...prompt.lexicon.vocabulary import Vocabulary
+from ...prompt.types import SceneDescription
 from ...schema import Instance
 from ..acting import Act, acts, is_usual
 from ..owners import Owners
-from ..types import PlanContext
 
 _VIVID = 20.0  # chroma from which a world tints what it lights
 
 
 def asks_for_backdrop(
-    goals: Goals, instances: dict[str, Instance], context: PlanContext, vocabulary: Vocabulary
+    goals: Goals, instances: dict[str, Instance], scene: SceneDescription, vocabulary: Vocabulary
 ) -> bool:
     """Whether words give the background a color that is not to tint the scene, or a lightness that its light cannot have.
 
@@ -25,7 +25,7 @@ def asks_for_backdrop(
     Args:
         instances: The scene's parameters by key.
     """
-    owners = Owners(goals.parsed, instances, context, vocabulary)
+    owners = Owners(goals.parsed, instances, scene, vocabulary)
     of_world = [
         (wish, effect)
         for wish, effect in acts(goals, vocabulary, owners)

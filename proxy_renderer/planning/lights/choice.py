@@ -5,9 +5,8 @@ from __future__ import annotations
 
 from ...prompt.lexicon.entries import Effect
 from ...prompt.lexicon.vocabulary import Vocabulary
-from ...prompt.types import GLOW, Attribute, Parsed
+from ...prompt.types import GLOW, Attribute, Parsed, SceneDescription
 from ...schema import Instance
-from ..types import PlanContext
 from .facing import facing_radiance
 from .meant import KnownLight, assigned, named
 
@@ -39,10 +38,10 @@ class SceneLights:
         self,
         parsed: Parsed,
         instances: dict[str, Instance],
-        context: PlanContext,
+        scene: SceneDescription,
         vocabulary: Vocabulary,
     ) -> None:
-        self._instances, self._context, self._vocabulary = instances, context, vocabulary
+        self._instances, self._scene, self._vocabulary = instances, scene, vocabulary
         self.lamps = list(dict.fromkeys(i.owner for i in instances.values() if i.parameter.group == "light"))
         self.glows = self._glowing()
         self.key = self._key()
@@ -115,7 +114,7 @@ class SceneLights:
     def _glowing(self) -> list[str]:
         """Materials that light the subject with a share of all light that is seen; dials and diodes do not."""
         least = _SHARE * max(self._radiance(), 1e-6)
-        glows = (f"{GLOW}{material}" for material in self._context.glows)
+        glows = (f"{GLOW}{material}" for material in self._scene.emitters)
         return [name for name in glows if self._radiance(name) > least]
 
     def _key(self) -> list[str]:
@@ -138,30 +137,30 @@ class SceneLights:
     def _known(self) -> list[KnownLight]:
         """All lights, the key first and those that are added for the words last."""
         order = {name: place for place, name in enumerate(self.key)}
-        added = self._context.added_lights
+        added = self._scene.added_lights
         names = sorted(self.every, key=lambda n: (n in added, order.get(n, len(order))))
         return [self._known_glow(n) if n in self.glows else self._known_lamp(n) for n in names]
 
     def _known_lamp(self, name: str) -> KnownLight:
         role = next((r for r in ("key", "fill", "rim") if name in self.of_role(r)), "")
-        names = (name, self._context.light_types.get(name, ""))
-        return KnownLight(name, role, names, self._turn(name), name in self._context.added_lights)
+        names = (name, self._scene.light(name).type)
+        return KnownLight(name, role, names, self._turn(name), name in self._scene.added_lights)
 
     def _known_glow(self, name: str) -> KnownLight:
         material = name.removeprefix(GLOW)
-        glow = self._context.glows[material]
+        glow = self._scene.emitters[material]
         role = "key" if name in self.key else "fill"
-        return KnownLight(name, role, (material, *glow.objects), glow.azimuth - self._context.camera_azimuth)
+        return KnownLight(name, role, (material, *glow.objects), glow.azimuth - self._scene.camera_azimuth)
 
     def _turn(self, light: str) -> float:
         """Azimuth of a light relative to the camera, degrees."""
         instance = self._instances.get(f"light/{light}/azimuth")
         azimuth = instance.value[0] / instance.reference if instance else 0.0
-        return azimuth - self._context.camera_azimuth
+        return azimuth - self._scene.camera_azimuth
 
     def _brightest(self, lights: list[str]) -> list[str]:
         return [max(lights, key=self._radiance)] if lights else []
 
     def _radiance(self, *lights: str) -> float:
         """What a surface sheds that faces some lights, or all."""
-        return facing_radiance(self._instances, self._context, lambda i: i.value, lights or None)
+        return facing_radiance(self._instances, self._scene, lambda i: i.value, lights or None)

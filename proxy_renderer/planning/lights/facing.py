@@ -7,8 +7,8 @@ import math
 from collections.abc import Callable, Collection
 
 from ...color.floats import luminance
+from ...prompt.types import SceneDescription
 from ...schema import Instance, Values, radiometry
-from ..types import PlanContext
 
 _MIRED = (0.0029, -0.0009, -0.0072)
 """By how much the logarithms of warm light's red, green and blue grow per mired (1e6 / K): about `color.blackbody`."""
@@ -17,43 +17,45 @@ _WHITE: Values = (1.0, 1.0, 1.0)
 Value = Callable[[Instance], Values]
 
 
-def watts(instance: Instance, context: PlanContext) -> float:
+def watts(instance: Instance, scene: SceneDescription) -> float:
     """What `power` (per d^2), `strength` or `emission` makes a facing white surface's radiance 1, at the light's own exposure."""
     if instance.parameter.group == "material":
-        glow = context.glows[instance.owner]
+        glow = scene.emitters[instance.owner]
         return 1.0 / max(glow.light * glow.strength, 1e-6)
     sun = instance.parameter.name == "strength"
-    stops = context.light_stops.get(instance.owner, 0.0)
-    light_type = "SUN" if sun else context.light_types.get(instance.owner, "AREA")
-    return radiometry.unit_energy(light_type) / 2**stops
+    light = scene.light(instance.owner)
+    return radiometry.unit_energy("SUN" if sun else light.type or "AREA") / 2**light.stops
 
 
 def facing_radiance(
-    instances: dict[str, Instance], context: PlanContext, value: Value, lights: Collection[str] | None = None
+    instances: dict[str, Instance],
+    scene: SceneDescription,
+    value: Value,
+    lights: Collection[str] | None = None,
 ) -> float:
     """Radiance, before exposure, of a white surface that faces these lights, or all of them.
 
     A glowing material is the light "material/NAME".
     """
-    sources = _lamps(instances, context, value) | _glows(instances, context, value)
+    sources = _lamps(instances, scene, value) | _glows(instances, scene, value)
     return sum(bright for name, bright in sources.items() if lights is None or name in lights)
 
 
-def _lamps(instances: dict[str, Instance], context: PlanContext, value: Value) -> dict[str, float]:
+def _lamps(instances: dict[str, Instance], scene: SceneDescription, value: Value) -> dict[str, float]:
     """Lamp -> the radiance of a white surface that faces it."""
     found = {}
     for instance in instances.values():
         if instance.parameter.group == "light" and instance.parameter.name in ("power", "strength"):
             color = instances.get(f"light/{instance.owner}/color")
-            shed = value(instance)[0] / (watts(instance, context) * instance.reference)
+            shed = value(instance)[0] / (watts(instance, scene) * instance.reference)
             found[instance.owner] = luminance(value(color) if color else _WHITE) * shed
     return found
 
 
-def _glows(instances: dict[str, Instance], context: PlanContext, value: Value) -> dict[str, float]:
+def _glows(instances: dict[str, Instance], scene: SceneDescription, value: Value) -> dict[str, float]:
     """The same of glowing materials."""
     found = {}
-    for material, glow in context.glows.items():
+    for material, glow in scene.emitters.items():
         strength, color = (instances.get(f"material/{material}/{n}") for n in ("emission", "emission_color"))
         if strength:
             over = value(color) if color else _WHITE

@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
+from ...prompt.types import Glow
 from ...scene import SceneData
-from ..types import Glow
 
 _MOST = 1.0  # a surface that glows all around gives white surfaces its own radiance
 

@@ -9,11 +9,10 @@ from ...goals.resolve import Goals
 from ...prompt.lexicon.entries import OWNERS, Effect
 from ...prompt.lexicon.vocabulary import Vocabulary
 from ...prompt.lights import side
-from ...prompt.types import Attribute
+from ...prompt.types import Attribute, SceneDescription
 from ...schema import Instance
 from ..acting import acts
 from ..owners import Owners
-from ..types import PlanContext
 from .choice import SceneLights
 from .meant import role_of
 
@@ -23,7 +22,7 @@ _BEHIND = 110.0  # degrees from the camera beyond which a light stands behind th
 def lacking(
     goals: Goals,
     instances: dict[str, Instance],
-    context: PlanContext,
+    scene: SceneDescription,
     standby: Mapping[str, str],
     vocabulary: Vocabulary,
 ) -> list[str]:
@@ -34,7 +33,7 @@ def lacking(
         standby: Names of the lights on standby, with their roles.
     """
     parsed = goals.parsed
-    owners = Owners(parsed, instances, context, vocabulary)
+    owners = Owners(parsed, instances, scene, vocabulary)
     missing = [number for number, names in owners.lights.numbered.items() if not names]
     said = ([a for a in parsed.attributes if a.lamp == number] for number in missing)
     roles = [_described(group, owners.lights, vocabulary) for group in said]

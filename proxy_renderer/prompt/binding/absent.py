@@ -9,7 +9,7 @@ from ..mentions.changes import STRUCTURES
 from ..mentions.names import parts
 from ..mentions.nouns import NounMention, materials_of
 from ..names import is_detail, name_words
-from ..types import SceneWords
+from ..types import SceneDescription
 from .becoming import SURFACE
 from .own_nouns import NO_MATTER, OwnNouns
 from .pairs import PromptPairs, TargetPair
@@ -27,7 +27,7 @@ class AbsentObjects:
         scene: Its names, and how its materials look.
     """
 
-    def __init__(self, found: PromptPairs, scene: SceneWords, vocabulary: Vocabulary) -> None:
+    def __init__(self, found: PromptPairs, scene: SceneDescription, vocabulary: Vocabulary) -> None:
         self._found, self._scene, self._vocabulary = found, scene, vocabulary
         self._own = OwnNouns(found.passage, found.mentions, vocabulary)
         self._subject = self._called()

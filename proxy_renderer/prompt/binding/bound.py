@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ...schema.spec import Region
 from ..meaning import NamedThing
 from ..mentions.nouns import NounMention, materials_of
-from ..types import SceneWords
+from ..types import SceneDescription
 from .pairs import PromptPairs, TargetPair
 from .sharing import shared_out, told
 from .targets import MATTER, NOWHERE, ROLES, rest
@@ -43,7 +43,7 @@ class Things:
         notes: How looks share the materials of a thing, in words.
     """
 
-    def __init__(self, found: PromptPairs, chosen: list[TargetPair], scene: SceneWords) -> None:
+    def __init__(self, found: PromptPairs, chosen: list[TargetPair], scene: SceneDescription) -> None:
         self.found, self.chosen, self.scene = found, chosen, scene
         self.mentioned: list[NamedThing] = []
         self.subject = self._called() or scene.subject

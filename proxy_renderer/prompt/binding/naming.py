@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from ...schema.targets import NAME_OF, joined
-from ..types import GLOW, Attribute, SceneWords
+from ..types import GLOW, Attribute, SceneDescription
 from .targets import MATTER, ROLES, Target
 
 _MOST = 8  # names of one target: more are not worth reading
@@ -15,14 +15,14 @@ _KINDS = {"light": "light", "fog": "air", "sky": "sky", "shadow": "shadow", "hig
 _REGIONS = {"subject": "subject", "surroundings": "surroundings"}
 
 
-def target_name(target: Target, scene: SceneWords) -> str:
+def target_name(target: Target, scene: SceneDescription) -> str:
     """The name of something that a word may describe; "" where it has none."""
     if target.names and target.kind not in ROLES:
         return _called(target.names, scene, is_matter=target.kind in MATTER)
     return NAME_OF.get(target.kind, "")
 
 
-def described_name(attribute: Attribute, scene: SceneWords) -> str:
+def described_name(attribute: Attribute, scene: SceneDescription) -> str:
     """The name of what an attribute describes."""
     names = _called(attribute.lights, scene, is_matter=False) if attribute.lights else ""
     names = names or (_called(attribute.owners, scene, is_matter=True) if attribute.owners else "")
@@ -35,7 +35,7 @@ def glow_name(material: str) -> str:
     return f"glow of {material}"
 
 
-def _called(names: Collection[str], scene: SceneWords, is_matter: bool) -> str:
+def _called(names: Collection[str], scene: SceneDescription, is_matter: bool) -> str:
     """Lights by their names; materials by the objects that wear nothing else, as far as these wear all of them."""
     if not is_matter:
         called = [name for name in scene.lights if name in names]

@@ -14,7 +14,7 @@ from ..mentions.find import mentions
 from ..mentions.nouns import NounMention
 from ..mentions.passage import Passage, PromptLook, passage
 from ..mentions.scene import SceneIndex
-from ..types import SceneWords
+from ..types import SceneDescription
 from .becoming import Becoming, becoming
 from .clauses import ClauseForms
 from .features import PairFeatures
@@ -61,7 +61,9 @@ class PromptPairs:
     pairs: list[list[TargetPair]]
 
 
-def looks(text: str, words: SceneWords, vocabulary: Vocabulary, foreign: Collection[str] = ()) -> Passage:
+def looks(
+    text: str, words: SceneDescription, vocabulary: Vocabulary, foreign: Collection[str] = ()
+) -> Passage:
     """A prompt with its look words, of which nothing is bound.
 
     Args:
@@ -72,7 +74,7 @@ def looks(text: str, words: SceneWords, vocabulary: Vocabulary, foreign: Collect
 
 
 def reading(
-    text: str, words: SceneWords, vocabulary: Vocabulary, foreign: Collection[str] = ()
+    text: str, words: SceneDescription, vocabulary: Vocabulary, foreign: Collection[str] = ()
 ) -> PromptPairs:
     """The pairs of a prompt.
 

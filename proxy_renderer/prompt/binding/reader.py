@@ -18,7 +18,7 @@ from ..meaning import NamedThing
 from ..mentions.light_phrases import light_phrases
 from ..mentions.passage import PromptLook
 from ..shading import shaded
-from ..types import STRONGEST, WEAKEST, Attribute, Parsed, SceneWords
+from ..types import STRONGEST, WEAKEST, Attribute, Parsed, SceneDescription
 from .absent import AbsentObjects
 from .assignment import assigned, probabilities
 from .becoming import becoming
@@ -58,7 +58,7 @@ class PromptReader:
     def __init__(
         self,
         vocabulary: Vocabulary,
-        scene: SceneWords,
+        scene: SceneDescription,
         weights: Mapping[str, float] | None = None,
         is_part: bool = False,
         told: Mapping[str, str] | None = None,
@@ -277,7 +277,7 @@ class PromptReader:
         if self.is_part:
             raise VibeError(f"Vocabulary: '{mood.name}', for which a mood stands, is a mood itself.", _PLAIN)
         for part in mood.means.split(","):
-            reader = PromptReader(self.vocabulary, SceneWords(), self.weights, is_part=True)
+            reader = PromptReader(self.vocabulary, SceneDescription(), self.weights, is_part=True)
             attributes = reader.read(part).attributes
             if not attributes:
                 what = f"'{part.strip()}', for which '{mood.name}' stands, is no look."

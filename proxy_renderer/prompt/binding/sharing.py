@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from ..names import is_detail
-from ..types import SceneWords
+from ..types import SceneDescription
 from .pairs import PromptPairs, TargetPair
 from .targets import MATTER
 
@@ -30,7 +30,7 @@ class Share:
     names: tuple[str, ...]
 
 
-def shared_out(read: PromptPairs, chosen: Iterable[TargetPair], scene: SceneWords) -> list[list[Share]]:
+def shared_out(read: PromptPairs, chosen: Iterable[TargetPair], scene: SceneDescription) -> list[list[Share]]:
     """The shares of each thing that has several looks: of alike objects of one noun, or of a subject with as many materials.
 
     The first look gets the largest material, as a body is named before its trim, and so on in turn.
@@ -96,7 +96,7 @@ def _painted(looks: list[_Look]) -> list[_Look]:
     return found
 
 
-def _by_size(names: frozenset[str], scene: SceneWords) -> list[str]:
+def _by_size(names: frozenset[str], scene: SceneDescription) -> list[str]:
     """Some materials, or the subject's without details, those of the largest things first."""
     of_subject = (n for n, region in scene.materials.items() if region == "subject" and not is_detail(n))
     sizes = dict.fromkeys((n for n in scene.materials if n in names) if names else of_subject, 0.0)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from ..mentions.nouns import REGIONS, NounMention, materials_of, taken
 from ..names import is_detail
-from ..types import SceneWords
+from ..types import SceneDescription
 
 MATTER = ("things", "subject", "surroundings", "others")
 """Kinds of targets that have a surface."""
@@ -48,7 +48,7 @@ class Target:
         return f"{self.kind}: {' + '.join(sorted(self.names))}" if self.names else self.kind
 
 
-def targets(mentions: list[NounMention], words: SceneWords) -> list[Target]:
+def targets(mentions: list[NounMention], words: SceneDescription) -> list[Target]:
     """All of a prompt."""
     found = [Target(kind) for kind in UNNAMED]
     for number, mention in enumerate(mentions):
@@ -57,7 +57,7 @@ def targets(mentions: list[NounMention], words: SceneWords) -> list[Target]:
 
 
 def _of_mention(
-    number: int, mention: NounMention, mentions: list[NounMention], words: SceneWords
+    number: int, mention: NounMention, mentions: list[NounMention], words: SceneDescription
 ) -> Iterator[Target]:
     for named in mention.named:
         yield Target(named.kind, named.names, number, named.signs)
@@ -71,7 +71,7 @@ def _of_mention(
 
 
 def _without(
-    number: int, mention: NounMention, mentions: list[NounMention], words: SceneWords
+    number: int, mention: NounMention, mentions: list[NounMention], words: SceneDescription
 ) -> Iterator[Target]:
     """What a noun names without what other nouns name of it: "the robot, not the cables", "the hut red, its roof black"."""
     things = [(n.names, n.signs) for n in mention.named if n.kind == "things"]
@@ -87,14 +87,14 @@ def _without(
             yield Target("things", names - parts, number, signs | {"without what else is named"})
 
 
-def _region(mention: NounMention, mentions: list[NounMention], words: SceneWords) -> frozenset[str]:
+def _region(mention: NounMention, mentions: list[NounMention], words: SceneDescription) -> frozenset[str]:
     """The part of the picture that a noun means from which something is left out later: "her outfit, not the ribbon"."""
     before = any(m.spared and m.start > mention.end for m in mentions)
     return materials_of(REGIONS.get(mention.noun, ""), words) if before else frozenset()
 
 
 def rest(
-    mentions: list[NounMention], words: SceneWords, described: frozenset[str] = frozenset()
+    mentions: list[NounMention], words: SceneDescription, described: frozenset[str] = frozenset()
 ) -> frozenset[str]:
     """All materials that a prompt neither names nor leaves out; details only if nothing else is left.
 

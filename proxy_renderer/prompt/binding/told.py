@@ -11,7 +11,7 @@ from ...schema import VibeError
 from ...schema.targets import GENERAL, NUMBER, joined, parted
 from ..lexicon.entries import normalize
 from ..lexicon.vocabulary import Vocabulary
-from ..types import GLOW, SceneWords
+from ..types import GLOW, SceneDescription
 from .becoming import becoming
 from .bound import Thing
 from .naming import glow_name
@@ -69,7 +69,7 @@ class ToldTargets:
     def __init__(
         self,
         told: Mapping[str, str],
-        scene: SceneWords,
+        scene: SceneDescription,
         vocabulary: Vocabulary,
         english: Mapping[str, str] | None = None,
         keyed: Mapping[int, str] | None = None,
@@ -127,14 +127,14 @@ def told_thing(pair: TargetPair, thing: Thing) -> Thing:
     return replace(thing, thing=pair.told) if pair.target.names else thing
 
 
-def _choice(key: str, name: str, scene: SceneWords, english: Mapping[str, str]) -> _Choice:
+def _choice(key: str, name: str, scene: SceneDescription, english: Mapping[str, str]) -> _Choice:
     word = plain_key(key)
     translated = normalize(english.get(word, ""))
     known = {normalize(word), translated, *translated.split()} - {""}
     return _Choice(word, frozenset(known), int(key[len(word) + 1 :] or 0), name, _target(word, name, scene))
 
 
-def _target(word: str, name: str, scene: SceneWords) -> Target:
+def _target(word: str, name: str, scene: SceneDescription) -> Target:
     """What a name means in a scene, or several names that " + " joins."""
     found = _named(name, scene)
     several = [_named(part, scene) for part in parted(name)]
@@ -150,7 +150,7 @@ def _target(word: str, name: str, scene: SceneWords) -> Target:
     return found
 
 
-def _named(name: str, scene: SceneWords) -> Target | None:
+def _named(name: str, scene: SceneDescription) -> Target | None:
     """What a name means: something of the scene, or what every scene has; upper and lower case count only between these."""
     own = {each: Target("lights", frozenset({each})) for each in scene.lights}
     own |= {glow_name(each): Target("lights", frozenset({GLOW + each})) for each in scene.glows}

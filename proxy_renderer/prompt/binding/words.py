@@ -11,7 +11,7 @@ from ...schema.targets import GENERAL, NOT_USED, OFFERED, joined
 from ..lexicon.entries import normalize
 from ..lexicon.vocabulary import Vocabulary
 from ..tokens import Token
-from ..types import Candidate, Parsed, PromptWord, SceneWords
+from ..types import Candidate, Parsed, PromptWord, SceneDescription
 from .becoming import becoming
 from .naming import described_name, target_name
 from .reader import PromptReader
@@ -81,7 +81,7 @@ def _candidates(reader: PromptReader, number: int, target: str) -> tuple[Candida
     return tuple(Candidate(name, round(found[name], 3)) for name in likely)
 
 
-def _offered(token: Token, scene: SceneWords, vocabulary: Vocabulary) -> Iterator[str]:
+def _offered(token: Token, scene: SceneDescription, vocabulary: Vocabulary) -> Iterator[str]:
     """Names in a scene that a word can describe, the largest in the image first, and general ones."""
 
     def fits(kind: str) -> bool:
@@ -94,7 +94,7 @@ def _offered(token: Token, scene: SceneWords, vocabulary: Vocabulary) -> Iterato
     yield from (name for name in OFFERED if fits(GENERAL[name]))
 
 
-def _largest(scene: SceneWords, _: Vocabulary) -> list[str]:
+def _largest(scene: SceneDescription, _: Vocabulary) -> list[str]:
     """The objects that cover most of the image."""
 
     def share(name: str) -> float:

@@ -12,7 +12,7 @@ from ..lexicon.spelling import folded
 from ..lexicon.vocabulary import Vocabulary, shipped_vocabulary
 from ..lexicon.word_table import table
 from ..mentions.names import parts
-from ..types import SceneWords
+from ..types import SceneDescription
 from .order import ordered
 from .pieces import Piece, corrected, pieces, with_particles
 
@@ -46,7 +46,7 @@ class Gloss:
         ]
 
 
-def gloss(text: str, scene: SceneWords, vocabulary: Vocabulary) -> Gloss:
+def gloss(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> Gloss:
     """A prompt as English would say it; itself where it is English, or in no language that has a lexicon.
 
     Args:
@@ -102,7 +102,7 @@ def _length(found: list[Piece]) -> int:
     return sum(piece.end - piece.start for piece in found)
 
 
-def scene_parts(scene: SceneWords) -> frozenset[str]:
+def scene_parts(scene: SceneDescription) -> frozenset[str]:
     """What the names in a scene are made of, folded."""
     names: Iterable[str] = (*scene.objects, *scene.materials, *scene.lights, *scene.groups)
     return frozenset(folded(part) for name in names for part in (*parts(name), name))

@@ -11,7 +11,7 @@ from ...color.floats import oklab_from_srgb
 from ...schema import Values
 from ..lexicon.vocabulary import Vocabulary
 from ..tokens import Token
-from ..types import MaterialLook, SceneWords
+from ..types import MaterialLook, SceneDescription
 from .changes import STRUCTURES
 from .nouns import Named
 
@@ -34,7 +34,7 @@ class LookIndex:
         words: The scene, with the looks of its materials.
     """
 
-    def __init__(self, words: SceneWords, vocabulary: Vocabulary) -> None:
+    def __init__(self, words: SceneDescription, vocabulary: Vocabulary) -> None:
         self._vocabulary = vocabulary
         seen = {name: look for name, look in words.looks.items() if look.share >= _SEEN}
         self._looks = {name: look for name, look in seen.items() if name in words.materials}

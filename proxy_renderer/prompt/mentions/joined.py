@@ -5,11 +5,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..types import SceneWords
+from ..types import SceneDescription
 from .nouns import REGIONS, Named, NounMention, fit_rank, fit_signs, materials_of, surest
 
 
-def joined(run: list[NounMention], words: SceneWords) -> NounMention | None:
+def joined(run: list[NounMention], words: SceneDescription) -> NounMention | None:
     """One mention of several: what each names in the surest way, once of all sources and once of materials; None if nothing."""
     if not any(mention.named for mention in run):
         return None
@@ -21,7 +21,7 @@ def joined(run: list[NounMention], words: SceneWords) -> NounMention | None:
     )
 
 
-def _unions(run: list[NounMention], words: SceneWords) -> Iterator[Named]:
+def _unions(run: list[NounMention], words: SceneDescription) -> Iterator[Named]:
     for kind, first in (
         (k, f) for k in ("things", "lights") for f in ("material", "object", "first", "whole")
     ):
@@ -34,7 +34,7 @@ def _unions(run: list[NounMention], words: SceneWords) -> Iterator[Named]:
             yield Named(kind, names, shared | least_sure | {"joined", f"joined {first}"})
 
 
-def _region(mention: NounMention, kind: str, words: SceneWords) -> Named | None:
+def _region(mention: NounMention, kind: str, words: SceneDescription) -> Named | None:
     """The part of the picture that a noun without a name means: "ground" all that lies around."""
     region = "" if mention.noun == "unknown" else REGIONS.get(mention.noun, "")
     names = materials_of(region, words) if kind == "things" else frozenset()

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ..types import SceneWords
+from ..types import SceneDescription
 from .names import FITS
 
 REGIONS = {"surroundings": "surroundings", "subject": "subject", "unknown": "subject"}
@@ -87,7 +87,7 @@ def surest(mention: NounMention, kind: str, first: str) -> Named | None:
     return min((n for n in mention.named if n.kind == kind), key=rank, default=None)
 
 
-def materials_of(region: str, words: SceneWords) -> frozenset[str]:
+def materials_of(region: str, words: SceneDescription) -> frozenset[str]:
     """The materials of a part of the picture.
 
     Args:
@@ -96,7 +96,7 @@ def materials_of(region: str, words: SceneWords) -> frozenset[str]:
     return frozenset(name for name, its in words.materials.items() if its == region)
 
 
-def taken(mentions: Iterable[NounMention], words: SceneWords) -> frozenset[str]:
+def taken(mentions: Iterable[NounMention], words: SceneDescription) -> frozenset[str]:
     """The materials that nouns name in the surest way; what is left out by a word that no name has is the subject."""
     names: set[str] = set()
     for mention in mentions:

@@ -12,7 +12,7 @@ from typing import Literal
 from ..lexicon.vocabulary import Vocabulary
 from ..names import plain_name
 from ..tokens import Token
-from ..types import SceneWords
+from ..types import SceneDescription
 from .names import parts
 from .nouns import Named, NounMention
 from .passage import Passage
@@ -124,7 +124,7 @@ def _leads_back(between: list[Token], pick: Token) -> bool:
     return said and all(token.filler or token.ties for token in between)
 
 
-def _picked(way: str, group: list[str], words: SceneWords) -> str:
+def _picked(way: str, group: list[str], words: SceneDescription) -> str:
     """The one of a group of objects that a word picks; "" where it cannot be told.
 
     Args:
@@ -138,7 +138,7 @@ def _picked(way: str, group: list[str], words: SceneWords) -> str:
     return order[index] if told else ""
 
 
-def _rank(by: str, name: str, words: SceneWords) -> tuple[float, str]:
+def _rank(by: str, name: str, words: SceneDescription) -> tuple[float, str]:
     """Where an object stands among others, from left to right, from near to far, by its size, or by its name: "Ball", "Ball.001"."""
     if by == "name":
         return int((re.findall(r"\d+", name) or [0])[-1]), name
@@ -156,7 +156,7 @@ def _bare(number: str) -> str:
     return str(int(number)) if number.isdecimal() else number
 
 
-def _alike(words: SceneWords) -> Iterator[list[str]]:
+def _alike(words: SceneDescription) -> Iterator[list[str]]:
     """The subject's objects of one name, most of them first; then all of the subject's, and all of the scene's."""
     subject = [name for name, region in words.objects.items() if region == "subject"]
     kinds: dict[str, list[str]] = {}

@@ -9,7 +9,7 @@ from functools import lru_cache
 
 from ..lexicon.vocabulary import Vocabulary
 from ..names import is_detail, limbs, plain_name
-from ..types import GLOW, SceneWords
+from ..types import GLOW, SceneDescription
 from .names import best, fit, guessed_fit, parts, stuff_of
 from .nouns import Named
 
@@ -51,9 +51,9 @@ class _Fits:
 
 
 class SceneIndex:
-    """Finds what words may name; `SceneWords.made` keeps it with the scene."""
+    """Finds what words may name; `SceneDescription.made` keeps it with the scene."""
 
-    def __init__(self, words: SceneWords, vocabulary: Vocabulary) -> None:
+    def __init__(self, words: SceneDescription, vocabulary: Vocabulary) -> None:
         self.words, self._vocabulary = words, vocabulary
         self._materials = {name: parts(name) for name in words.materials}
         self._objects = {name: parts(name) for name in words.objects}

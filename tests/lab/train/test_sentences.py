@@ -128,4 +128,4 @@ def test_a_labeled_scene_is_planned_for_without_blender(tmp_path):
     assert decided["material/SeatCloth/base_color"].priority is None
     assert decided["light/Desk Lamp/temperature"].lower[0] > 6500
     assert decided["light/Ceiling/temperature"].priority is None
-    assert scene.context.glows["NeonSign"].azimuth > 90
+    assert scene.scene.emitters["NeonSign"].azimuth > 90
