@@ -20,7 +20,7 @@ PACKAGES = {
 LAYERS = {
     "proxy_renderer": """
         schema=schema.options . blender color scene
-        prompt.lexicon prompt=prompt.mentions=prompt.binding=prompt.languages goals planning=planning.lights vlm inputs batch.manifest batch
+        prompt.lexicon prompt=prompt.mentions=prompt.binding=prompt.languages goals planning vlm inputs batch.manifest batch
         render.film render.geometry render.material render.lights=render.lights.types render.transport render.edges render.surface
         render.cycles render claims.measures claims rigs reference.files reference
         guidance optimize=optimize.inner=optimize.rounds engine

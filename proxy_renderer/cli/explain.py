@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 
 from ..goals import written
 from ..goals.resolve import Goals, goals_or_why
-from ..planning.advice import OfflineAdvisor
-from ..planning.explanation import as_dict, explain
+from ..planning.advice import OfflineAdvisor, as_dict, explain
 from ..prompt.binding.reader import PromptReader
 from ..prompt.binding.why import why
 from ..prompt.lexicon.rigs import rig_table

@@ -12,8 +12,7 @@ from ..goals.resolve import Goals, goals_or_why
 from ..goals.written import WrittenGoals
 from ..optimize.context import described
 from ..planning.acting import beside_rig
-from ..planning.lights.backdrop import asks_for_backdrop
-from ..planning.lights.lacking import lacking
+from ..planning.missing import asks_for_backdrop, lacking
 from ..planning.types import LightPlan
 from ..prompt.lexicon.rigs import rig_table
 from ..prompt.lexicon.user_words import default_vocabulary

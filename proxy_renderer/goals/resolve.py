@@ -14,8 +14,7 @@ from ..prompt.understood import Understood
 from ..schema import VibeError
 from ..schema.means import SURFACES
 from .contradictions import contradicts
-from .meaning import wishes_of
-from .wish import Wish
+from .wish import Wish, wishes_of
 
 
 @dataclass(frozen=True)

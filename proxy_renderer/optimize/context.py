@@ -14,7 +14,7 @@ from ..color import arrays
 from ..color.tensors import lab_from_srgb
 from ..guidance import regions
 from ..guidance.encoder import Encoder
-from ..planning.lights.glow import glowing, glows
+from ..planning.glow import glowing, glows
 from ..prompt.types import LightDescription, PictureStats, SceneDescription
 from ..render.geometry.camera import view_of
 from ..scene import SceneData

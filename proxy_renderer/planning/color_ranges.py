@@ -9,8 +9,7 @@ from ..prompt.colors import fog_color
 from ..prompt.lexicon.entries import Effect
 from ..prompt.types import Attribute
 from ..schema import Instance, Values
-from .grays import radiance
-from .sources import Range, Sources
+from .light_levels import Range, Sources, radiance
 
 _BLACKEST, _WHITEST = 0.006, 0.85  # hardly a real surface reflects less, or more
 _BLACK = 0.02  # component below which a backdrop is black

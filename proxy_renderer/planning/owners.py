@@ -1,14 +1,84 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who is meant: the instances in a scene that a word's effect acts on."""
+"""Materials, lights and the world, as words mean them."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from ..prompt.lexicon.entries import OWNERS, Effect
 from ..prompt.lexicon.vocabulary import Vocabulary
+from ..prompt.names import is_detail, kind_of
 from ..prompt.types import Attribute, Parsed, SceneDescription
-from ..schema import Instance
-from .lights.choice import SceneLights
-from .materials import SceneMaterials
+from ..schema import Instance, Values
+from .scene_lights import SceneLights
+
+_PART = 0.12  # materials on less of their region are parts: tyres, eyes, screws
+_LIKE = 0.25  # where all are parts, share of the largest that those have which make it up: a shelf of a hundred books
+_LOOK = ("base_color", "metallic", "roughness", "transmission")
+"""Values of a material by which small parts are told from large ones."""
+
+
+class SceneMaterials:
+    """The materials of a scene.
+
+    Args:
+        instances: The scene's parameters.
+        shares: Material -> fraction of its region's pixels; all of it where that is not known.
+    """
+
+    def __init__(self, instances: Mapping[str, Instance], shares: Mapping[str, float]) -> None:
+        self._instances, self._shares = instances, shares
+
+    def of_region(self, region: str) -> list[str]:
+        """All materials of a region: "subject" or "surroundings"."""
+        found = (i for i in self._instances.values() if i.parameter.group == "material" and i.role == region)
+        return list(dict.fromkeys(i.owner for i in found))
+
+    def meant(self, effect: Effect, attribute: Attribute) -> list[str]:
+        """The materials on which an effect of a word acts."""
+        region = attribute.region if effect.owner == "material" else effect.owner
+        if effect.owner == "surroundings" and attribute.kind == "sky":
+            return []
+        if attribute.owners and region == attribute.region:
+            names = self._whole(list(attribute.owners))
+        else:
+            names = self.of_region(region if region in ("subject", "surroundings") else "subject")
+            if attribute.slot != "lighting":  # light falls on parts too: no part of a silhouette is lit
+                names = self._whole(names)
+        recolors = effect.name == "recolor"
+        return [name for name in names if not recolors or self._is_recolored(name, effect, attribute)]
+
+    def _is_recolored(self, name: str, effect: Effect, attribute: Attribute) -> bool:
+        """Whether a word may gray what is then tinted: a surface, or a glow that gets a color itself."""
+        glow = f"material/{name}/tint" not in self._instances
+        if attribute.kind == "glow":
+            return glow
+        return not glow or (attribute.color is not None and effect.owner == "material")
+
+    def _whole(self, names: list[str]) -> list[str]:
+        """Of the materials of a thing those that make it up: "red car" means neither its tyres nor a screw.
+
+        A small one that looks like a large one is no part of its own: the fender is as gray as the hood.
+        """
+        shares: dict[str, float] = {}
+        for name in names:  # all of a kind, or none: not the one tyre that is seen best
+            kind = kind_of(name)
+            shares[kind] = shares.get(kind, 0.0) + self._shares.get(name, 1.0)
+        made_up = [n for n in names if not is_detail(n)] or names
+        least = _PART * sum(shares.values())
+        large = [n for n in made_up if shares[kind_of(n)] >= least]
+        most = max((shares[kind_of(n)] for n in made_up), default=0.0)
+        large = large or [n for n in made_up if shares[kind_of(n)] >= _LIKE * most]
+        looks = {look for n in large if (look := self._look(n))}
+        return [n for n in made_up if n in large or self._look(n) in looks]
+
+    def _look(self, name: str) -> tuple[Values, ...]:
+        """What a material of one color looks like; nothing for a textured one."""
+        if f"material/{name}/base_color" not in self._instances:
+            return ()
+        values = (self._instances.get(f"material/{name}/{part}") for part in _LOOK)
+        return tuple(tuple(round(v, 2) for v in i.value) if i else () for i in values)
+
 
 BACKDROP = "world/backdrop_strength"
 """There, if what the camera sees of the world is not what lights."""

@@ -11,9 +11,7 @@ from ..prompt.lexicon.entries import Effect
 from ..prompt.types import Attribute
 from ..schema import Instance, Values
 from .color_ranges import OWN_COLOR, beyond_present, color_range, shaded
-from .grays import radiance
-from .lights.facing import kelvin_color, watts
-from .sources import Range, Sources
+from .light_levels import Range, Sources, kelvin_color, radiance, watts
 
 _MIDDLE = 45.0  # L* that neither brightens nor darkens; "slightly" moves towards it
 _IN_PLACE_OF_KEY = Effect("world", "strength", "lightness", (62.0,), (88.0,))

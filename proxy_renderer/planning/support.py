@@ -15,11 +15,9 @@ from ..color.floats import linear_from_srgb, luminance, srgb_from_linear
 from ..prompt.lexicon.kelvins import temperature
 from ..prompt.types import Attribute, Parsed
 from ..schema import Instance, Values
-from .grays import radiance
-from .lights.facing import kelvin_color
+from .light_levels import Range, Sources, kelvin_color, radiance
 from .owners import BACKDROP, Owners
 from .ranges import clip, facing_white
-from .sources import Range, Sources
 from .types import PlanEntry
 
 _LATE = 12

@@ -15,8 +15,8 @@ from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.types import LightDescription, Parsed, Prompts, SceneDescription
 from ..schema import Instance, VibeError
 from . import light_probe, ranges
-from .light_colors import light_colors
 from .like import Reference
+from .ranges import light_colors
 
 _UNTOUCHED = "the picture does not speak of it: keeps the artist's value"
 

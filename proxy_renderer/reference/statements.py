@@ -1,11 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a picture to statements: what it looks like, each a claim with its reason in words.
-
-Only what reads alike off a flat picture and off our own is stated. Its content is not copied: of a tint only the cast is
-claimed, for an orange suit is paint, and light that makes our things as orange spills. What a flat picture does not tell is
-not claimed: how hard shadows are (an edge may be paint), from where light comes but by which side of things it lightens,
-whether a scene is dim or exposed so.
-"""
+"""Claims that a picture makes of any scene: tones, casts, light, palette, haze."""
 
 from __future__ import annotations
 
@@ -21,7 +15,33 @@ from ..claims.measures.registry import MEASURES
 from ..claims.measures.tone import corner_falls
 from ..schema import Values
 from .regions import Told
-from .wording import hue
+
+_GRAY = 4.0  # C* below which a tint is none
+_SLIGHT = 10.0  # C* below which it is a slight one
+_HUES = (
+    (20.0, "pink"),
+    (48.0, "red"),
+    (72.0, "orange"),
+    (105.0, "yellow"),
+    (165.0, "green"),
+    (225.0, "teal"),
+    (255.0, "cyan-blue"),
+    (300.0, "blue"),
+    (335.0, "violet"),
+    (360.0, "pink"),
+)
+"""Hue angles in CIE Lab, degrees, up to which a hue is called so."""
+
+
+def hue(a: float, b: float) -> str:
+    """What people call a tint: "teal", "slightly orange", "neutral"."""
+    strength = math.hypot(a, b)
+    if strength < _GRAY:
+        return "neutral"
+    angle = math.degrees(math.atan2(b, a)) % 360
+    name = next(name for end, name in _HUES if angle <= end)
+    return f"slightly {name}" if strength < _SLIGHT else name
+
 
 CLOSE, LOOSE = 1.5, 2.5
 """Noticeable steps on either side that a measure may have: of the whole picture, and of a part of it."""

@@ -1,10 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How bright the lights of a rig are: light adds up, so what each gives to surfaces, looked up once by rays, gives its power.
-
-Ratios are in stops of irradiance against the key on the subject's lit side. The key itself follows from the exposure that the rig
-wants, from the artist's own view and exposure, which stay, and in part from how light the subject is: a black car stays darker than
-a white one. Where that would bleach what the camera sees, all lights are weaker; a lesser light that alone bleaches it is.
-"""
+"""How strong the lights of a rig are, so that the scene is exposed and lit in its ratios."""
 
 from __future__ import annotations
 
@@ -15,7 +10,10 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from ..color import tensors
+from ..color.constants import LUMINANCE_WEIGHTS
 from ..color.tensors import luminance
+from ..color.view_transform import ViewTransform
 from ..prompt.lexicon.rigs import Rig
 from ..render.geometry.visibility import sphere_points
 from ..render.lights.types import light_sources
@@ -23,9 +21,56 @@ from ..render.lights.types.light_source import LightSource
 from ..scene import SceneData
 from ..scene.values import RenderValues
 from ..schema import Values
-from .exposing import Exposing
 from .places import Placed
 from .stage import LightStage, Points
+
+WHITE = 0.8  # the most luminance, on the display, that a surface is lit to
+_STEPS, _STEP = 48, 0.7  # of the search for the light of a color
+_LEAST_CHANNEL, _MOST_CHANNEL = 1e-4, 0.97  # of a channel on the display
+_PUREST = 0.08  # least channel of a light, of its greatest: no view shows purer colors
+_BRIGHTEST = 16.0
+_PALER, _NEAR = (0.0, 0.12, 0.24, 0.36, 0.48, 0.6), 0.03
+"""How far a color goes towards gray until a view can show it, and how near is near enough."""
+
+
+class Exposing:
+    """How much light the camera of a scene needs.
+
+    Args:
+        scene: Has the view, and the artist's own exposure, which stays.
+    """
+
+    def __init__(self, scene: SceneData) -> None:
+        film = scene.film
+        self._view = ViewTransform(film.ocio, film.display, film.view, film.look)
+        self._stops = sum(scene.value(key)[0] for key in ("film/exposure", "film/grade_exposure"))
+
+    def gray(self, luminance: float) -> float:
+        """Scene-linear radiance of a gray that is displayed with a luminance; `WHITE` at most."""
+        return self.color((min(luminance, WHITE),) * 3)[0]
+
+    def color(self, displayed: Sequence[float]) -> Values:
+        """Scene-linear light that is displayed as a linear color, or as a paler one of that hue where the view shows none so pure."""
+        wanted = torch.tensor(displayed, dtype=torch.float32).clamp(_LEAST_CHANNEL, _MOST_CHANNEL)
+        gray = wanted @ wanted.new_tensor(LUMINANCE_WEIGHTS)
+        for paler in _PALER:
+            aim = torch.lerp(wanted, gray, paler)
+            light, miss = self._light_of(aim)
+            if miss < _NEAR:
+                break
+        return tuple(v * 2.0**-self._stops for v in light.tolist())
+
+    def _light_of(self, wanted: Tensor) -> tuple[Tensor, float]:
+        """Light (3,) that comes near a displayed color (3,), and how far its display is from it."""
+        light = shown = wanted
+        for _ in range(_STEPS):
+            shown = tensors.linear_from_srgb(self._view(light).clamp(0.0, 1.0))
+            light = (light * ((wanted + _LEAST_CHANNEL) / (shown + _LEAST_CHANNEL)) ** _STEP).clamp_max(
+                _BRIGHTEST
+            )
+            light = torch.maximum(light, _PUREST * light.max())
+        return light, float((shown - wanted).abs().max())
+
 
 GRAY = 0.18
 _LIT = 0.5  # share of the subject that counts as its lit side

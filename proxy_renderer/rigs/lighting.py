@@ -13,8 +13,8 @@ import torch
 from ..claims.claim import Claim
 from ..color import arrays
 from ..color.floats import hex_from_srgb, linear_from_srgb, luminance, mixed, srgb_from_hex, srgb_from_linear
-from ..planning.lights.facing import kelvin_color
-from ..planning.lights.glow import glows
+from ..planning.glow import glows
+from ..planning.light_levels import kelvin_color
 from ..planning.types import LightPlan, PlanEntry
 from ..prompt.lexicon.rigs import Rig
 from ..prompt.types import GLOW, Attribute, Parsed
@@ -23,8 +23,7 @@ from ..scene import SceneData
 from ..schema import Instance, Values, orbit, radiometry
 from ..schema.added_lights import CARD, CARD_AWAY, card
 from .chosen import ChosenRig
-from .exposing import Exposing
-from .levels import GRAY, Levels, measured
+from .levels import GRAY, Exposing, Levels, measured
 from .places import Placed, placed
 from .shown import claims_of_rig
 from .stage import LightStage

@@ -8,8 +8,7 @@ from dataclasses import replace
 import pytest
 from goal_parts import ROOM, read
 
-from proxy_renderer.goals.meaning import wishes_of
-from proxy_renderer.goals.wish import PAINTED, Wish
+from proxy_renderer.goals.wish import PAINTED, Wish, wishes_of
 from proxy_renderer.prompt.lexicon.entries import OWNERS, EntryWish
 from proxy_renderer.prompt.lexicon.quantities import quantities
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary

@@ -12,9 +12,8 @@ from goal_parts import ROOM, drawn, plan_of, read
 
 from proxy_renderer.claims.wanted import claims_of
 from proxy_renderer.goals.contradictions import contradicts
-from proxy_renderer.goals.meaning import wishes_of
 from proxy_renderer.goals.resolve import Goals, goals_of, resolved
-from proxy_renderer.goals.wish import Wish
+from proxy_renderer.goals.wish import Wish, wishes_of
 from proxy_renderer.prompt.lexicon.entries import OWNERS
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.parser import parse

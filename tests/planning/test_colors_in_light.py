@@ -7,7 +7,7 @@ import torch
 from proxy_renderer.claims.wanted import claims_of
 from proxy_renderer.color.blackbody import blackbody
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.planning.lights.facing import kelvin_color
+from proxy_renderer.planning.light_levels import kelvin_color
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.planning.lights.glow import glowing
+from proxy_renderer.planning.glow import glowing
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import SceneDescription

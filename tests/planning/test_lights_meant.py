@@ -5,7 +5,7 @@ import pytest
 from plan_parts import make_instances, make_plan
 
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.planning.lights.lacking import lacking
+from proxy_renderer.planning.missing import lacking
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import LightDescription, SceneDescription

@@ -5,9 +5,9 @@ import pytest
 
 from proxy_renderer.color.floats import chroma, lab_from_srgb, luminance, srgb_from_linear
 from proxy_renderer.goals.resolve import goals_of
+from proxy_renderer.planning.light_levels import Sources
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.ranges import effect_range
-from proxy_renderer.planning.sources import Sources
 from proxy_renderer.prompt.lexicon.entries import parse_effect
 from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.prompt.parser import parse

@@ -4,8 +4,8 @@
 import pytest
 from plan_parts import SCENE, make_instances
 
+from proxy_renderer.planning.light_levels import Sources
 from proxy_renderer.planning.ranges import effect_range
-from proxy_renderer.planning.sources import Sources
 from proxy_renderer.prompt.lexicon.entries import COLOR_MODES, RANGE_MODES, parse_effect
 from proxy_renderer.prompt.types import Attribute
 from proxy_renderer.schema import PARAMETERS, VibeError

@@ -4,7 +4,7 @@
 import pytest
 
 from proxy_renderer.claims.claim import Claim
-from proxy_renderer.reference.light_colors import light_colors
+from proxy_renderer.reference.ranges import light_colors
 
 
 def cast(a, b, measure="midtone_cast"):

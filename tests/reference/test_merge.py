@@ -6,7 +6,7 @@ import math
 import pytest
 
 from proxy_renderer.claims.claim import Claim
-from proxy_renderer.reference.merge import together
+from proxy_renderer.reference.like import together
 
 CAST = Claim("a.jpg: orange midtones", "picture", "midtone_cast", "picture", (8.0, 18.0), (12.0, 22.0))
 SHADOWS = Claim("a.jpg: red shadows", "picture", "shadow_cast", "picture", (3.0, 0.0), (5.0, 2.0))

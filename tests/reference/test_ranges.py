@@ -3,8 +3,7 @@
 
 import pytest
 
-from proxy_renderer.reference.light_colors import LightColors
-from proxy_renderer.reference.ranges import entries_of
+from proxy_renderer.reference.ranges import LightColors, entries_of
 from proxy_renderer.schema import FAMILIES, Instance
 
 LINE = (1.0, 0.6, 0.3), (1.0, 1.0, 1.0)

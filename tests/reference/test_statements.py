@@ -7,8 +7,7 @@ import torch
 
 from proxy_renderer.claims.measures.picture import MeasuredPicture
 from proxy_renderer.reference.regions import tell
-from proxy_renderer.reference.statements import statements_of
-from proxy_renderer.reference.wording import hue
+from proxy_renderer.reference.statements import hue, statements_of
 
 WIDTH, HEIGHT = 160, 120
 

@@ -11,7 +11,7 @@ from tiny_job import blender_config
 
 from proxy_renderer.color.floats import lab_from_srgb
 from proxy_renderer.color.view_transform import ViewTransform, apply_ocio
-from proxy_renderer.planning.grays import radiance
+from proxy_renderer.planning.light_levels import radiance
 from proxy_renderer.render.film.bloom import bloom
 from proxy_renderer.render.film.film import Film, grade
 from proxy_renderer.scene import FilmSettings

@@ -12,8 +12,7 @@ from proxy_renderer.prompt.lexicon.rigs import Rig, rig_table
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import SceneDescription
-from proxy_renderer.rigs.chosen import chosen_rig
-from proxy_renderer.rigs.mixed import at_an_hour, in_a_mood, with_source
+from proxy_renderer.rigs.chosen import at_an_hour, chosen_rig, in_a_mood, with_source
 
 _KINDS = {
     kind: [rig for rig in {r.name: r for r in rig_table().rigs.values()}.values() if rig.kind == kind]

@@ -24,8 +24,7 @@ from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import SceneDescription
 from proxy_renderer.render.material.textures import geometry_of
 from proxy_renderer.rigs.chosen import ChosenRig, chosen_rig
-from proxy_renderer.rigs.exposing import Exposing
-from proxy_renderer.rigs.levels import _bounce, sky_irradiance
+from proxy_renderer.rigs.levels import Exposing, _bounce, sky_irradiance
 from proxy_renderer.rigs.lighting import _is_hazy, _sky, _veiled
 from proxy_renderer.rigs.places import placed
 from proxy_renderer.rigs.stage import LightStage

@@ -13,8 +13,7 @@ from lab.bench.binding import table
 from lab.train.sentences.labels import LabeledScene, LabeledSentence
 from lab.train.sentences.stand_in import SceneStandIn, stand_in
 from proxy_renderer.goals.resolve import goals_or_why
-from proxy_renderer.planning.advice import OfflineAdvisor
-from proxy_renderer.planning.explanation import explain
+from proxy_renderer.planning.advice import OfflineAdvisor, explain
 from proxy_renderer.prompt.types import Parsed
 from proxy_renderer.prompt.understood import Understood
 from proxy_renderer.schema import VibeError

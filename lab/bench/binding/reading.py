@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 
 from lab.train.sentences.labels import LabeledScene
 from lab.train.sentences.stand_in import STANDBY, SceneStandIn, stand_in
-from proxy_renderer.goals.meaning import wishes_of
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.planning.lights.lacking import lacking
+from proxy_renderer.goals.wish import wishes_of
+from proxy_renderer.planning.missing import lacking
 from proxy_renderer.planning.owners import Owners
 from proxy_renderer.prompt.binding.model import FactWeights
 from proxy_renderer.prompt.lexicon.entries import OWNERS, Effect

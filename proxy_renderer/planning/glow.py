@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How much the glowing surfaces of a scene light its subject, as lamps do."""
+"""Light of surfaces that emit."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
-from ...prompt.types import Glow
-from ...scene import SceneData
+from ..prompt.types import Glow
+from ..scene import SceneData
 
 _MOST = 1.0  # a surface that glows all around gives white surfaces its own radiance
 
