@@ -35,8 +35,8 @@ from .measures.picture import Part
 _OF_MOODS = 0.5
 """Weight of what a mood stands for."""
 
-_SLIGHT = 0.8
-"""Strength below which a word is a weak one."""
+_SLIGHT, _LESS = 0.8, 2.0
+"""Strength below which a word is a weak one, and by how many of its changes a claim would ask for less at strength 0."""
 
 _BURNT = 0.06
 """Share of a thing, or of the picture, that may burn out."""
@@ -143,9 +143,9 @@ def _bound(text: ClaimText, attribute: Attribute) -> Claim:
     """
     own = text.part == "thing"
     part = part_of(attribute) if own else cast(Part, text.part)
-    lower, upper = (
-        _milder(text) if attribute.cause or attribute.strength < _SLIGHT else (text.lower, text.upper)
-    )
+    lower, upper = text.lower, text.upper
+    if attribute.cause or attribute.strength < _SLIGHT:
+        lower, upper = _milder(text, min(attribute.strength, 1.0))
     named = lab_from_srgb(srgb_from_hex(text.color)) if text.color else (0.0, 0.0, 0.0)
     return Claim(
         word=attribute.cause or attribute.word,
@@ -163,9 +163,12 @@ def _bound(text: ClaimText, attribute: Attribute) -> Claim:
     )
 
 
-def _milder(text: ClaimText) -> tuple[float, float]:
-    """The ends of an interval whose far end, where there is too much, is nearer; others stay."""
-    middle = (text.lower + text.upper) / 2
-    if text.change is None or not math.isfinite(middle):
+def _milder(text: ClaimText, strength: float) -> tuple[float, float]:
+    """The ends of an interval of a word that asks for less: the near end is met sooner, and the far end, where there is too much, too."""
+    if text.change is None:
         return text.lower, text.upper
-    return (text.lower, middle) if text.change > 0 else (middle, text.upper)
+    less, middle = (1.0 - strength) * _LESS * text.change, (text.lower + text.upper) / 2
+    rises, far = text.change > 0, math.isfinite(middle)
+    if rises:
+        return text.lower - less, middle if far else text.upper
+    return middle if far else text.lower, text.upper - less

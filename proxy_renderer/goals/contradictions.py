@@ -32,6 +32,8 @@ _ALL_LIGHT = ("light", "tone", "ambience")
 """Kinds of things whose color is that of the light as a whole."""
 _ANOTHER_HUE = 40.0
 """Degrees between the hues of a named color and of a material from which a thing cannot have both."""
+_SLIVER = 0.1
+"""Share of an interval that it has at least in common with another one where an image can be as both want it."""
 _MATTER = ("color", "finish", "substance", "glow")
 
 
@@ -47,14 +49,14 @@ def contradicts(first: Wish, later: Wish) -> bool:
         return False
     if _disjoint_claims(first, later):
         return True
+    if _is_recolored(first, later):
+        return True
     if first.quantity != later.quantity:
         return False
     if _is_gray(first) and any(c.measure == "chroma" and c.lower > 0.0 for c in later.claims):
         return True
     if later.attribute.kind == "ambience" and later.attribute.color and not first.attribute.color:
         return _opposed(first, lab_from_srgb(later.attribute.color))
-    if first.attribute.color and first.quantity == "color" and (own := _own_color(later, weak=False)):
-        return hue_apart(first.attribute.color, own) > _ANOTHER_HUE  # no copper is blue
     if first.attribute.color and later.attribute.color:
         return first.quantity != "light_color" or later.implied
     if _overlapping(first.claims, later.claims):
@@ -92,10 +94,15 @@ def _other_class(first: Wish, later: Wish) -> bool:
 
 
 def _overlapping(some: Sequence[ClaimText], others: Sequence[ClaimText]) -> bool:
-    """Whether an image can be of two classes: thick fog is light fog too."""
-    return any(
-        max(a.lower, b.lower) <= min(a.upper, b.upper) for a in some for b in others if _axis(a) == _axis(b)
-    )
+    """Whether an image can be of two classes: thick fog is light fog too, but no fog is not."""
+    return any(_have_room(a, b) for a in some for b in others if _axis(a) == _axis(b))
+
+
+def _have_room(a: ClaimText, b: ClaimText) -> bool:
+    """Whether two intervals have more in common than a sliver of the narrower one."""
+    common = min(a.upper, b.upper) - max(a.lower, b.lower)
+    width = min(a.upper - a.lower, b.upper - b.lower)
+    return common >= (_SLIVER * width if math.isfinite(width) else 0.0)
 
 
 def _axis(claim: ClaimText) -> tuple[str, str, str]:
@@ -161,7 +168,7 @@ def _warmth(wish: Wish) -> int:
 def _ruled_out(color: Wish, wish: Wish) -> bool:
     """Whether a named color leaves no room for a wish: a forest before a purple background is not green."""
     lab = lab_from_srgb(color.attribute.color or ())
-    if wish.implied and (wish.quantity, wish.toward) in set(_impossible(color, lab)):
+    if (wish.implied or wish.usual) and (wish.quantity, wish.toward) in set(_impossible(color, lab)):
         return True
     if wish.implied and wish.attribute.color:
         return color.attribute.kind == wish.attribute.kind
@@ -244,6 +251,14 @@ def _is_tinted(wish: Wish) -> bool:
 def _grays(wish: Wish) -> bool:
     """Whether a wish takes the color from what lies around: galleries are gray, but not at sunset."""
     return any((c.part, c.measure) == ("surroundings", "chroma") for c in wish.claims)
+
+
+def _is_recolored(color: Wish, material: Wish) -> bool:
+    """Whether a thing is painted in another hue than that of its material: no copper is blue, and oak is blue only as a stain."""
+    if not color.attribute.color or color.quantity not in PAINTED or material.quantity != "color":
+        return False
+    own = _own_color(material, weak=color.attribute.thing == material.attribute.thing)
+    return own is not None and hue_apart(color.attribute.color, own) > _ANOTHER_HUE
 
 
 def _own_color(wish: Wish, weak: bool) -> Values | None:

@@ -12,9 +12,11 @@ from pathlib import Path
 from typing import Any, TypeVar, get_args
 
 from ..color.floats import hex_from_srgb, is_hex, srgb_from_hex
+from ..prompt.binding.targets import ROLES as NAMED_ROLES
 from ..prompt.lexicon.claim_text import ClaimText, read_claim
 from ..prompt.lexicon.entries import OWNERS, SLOTS, parse_effect
 from ..prompt.lexicon.quantities import quantities
+from ..prompt.lexicon.vocabulary import shipped_vocabulary
 from ..prompt.types import GLOW, STRONGEST, Attribute, Parsed, PromptObject, SceneDescription
 from ..schema import VibeError
 from ..schema.errors import quoted
@@ -144,11 +146,9 @@ VERSION = 1
 """Of the format."""
 _LARGEST, _MOST = 2_000_000, 500  # bytes of a file, and words in it
 _REGIONS: tuple[str, ...] = get_args(Region)
-KINDS = (
-    "subject", "surroundings", "sky", "world", "light", "fill", "rim", "fog", "shadow", "highlight", "glow", "tone", "ambience", "whole",
-)  # fmt: skip
-"""What a word may describe."""
-ROLES = ("", "key", "fill", "rim", "others")
+KINDS = (*(kind for kind in shipped_vocabulary().painted if not kind.startswith("hidden")), "whole")
+"""What a word may describe: all that a color may be said of, and the image as a whole."""
+ROLES = ("", *NAMED_ROLES, "others")
 """Lights that may be meant."""
 _HELP = "Write a new file with `vibe explain PROMPT --goals`, and change that; docs/reference/goals.md has all fields."
 

@@ -484,3 +484,24 @@ def test_white_things_may_have_the_color_of_the_light() -> None:
     assert warm[1] > plain[1] + 3
     assert (cool[1], warm[0]) == (plain[1], plain[0])
     assert reach("red vase, warm light") == reach("red vase")
+
+
+def test_a_weak_word_asks_for_less_at_both_ends():
+    """Of all words: the end that is asked for and the one where there is too much; what is weak is never outside of it."""
+    checked = set()
+    for name in default_vocabulary().entries:
+        plain = {(c.measure, c.part, c.direction): c for c in claims(name) if c.change}
+        for claim in claims(f"slightly {name}"):
+            strong = plain.get((claim.measure, claim.part, claim.direction))
+            if strong is None or claim.word == strong.word or not claim.change:
+                continue
+            near = (
+                (strong.lower[0] - claim.lower[0]) if claim.change > 0 else (claim.upper[0] - strong.upper[0])
+            )
+            far = (
+                (strong.upper[0] - claim.upper[0]) if claim.change > 0 else (claim.lower[0] - strong.lower[0])
+            )
+            assert near > 0, claim
+            assert far > 0 or math.isinf(claim.upper[0] - claim.lower[0]), claim
+            checked.add(claim.measure)
+    assert checked >= {"vignette", "warmth"}
