@@ -82,11 +82,7 @@ def goals_or_why(understood: Understood) -> Goals | VibeError:
 
 
 def goals_of(parsed: Parsed, vocabulary: Vocabulary | None = None) -> Goals:
-    """What a prompt asks for, its contradictions resolved.
-
-    Args:
-        vocabulary: What words mean; the artist's own if None.
-    """
+    """What a prompt asks for, its contradictions resolved."""
     wishes = wishes_of(parsed.attributes, vocabulary or default_vocabulary())
     return resolved(parsed, wishes)
 

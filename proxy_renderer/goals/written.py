@@ -360,7 +360,6 @@ def _read_wish(row: JsonFields, attribute: Attribute) -> Wish:
 
 
 def _read_claim(text: str) -> ClaimText:
-    """A claim whose measure exists."""
     claim = read_claim(text)
     quantities().of_claim(claim)
     return claim

@@ -33,11 +33,7 @@ Act = tuple[Wish, Effect]
 
 
 def acts(goals: Goals, vocabulary: Vocabulary, owners: Owners) -> list[Act]:
-    """The effects of all wishes, in the order of the prompt.
-
-    Args:
-        owners: The scene's materials, lights and world.
-    """
+    """The effects of all wishes, in the order of the prompt."""
     described = _redirected(goals, owners)
     wishes = (replace(w, attribute=described.get(id(w.attribute), w.attribute)) for w in goals.wishes)
     return [(wish, effect) for wish in wishes for effect in _effects(wish, vocabulary, owners)]

@@ -43,13 +43,7 @@ class Advisor(Protocol):
     """Fills the typed structures of a round."""
 
     def advise(self, display: Any, instances: Mapping[str, Instance], scene: SceneDescription) -> Advice:
-        """Parse, compose, confine.
-
-        Args:
-            display: The current rendering, (H, W, 3) in [0, 1].
-            instances: The scene's parameters by key, locks included.
-            scene: What is known about the scene and its current picture.
-        """
+        """Parse, compose, confine. `display` is the current image (H, W, 3) in [0, 1]; locks are in `instances`."""
 
 
 class OfflineAdvisor:

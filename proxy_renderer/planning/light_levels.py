@@ -7,7 +7,6 @@ import math
 from bisect import bisect_left
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
-from math import exp, log
 
 from ..color.floats import luminance
 from ..prompt.types import SceneDescription
@@ -18,43 +17,11 @@ _GRAYS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.18, 0.3, 0.5, 0.8, 1.0, 1.5, 2.0, 3.0,
 _LIGHTNESS = {
     "AgX": (2.4, 5.7, 12.2, 24.4, 36.9, 49.5, 60.3, 69.5, 76.5, 79.4, 83.9, 86.8, 90.2, 92.3, 95.0, 97.8),
     "Filmic": (4.6, 9.2, 16.4, 29.6, 42.0, 53.4, 63.2, 72.3, 79.6, 82.7, 87.6, 90.4, 93.7, 95.5, 97.5, 99.1),
-    "Standard": (
-        4.5,
-        9.0,
-        15.5,
-        26.7,
-        37.8,
-        49.5,
-        61.7,
-        76.1,
-        91.7,
-        99.0,
-        99.2,
-        99.4,
-        99.6,
-        99.7,
-        99.8,
-        99.9,
-    ),
+    "Standard": (4.5, 9.0, 15.5, 26.7, 37.8, 49.5, 61.7, 76.1, 91.7, 99.0, 99.2, 99.4, 99.6, 99.7, 99.8, 99.9),
     "Khronos PBR Neutral": (
-        0.1,
-        0.6,
-        2.3,
-        13.2,
-        29.5,
-        44.4,
-        58.2,
-        73.8,
-        89.5,
-        94.4,
-        97.5,
-        98.4,
-        99.1,
-        99.3,
-        99.6,
-        99.8,
+        0.1, 0.6, 2.3, 13.2, 29.5, 44.4, 58.2, 73.8, 89.5, 94.4, 97.5, 98.4, 99.1, 99.3, 99.6, 99.8,
     ),
-}
+}  # fmt: skip
 
 
 def radiance(lightness: float, view: str) -> float:
@@ -67,7 +34,7 @@ def radiance(lightness: float, view: str) -> float:
         return _GRAYS[-1]
     i = bisect_left(curve, lightness)
     t = (lightness - curve[i - 1]) / (curve[i] - curve[i - 1])
-    return exp(log(_GRAYS[i - 1]) + t * (log(_GRAYS[i]) - log(_GRAYS[i - 1])))
+    return math.exp(math.log(_GRAYS[i - 1]) + t * (math.log(_GRAYS[i]) - math.log(_GRAYS[i - 1])))
 
 
 Range = tuple[Values, Values]
@@ -75,12 +42,7 @@ Range = tuple[Values, Values]
 
 @dataclass(frozen=True)
 class WorldLook:
-    """The world at strength 1.
-
-    Attributes:
-        color: Its mean color, linear.
-        picture: Mean luminance of its linked picture; 1 for a plain color.
-    """
+    """The world at strength 1: its mean color, linear, and the mean luminance of its linked image (1 for a plain color)."""
 
     color: Values = (1.0, 1.0, 1.0)
     picture: float = 1.0
@@ -134,31 +96,19 @@ def facing_radiance(
 
     A glowing material is the light "material/NAME".
     """
-    sources = _lamps(instances, scene, value) | _glows(instances, scene, value)
-    return sum(bright for name, bright in sources.items() if lights is None or name in lights)
-
-
-def _lamps(instances: dict[str, Instance], scene: SceneDescription, value: Value) -> dict[str, float]:
-    """Lamp -> the radiance of a white surface that faces it."""
     found = {}
     for instance in instances.values():
         if instance.parameter.group == "light" and instance.parameter.name in ("power", "strength"):
             color = instances.get(f"light/{instance.owner}/color")
             shed = value(instance)[0] / (watts(instance, scene) * instance.reference)
             found[instance.owner] = luminance(value(color) if color else _WHITE) * shed
-    return found
-
-
-def _glows(instances: dict[str, Instance], scene: SceneDescription, value: Value) -> dict[str, float]:
-    """The same of glowing materials."""
-    found = {}
     for material, glow in scene.emitters.items():
         strength, color = (instances.get(f"material/{material}/{n}") for n in ("emission", "emission_color"))
         if strength:
             over = value(color) if color else _WHITE
             own = tuple(a * b for a, b in zip(over, glow.color, strict=True))
             found[f"material/{material}"] = luminance(own) * value(strength)[0] * glow.strength * glow.light
-    return found
+    return sum(bright for name, bright in found.items() if lights is None or name in lights)
 
 
 def kelvin_color(kelvin: float) -> Values:

@@ -32,10 +32,10 @@ def lacking(
         instances: The scene's parameters by key.
         standby: Names of the lights on standby, with their roles.
     """
-    parsed = goals.parsed
-    owners = Owners(parsed, instances, scene, vocabulary)
+    attributes = goals.parsed.attributes
+    owners = Owners(goals.parsed, instances, scene, vocabulary)
     missing = [number for number, names in owners.lights.numbered.items() if not names]
-    said = ([a for a in parsed.attributes if a.lamp == number] for number in missing)
+    said = ([a for a in attributes if a.lamp == number] for number in missing)
     roles = [_described(group, owners.lights, vocabulary) for group in said]
     for wish, effect in acts(goals, vocabulary, owners):
         role = _asked(effect, wish.attribute, owners)
@@ -79,9 +79,6 @@ def asks_for_backdrop(
 
     A white or pale background is a light too, as in a photographer's studio, if no other word wants less light. What a
     place usually has is no such wish: the sky of a garden at night is the night's.
-
-    Args:
-        instances: The scene's parameters by key.
     """
     owners = Owners(goals.parsed, instances, scene, vocabulary)
     of_world = [

@@ -19,12 +19,7 @@ _LOOK = ("base_color", "metallic", "roughness", "transmission")
 
 
 class SceneMaterials:
-    """The materials of a scene.
-
-    Args:
-        instances: The scene's parameters.
-        shares: Material -> fraction of its region's pixels; all of it where that is not known.
-    """
+    """The materials of a scene, with the share of its region's pixels that each covers, where known."""
 
     def __init__(self, instances: Mapping[str, Instance], shares: Mapping[str, float]) -> None:
         self._instances, self._shares = instances, shares
@@ -73,7 +68,6 @@ class SceneMaterials:
         return [n for n in made_up if n in large or self._look(n) in looks]
 
     def _look(self, name: str) -> tuple[Values, ...]:
-        """What a material of one color looks like; nothing for a textured one."""
         if f"material/{name}/base_color" not in self._instances:
             return ()
         values = (self._instances.get(f"material/{name}/{part}") for part in _LOOK)
@@ -90,19 +84,10 @@ SLIVER = 0.05  # of the surroundings: so little world counts as none
 
 
 class Owners:
-    """Materials, lights and the world, as words mean them.
-
-    Attributes:
-        materials: The scene's materials.
-        lights: The scene's lights, and what glows.
-    """
+    """The instances that an effect of a word acts on."""
 
     def __init__(
-        self,
-        parsed: Parsed,
-        instances: dict[str, Instance],
-        scene: SceneDescription,
-        vocabulary: Vocabulary,
+        self, parsed: Parsed, instances: dict[str, Instance], scene: SceneDescription, vocabulary: Vocabulary
     ) -> None:
         self._parsed, self._instances, self._world_share = parsed, instances, scene.world_share
         self.materials = SceneMaterials(instances, scene.material_share)

@@ -29,17 +29,11 @@ class WishedRange:
     """A wish, projected on one parameter.
 
     Attributes:
-        key: Of the parameter.
-        lower: Of its range.
-        upper: Likewise.
-        wish: What it serves.
         reason: For the artist; quotes the word.
         weak: A default, which gives way silently.
-        priority: The smaller the more important.
         usual: It is what a place usually has: it counts only where no other word is about the parameter.
-        aside: What the wish is about is said better by other words here.
-        start: Where the search begins, as `PlanEntry.start`.
-        any_hue: As `PlanEntry.any_hue`.
+        aside: Words for what is seen of the world come first for this parameter.
+        start, any_hue: As in `PlanEntry`.
     """
 
     key: str
@@ -68,13 +62,7 @@ class WishedRange:
 
 @dataclass(frozen=True)
 class Agreement:
-    """What is left for one parameter.
-
-    Attributes:
-        lower: Of its range.
-        upper: Likewise.
-        winners: The ranges that it comes from, the one that ranks first first.
-    """
+    """The range that is left for one parameter, and the ranges that it comes from, the first in rank first."""
 
     lower: Values
     upper: Values
@@ -82,11 +70,11 @@ class Agreement:
 
 
 class Agreements:
-    """The ranges that wishes leave each other."""
+    """The ranges that wishes leave each other; `of` has them by the parameter's key."""
 
     def __init__(self) -> None:
+        self.of: dict[str, Agreement] = {}
         self._ranges: dict[str, list[WishedRange]] = {}
-        self._agreed: dict[str, Agreement] = {}
         self._lost: dict[tuple[str, str], dict[str, None]] = {}
 
     def add(self, ranges: Iterable[WishedRange]) -> None:
@@ -96,15 +84,11 @@ class Agreements:
             self._ranges.setdefault(each.key, []).append(each)
             keys[each.key] = None
         for key in keys:
-            self._agreed[key] = self._agreement(sorted(self._ranges[key], key=lambda r: r.rank))
-
-    def of(self, key: str) -> Agreement | None:
-        """What is left for a parameter; None where no wish is about it."""
-        return self._agreed.get(key)
+            self.of[key] = self._agreement(sorted(self._ranges[key], key=lambda r: r.rank))
 
     def value(self, instance: Instance) -> Values:
         """The artist's value, projected into what is left so far."""
-        found = self._agreed.get(instance.key)
+        found = self.of.get(instance.key)
         if found is None:
             return instance.value
         return within(found.winners[0].start or instance.value, found.lower, found.upper)
@@ -126,10 +110,10 @@ class Agreements:
             if agrees and not first.start:  # what is left of a named color's room would be another color
                 lower, upper, winners = low, high, [*winners, each]
             elif (
-                (each.start or not agrees)
-                and first.is_plain
+                first.is_plain
                 and each.is_plain
                 and each.reason != first.reason
+                and (each.start or not agrees)
             ):
                 pair = each.wish.attribute.word, first.wish.attribute.word
                 self._lost.setdefault(pair, {})[each.key] = None
@@ -148,11 +132,8 @@ def reason_of(attribute: Attribute, phrase: str) -> str:
     if attribute.cause:
         return f"'{attribute.cause}' means '{attribute.word}'"
     what = f" on the {attribute.thing}" if attribute.color and attribute.thing else ""
-    return f"'{attribute.word}'{what}" + (
-        f" ({phrase})"
-        if phrase and not (attribute.negated or attribute.shades) and phrase != attribute.word
-        else ""
-    )
+    plain = phrase and phrase != attribute.word and not (attribute.negated or attribute.shades)
+    return f"'{attribute.word}'{what}" + (f" ({phrase})" if plain else "")
 
 
 _OF_SHADOWS = ("size", "angle")
@@ -182,16 +163,10 @@ def plan(
     vocabulary: Vocabulary | None = None,
     light: LightPlan | None = None,
 ) -> Plan:
-    """Decides what may happen to every parameter of a scene.
+    """Decides what may happen to every parameter of a scene, given by key.
 
-    What words name gets a range (projection moves the value inside) and a priority; a few others
-    may move a little to keep the subject visible; the rest keeps the artist's value.
-
-    Args:
-        instances: The scene's parameters by key.
-        scene: What is known about the scene and its picture.
-        vocabulary: What words mean; the artist's own if None.
-        light: What a rig plans; None where the words ask for none.
+    What words name gets a range (projection moves the value inside) and a priority; a few others may move a little to
+    keep the subject visible; the rest keeps the artist's value. Without a vocabulary, the artist's own counts.
     """
     light = light or LightPlan()
     planner = _Planner(goals, instances, scene, vocabulary or default_vocabulary(), light)
@@ -239,17 +214,15 @@ class _Planner:
         return entries
 
     def _of_materials(self) -> dict[str, Values]:
-        """The values that parameters have by the materials that words name."""
+        """Key -> the value that a parameter has by the material that a word names."""
         found = {}
         for wish, effect in self.acts:
-            attribute = wish.attribute
-            if attribute.slot == "material" and effect.mode in ("", "color"):
-                for instance in self.owners.of(effect, attribute):
-                    found[instance.key] = (
-                        painted(effect, attribute, instance, self.sources)
-                        if effect.color
-                        else within(instance.value, *effect_range(effect, attribute, instance, self.sources))
-                    )
+            if wish.attribute.slot != "material" or effect.mode not in ("", "color"):
+                continue
+            for instance in self.owners.of(effect, wish.attribute):
+                given = effect, wish.attribute, instance, self.sources
+                own = painted(*given) if effect.color else within(instance.value, *effect_range(*given))
+                found[instance.key] = own
         return found
 
     def _unmet(self) -> list[str]:
@@ -265,18 +238,15 @@ class _Planner:
 
     def _ranges(self, wish: Wish, effect: Effect) -> Iterator[WishedRange]:
         """A wish's ranges of the parameters that one of its effects is about."""
-        added = self.sources.scene.added_lights
         for instance in self.owners.of(effect, wish.attribute):
-            if instance.owner in added and effect.mode == "times" and effect.name == "power":
-                if effect.lower[0] < 1.0:
-                    yield self._range(
-                        wish, effect, replace(instance, value=added_power(instance, self.sources))
-                    )
-                # else words ask for the light: it has nothing to be stronger than
+            is_added = instance.owner in self.sources.scene.added_lights
+            if is_added and effect.mode == "times" and effect.name == "power":
+                if effect.lower[0] >= 1.0:  # words ask for the light: it has nothing to be stronger than
+                    continue
+                instance = replace(instance, value=added_power(instance, self.sources))
             elif effect.mode in _RELATIVE and instance.key in self.of_materials:
-                yield self._range(wish, effect, replace(instance, value=self.of_materials[instance.key]))
-            else:
-                yield self._range(wish, effect, instance)
+                instance = replace(instance, value=self.of_materials[instance.key])
+            yield self._range(wish, effect, instance)
 
     def _range(self, wish: Wish, effect: Effect, instance: Instance) -> WishedRange:
         attribute = replace(wish.attribute, strength=wish.strength)
@@ -330,16 +300,16 @@ class _Planner:
         return WorldLook(tuple(v * level for v in self.agreed.value(tint)), level) if tint else WorldLook()
 
     def _own_color(self, owner: str) -> tuple[float, ...]:
-        """The color that a material gets, or has."""
         named = [a for a in self.parsed.attributes if a.kind == "subject" and a.color and not a.negated]
         if named and named[0].color:
             return named[0].color
+        # the color that a material has
         found = (self.instances.get(f"material/{owner}/{name}") for name in ("base_color", "tint"))
         return next((srgb_from_linear(self.agreed.value(i)) for i in found if i), (1.0, 1.0, 1.0))
 
     def _glows(self, owner: str) -> bool:
         """Whether a material is to glow, or does: many have a strength of 1 and a black emission color."""
-        asked = self.agreed.of(f"material/{owner}/emission")
+        asked = self.agreed.of.get(f"material/{owner}/emission")
         return max(asked.upper[0] if asked else 0.0, self._glow(owner)) > _SEEN_GLOW
 
     def _glow(self, owner: str) -> float:
@@ -350,17 +320,20 @@ class _Planner:
         return strength.value[0] * max(color.value) if strength and color else 0.0
 
     def _entry(self, instance: Instance) -> PlanEntry:
-        settled = self.agreed.of(instance.key)
+        settled = self.agreed.of.get(instance.key)
         if instance.locked:
             if settled:
                 self.kept.setdefault(instance.locked, []).append(instance.key)
             return PlanEntry(instance.value, instance.value, None, f"locked: {instance.locked}")
-        if not settled:
-            return PlanEntry(
-                instance.lower, instance.upper, None, "no word touches it: keeps the artist's value"
-            )
-        if instance.parameter.family == "material/emission_color" and not self._glows(instance.owner):
-            return PlanEntry(instance.lower, instance.upper, None, "does not glow: keeps the artist's value")
+        why = "" if settled else "no word touches it"
+        if (
+            settled
+            and instance.parameter.family == "material/emission_color"
+            and not self._glows(instance.owner)
+        ):
+            why = "does not glow"
+        if why or not settled:
+            return PlanEntry(instance.lower, instance.upper, None, f"{why}: keeps the artist's value")
         lower, upper = clip(settled.lower, settled.upper, instance)
         winners = settled.winners
         return PlanEntry(

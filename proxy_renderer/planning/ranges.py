@@ -18,7 +18,11 @@ _IN_PLACE_OF_KEY = Effect("world", "strength", "lightness", (62.0,), (88.0,))
 _NEUTRAL, _KELVIN, _WARM_TO_COOL = 6500.0, (1200.0, 16000.0), (2700.0, 11000.0)
 _LEAST_COMPONENT = 0.25  # of a glow's greatest: what lacks a color cannot be tinted to have it
 _OFF_WHITE = 50.0  # degrees of hue from warm and from cool light
-_DIRECTIONS = ("azimuth", "elevation", "rotation")
+_AS_NAMED = (
+    "azimuth", "elevation", "rotation", "ior", "base_color", "color", "specular_tint", "tint", "backdrop_color",
+    "backdrop_tint",
+)  # fmt: skip
+"""Parameters of which there is no less and no more: directions and colors."""
 
 
 def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
@@ -83,10 +87,7 @@ def clip(low: Values, high: Values, instance: Instance) -> Range:
 def scaled(
     low: float, high: float, neutral: float, strength: float, bounds: tuple[float, float]
 ) -> tuple[float, float]:
-    """Moves a range towards the neutral value for "slightly", away from it for "very".
-
-    Monotone in `strength`; a range around the neutral value stays as it is.
-    """
+    """A range moved towards the neutral value for "slightly", away from it for "very"; one around it stays."""
     if strength == 1.0 or (low <= neutral <= high and not (low == neutral or high == neutral)):
         return low, high
     if strength < 1.0:
@@ -114,22 +115,12 @@ def _glow_color(effect: Effect, strength: float, color: Values) -> Range:
 
 def _plain(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
     parameter, unit = instance.parameter, instance.reference
-    if parameter.name in _DIRECTIONS or parameter.name in (
-        "ior",
-        "base_color",
-        "color",
-        "specular_tint",
-        "tint",
-        "backdrop_color",
-        "backdrop_tint",
-    ):
+    if parameter.name in _AS_NAMED:
         strength = 1.0
-    bounds = (parameter.lower, parameter.upper)
-    logs = parameter.scale.name == "log"
-    there, back = (math.log, math.exp) if logs else (float, float)
+    there, back = (math.log, math.exp) if parameter.scale.name == "log" else (float, float)
+    limits = there(parameter.lower), there(parameter.upper)
     pairs = []
     for low, high in zip(effect.lower, effect.upper, strict=True):
-        limits = there(bounds[0]), there(bounds[1])
         a, b = scaled(there(low), there(high), there(parameter.default), strength, limits)
         pairs.append((back(a) * unit, back(b) * unit))
     return tuple(a for a, _ in pairs), tuple(b for _, b in pairs)
@@ -146,9 +137,8 @@ def _times(effect: Effect, strength: float, instance: Instance, _: Sources) -> R
 
 
 def _plus(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
-    return (instance.value[0] + effect.lower[0] * strength,), (
-        instance.value[0] + effect.upper[0] * strength,
-    )
+    low, high = (instance.value[0] + end[0] * strength for end in (effect.lower, effect.upper))
+    return (low,), (high,)
 
 
 def _shade(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
@@ -193,9 +183,8 @@ def _share(effect: Effect, strength: float, instance: Instance, sources: Sources
 
 def facing_white(instance: Instance, low: float, high: float, sources: Sources) -> Range:
     """Powers of a light at which a white surface that faces it is displayed with these L*."""
-    return clip(
-        *_lightness(Effect("light", "power", "lightness", (low,), (high,)), 1.0, instance, sources), instance
-    )
+    effect = Effect("light", "power", "lightness", (low,), (high,))
+    return clip(*_lightness(effect, 1.0, instance, sources), instance)
 
 
 def _fade(goal: float, light: float) -> float:

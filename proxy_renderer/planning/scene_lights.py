@@ -22,11 +22,9 @@ class KnownLight:
     """A light of a scene, as words may mean it.
 
     Attributes:
-        name: As its owner is called: the artist's name of a light, or "material/NAME" of what glows.
-        role: "key", "fill" or "rim".
+        name: The artist's name of a light, or "material/NAME" of what glows.
         names: What it may be called: its own name and its type, or its material's and those of its objects.
         turn: Azimuth relative to the camera, degrees.
-        added: Whether the scene lacks it and gets it for the words.
     """
 
     name: str
@@ -125,9 +123,6 @@ _BEHIND = 180.0
 class SceneLights:
     """The lights of a scene by role, and what glows as they do.
 
-    Args:
-        instances: The scene's parameters.
-
     Attributes:
         key: Names of the key lights; the one that is brightest on the subject where no light has that role.
         rim: Names of the rim lights; else the one nearest to behind the subject, if there are several.
@@ -138,11 +133,7 @@ class SceneLights:
     """
 
     def __init__(
-        self,
-        parsed: Parsed,
-        instances: dict[str, Instance],
-        scene: SceneDescription,
-        vocabulary: Vocabulary,
+        self, parsed: Parsed, instances: dict[str, Instance], scene: SceneDescription, vocabulary: Vocabulary
     ) -> None:
         self._instances, self._scene, self._vocabulary = instances, scene, vocabulary
         self.lamps = list(dict.fromkeys(i.owner for i in instances.values() if i.parameter.group == "light"))
@@ -197,7 +188,6 @@ class SceneLights:
         return own[:1] if turned else own
 
     def _with_role(self, role: str) -> list[str]:
-        """The lights that stand for a role: "key", "rim", "fill", or "others" than the key."""
         own = {"key": self.key, "rim": self.rim, "fill": self.fill}
         return own[role] if role in own else self._but(self.key)
 
@@ -221,7 +211,6 @@ class SceneLights:
         return [name for name in glows if self._radiance(name) > least]
 
     def _key(self) -> list[str]:
-        """The light that has the role, or the brightest; a glow that is brighter takes its place."""
         lamps = self.of_role("key")
         if not self.glows:
             return lamps or self._brightest(self.lamps)
@@ -231,11 +220,8 @@ class SceneLights:
         """The light that is most behind the subject, seen from the camera; never the key."""
         others = [n for n in self.lamps if n not in self.key]
         unassigned = [n for n in others if n not in self.of_role("fill")] or others
-        return [min(unassigned, key=self._frontal)] if unassigned else []
-
-    def _frontal(self, light: str) -> float:
-        """Degrees from behind the subject."""
-        return abs(self._turn(light) % 360.0 - _BEHIND)
+        behind = sorted(unassigned, key=lambda light: abs(self._turn(light) % 360.0 - _BEHIND))
+        return behind[:1]
 
     def _known(self) -> list[KnownLight]:
         """All lights, the key first and those that are added for the words last."""
@@ -256,7 +242,6 @@ class SceneLights:
         return KnownLight(name, role, (material, *glow.objects), glow.azimuth - self._scene.camera_azimuth)
 
     def _turn(self, light: str) -> float:
-        """Azimuth of a light relative to the camera, degrees."""
         instance = self._instances.get(f"light/{light}/azimuth")
         azimuth = instance.value[0] / instance.reference if instance else 0.0
         return azimuth - self._scene.camera_azimuth

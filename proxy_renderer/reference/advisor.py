@@ -57,7 +57,6 @@ class LikeAdvisor:
         return replace(advice, plan=Plan(dict(plan), notes))
 
     def _own(self, instances: Mapping[str, Instance], advice: Advice | None) -> dict[str, PlanEntry]:
-        """What the picture lets change, by key."""
         reference = self._reference
         if reference.probe:
             return light_probe.entries_of(reference.probe, instances, self._keys, reference.name)
@@ -101,7 +100,6 @@ def beside(
 
 
 def _named(plan: Plan) -> dict[str, PlanEntry]:
-    """What words name, by key."""
     return {key: entry for key, entry in plan.items() if entry.is_named}
 
 

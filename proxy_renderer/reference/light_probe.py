@@ -70,9 +70,6 @@ def entries_of(
     """The key light turned and colored as the panorama's, and the world colored as the rest; what is locked is left out.
 
     How bright either is stays as the artist has it.
-
-    Args:
-        instances: The scene's parameters by key.
     """
     wanted: dict[str, tuple[Values, float]] = {"world/color": (found.around, _SAME_COLOR)}
     wanted |= {f"light/{key}/color": (found.key, _SAME_COLOR) for key in keys}
@@ -102,5 +99,4 @@ def told(found: LightProbe, name: str) -> str:
 
 
 def _color(total: np.ndarray) -> Values:
-    """A color of light, its greatest component 1."""
     return tuple((total / max(float(total.max()), 1e-12)).tolist())

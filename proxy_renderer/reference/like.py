@@ -154,9 +154,6 @@ class Reference:
     def of(cls, options: Options, scene: SceneData) -> Reference | None:
         """The picture that the options name; None if they name none. Linear light is shown as the scene shows its own.
 
-        Args:
-            options: Name it, and say what is taken over.
-
         Raises:
             VibeError: It cannot be read.
         """
@@ -179,21 +176,12 @@ class Reference:
         return self._only or (TRAITS if self.same else TRAITS[:-1])
 
     def compare(self, rendered: Tensor) -> None:
-        """Finds out whether it shows this very scene, once.
-
-        Args:
-            rendered: (H, W, 3) the artist's own picture.
-        """
+        """Finds out, once, whether it shows the same scene as the artist's own image (H, W, 3)."""
         if self.same is None and not self.probe:
             self.same = same_scene.is_same(self.display, rendered)
 
     def claims(self, words: tuple[Claim, ...], seen: GBuffer) -> tuple[Claim, ...]:
-        """The claims of words and picture together.
-
-        Args:
-            words: Those of the words, and of every picture.
-            seen: What the camera sees at the artist's values.
-        """
+        """The claims of words and picture together."""
         if self.same:
             said = same_scene.statements_of(self.display, self.picture.alpha, seen, self.name)
             others = [claim for claim in words if claim.measure not in _OWN]
@@ -201,11 +189,7 @@ class Reference:
         return self.of_any_scene(words)
 
     def of_any_scene(self, words: tuple[Claim, ...]) -> tuple[Claim, ...]:
-        """The claims of words and picture together, where it shows another scene.
-
-        Args:
-            words: Those of the words, and of every picture.
-        """
+        """The claims of words and picture together, where it shows another scene."""
         said = [s.claim for s in self.statements if s.trait in self.traits]
         return together([claim for claim in words if not self._denies(claim)], said, self._has)
 
@@ -242,7 +226,6 @@ class Reference:
 
 
 def _shown(linear: np.ndarray, scene: SceneData) -> np.ndarray:
-    """Scene-linear light (H, W, 3) as a scene's view shows it: its transform, look, exposure and gamma."""
     keys = [key for key in ("film/exposure", "film/gamma") if key in scene.instances]
     values = {key: torch.tensor(scene.instances[key].value) for key in keys}
     film = Film(scene.film, (linear.shape[1], linear.shape[0]))

@@ -80,7 +80,6 @@ def _color(a: float, b: float, times: float = _STRONGER) -> Values:
 
 
 def _cosine(one: tuple[float, float], other: tuple[float, float]) -> float:
-    """Between two hues; 1 if one of them is gray."""
     lengths = math.hypot(*one) * math.hypot(*other)
     return (one[0] * other[0] + one[1] * other[1]) / lengths if lengths > 1e-9 else 1.0
 
@@ -241,11 +240,7 @@ def entries_of(
 
 
 def kept(instances: Mapping[str, Instance], entries: Collection[str]) -> tuple[str, ...]:
-    """What stays because a picture cannot tell it, one sentence for each family.
-
-    Args:
-        instances: The scene's parameters by key.
-    """
+    """What stays because a picture cannot tell it, one sentence for each family."""
     families = {i.parameter.family for key, i in instances.items() if key not in entries and not i.locked}
     said = (f"{family}: {why}" for family, why in _STAYS.items() if family in families)
     return tuple(f"Kept as you have it, {text}." for text in said)
@@ -281,7 +276,6 @@ def _range(reach: Leeway, instance: Instance) -> tuple[Values, Values]:
 
 
 def _around(lower: Values, upper: Values, instance: Instance) -> tuple[Values, Values]:
-    """Ends within an instance's bounds, its own value among them."""
     value = instance.value
     return (
         tuple(max(min(a, v), least) for a, v, least in zip(lower, value, instance.lower, strict=True)),

@@ -29,22 +29,13 @@ _EXACT = 0.5  # noticeable steps that a cell may be off on either side
 
 
 def is_same(reference: Tensor, rendered: Tensor) -> bool:
-    """Whether two pictures show the same things in the same places, however lit.
-
-    Args:
-        reference: (H, W, 3) sRGB-encoded.
-        rendered: (H, W, 3) likewise, the artist's own picture.
-    """
+    """Whether two pictures show the same things in the same places, however lit."""
     one, other = (picture.shape[1] / picture.shape[0] for picture in (reference, rendered))
     return abs(one / other - 1) < _ASPECT and likeness(reference, rendered) > _ALIKE
 
 
 def likeness(reference: Tensor, rendered: Tensor) -> float:
     """Correlation of where two pictures have edges, their strength compressed: light changes strengths, not places.
-
-    Args:
-        reference: (H, W, 3) sRGB-encoded.
-        rendered: (H, W, 3) likewise, of the same proportions.
 
     Returns:
         In [-1, 1].
@@ -66,12 +57,7 @@ def _edges(picture: Tensor, shape: tuple[int, int]) -> Tensor:
 
 
 def statements_of(picture: Tensor, alpha: np.ndarray | None, seen: GBuffer, name: str) -> list[Statement]:
-    """What a picture of this scene says of every place in the frame, and of every material, where all of it is seen.
-
-    Args:
-        picture: (H, W, 3) sRGB-encoded.
-        alpha: (H, W) in [0, 1]; None if all of it is seen.
-    """
+    """What a picture of this scene says of every place in the frame, and of every material, where all of it is seen."""
     measured = MeasuredPicture.of(picture, seen)
     hidden = None
     if alpha is not None:

@@ -87,11 +87,7 @@ class Statement:
 
 
 def statements_of(told: Told, name: str) -> list[Statement]:
-    """What is said of a picture.
-
-    Args:
-        name: What it is called in the report: its file's name.
-    """
+    """What is said of a picture."""
     reader = _Reader(told, name)
     return [*reader.grade(), *reader.light(), *reader.palette(), *reader.air()]
 
@@ -242,7 +238,6 @@ class _Reader:
 
 
 def _with(statement: Statement, **changes: Any) -> Statement:
-    """A statement with other fields of its claim."""
     return replace(statement, claim=replace(statement.claim, **changes))
 
 

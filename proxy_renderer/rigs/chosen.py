@@ -356,7 +356,6 @@ def _is_setup(attribute: Attribute, table: RigTable) -> bool:
 
 
 def _turns_a_light(attribute: Attribute, table: RigTable) -> bool:
-    """Whether a word says where light comes from."""
     modifier = table.modifier(attribute.entry)
     said = (
         modifier is not None

@@ -131,12 +131,7 @@ def composed(
     table: RigTable,
     vocabulary: Vocabulary,
 ) -> RigLight:
-    """A light of a rig as words describe it.
-
-    Args:
-        base: The rig's light of that part; None if it has none.
-        key: The rig's key; None if it has none.
-    """
+    """A light of a rig as words describe it."""
     made = _placed(_template(light, base, key, table), light, table)
     for attribute in light.said:
         modifier = table.modifier(attribute.entry)

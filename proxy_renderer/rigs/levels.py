@@ -34,11 +34,7 @@ _PALER, _NEAR = (0.0, 0.12, 0.24, 0.36, 0.48, 0.6), 0.03
 
 
 class Exposing:
-    """How much light the camera of a scene needs.
-
-    Args:
-        scene: Has the view, and the artist's own exposure, which stays.
-    """
+    """How much light the camera of a scene needs."""
 
     def __init__(self, scene: SceneData) -> None:
         film = scene.film
@@ -124,21 +120,22 @@ def measured(
     given = {key: torch.tensor(value) for key, value in values.items()}
     lamps = {lamp.light.name: lamp for lamp in light_sources(scene, RenderValues(scene, given, "cpu"))}
     sheds = {
-        each.name: tuple(_shed(lamps[each.name], stage, p) for p in (stage.subject, stage.around))
-        for each in lights
+        x.name: tuple(_shed(lamps[x.name], stage, p) for p in (stage.subject, stage.around)) for x in lights
     }
     exposing = Exposing(scene)
-    albedo = min(
-        max(float(stage.subject.albedo.mean()) if len(stage.subject) else GRAY, _ALBEDOS[0]), _ALBEDOS[1]
-    )
+    # the key, by the exposure that the rig wants and the subject's own lightness
+    albedo = float(stage.subject.albedo.mean()) if len(stage.subject) else GRAY
+    albedo = min(max(albedo, _ALBEDOS[0]), _ALBEDOS[1])
     kept = _KEPT_LIGHT if albedo > GRAY else _KEPT_DARK
     lit = exposing.gray(GRAY * 2.0**rig.exposure * (albedo / GRAY) ** kept)
     bounce = _bounce(stage, sheds[lights[0].name]) if lights else 0.0
     key = math.pi * lit / albedo / (_together(rig, lights) + bounce)
     white = exposing.gray(_WHITE * 2.0 ** (_FOLLOWS * rig.exposure))
+    sky = sky_irradiance(stage)
     if rig.keeps_own_light:
-        own = _own_level(scene, stage, {each.name for each in lights}) + ambient * sky_irradiance(stage)
+        own = _own_level(scene, stage, {each.name for each in lights}) + ambient * sky
         key = own if own > _BARELY else key
+    # the other lights, by their ratios to the key
     factors = {}
     for each in lights:
         subject, around = sheds[each.name]
@@ -149,19 +146,17 @@ def measured(
             factor *= min(_EDGE_SHARE * level / max(float(subject.mean()), _BARELY), 1.0)
         spot = 0.0 if each.light.part == "key" else _hot_spot(stage.around, factor * around)
         factors[each.name] = factor * min(white / max(spot, _BARELY), 1.0)
+    # all of them weaker where the subject (0), or what is around (1), would be bleached
     lightest = max(_lightest(stage, lights, sheds, factors, rig, key, n) for n in (0, 1))
     weaker = max(min(white / max(lightest, _BARELY), 1.0), _LEAST)
-    return Levels(
-        {name: weaker * factor for name, factor in factors.items()}, weaker * key, sky_irradiance(stage)
-    )
+    return Levels({name: weaker * factor for name, factor in factors.items()}, weaker * key, sky)
 
 
 def _own_level(scene: SceneData, stage: LightStage, added: Collection[str]) -> float:
     """Irradiance that the scene's own lights give the subject's lit side."""
     lamps = [x for x in light_sources(scene, RenderValues(scene, {}, "cpu")) if x.light.name not in added]
-    return _brightest(
-        sum((_shed(x, stage, stage.subject) for x in lamps), torch.zeros(len(stage.subject))), _LIT
-    )
+    light = sum((_shed(x, stage, stage.subject) for x in lamps), torch.zeros(len(stage.subject)))
+    return _brightest(light, _LIT)
 
 
 def sky_irradiance(stage: LightStage) -> float:
@@ -180,7 +175,6 @@ def sky_irradiance(stage: LightStage) -> float:
 
 
 def _shed(lamp: LightSource, stage: LightStage, points: Points) -> Tensor:
-    """(N,) irradiance of points by a light."""
     shed = lamp.irradiance(points.position, points.normal).irradiance
     toward, distance = lamp.toward(points.position)
     clear = stage.clear(points, toward.contiguous(), distance.clamp_max(1e30))
@@ -205,7 +199,6 @@ def _bounce(stage: LightStage, key: tuple[Tensor, ...]) -> float:
 
 
 def _hot_spot(points: Points, light: Tensor) -> float:
-    """Radiance of the lightest places in an irradiance (N,)."""
     return float(torch.quantile(points.albedo * light / math.pi, _LIGHTEST)) if len(points) else 0.0
 
 
@@ -227,5 +220,4 @@ def _lightest(
 
 
 def _brightest(light: Tensor, share: float) -> float:
-    """Mean of a share of points, those in most light."""
     return float(light.topk(max(int(share * len(light)), 1)).values.mean()) if len(light) else 0.0

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -50,12 +50,10 @@ _GRAY_SKY = "#808080"
 
 @dataclass(frozen=True)
 class Lighting:
-    """What a rig makes of a scene.
+    """A rig in a scene.
 
     Attributes:
         scenes: The shots, with the lights that they get.
-        plan: Of all that sheds light.
-        claims: What pictures have to show of it.
         notes: Who plays which part, for people.
     """
 
@@ -66,13 +64,7 @@ class Lighting:
 
 
 def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add: bool = True) -> Lighting:
-    """Sets a rig up in a scene.
-
-    Args:
-        scenes: One or several shots; the first decides.
-        chosen: The rig that it asks for.
-        add: Whether the scene may get lights.
-    """
+    """Sets a rig up in one or several shots, of which the first decides; `add` allows lights that the scene lacks."""
     rig = chosen.rig
     first = scenes[0]
     stage = LightStage(first, geometry_of(first, torch.device("cpu")))
@@ -85,7 +77,7 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     values = _trial(scene, lights, stage, rig.world_color if rig.world is not None else "")
     ambient = scene.value("world/strength", (0.0,))[0] * _world_luminance(scene, {})
     levels = measured(scene, stage, lights, values, rig, ambient)
-    if rig.sky_color and _is_hazy(parsed):
+    if rig.sky_color and _is_hazy(parsed):  # a sky behind haze is paler
         rig = replace(rig, sky_color=_veiled(rig.sky_color))
     playing = {each.name for each in lights} | {name for a in parsed.attributes for name in a.lights}
     values = _balanced(scene, rig, lights, playing, values, levels) | _air(scene, rig, parsed, chosen.served)
@@ -94,9 +86,10 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     entries = {key: _entry(scene.instances[key], value, word, still) for key, value in values.items()}
     grade = tuple((chosen.served[0], effect) for effect in rig.grade) if chosen.served else ()
     plan = LightPlan(entries, chosen.served, grade)
-    return Lighting(
-        list(scenes), plan, claims_of_rig(chosen, lights, stage), (f"Light: {rig.says}", *_notes(lights))
-    )
+    own = ((each, "your light" if each.own else "an added light") for each in lights)
+    notes = (f"{each.light.part.capitalize()}: {each.name}, {what}." for each, what in own)
+    claims = claims_of_rig(chosen, lights, stage)
+    return Lighting(list(scenes), plan, claims, (f"Light: {rig.says}", *notes))
 
 
 def _with_lights(scene: SceneData, lights: Sequence[Placed], stage: LightStage) -> SceneData:
@@ -104,15 +97,14 @@ def _with_lights(scene: SceneData, lights: Sequence[Placed], stage: LightStage) 
     mine = {each.name: each for each in lights if not each.own}
     lit = scene.with_lights(mine)
     instances = dict(lit.instances)
-    for key, instance in lit.instances.items():
-        each = mine.get(instance.owner) if instance.parameter.group == "light" else None
-        if each is None:
-            continue
-        name = instance.parameter.name
-        value = _shape(each, stage).get(name)
-        if name in ("power", "strength"):
-            value = (_OFF * instance.reference,)
-        instances[key] = replace(instance, value=value) if value else instance
+    for each in mine.values():
+        shape = _shape(each, stage)
+        for key, instance in lit.instances.items():
+            if instance.parameter.group != "light" or instance.owner != each.name:
+                continue
+            name = instance.parameter.name
+            value = (_OFF * instance.reference,) if name in ("power", "strength") else shape.get(name)
+            instances[key] = replace(instance, value=value) if value else instance
     return replace(lit, instances=instances)
 
 
@@ -238,12 +230,10 @@ def _sky(scene: SceneData, rig: Rig) -> dict[str, Values]:
 
 
 def _is_hazy(parsed: Parsed) -> bool:
-    """Whether words ask for air through which a sky is pale."""
     return any(a.entry in _HAZES and not a.negated for a in parsed.attributes)
 
 
 def _veiled(color: str) -> str:
-    """The color of a sky behind haze."""
     srgb = srgb_from_hex(color)
     gray = srgb_from_linear((luminance(linear_from_srgb(srgb)),) * 3)
     return hex_from_srgb(mixed(srgb, gray, _VEIL))
@@ -268,13 +258,7 @@ def _air(scene: SceneData, rig: Rig, parsed: Parsed, served: Sequence[Attribute]
 
 
 def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict[str, Values]:
-    """The scene's own lights, and surfaces that glow as lights do, that play no part.
-
-    Args:
-        rig: Says by how many stops they change.
-        playing: Names of the lights that play a part, or that words are about.
-        white: Radiance of a white surface in the key.
-    """
+    """The scene's own lights and glowing surfaces that play no part, dimmed; `white` is a white surface's radiance in the key."""
     found: dict[str, Values] = {}
     if not rig.own:
         return found
@@ -313,9 +297,3 @@ def _entry(instance: Instance, value: Values, word: str, still: set[str]) -> Pla
     start = tuple(min(max(v, a), b) for v, a, b in zip(value, lower, upper, strict=True))
     bright = name in ("power", "strength") and instance.parameter.group in ("light", "world")
     return PlanEntry(lower, upper, _FIRST if bright else _LATER, reason, prior=0.0, usual=True, start=start)
-
-
-def _notes(lights: Sequence[Placed]) -> Iterator[str]:
-    for each in lights:
-        what = "your light" if each.own else "an added light"
-        yield f"{each.light.part.capitalize()}: {each.name}, {what}."

@@ -164,7 +164,6 @@ def _some(points: Points, mine: Tensor) -> Points:
 
 
 def _albedo(scene: SceneData, number: int) -> float:
-    """Mean albedo of a material, of its texture where it has one."""
     material = scene.materials[number]
     key = f"material/{material.name}/"
     if material.texture is not None:
