@@ -22,11 +22,7 @@ _UNTOUCHED = "the picture does not speak of it: keeps the artist's value"
 
 
 class LikeAdvisor:
-    """Plans for a picture, and for the words beside it.
-
-    Args:
-        words: Plans for the words; None where there are none.
-    """
+    """Plans for a picture and, where there is an advisor for them, for words."""
 
     def __init__(self, reference: Reference, words: Advisor | None, keys: Collection[str]) -> None:
         self._reference, self._words, self._keys = reference, words, keys
@@ -50,9 +46,8 @@ class LikeAdvisor:
             plan = Plan({key: own.get(key) or _untouched(i) for key, i in instances.items()})
             advice = Advice(Goals(Parsed("")), Prompts("", "", ""), plan, source="the picture")
         else:
-            plan = Plan(
-                {key: own.get(key) or _alone(e) for key, e in advice.plan.items()} | _named(advice.plan)
-            )
+            named = {key: entry for key, entry in advice.plan.items() if entry.is_named}
+            plan = Plan({key: own.get(key) or _alone(e) for key, e in advice.plan.items()} | named)
         notes = (*advice.plan.notes, self._found(), *ranges.kept(instances, own))
         return replace(advice, plan=Plan(dict(plan), notes))
 
@@ -70,11 +65,9 @@ class LikeAdvisor:
         name, same = self._reference.name, self._reference.same
         if self._reference.probe:
             return light_probe.told(self._reference.probe, name)
-        return (
-            f"{name} shows this very scene: it is compared place by place."
-            if same
-            else f"{name} shows something else: its look is taken over, not its content."
-        )
+        if same:
+            return f"{name} shows this very scene: it is compared place by place."
+        return f"{name} shows something else: its look is taken over, not its content."
 
 
 def beside(
@@ -84,23 +77,12 @@ def beside(
     shots: int,
     lights: Mapping[str, LightDescription],
 ) -> Advisor:
-    """Who plans for words and a picture together.
-
-    Args:
-        reference: The picture; None for words alone.
-        words: Plans for the words.
-        has_words: Whether there are any, typed or as goals.
-        shots: How many there are: a picture shows one of several at most.
-    """
+    """The advisor for words (there are some where `has_words`) and a picture together; a picture shows one of several shots at most."""
     if reference is None:
         return words
     reference.same = False if shots > 1 else reference.same
     keys = [name for name, light in lights.items() if light.role == "key"]
     return LikeAdvisor(reference, words if has_words else None, keys)
-
-
-def _named(plan: Plan) -> dict[str, PlanEntry]:
-    return {key: entry for key, entry in plan.items() if entry.is_named}
 
 
 def _alone(entry: PlanEntry) -> PlanEntry:

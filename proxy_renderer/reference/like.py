@@ -21,7 +21,7 @@ from ..schema.options.table import TRAITS, Options
 from . import light_probe, same_scene, statements
 from .picture import ReferencePicture, read_reference
 from .ranges import CASTS
-from .regions import Told, tell
+from .regions import PictureRegions, regions_of
 
 _WARMER = (0.4, 0.8)
 """In a* and b*, one step of warmth, see `claims.measures.color.warmth`."""
@@ -204,19 +204,19 @@ class Reference:
         """What it says of any scene; nothing of one whose light alone is wanted."""
         if self.probe:
             return []
-        return statements.statements_of(self._told, self.name)
+        return statements.statements_of(self._regions, self.name)
 
     @cached_property
-    def _told(self) -> Told:
-        return tell(self.picture.display, self.picture.alpha)
+    def _regions(self) -> PictureRegions:
+        return regions_of(self.picture.display, self.picture.alpha)
 
     def _has(self, claim: Claim) -> float | None:
         """What the picture itself has of a word's claim; None where a flat picture does not tell."""
-        told = claim.part == "picture" or (claim.part == "subject" and self._told.subject)
+        told = claim.part == "picture" or (claim.part == "subject" and self._regions.subject)
         if self.probe or not told or claim.materials or claim.measure not in _FLAT:
             return None
-        where = self._told.region(claim.part)
-        return None if where is None else float(claim.value(self._told.picture, where)[0])
+        where = self._regions.region(claim.part)
+        return None if where is None else float(claim.value(self._regions.picture, where)[0])
 
     def _denies(self, claim: Claim) -> bool:
         """Whether a claim of every picture is not this one's: its tones say how black it is, and in a dark one much may drown."""

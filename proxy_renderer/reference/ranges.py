@@ -31,7 +31,7 @@ class LightColors:
     Attributes:
         key: Of key lights: lower and upper end, linear, in [0, 1].
         fill: Of all other light, that of the world included.
-        paint: Saturation that is left to paint at least: a picture with colors in it takes nobody's away.
+        paint: Saturation that paint keeps at least, so that a colorful picture makes nothing gray.
     """
 
     key: tuple[Values, Values]
@@ -44,9 +44,6 @@ def light_colors(claims: Sequence[Claim]) -> LightColors:
 
     All light takes the hue of the strongest cast. Where there is another one more than 90 degrees of hue apart, as teal
     beside orange, each has its own light: the key that of the picture's lights, all other light the opposite one.
-
-    Args:
-        claims: Of a picture, and of the words beside it.
     """
     casts = [_middle(claim) for claim in claims if claim.measure in CASTS] or [(0.0, 0.0)]
     lights = [_middle(claim) for claim in claims if claim.measure == "highlight_cast"]
@@ -205,12 +202,11 @@ def entries_of(
     name: str,
     colors: LightColors,
 ) -> dict[str, PlanEntry]:
-    """What a picture lets change, by key; what is locked is left out.
+    """Entries of what a picture lets change, by key; what is locked is left out.
 
     Args:
-        instances: The scene's parameters by key.
         traits: Of the picture that are taken over.
-        measures: What is claimed of a picture that looks like it.
+        measures: What is claimed of an image that looks like it.
         same: Whether it shows this very scene.
         colors: That light may have for a picture of another scene.
     """

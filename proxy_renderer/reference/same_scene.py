@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import torch
@@ -17,6 +18,8 @@ from ..color.tensors import lab_from_srgb
 from ..render.gbuffer import GBuffer
 from .statements import Statement
 
+_WORDS = ("upper", "middle", "lower")
+_SIDES = ("left", "middle", "right")
 _ASPECT = 0.02  # share by which proportions may differ
 _ALIKE = 0.4
 """Correlation of edges from where two pictures show one scene. Of 19 scenes before and after a vibe it is .51 to .98, of
@@ -64,13 +67,10 @@ def statements_of(picture: Tensor, alpha: np.ndarray | None, seen: GBuffer, name
         planes = torch.from_numpy(alpha)[None, None]
         hidden = F.interpolate(planes, seen.subject.shape, mode="area")[0, 0] < _SEEN
     said = [*_cells(measured, name), *_materials(measured, name)]
-    return [s for s in said if hidden is None or not _hides(hidden, s.claim, seen)]
-
-
-def _hides(hidden: Tensor, claim: Claim, seen: GBuffer) -> bool:
-    """Whether some of what a claim speaks of is hidden (H, W) bool."""
-    where = claim.region(seen)
-    return where is not None and bool((where & hidden).any())
+    if hidden is None:
+        return said
+    regions = ((each, each.claim.region(seen)) for each in said)
+    return [each for each, where in regions if where is None or not (where & hidden).any()]
 
 
 def _cells(picture: MeasuredPicture, name: str) -> Iterator[Statement]:
@@ -97,21 +97,4 @@ def _exact(trait: str, claim: Claim, picture: MeasuredPicture, reason: str) -> I
         return
     value, reach = claim.value(picture, where).tolist(), _EXACT * MEASURES[claim.measure].notice
     lower, upper = tuple(v - reach for v in value), tuple(v + reach for v in value)
-    yield Statement(
-        trait,
-        Claim(
-            claim.word,
-            claim.thing,
-            claim.measure,
-            claim.part,
-            lower,
-            upper,
-            materials=claim.materials,
-            box=claim.box,
-            reason=reason,
-        ),
-    )
-
-
-_WORDS = ("upper", "middle", "lower")
-_SIDES = ("left", "middle", "right")
+    yield Statement(trait, replace(claim, lower=lower, upper=upper, reason=reason))

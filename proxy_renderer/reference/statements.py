@@ -14,22 +14,14 @@ from ..claims.measures.picture import Part
 from ..claims.measures.registry import MEASURES
 from ..claims.measures.tone import corner_falls
 from ..schema import Values
-from .regions import Told
+from .regions import Box, PictureRegions
 
 _GRAY = 4.0  # C* below which a tint is none
 _SLIGHT = 10.0  # C* below which it is a slight one
 _HUES = (
-    (20.0, "pink"),
-    (48.0, "red"),
-    (72.0, "orange"),
-    (105.0, "yellow"),
-    (165.0, "green"),
-    (225.0, "teal"),
-    (255.0, "cyan-blue"),
-    (300.0, "blue"),
-    (335.0, "violet"),
-    (360.0, "pink"),
-)
+    (20.0, "pink"), (48.0, "red"), (72.0, "orange"), (105.0, "yellow"), (165.0, "green"), (225.0, "teal"),
+    (255.0, "cyan-blue"), (300.0, "blue"), (335.0, "violet"), (360.0, "pink"),
+)  # fmt: skip
 """Hue angles in CIE Lab, degrees, up to which a hue is called so."""
 
 
@@ -75,26 +67,21 @@ _THIRDS = {
 
 @dataclass(frozen=True)
 class Statement:
-    """One thing that is said of a picture.
-
-    Attributes:
-        trait: What it belongs to, one of `schema.options.table.TRAITS`.
-        claim: What our picture has to be.
-    """
+    """A claim that our image is like a picture, with its trait: one of `schema.options.table.TRAITS`."""
 
     trait: str
     claim: Claim
 
 
-def statements_of(told: Told, name: str) -> list[Statement]:
+def statements_of(regions: PictureRegions, name: str) -> list[Statement]:
     """What is said of a picture."""
-    reader = _Reader(told, name)
+    reader = _Reader(regions, name)
     return [*reader.grade(), *reader.light(), *reader.palette(), *reader.air()]
 
 
 class _Reader:
-    def __init__(self, told: Told, name: str) -> None:
-        self.told, self.picture, self.name = told, told.picture, name
+    def __init__(self, regions: PictureRegions, name: str) -> None:
+        self.regions, self.picture, self.name = regions, regions.picture, name
 
     def grade(self) -> Iterator[Statement]:
         """Tones, tints of shadows, midtones and lights, saturation, vignette."""
@@ -104,14 +91,8 @@ class _Reader:
             said = self._near("grade", "tones", measure, "picture", CLOSE, f"{says} is L* {light:.0f}")
             yield _of_content(said)
         for measure, what in _CASTS.items():
-            yield self._near(
-                "grade",
-                f"{hue(*self._value(measure, 'picture'))} {what}",
-                measure,
-                "picture",
-                CLOSE,
-                f"its {what} are {hue(*self._value(measure, 'picture'))}",
-            )
+            name = hue(*self._value(measure, "picture"))
+            yield self._near("grade", f"{name} {what}", measure, "picture", CLOSE, f"its {what} are {name}")
         (vivid,) = self._value("chroma", "picture")
         word = "pale" if vivid < 10 else "vivid" if vivid > 35 else "colors"
         said = self._near("grade", word, "chroma", "picture", CLOSE, f"its mean chroma is {vivid:.0f}")
@@ -127,7 +108,7 @@ class _Reader:
 
     def light(self) -> Iterator[Statement]:
         """How a subject is lit, and how it stands before its ground; nothing where none can be told."""
-        if not self.told.subject:
+        if not self.regions.subject:
             return
         (range_,) = self._value("spread", "subject")
         word = "contrasty light" if range_ > 45 else "soft light" if range_ < 25 else "light"
@@ -146,13 +127,13 @@ class _Reader:
 
     def palette(self) -> Iterator[Statement]:
         """The colors of the regions that can be told, else of the upper, middle and lower third."""
-        if not self.told.subject:
+        if not self.regions.subject:
             for place, box in _THIRDS.items():
                 yield from self._colors("picture", f"{place} third", box)
             return
         yield from self._colors("subject", "subject")
         yield from self._colors("surroundings", "surroundings")
-        if self.told.sky:
+        if self.regions.sky:
             yield from self._colors("sky", "sky")
 
     def air(self) -> Iterator[Statement]:
@@ -162,15 +143,13 @@ class _Reader:
             reason = f"nothing in it is dark or pure in color: at least {veil:.0f} % of white lies over it"
             yield self._near("air", "haze", "veil", "picture", LOOSE, reason)
 
-    def _colors(
-        self, part: Part, what: str, box: tuple[float, float, float, float] | None = None
-    ) -> Iterator[Statement]:
+    def _colors(self, part: Part, what: str, box: Box | None = None) -> Iterator[Statement]:
         """Lightness and cast of a part; nothing where it is hardly there.
 
         A subject's color may be paint: only the cast of the whole picture is to fall on ours, whose own paint may stay. What a
         third has beyond that cast may be paint as well: ours may have it, and need not.
         """
-        if self.told.region(part, box) is None:
+        if self.regions.region(part, box) is None:
             return
         all_over, own = self._value("cast", "picture"), self._value("cast", part, box)
         word = f"{hue(*(all_over if part == 'subject' else own))} {what}"
@@ -186,22 +165,20 @@ class _Reader:
         said = self._near("palette", word, "lightness", part, LOOSE, reason, box)
         yield _with(said, weight=_OF_CONTENT) if box else said
 
-    def _value(
-        self, measure: str, part: Part, box: tuple[float, float, float, float] | None = None
-    ) -> Values:
-        where = self.told.region(part, box)
-        where = self.told.counts if where is None else where
+    def _value(self, measure: str, part: Part, box: Box | None = None) -> Values:
+        where = self.regions.region(part, box)
+        where = self.regions.counts if where is None else where
         return tuple(MEASURES[measure].take(self.picture, where).tolist())
 
     def _color_all_over(self) -> float:
         """C* that all but the grayest of the picture's pixels have."""
-        chroma = self.picture.lab[self.told.counts][:, 1:].norm(dim=-1)
+        chroma = self.picture.lab[self.regions.counts][:, 1:].norm(dim=-1)
         return float(chroma.quantile(_GRAYEST))
 
-    def _mixture(self, part: Part, box: tuple[float, float, float, float] | None) -> float:
+    def _mixture(self, part: Part, box: Box | None) -> float:
         """How far the colors of a part deviate from its cast, in a* and b*, each as much as it counts for that."""
-        where = self.told.region(part, box)
-        lab = self.picture.lab[self.told.counts if where is None else where]
+        where = self.regions.region(part, box)
+        lab = self.picture.lab[self.regions.counts if where is None else where]
         tints, weights = lab[:, 1:], grayness(lab)
         return float((weights @ (tints - weights @ tints).square()).mean().sqrt())
 
@@ -213,7 +190,7 @@ class _Reader:
         part: Part,
         steps: float,
         reason: str,
-        box: tuple[float, float, float, float] | None = None,
+        box: Box | None = None,
     ) -> Statement:
         """That a measure is what this picture has, within so many noticeable steps."""
         value, notice = self._value(measure, part, box), MEASURES[measure].notice
@@ -221,20 +198,9 @@ class _Reader:
         if MEASURES[measure].unit == "ab":
             reach = max(reach, _MIXED * self._mixture(part, box))
         lower, upper = tuple(v - reach for v in value), tuple(v + reach for v in value)
+        word, reason = f"{self.name}: {word}", f"{self.name}: {reason}"
         place = "picture" if box else part
-        return Statement(
-            trait,
-            Claim(
-                f"{self.name}: {word}",
-                place,
-                measure,
-                part,
-                lower,
-                upper,
-                box=box,
-                reason=f"{self.name}: {reason}",
-            ),
-        )
+        return Statement(trait, Claim(word, place, measure, part, lower, upper, box=box, reason=reason))
 
 
 def _with(statement: Statement, **changes: Any) -> Statement:
