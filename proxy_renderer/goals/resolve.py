@@ -19,12 +19,7 @@ from .wish import Wish, wishes_of
 
 @dataclass(frozen=True)
 class Lost:
-    """A wish that gave way.
-
-    Attributes:
-        wish: What is not sought.
-        winner: What it contradicts, and that ranks before it.
-    """
+    """A wish that is not sought, and the winner: one that it contradicts and that ranks before it."""
 
     wish: Wish
     winner: Wish
@@ -40,13 +35,7 @@ class Lost:
 
 @dataclass(frozen=True)
 class Goals:
-    """What the image must look like.
-
-    Attributes:
-        parsed: The prompt, bound.
-        wishes: Those that are sought, in the order of the prompt.
-        lost: Those that gave way, each with the winner.
-    """
+    """What the image must look like: the bound prompt, the wishes that are sought, in its order, and those that gave way."""
 
     parsed: Parsed
     wishes: tuple[Wish, ...] = ()
@@ -63,13 +52,9 @@ class Goals:
         """The words of which nothing is sought, or none of the classes that they name."""
         named = [wish.attribute for wish in self.wishes if wish.named]
         sought = [wish.attribute for wish in self.wishes]
-        return tuple(
-            dict.fromkeys(
-                each.wish.attribute
-                for each in self.lost
-                if each.wish.attribute not in (named if each.wish.named else sought)
-            )
-        )
+        lost = (each.wish for each in self.lost)
+        out = (w.attribute for w in lost if w.attribute not in (named if w.named else sought))
+        return tuple(dict.fromkeys(out))
 
     def notes(self) -> Iterator[str]:
         """Which words gave way to which, one sentence each."""

@@ -104,20 +104,11 @@ class Wish:
         default = not self.is_seen and all(e.weak for e in self.effects)
         general = not (self.attribute.owners or self.attribute.told_apart or self.attribute.role)
         painted = bool(self.attribute.color) and self.quantity != "light_color"
-        changes = (
-            self.quantity == "color" and bool(self.effects) and all(e.mode in _CHANGES for e in self.effects)
-        )
+        changing = bool(self.effects) and all(e.mode in _CHANGES for e in self.effects)
+        changes = self.quantity == "color" and changing
+        paint = 0 if painted else 2 if changes else 1
         main = min((e.priority for e in self.effects if not e.weak), default=4)
-        return (
-            default,
-            self.usual,
-            self.implied,
-            general,
-            0 if painted else 2 if changes else 1,
-            self.vague,
-            self.breadth,
-            main,
-        )
+        return default, self.usual, self.implied, general, paint, self.vague, self.breadth, main
 
 
 def breadth_of(wishes: Iterable[Wish]) -> int:
@@ -199,9 +190,8 @@ def _allowed(effects: Iterable[Effect], attribute: Attribute) -> tuple[Effect, .
 def _denied(entry: VocabularyEntry, vocabulary: Vocabulary) -> list[EntryWish]:
     """What a denied word means: what it forbids, else its opposite, else that its effects do nothing."""
     opposite = vocabulary.opposite(entry)
-    shared = (
-        entry.classes.items() & opposite.classes.items() if opposite else set()
-    )  # pastel and noir are both muted
+    # pastel and noir are both muted
+    shared = entry.classes.items() & opposite.classes.items() if opposite else set()
     other = [m for m in opposite.wishes if (m.quantity, m.named) not in shared] if opposite else []
     acting = [m for m in entry.never if m.effects] or [m for m in other if m.effects]
     if not acting and opposite is None:

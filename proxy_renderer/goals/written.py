@@ -73,18 +73,16 @@ class JsonFields:
         """A finite number between two others."""
         value: float = self.take(name, float, default)
         if not least <= value <= most:
-            raise VibeError(
-                f"{self.place}.{name} is {value:g}.", f"Write a number from {least:g} to {most:g}."
-            )
+            remedy = f"Write a number from {least:g} to {most:g}."
+            raise VibeError(f"{self.place}.{name} is {value:g}.", remedy)
         return value
 
     def choice(self, name: str, known: tuple[str, ...], default: str | None = None) -> str:
         """One of several texts."""
         value: str = self.take(name, str, default)
         if value not in known:
-            raise VibeError(
-                f"{self.place}.{name} is {quoted(value, _SHOWN)}.", f"Choose from: {', '.join(known)}."
-            )
+            remedy = f"Choose from: {', '.join(known)}."
+            raise VibeError(f"{self.place}.{name} is {quoted(value, _SHOWN)}.", remedy)
         return value
 
     def texts(self, name: str) -> list[str]:
@@ -110,7 +108,12 @@ class JsonFields:
     def shades(self) -> tuple[tuple[float, float, float, float], ...]:
         """Changes of a material's own color: lists of four numbers; none where they are missing."""
         rows: list[Any] = self.take("shades", list, [])
-        if not all(isinstance(row, list) and len(row) == 4 and all(map(_is_shade, row)) for row in rows):
+        if not all(
+            isinstance(row, list)
+            and len(row) == 4
+            and all(_is_number(v) and abs(v) <= _MOST_OF_SHADES for v in row)
+            for row in rows
+        ):
             problem = f"{self.place}.shades holds something else than lists of four small numbers."
             raise VibeError(problem, "Write lightness, chroma, L* and warmth of each: [[0.6, 1, 20, 0]].")
         return tuple((float(a), float(b), float(c), float(d)) for a, b, c, d in rows)
@@ -126,20 +129,13 @@ class JsonFields:
     def end(self) -> None:
         """VibeError where there are fields that nobody has taken: they would be ignored."""
         if unknown := sorted(self.raw.keys() - self._taken):
-            known = ", ".join(sorted(self._taken))
-            raise VibeError(
-                f"{self.place} has an unknown field {quoted(unknown[0], _SHOWN)}.", f"Known are: {known}."
-            )
+            problem = f"{self.place} has an unknown field {quoted(unknown[0], _SHOWN)}."
+            raise VibeError(problem, f"Known are: {', '.join(sorted(self._taken))}.")
 
 
 def _is_number(value: Any) -> bool:
     """Whether a value is a finite number; an integer may have hundreds of digits."""
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
-
-
-def _is_shade(value: Any) -> bool:
-    """Whether a value may be an argument of `color.shade`: a factor, an L* or a b*."""
-    return _is_number(value) and abs(value) <= _MOST_OF_SHADES
 
 
 VERSION = 1
@@ -216,11 +212,9 @@ class WrittenGoals:
     """Goals that were read, and are about no scene yet.
 
     Attributes:
-        prompt: That they were made of; "" for none.
         objects: That the prompt names; the scene's subject for none.
         stays: Owners of parameters that stay as they are.
-        wishes: In the order of the file.
-        attributes: Its words, those among them that wish for nothing themselves, as names of rigs do.
+        attributes: All words, also those that wish for nothing themselves, as names of rigs do.
     """
 
     prompt: str
@@ -245,11 +239,8 @@ class WrittenGoals:
 
 def _bound(attribute: Attribute, words: SceneDescription) -> Attribute:
     gone = _lacking(attribute.lights, words)
-    return replace(
-        attribute,
-        owners=tuple(name for name in attribute.owners if name in words.materials),
-        lights=tuple(name for name in attribute.lights if name not in gone),
-    )
+    owners = tuple(name for name in attribute.owners if name in words.materials)
+    return replace(attribute, owners=owners, lights=tuple(n for n in attribute.lights if n not in gone))
 
 
 def _lacking(lights: Iterable[str], words: SceneDescription) -> list[str]:
@@ -361,5 +352,5 @@ def _read_wish(row: JsonFields, attribute: Attribute) -> Wish:
 
 def _read_claim(text: str) -> ClaimText:
     claim = read_claim(text)
-    quantities().of_claim(claim)
+    quantities().of_claim(claim)  # refuses a measure that does not exist
     return claim

@@ -27,10 +27,8 @@ from .described import (
 
 _SECOND = -1.0  # stops of another setup's key against the first one's
 _DIMMED = 0.6  # stops that an hour may darken a setup of another kind
-_MOOD, _MOST = (
-    0.6,
-    0.8,
-)  # how much of a mood's sky, fill and exposure an hour takes on, and by how many stops at most
+_MOOD, _MOST = 0.6, 0.8
+"""How much of a mood's sky, fill and exposure an hour takes on, and by how many stops at most."""
 
 
 def with_source(rig: Rig, other: Rig) -> Rig:
@@ -150,14 +148,7 @@ class ChosenRig:
 
 
 def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary) -> ChosenRig | None:
-    """The rig that a prompt asks for.
-
-    Args:
-        goals: What the words wish for; moods that gave way ask for no light.
-
-    Returns:
-        None where no word stands for a setup: then each word acts on the lights that are there.
-    """
+    """The rig that a prompt asks for; None where no word stands for a setup, and each acts on the lights that are there."""
     # words that tell glowing things apart by their names act on these alone
     attributes = goals.parsed.attributes
     apart = len({a.lights for a in attributes if a.of_glows}) > 1
@@ -184,10 +175,8 @@ def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary) -> ChosenR
     for gel in gels:
         build.color(gel, _PARTS.get(gel.role, ()))
     moods = (a for a in said if a.cause and a.slot == "lighting" and not a.owners)
-    rig = replace(
-        build.rig,
-        exposure=min(max(build.rig.exposure, min(_EXPOSURES[0], build.first.exposure)), _EXPOSURES[1]),
-    )
+    least = min(_EXPOSURES[0], build.first.exposure)
+    rig = replace(build.rig, exposure=min(max(build.rig.exposure, least), _EXPOSURES[1]))
     return ChosenRig(rig, build.words, (*build.served, *(a for a in moods if a not in build.served)))
 
 
@@ -231,12 +220,9 @@ class _Build:
             self.rig = at_an_hour(self.rig, other)
         elif not attribute.cause and other.kind == "style" and self.first.kind == "source":
             self.rig = in_a_style(self.rig, other)
-        elif (
-            not (attribute.cause or self._in_a_mood)
-            and other.kind == "mood"
-            and self.first.kind in (*TIMES, "place")
-        ):
-            self.rig, self._in_a_mood = in_a_mood(self.rig, other), True
+        elif not attribute.cause and other.kind == "mood" and self.first.kind in (*TIMES, "place"):
+            self.rig = self.rig if self._in_a_mood else in_a_mood(self.rig, other)
+            self._in_a_mood = True
 
     def describe(self, lights: Sequence[DescribedLight]) -> None:
         """Gives the rig the lights that words describe one by one; beside several, a source has no others of its own."""
@@ -346,28 +332,18 @@ class _Build:
 
 def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
     """The words that stand for setups, the one that counts first; "backlit" only changes another setup."""
-    every = sorted((a for a in said if _is_setup(a, table)), key=lambda a: _rank(a, table))
+    every = [
+        a for a in said if a.entry in table.rigs and not (table.rigs[a.entry].adds or a.negated or a.color)
+    ]
+    # what is said before what a mood stands for; of that by the rig's kind
+    every.sort(key=lambda a: (bool(a.cause), KINDS.index(table.rigs[a.entry].kind)))
     return [a for a in every if a.entry not in table.modifiers] or every[:1]
-
-
-def _is_setup(attribute: Attribute, table: RigTable) -> bool:
-    rig = table.rigs.get(attribute.entry)
-    return rig is not None and not rig.adds and not attribute.negated and not attribute.color
 
 
 def _turns_a_light(attribute: Attribute, table: RigTable) -> bool:
     modifier = table.modifier(attribute.entry)
-    said = (
-        modifier is not None
-        and "direction" in modifier.aspects
-        and not (attribute.negated or attribute.cause)
-    )
-    return said and attribute.kind in _OF_LIGHT
-
-
-def _rank(attribute: Attribute, table: RigTable) -> tuple[bool, int]:
-    """What is said before what a mood stands for; of that by the rig's kind."""
-    return bool(attribute.cause), KINDS.index(table.rigs[attribute.entry].kind)
+    turns = modifier is not None and "direction" in modifier.aspects
+    return turns and attribute.kind in _OF_LIGHT and not (attribute.negated or attribute.cause)
 
 
 def _gels(said: Sequence[Attribute], setups: Sequence[Attribute], table: RigTable) -> list[Attribute]:
@@ -389,7 +365,6 @@ def _darkens_the_rest(attribute: Attribute, said: Sequence[Attribute], vocabular
     if attribute.color is not None:
         lab = lab_from_srgb(attribute.color)
         return lab[0] < _DARK and chroma(lab) < _HUED
-    colored = any(
-        a.color and a.thing == attribute.thing for a in said
-    )  # "darken the backdrop to a dusty teal"
+    # "darken the backdrop to a dusty teal" leaves nothing black
+    colored = any(a.color and a.thing == attribute.thing for a in said)
     return attribute.entry in _DARK_WORDS and not colored

@@ -176,19 +176,15 @@ def _made_sun(
 ) -> Placed | None:
     """An added sun; one that casts a pattern, and one in a window, stays where it is."""
     name = light_name("key", "SUN", light.pattern) if light.pattern else ""
-    if name not in _spare(stage) or name in taken:
+    if name in taken or all(light.name != name for light in stage.scene.standby.lights):
         name = _free_name(light.part, "SUN", stage, taken)
     still = bool(light.through or light.pattern)
     return Placed(light, name, "SUN", False, stage.front + azimuth, elevation, 0.0, still) if name else None
 
 
-def _spare(stage: LightStage) -> set[str]:
-    return {light.name for light in stage.scene.standby.lights}
-
-
 def _free_name(part: str, kind: str, stage: LightStage, taken: set[str]) -> str:
     """The name of an added light for a part, or of another part's where a rig has two of it; "" if all are taken."""
-    free = _spare(stage) - taken
+    free = {light.name for light in stage.scene.standby.lights} - taken
     return next(
         (name for each in dict.fromkeys((part, *PARTS)) if (name := light_name(each, kind)) in free), ""
     )
