@@ -38,11 +38,7 @@ _TYPES = {
 
 
 class JsonFields:
-    """The fields of a JSON object, each taken once and checked.
-
-    Args:
-        place: Where it stands, for messages: "goals.words[2]".
-    """
+    """The fields of a JSON object, each taken once and checked; messages name its place: "goals.words[2]"."""
 
     def __init__(self, raw: Any, place: str) -> None:
         if not isinstance(raw, dict):

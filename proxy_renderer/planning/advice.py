@@ -24,9 +24,7 @@ class Advice:
 
     Attributes:
         goals: What the words wish for; with the objects list O.
-        prompts: Captions and negatives by region.
-        unmeasured: The same of the words alone that no measure covers.
-        plan: Bounds and priority of every parameter.
+        unmeasured: Captions and negatives of the words alone that no measure covers.
         placed: Keys of what a rig has placed already.
         source: Who gave it: "offline planner", or the model; with the reason if it was not the one asked for.
     """
@@ -47,12 +45,7 @@ class Advisor(Protocol):
 
 
 class OfflineAdvisor:
-    """The vocabulary and its planner.
-
-    Args:
-        goals: What the words wish for; why there are none where nothing is understood.
-        light: What a rig plans; None where the words ask for none.
-    """
+    """The vocabulary and its planner; without goals, the reason why nothing is understood."""
 
     def __init__(self, goals: Goals | VibeError, light: LightPlan | None = None) -> None:
         self.goals, self.light = goals, light
@@ -69,11 +62,7 @@ class OfflineAdvisor:
 
 
 def unmeasured(goals: Goals, served: Collection[Attribute] = ()) -> Prompts:
-    """Captions of the words that are sought and that claim nothing of the image.
-
-    Args:
-        served: Words that a rig stands for, which measures its light.
-    """
+    """Captions of the words that are sought and that claim nothing of the image; a rig measures those that it serves."""
     measured = [wish.attribute for wish in goals.wishes if wish.is_measured]
     left = [
         a

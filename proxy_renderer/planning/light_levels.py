@@ -53,7 +53,6 @@ class Sources:
     """What ranges are computed from besides the effect itself.
 
     Attributes:
-        scene: The scene and its current picture.
         exposure: Stops between the scene's radiance and the view transform, as the artist has them.
         world: What the plan settles on for the world.
         backdrop: The same for what the camera sees of it.

@@ -26,12 +26,7 @@ def lacking(
     standby: Mapping[str, str],
     vocabulary: Vocabulary,
 ) -> list[str]:
-    """The lights on standby that the words ask for.
-
-    Args:
-        instances: The scene's parameters by key.
-        standby: Names of the lights on standby, with their roles.
-    """
+    """The lights on standby, given with their roles, that the words ask for."""
     attributes = goals.parsed.attributes
     owners = Owners(goals.parsed, instances, scene, vocabulary)
     missing = [number for number, names in owners.lights.numbered.items() if not names]

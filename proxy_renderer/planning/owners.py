@@ -115,14 +115,10 @@ class Owners:
     def _of_world(self, effect: Effect, attribute: Attribute) -> list[str]:
         """The world's parameter, its backdrop's, or both: a white background is seen, warm light is shed, a night is both."""
         own = _OF_BACKDROP.get(effect.name) if BACKDROP in self._instances else None
-        if not self._concerns_world(effect, attribute):
+        # surroundings are no world where an object is named, or a sky
+        elsewhere = attribute.owners or any(a.kind == "sky" for a in self._parsed.attributes)
+        if attribute.kind == "surroundings" and effect.mode != "times" and elsewhere:
             return []
         if own and (effect.mode == "shown" or attribute.kind in SEEN):
             return [own]
         return [effect.name, own] if own and effect.mode not in _SHED else [effect.name]
-
-    def _concerns_world(self, effect: Effect, attribute: Attribute) -> bool:
-        """Whether a word about surroundings means the world too: not if it names a thing, or a sky is named."""
-        if attribute.kind != "surroundings" or effect.mode == "times":
-            return True
-        return not attribute.owners and not any(a.kind == "sky" for a in self._parsed.attributes)

@@ -173,9 +173,10 @@ def plan(
     entries = planner.entries()
     entries |= {key: entry for key, entry in light.entries.items() if not planner.instances[key].locked}
     support = supports(goals.parsed, planner.instances, planner.sources, entries, planner.owners)
-    if light.served:  # exposed as the rig wants it
+    if light.served:  # exposed as the rig wants it, and graded so that its light keeps contrast and colors
         support.pop("film/exposure", None)
-        entries |= {key: _mild(entries[key], *ends) for key, ends in _GRADES.items() if key in entries}
+        graded = {key: ends for key, ends in _GRADES.items() if key in entries and entries[key].is_named}
+        entries |= {key: _mild(entries[key], *ends) for key, ends in graded.items()}
     entries |= support
     return Plan({key: entries[key] for key in instances}, tuple(dict.fromkeys(planner.notes)))
 
@@ -349,10 +350,10 @@ class _Planner:
 
 
 def _mild(entry: PlanEntry, low: float, high: float) -> PlanEntry:
-    """A range within ends that leave the light its contrast and its colors; it does not open while claims are missed."""
+    """A named range within ends; it does not open while claims are missed."""
     lower, upper = (tuple(min(max(v, low), high) for v in end) for end in (entry.lower, entry.upper))
     start = entry.start and tuple(min(max(v, low), high) for v in entry.start)
-    return replace(entry, lower=lower, upper=upper, start=start, usual=True) if entry.is_named else entry
+    return replace(entry, lower=lower, upper=upper, start=start, usual=True)
 
 
 def _protected(instance: Instance, parsed: Parsed) -> Instance:

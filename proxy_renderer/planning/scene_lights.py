@@ -40,10 +40,7 @@ def assigned(
     """The lights that are told apart (`Attribute.lamp`), each with the names of its own; none where the scene has too few.
 
     Lights that are left over are lit like the nearest of those that have a side, or else like the last one without a
-    name of its own.
-
-    Args:
-        lights: The most important one first, those that are added last.
+    name of its own. The most important of the scene's lights comes first, the added ones last.
     """
     said: dict[int, list[Attribute]] = {}
     for attribute in attributes:

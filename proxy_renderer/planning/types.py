@@ -15,8 +15,7 @@ class PlanEntry:
     """What may happen to one parameter instance.
 
     Attributes:
-        lower: Component-wise, within the instance's hard bounds.
-        upper: At least `lower`.
+        lower, upper: Component-wise, within the instance's hard bounds.
         priority: The smaller the more important; None is never optimized (but still projected).
         reason: For the artist; quotes the word that caused it.
         prior: Weight in [0, 1] of the pull to the artist's value: 0 where words named the value.

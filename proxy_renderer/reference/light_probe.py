@@ -21,13 +21,11 @@ _SAME_COLOR = 0.03  # by which components of its color may be off
 
 @dataclass(frozen=True)
 class LightProbe:
-    """What a panorama says of light.
+    """The light of a panorama, if it were the world's.
 
     Attributes:
-        azimuth: Of the key, degrees as in `schema.orbit`, if the panorama were the world's; None if no part stands out.
-        elevation: Likewise.
-        key: Its color, linear, its greatest component 1.
-        around: Color of the rest, likewise.
+        azimuth, elevation: Of the key, degrees as in `schema.orbit`; None if no part stands out.
+        key, around: Colors of the key and of the rest, linear, the greatest component 1.
         ratio: Light of the key on a surface that faces it, in parts of what the rest gives.
     """
 
@@ -39,11 +37,7 @@ class LightProbe:
 
 
 def probe(linear: np.ndarray) -> LightProbe:
-    """Reads a panorama.
-
-    Args:
-        linear: (H, W, 3) linear, longitudes from left to right as Blender's environment textures have them.
-    """
+    """The light of a panorama (H, W, 3), linear, its longitudes as Blender's environment textures have them."""
     height, width = linear.shape[:2]
     up = np.pi / 2 - (np.arange(height) + 0.5) / height * np.pi
     turn = (0.5 - (np.arange(width) + 0.5) / width) * 2 * np.pi

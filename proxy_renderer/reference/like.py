@@ -74,10 +74,7 @@ def together(
 
     Of one measure and part the picture's is dropped. Where words ask for more or less of something than the picture has, its
     claims of the same move along: to where the word holds, or, of a word that compares, as "colder" does, by what is clearly
-    seen. Such a word is then measured against the picture, too.
-
-    Args:
-        has: What the picture itself has of a word's claim; None where that cannot be told.
+    seen. Such a word is then measured against the picture, too, if `has` tells what the picture has of its claim.
     """
     said, left = [], list(picture)
     for word in words:
@@ -136,14 +133,10 @@ _FLAT = frozenset(MOVED) | {"chroma", "vignette"}
 
 
 class Reference:
-    """The picture that a look is taken from.
-
-    Args:
-        options: `like_only`, `like_same`, and whether there are words is for the others to say.
+    """The picture that a look is taken from, named by its file.
 
     Attributes:
-        name: Its file's name.
-        same: Whether it shows this very scene; None before the artist's own picture was seen.
+        same: Whether it shows the artist's scene; None before the artist's own image was seen.
     """
 
     def __init__(self, picture: ReferencePicture, name: str, options: Options) -> None:

@@ -91,11 +91,7 @@ class Leeway:
 
     Attributes:
         trait: Of the picture that they serve.
-        low: Factor, or what is added.
-        high: Likewise.
-        factor: Whether the ends are factors of the artist's value; else they are added to it.
-        priority: In the plan; the smaller the more important.
-        whole: Whether the ends are the range itself.
+        low, high: Added to the artist's value; with `factor` its multiples, with `whole` the range itself.
         needs: Measures of which one has to be claimed; none for always.
     """
 

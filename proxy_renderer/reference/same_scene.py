@@ -38,11 +38,7 @@ def is_same(reference: Tensor, rendered: Tensor) -> bool:
 
 
 def likeness(reference: Tensor, rendered: Tensor) -> float:
-    """Correlation of where two pictures have edges, their strength compressed: light changes strengths, not places.
-
-    Returns:
-        In [-1, 1].
-    """
+    """Correlation of where two pictures (H, W, 3) have edges; compressed, as light changes their strengths, not places."""
     height, width = rendered.shape[:2]
     factor = min(_EDGES / max(height, width), 1.0)
     shape = max(round(height * factor), 1), max(round(width * factor), 1)

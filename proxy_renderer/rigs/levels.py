@@ -111,11 +111,9 @@ def measured(
     rig: Rig,
     ambient: float,
 ) -> Levels:
-    """The levels of a rig.
+    """The levels of a rig whose lights have trial values with a power.
 
-    Args:
-        values: Trial values by key, with a power for each of the lights.
-        ambient: Radiance of the scene's own world, for rigs that leave the scene lit as it is.
+    The radiance of the scene's own world, `ambient`, counts for rigs that leave the scene lit as it is.
     """
     given = {key: torch.tensor(value) for key, value in values.items()}
     lamps = {lamp.light.name: lamp for lamp in light_sources(scene, RenderValues(scene, given, "cpu"))}

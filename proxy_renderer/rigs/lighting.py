@@ -50,12 +50,7 @@ _GRAY_SKY = "#808080"
 
 @dataclass(frozen=True)
 class Lighting:
-    """A rig in a scene.
-
-    Attributes:
-        scenes: The shots, with the lights that they get.
-        notes: Who plays which part, for people.
-    """
+    """A rig in a scene: the shots with the lights that they get, and notes on which light plays which part."""
 
     scenes: list[SceneData]
     plan: LightPlan
