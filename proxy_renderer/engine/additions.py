@@ -11,8 +11,8 @@ from ..claims.wanted import claims_of
 from ..goals.resolve import Goals, goals_or_why
 from ..goals.written import WrittenGoals
 from ..optimize.context import described
-from ..planning.acting import beside_rig
-from ..planning.missing import asks_for_backdrop, lacking
+from ..planning.acting import goals_without_rig
+from ..planning.missing import asks_for_backdrop, missing_lights
 from ..planning.types import LightPlan
 from ..prompt.lexicon.rigs import rig_table
 from ..prompt.lexicon.user_words import default_vocabulary
@@ -54,7 +54,7 @@ class Addition:
         vocabulary = default_vocabulary()
         if self.lighting is None:
             return claims_of(goals, vocabulary)
-        return (*self.lighting.claims, *claims_of(beside_rig(goals, self.lighting.plan), vocabulary))
+        return (*self.lighting.claims, *claims_of(goals_without_rig(goals, self.lighting.plan), vocabulary))
 
 
 def with_additions(
@@ -94,7 +94,7 @@ def _with_standby(
     spare = [ADDED_LIGHTS[light.name] for light in first.standby.lights if light.name in _SPARE]
     roles = {light.name: light.role for light in spare}
     instances = dict(first.instances)
-    names = lacking(goals, instances, known, roles, vocabulary) if new_lights else []
+    names = missing_lights(goals, instances, known, roles, vocabulary) if new_lights else []
     parts = asks_for_backdrop(goals, instances, known, vocabulary)
     if parts and all(scene.may_be_parted for scene in scenes):
         scenes = [scene.parted() for scene in scenes]

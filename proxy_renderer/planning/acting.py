@@ -80,7 +80,7 @@ def _would_hide(gel: Attribute, wishes: Sequence[Wish], owners: Owners) -> bool:
     return all(c and hue_apart(c, gel.color) > _HIDDEN for c in colors)
 
 
-def beside_rig(goals: Goals, light: LightPlan) -> Goals:
+def goals_without_rig(goals: Goals, light: LightPlan) -> Goals:
     """Goals without what a rig stands for: it serves its words, and it alone sets the light of a mood.
 
     Of grade words what they do to the grade is left, and of moods half of that; the rig says what is to be seen of them.

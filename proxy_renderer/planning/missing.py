@@ -19,7 +19,7 @@ from .scene_lights import SceneLights, role_of
 _BEHIND = 110.0  # degrees from the camera beyond which a light stands behind the subject
 
 
-def lacking(
+def missing_lights(
     goals: Goals,
     instances: dict[str, Instance],
     scene: SceneDescription,

@@ -15,7 +15,7 @@ from ..prompt.lexicon.user_words import default_vocabulary
 from ..prompt.lexicon.vocabulary import Vocabulary
 from ..prompt.types import GLOW, Attribute, Parsed, SceneDescription
 from ..schema import Instance, Values, labels
-from .acting import STAGES, acts, beside_rig, grade_of, is_usual, stage_of
+from .acting import STAGES, acts, goals_without_rig, grade_of, is_usual, stage_of
 from .color_ranges import named_color, painted
 from .light_levels import Sources, WorldLook, facing_radiance
 from .owners import BACKDROP, SEEN, Owners
@@ -120,7 +120,7 @@ class Agreements:
         return Agreement(lower, upper, winners)
 
 
-def lacking(owner: str) -> str:
+def _missing_owner(owner: str) -> str:
     """What a scene has not got, for an effect's owner."""
     if owner in ("rim", "fill", "others"):
         return f"the scene has no light that could be the {'second' if owner == 'others' else owner} light; add one"
@@ -199,7 +199,7 @@ class _Planner:
         self.notes = [*parsed.notes, *goals.notes()]
         self.agreed = Agreements()
         self.kept: dict[str, list[str]] = {}
-        self.acts = [*acts(beside_rig(goals, light), vocabulary, self.owners), *grade_of(light)]
+        self.acts = [*acts(goals_without_rig(goals, light), vocabulary, self.owners), *grade_of(light)]
         self.of_materials = self._of_materials()
 
     def entries(self) -> dict[str, PlanEntry]:
@@ -234,7 +234,7 @@ class _Planner:
             most = min((e.priority for e in strong), default=0)
             main = [e for e in strong if e.priority == most]
             if main and not any(self.owners.of(e, attribute) for e in main):
-                missing.setdefault(attribute.cause or attribute.word, lacking(main[0].owner))
+                missing.setdefault(attribute.cause or attribute.word, _missing_owner(main[0].owner))
         return [f"'{word}' is not fully possible here: {what}." for word, what in missing.items()]
 
     def _ranges(self, wish: Wish, effect: Effect) -> Iterator[WishedRange]:

@@ -34,7 +34,7 @@ class KnownLight:
     added: bool = False
 
 
-def assigned(
+def numbered_lights(
     attributes: Sequence[Attribute], lights: Sequence[KnownLight], vocabulary: Vocabulary
 ) -> dict[int, list[str]]:
     """The lights that are told apart (`Attribute.lamp`), each with the names of its own; none where the scene has too few.
@@ -82,7 +82,7 @@ def assigned(
     return found
 
 
-def named(thing: str, lights: Sequence[KnownLight], vocabulary: Vocabulary) -> list[str] | None:
+def lights_by_name(thing: str, lights: Sequence[KnownLight], vocabulary: Vocabulary) -> list[str] | None:
     """The lights that a thing's name means: "the desk lamp"; None if it means none, or light in general."""
     words = fixture(thing, vocabulary)
     return [light.name for light in lights if _is_called(light, words)] or None
@@ -138,7 +138,7 @@ class SceneLights:
         self.key = self._key()
         self.rim = [n for n in self.of_role("rim") if n not in self.key] or self._nearest_behind()
         self.fill = [n for n in [*self.of_role("fill"), *self.glows] if n not in self.key]
-        self.numbered = assigned(parsed.attributes, self._known(), vocabulary)
+        self.numbered = numbered_lights(parsed.attributes, self._known(), vocabulary)
 
     @property
     def every(self) -> list[str]:
@@ -199,7 +199,7 @@ class SceneLights:
             return self.numbered[attribute.lamp]
         if attribute.role or attribute.cause or attribute.kind not in _NAMED:
             return None
-        return named(attribute.thing, self._known(), self._vocabulary)
+        return lights_by_name(attribute.thing, self._known(), self._vocabulary)
 
     def _glowing(self) -> list[str]:
         """Materials that light the subject with a share of all light that is seen; dials and diodes do not."""

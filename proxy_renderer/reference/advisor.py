@@ -48,13 +48,13 @@ class LikeAdvisor:
         else:
             named = {key: entry for key, entry in advice.plan.items() if entry.is_named}
             plan = Plan({key: own.get(key) or _alone(e) for key, e in advice.plan.items()} | named)
-        notes = (*advice.plan.notes, self._found(), *ranges.kept(instances, own))
+        notes = (*advice.plan.notes, self._found(), *ranges.kept_values(instances, own))
         return replace(advice, plan=Plan(dict(plan), notes))
 
     def _own(self, instances: Mapping[str, Instance], advice: Advice | None) -> dict[str, PlanEntry]:
         reference = self._reference
         if reference.probe:
-            return light_probe.entries_of(reference.probe, instances, self._keys, reference.name)
+            return light_probe.probe_entries(reference.probe, instances, self._keys, reference.name)
         words = claims_of(advice.goals, default_vocabulary()) if advice else ()
         said = reference.of_any_scene(words)
         measures = {claim.measure for claim in said}
@@ -64,13 +64,13 @@ class LikeAdvisor:
     def _found(self) -> str:
         name, same = self._reference.name, self._reference.same
         if self._reference.probe:
-            return light_probe.told(self._reference.probe, name)
+            return light_probe.summary_of(self._reference.probe, name)
         if same:
             return f"{name} shows this very scene: it is compared place by place."
         return f"{name} shows something else: its look is taken over, not its content."
 
 
-def beside(
+def advisor_with_picture(
     reference: Reference | None,
     words: Advisor,
     has_words: bool,

@@ -58,7 +58,7 @@ def probe(linear: np.ndarray) -> LightProbe:
     return LightProbe(azimuth, elevation, key, around, float(np.linalg.norm(mean) / max(fill, 1e-12)))
 
 
-def entries_of(
+def probe_entries(
     found: LightProbe, instances: Mapping[str, Instance], keys: Collection[str], name: str
 ) -> dict[str, PlanEntry]:
     """The key light turned and colored as the panorama's, and the world colored as the rest; what is locked is left out.
@@ -82,7 +82,7 @@ def entries_of(
     return entries
 
 
-def told(found: LightProbe, name: str) -> str:
+def summary_of(found: LightProbe, name: str) -> str:
     """What is said of a panorama, in a sentence."""
     if found.azimuth is None or found.elevation is None:
         return f"In {name} light comes from all around: the key light keeps its direction."

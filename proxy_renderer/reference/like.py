@@ -67,7 +67,7 @@ _HOLDS = 0.8
 """Share of the way from where a comparison holds."""
 
 
-def together(
+def merged_claims(
     words: Sequence[Claim], picture: Sequence[Claim], has: Callable[[Claim], float | None]
 ) -> tuple[Claim, ...]:
     """The words' claims, and those of a picture that they leave.
@@ -178,13 +178,13 @@ class Reference:
         if self.same:
             said = same_scene.statements_of(self.display, self.picture.alpha, seen, self.name)
             others = [claim for claim in words if claim.measure not in _OWN]
-            return together(others, [s.claim for s in said], self._has)
+            return merged_claims(others, [s.claim for s in said], self._has)
         return self.of_any_scene(words)
 
     def of_any_scene(self, words: tuple[Claim, ...]) -> tuple[Claim, ...]:
         """The claims of words and picture together, where it shows another scene."""
         said = [s.claim for s in self.statements if s.trait in self.traits]
-        return together([claim for claim in words if not self._denies(claim)], said, self._has)
+        return merged_claims([claim for claim in words if not self._denies(claim)], said, self._has)
 
     @cached_property
     def probe(self) -> light_probe.LightProbe | None:

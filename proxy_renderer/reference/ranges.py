@@ -231,7 +231,7 @@ def entries_of(
     return entries
 
 
-def kept(instances: Mapping[str, Instance], entries: Collection[str]) -> tuple[str, ...]:
+def kept_values(instances: Mapping[str, Instance], entries: Collection[str]) -> tuple[str, ...]:
     """What stays because a picture cannot tell it, one sentence for each family."""
     families = {i.parameter.family for key, i in instances.items() if key not in entries and not i.locked}
     said = (f"{family}: {why}" for family, why in _STAYS.items() if family in families)

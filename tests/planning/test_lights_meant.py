@@ -5,7 +5,7 @@ import pytest
 from plan_parts import make_instances, make_plan
 
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.planning.missing import lacking
+from proxy_renderer.planning.missing import missing_lights
 from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.prompt.parser import parse
 from proxy_renderer.prompt.types import LightDescription, SceneDescription
@@ -99,7 +99,7 @@ def test_a_scene_that_has_the_lights_lacks_none():
 def found(prompt, lights):
     context = SceneDescription(lights={name: LightDescription(kind) for name, kind, _, _ in lights})
     goals = goals_of(parse(prompt, SceneDescription()))
-    return lacking(goals, make_instances(lights=lights), context, STANDBY, default_vocabulary())
+    return missing_lights(goals, make_instances(lights=lights), context, STANDBY, default_vocabulary())
 
 
 @pytest.mark.parametrize(("prompt", "blue"), [("morning light", False), ("morning, pale blue light", True)])

@@ -6,7 +6,7 @@ import math
 import pytest
 
 from proxy_renderer.claims.claim import Claim
-from proxy_renderer.reference.like import together
+from proxy_renderer.reference.like import merged_claims
 
 CAST = Claim("a.jpg: orange midtones", "picture", "midtone_cast", "picture", (8.0, 18.0), (12.0, 22.0))
 SHADOWS = Claim("a.jpg: red shadows", "picture", "shadow_cast", "picture", (3.0, 0.0), (5.0, 2.0))
@@ -31,13 +31,13 @@ def warmth(claim):
 
 
 def test_of_one_measure_and_part_the_words_claim_stays_alone():
-    claims = together([word("median", upper=20.0)], [MEDIAN, CAST], nothing)
+    claims = merged_claims([word("median", upper=20.0)], [MEDIAN, CAST], nothing)
     assert [c.measure for c in claims] == ["median", "midtone_cast"]
     assert claims[0].upper == (20.0,)
 
 
 def test_cold_moves_all_casts_along_until_it_holds_and_keeps_their_pattern():
-    said, midtones, shadows = together([word("warmth", -30.0, -6.0)], [CAST, SHADOWS], having(20.0))
+    said, midtones, shadows = merged_claims([word("warmth", -30.0, -6.0)], [CAST, SHADOWS], having(20.0))
     assert warmth(midtones) == pytest.approx(warmth(CAST) - 26.0)
     assert warmth(shadows) == pytest.approx(warmth(SHADOWS) - 26.0)
     assert midtones.upper[0] - midtones.lower[0] == pytest.approx(4.0)
@@ -46,13 +46,13 @@ def test_cold_moves_all_casts_along_until_it_holds_and_keeps_their_pattern():
 
 
 def test_a_word_that_holds_in_the_picture_leaves_it():
-    assert together([word("warmth", 9.0, 32.0)], [CAST], having(20.0))[1] == CAST
+    assert merged_claims([word("warmth", 9.0, 32.0)], [CAST], having(20.0))[1] == CAST
 
 
 @pytest.mark.parametrize("own", [20.0, -20.0])
 def test_colder_is_colder_than_the_picture_whatever_that_is(own):
     colder = word("warmth", -30.0, -6.0, change=-5.0, compares=True)
-    said, cast = together([colder], [CAST], having(own))
+    said, cast = merged_claims([colder], [CAST], having(own))
     assert warmth(cast) == pytest.approx(warmth(CAST) - 12.5)
     assert own - 12.5 < said.upper[0] < own - 5.0
     assert said.change is None
@@ -60,21 +60,21 @@ def test_colder_is_colder_than_the_picture_whatever_that_is(own):
 
 def test_brighter_lifts_the_middle_more_than_black():
     brighter = word("lightness", lower=62.0, change=10.0, compares=True)
-    said, median, black = together([brighter], [MEDIAN, BLACK], having(43.0))
+    said, median, black = merged_claims([brighter], [MEDIAN, BLACK], having(43.0))
     assert median.lower[0] == pytest.approx(65.0)
     assert black.lower[0] < 10.0
     assert 53.0 < said.lower[0] < 68.0
 
 
 def test_a_word_about_the_subject_leaves_the_picture_as_it_is():
-    assert together([word("lightness", lower=70.0, part="subject")], [MEDIAN], having(43.0))[1] == MEDIAN
+    assert merged_claims([word("lightness", lower=70.0, part="subject")], [MEDIAN], having(43.0))[1] == MEDIAN
 
 
 def test_what_a_flat_picture_does_not_have_stays_as_in_words():
     rising = word("lightness", lower=70.0, change=10.0, compares=True)
-    assert together([rising], [MEDIAN], nothing) == (rising, MEDIAN)
+    assert merged_claims([rising], [MEDIAN], nothing) == (rising, MEDIAN)
 
 
 def test_what_holds_of_every_picture_takes_nothing_away():
     every = Claim("", "subject", "median", "picture", (0.0,), (1.0,))
-    assert together([every], [MEDIAN], having(43.0))[1] == MEDIAN
+    assert merged_claims([every], [MEDIAN], having(43.0))[1] == MEDIAN

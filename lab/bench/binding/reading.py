@@ -11,7 +11,7 @@ from lab.train.sentences.labels import LabeledScene
 from lab.train.sentences.stand_in import STANDBY, SceneStandIn, stand_in
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.goals.wish import wishes_of
-from proxy_renderer.planning.missing import lacking
+from proxy_renderer.planning.missing import missing_lights
 from proxy_renderer.planning.owners import Owners
 from proxy_renderer.prompt.binding.model import FactWeights
 from proxy_renderer.prompt.lexicon.entries import OWNERS, Effect
@@ -89,7 +89,7 @@ def read(
     except VibeError as error:
         return SentenceReading((), {}, time.perf_counter() - start, error.message)
     own = {light.name: light.role for light in scene.lights}
-    names = lacking(goals_of(parsed, vocabulary), whole.instances, whole.scene, STANDBY, vocabulary)
+    names = missing_lights(goals_of(parsed, vocabulary), whole.instances, whole.scene, STANDBY, vocabulary)
     binding = _Binding(parsed, whole.with_lights(names), vocabulary)
     reaches = tuple(map(binding.reach, (a for a in parsed.attributes if not a.cause)))
     seconds = time.perf_counter() - start

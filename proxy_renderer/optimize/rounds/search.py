@@ -19,7 +19,7 @@ from ...planning.advice import Advice, Advisor, OfflineAdvisor
 from ...planning.types import LightPlan, Plan
 from ...prompt.lexicon.user_words import default_vocabulary
 from ...prompt.understood import Understood
-from ...reference.advisor import beside
+from ...reference.advisor import advisor_with_picture
 from ...reference.like import Reference
 from ...render.proxy import Proxy, Render
 from ...scene import SceneData
@@ -119,7 +119,7 @@ class Search:
         offline = OfflineAdvisor(goals, plan)
         has_words = bool(prompt.strip()) or isinstance(goals, Goals)
         self.offline, asked = (
-            beside(self.reference, each, has_words, len(views), understood.scene.lights)
+            advisor_with_picture(self.reference, each, has_words, len(views), understood.scene.lights)
             for each in (offline, advisor or offline)
         )
         self.confiner = Confiner(self.vector, self.shots, understood.scene, asked, self.method.plan)
