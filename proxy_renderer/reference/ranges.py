@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from ..claims.claim import Claim
 from ..color.floats import linear_from_srgb, srgb_from_lab
 from ..planning.types import PlanEntry
+from ..prompt.lexicon.entries import Effect, parse_effect
 from ..schema import Instance, Values
 
 CASTS = ("shadow_cast", "midtone_cast", "highlight_cast", "cast")
@@ -85,97 +86,51 @@ HELD_LIGHTLY = 0.05
 """Pull of what a picture lets move to the artist's value: of two ways that look the same, the nearer one."""
 
 
-@dataclass(frozen=True)
-class Leeway:
-    """How far values of a family may go from the artist's.
-
-    Attributes:
-        trait: Of the picture that they serve.
-        low, high: Added to the artist's value; with `factor` its multiples, with `whole` the range itself.
-        needs: Measures of which one has to be claimed; none for always.
-    """
-
-    trait: str
-    low: float
-    high: float
-    priority: int
-    factor: bool = False
-    whole: bool = False
-    needs: tuple[str, ...] = ()
+def _effects(*texts: str) -> dict[str, Effect]:
+    """Family -> what a picture may do to its values, written as in the vocabulary; a bare range holds the artist's value too."""
+    return {effect.family: effect for effect in map(parse_effect, texts)}
 
 
-def _times(trait: str, factor: float, priority: int) -> Leeway:
-    return Leeway(trait, 1 / factor, factor, priority, factor=True)
+_ANOTHER_SCENE = _effects(
+    "light/power times 0.0625..16 !0", "light/strength times 0.0625..16 !0", "light/color 0.08..1 !1",
+    "light/azimuth plus -75..75 !3", "light/elevation plus -35..35 !3",
+    "world/strength 0..4 !1", "world/color 0..1 !1", "world/tint 0.05..2 !1",
+    "world/backdrop_strength 0..4 !1", "world/backdrop_color 0..1 !1", "world/backdrop_tint 0.05..2 !1",
+    "volume/density 0..2 !2", "volume/color 0.1..1 !3",
+    "film/grade_exposure -2..2 !2", "film/lift 0.9..1.1 !2", "film/midtone 0.75..1.3 !2", "film/gain 0.7..1.3 !2",
+    "film/contrast 0.7..1.4 !2", "film/saturation 0..1.4 !2", "film/grade_gamma 0.6..1.7 !3", "film/vignette 0..1 !3",
+    "material/base_color 0..1 !2", "material/tint 0.05..2 !2",
+)  # fmt: skip
+"""For a picture of another scene."""
+_NEEDS = {
+    "light/azimuth": "from_right", "light/elevation": "from_above", "volume/density": "veil", "volume/color": "veil",
+    "film/vignette": "vignette",
+}  # fmt: skip
+"""Family -> the measure that such a picture has to claim for it."""
 
-
-def _from(trait: str, low: float, high: float, priority: int) -> Leeway:
-    return Leeway(trait, low, high, priority, whole=True)
-
-
-_ANOTHER_SCENE = {
-    "light/power": _times("light", 16.0, 0),
-    "light/strength": _times("light", 16.0, 0),
-    "light/color": _from("light", 0.08, 1.0, 1),
-    "light/azimuth": Leeway("light", -75.0, 75.0, 3, needs=("from_right",)),
-    "light/elevation": Leeway("light", -35.0, 35.0, 3, needs=("from_above",)),
-    "world/strength": _from("light", 0.0, 4.0, 1),
-    "world/color": _from("light", 0.0, 1.0, 1),
-    "world/tint": _from("light", 0.05, 2.0, 1),
-    "world/backdrop_color": _from("light", 0.0, 1.0, 1),
-    "world/backdrop_tint": _from("light", 0.05, 2.0, 1),
-    "world/backdrop_strength": _from("light", 0.0, 4.0, 1),
-    "volume/density": Leeway("air", 0.0, 2.0, 2, whole=True, needs=("veil",)),
-    "volume/color": Leeway("air", 0.1, 1.0, 3, whole=True, needs=("veil",)),
-    "film/grade_exposure": _from("grade", -2.0, 2.0, 2),
-    "film/lift": _from("grade", 0.9, 1.1, 2),
-    "film/midtone": _from("grade", 0.75, 1.3, 2),
-    "film/gain": _from("grade", 0.7, 1.3, 2),
-    "film/contrast": _from("grade", 0.7, 1.4, 2),
-    "film/saturation": _from("grade", 0.0, 1.4, 2),
-    "film/grade_gamma": _from("grade", 0.6, 1.7, 3),
-    "film/vignette": Leeway("grade", 0.0, 1.0, 3, whole=True, needs=("vignette",)),
-    "material/base_color": _from("materials", 0.0, 1.0, 2),
-    "material/tint": _from("materials", 0.05, 2.0, 2),
-}
-"""Family -> how far its values may go for a picture of another scene."""
-
-_SAME_SCENE = {
-    **_ANOTHER_SCENE,
-    "light/power": _times("light", 100.0, 0),
-    "light/strength": _times("light", 100.0, 0),
-    "light/color": _from("light", 0.0, 1.0, 1),
-    "light/temperature": _from("light", 1500.0, 15000.0, 1),
-    "light/size": _times("light", 10.0, 3),
-    "light/angle": _from("light", 0.0, 60.0, 3),
-    "light/azimuth": Leeway("light", -180.0, 180.0, 0),
-    "light/elevation": _from("light", -20.0, 89.0, 0),
-    "world/strength": _from("light", 0.0, 10.0, 1),
-    "world/rotation": Leeway("light", -180.0, 180.0, 1),
-    "volume/density": _from("air", 0.0, 4.0, 2),
-    "volume/color": _from("air", 0.0, 1.0, 3),
-    "volume/falloff": _from("air", 0.0, 4.0, 3),
-    "film/exposure": Leeway("grade", -4.0, 4.0, 2),
-    "film/lift": _from("grade", 0.7, 1.3, 3),
-    "film/midtone": _from("grade", 0.6, 1.5, 3),
-    "film/gain": _from("grade", 0.5, 1.6, 3),
-    "film/contrast": _from("grade", 0.5, 2.0, 2),
-    "film/saturation": _from("grade", 0.0, 2.0, 2),
-    "film/vignette": _from("grade", 0.0, 1.0, 3),
-    "film/glare": _from("grade", 0.0, 1.0, 4),
-    "material/roughness": _from("materials", 0.0, 1.0, 4),
-    "material/metallic": _from("materials", 0.0, 1.0, 5),
-}
-"""The same for a picture of this very scene. What does the same as exposure, in the compositor, stays."""
+_SAME_SCENE = _ANOTHER_SCENE | _effects(
+    "light/power times 0.01..100 !0", "light/strength times 0.01..100 !0", "light/color 0..1 !1",
+    "light/temperature 1500..15000 !1", "light/size times 0.1..10 !3", "light/angle 0..60 !3",
+    "light/azimuth plus -180..180 !0", "light/elevation -20..89 !0",
+    "world/strength 0..10 !1", "world/rotation plus -180..180 !1",
+    "volume/density 0..4 !2", "volume/color 0..1 !3", "volume/falloff 0..4 !3",
+    "film/exposure plus -4..4 !2", "film/lift 0.7..1.3 !3", "film/midtone 0.6..1.5 !3", "film/gain 0.5..1.6 !3",
+    "film/contrast 0.5..2 !2", "film/saturation 0..2 !2", "film/vignette 0..1 !3", "film/glare 0..1 !4",
+    "material/roughness 0..1 !4", "material/metallic 0..1 !5",
+)  # fmt: skip
+"""The same for a picture of the artist's scene. What does the same as exposure, in the compositor, stays."""
+_TRAITS = {"light": "light", "world": "light", "volume": "air", "film": "grade", "material": "materials"}
+"""Group of parameters -> the trait of a picture that they serve."""
 
 _LIT = ("light/color", "world/color")
 """Families of what colors light: they take the hues of the picture's casts."""
 
-_BESIDE_LIGHT = {
-    "film/lift": _from("grade", 0.98, 1.08, 2),
-    "film/midtone": _from("grade", 0.85, 1.2, 2),
-    "film/gain": _from("grade", 0.8, 1.25, 2),
-    "film/contrast": _from("grade", 0.7, 1.3, 2),
-}
+_BESIDE_LIGHT = _effects(
+    "film/lift 0.98..1.08 !2",
+    "film/midtone 0.85..1.2 !2",
+    "film/gain 0.8..1.25 !2",
+    "film/contrast 0.7..1.3 !2",
+)
 """The grade where the light's color may change, too: what tints gray things is light. A grade that cancels it tints paint, and
 a lift that cuts off more colors the shadows."""
 
@@ -209,25 +164,23 @@ def entries_of(
     table = dict(_SAME_SCENE if same else _ANOTHER_SCENE)
     if same:
         table.pop("film/grade_exposure")
-    elif any(
-        i.parameter.family in _LIT and not i.locked and _serves("light", i, traits)
-        for i in instances.values()
-    ):
+    elif any(i.parameter.family in _LIT and not i.locked and _serves(i, traits) for i in instances.values()):
         table |= _BESIDE_LIGHT
     entries = {}
     for key, instance in instances.items():
-        reach = table.get(instance.parameter.family)
-        needed = reach is not None and (not reach.needs or any(m in measures for m in reach.needs))
-        if reach is None or instance.locked or not (needed and _serves(reach.trait, instance, traits)):
+        effect, needs = table.get(instance.parameter.family), _NEEDS.get(instance.parameter.family)
+        if effect is None or instance.locked or not _serves(instance, traits):
             continue
-        lower, upper = _range(reach, instance)
+        if needs and not same and needs not in measures:
+            continue
+        lower, upper = _range(effect, instance)
         lit = instance.parameter.family in _LIT and not same
         if lit:
             lower, upper = _lit(colors, instance)
         elif instance.parameter.family == "film/saturation" and not same:
             lower, upper = _around((colors.paint,), upper, instance)
         reason = f"free to come to look like {name}"
-        entries[key] = PlanEntry(lower, upper, reach.priority, reason, HELD_LIGHTLY, any_hue=not lit)
+        entries[key] = PlanEntry(lower, upper, effect.priority, reason, HELD_LIGHTLY, any_hue=not lit)
     return entries
 
 
@@ -238,8 +191,9 @@ def kept_values(instances: Mapping[str, Instance], entries: Collection[str]) -> 
     return tuple(f"Kept as you have it, {text}." for text in said)
 
 
-def _serves(trait: str, instance: Instance, traits: Collection[str]) -> bool:
+def _serves(instance: Instance, traits: Collection[str]) -> bool:
     """Whether a value serves what is taken over; the colors of light serve a palette, too."""
+    trait = _TRAITS.get(instance.parameter.group, "")
     colors = instance.parameter.group in ("light", "world") or instance.parameter.family == "film/saturation"
     return trait in traits or ("palette" in traits and colors and trait != "materials")
 
@@ -255,15 +209,15 @@ def _lit(colors: LightColors, instance: Instance) -> tuple[Values, Values]:
     return lower, tuple(map(min, weak, instance.upper))
 
 
-def _range(reach: Leeway, instance: Instance) -> tuple[Values, Values]:
+def _range(effect: Effect, instance: Instance) -> tuple[Values, Values]:
     """The ends for an instance, within its bounds, its own value among them."""
-    value, unit = instance.value, instance.reference
-    if reach.factor:
-        ends = tuple(v * reach.low for v in value), tuple(v * reach.high for v in value)
-    elif reach.whole:
-        ends = tuple(reach.low * unit for _ in value), tuple(reach.high * unit for _ in value)
+    value, unit, low, high = instance.value, instance.reference, effect.lower[0], effect.upper[0]
+    if effect.mode == "times":
+        ends = tuple(v * low for v in value), tuple(v * high for v in value)
+    elif effect.mode == "plus":
+        ends = tuple(v + low for v in value), tuple(v + high for v in value)
     else:
-        ends = tuple(v + reach.low for v in value), tuple(v + reach.high for v in value)
+        ends = tuple(low * unit for _ in value), tuple(high * unit for _ in value)
     return _around(*ends, instance)
 
 
