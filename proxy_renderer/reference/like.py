@@ -18,7 +18,7 @@ from ..render.film.film import Film
 from ..render.gbuffer import GBuffer
 from ..scene import SceneData
 from ..schema.options.table import TRAITS, Options
-from . import light_probe, same_scene, statements
+from . import light_probe, statements
 from .picture import ReferencePicture, read_reference
 from .ranges import CASTS
 from .regions import PictureRegions, regions_of
@@ -171,12 +171,12 @@ class Reference:
     def compare(self, rendered: Tensor) -> None:
         """Finds out, once, whether it shows the same scene as the artist's own image (H, W, 3)."""
         if self.same is None and not self.probe:
-            self.same = same_scene.is_same(self.display, rendered)
+            self.same = statements.is_same(self.display, rendered)
 
     def claims(self, words: tuple[Claim, ...], seen: GBuffer) -> tuple[Claim, ...]:
         """The claims of words and picture together."""
         if self.same:
-            said = same_scene.statements_of(self.display, self.picture.alpha, seen, self.name)
+            said = statements.statements_by_place(self.display, self.picture.alpha, seen, self.name)
             others = [claim for claim in words if claim.measure not in _OWN]
             return merged_claims(others, [s.claim for s in said], self._has)
         return self.of_any_scene(words)
