@@ -32,8 +32,8 @@ _ALL_LIGHT = ("light", "tone", "ambience")
 """Kinds of targets whose color is that of the light as a whole."""
 _ANOTHER_HUE = 40.0
 """Degrees between the hues of a named color and of a material from which an object cannot have both."""
-_SLIVER = 0.1
-"""Share of an interval that it has at least in common with another one where an image can be as both want it."""
+_NONE = "none"
+"""The class of an image that has nothing of a quantity."""
 _MATTER = ("color", "finish", "substance", "glow")
 
 
@@ -59,6 +59,8 @@ def contradicts(first: Wish, later: Wish) -> bool:
         return _opposed(first, lab_from_srgb(b.color))
     if a.color and b.color:
         return first.quantity != "light_color" or later.implied
+    if first.named != later.named and _NONE in (first.named, later.named) and first.named and later.named:
+        return True  # no fog is not a little fog, though measures of both overlap
     if _overlapping(first.claims, later.claims):
         return False  # the image can be as both want it: parameters are shared out by rank
     if _other_class(first, later) or _disjoint_effects(first, later):
@@ -90,15 +92,10 @@ def _other_class(first: Wish, later: Wish) -> bool:
 
 
 def _overlapping(some: Sequence[ClaimText], others: Sequence[ClaimText]) -> bool:
-    """Whether an image can be of two classes: thick fog is light fog too, but no fog is not."""
-    return any(_have_room(a, b) for a in some for b in others if _axis(a) == _axis(b))
-
-
-def _have_room(a: ClaimText, b: ClaimText) -> bool:
-    """Whether two intervals have more in common than a sliver of the narrower one."""
-    common = min(a.upper, b.upper) - max(a.lower, b.lower)
-    width = min(a.upper - a.lower, b.upper - b.lower)
-    return common >= (_SLIVER * width if math.isfinite(width) else 0.0)
+    """Whether an image can be of two classes: thick fog is light fog too."""
+    return any(
+        max(a.lower, b.lower) <= min(a.upper, b.upper) for a in some for b in others if _axis(a) == _axis(b)
+    )
 
 
 def _axis(claim: ClaimText) -> tuple[str, str, str]:

@@ -291,7 +291,7 @@ def of_haze(goals: Goals) -> list[tuple[str, str]]:
 
 @pytest.mark.parametrize("order", ["no fog, {}", "{}, no fog"])
 def test_no_mood_brings_the_fog_back_that_the_prompt_rules_out(order):
-    """Of all moods and styles that mean haze: what a class has of another one is a sliver, "none" ends where "light" begins."""
+    """Of all moods and styles that mean haze, though the measures of "none" and "light" overlap."""
     foggy = [
         name for name, goals in alone().items() if any(w.implied for w in goals.wishes) and of_haze(goals)
     ]
