@@ -493,7 +493,8 @@ def test_a_weak_word_asks_for_less_at_both_ends():
         plain = {(c.measure, c.part, c.direction): c for c in claims(name) if c.change}
         for claim in claims(f"slightly {name}"):
             strong = plain.get((claim.measure, claim.part, claim.direction))
-            if strong is None or claim.word == strong.word or not claim.change:
+            named = strong and claim.change and not claim.color and claim.weight == 1.0  # no mood, no color
+            if not named or claim.word == strong.word:
                 continue
             near = (
                 (strong.lower[0] - claim.lower[0]) if claim.change > 0 else (claim.upper[0] - strong.upper[0])
