@@ -13,22 +13,16 @@ if workers := int(
 # Shapes of what has jaxtyping's annotations are checked in tests, not in the product.
 install_import_hook(
     [
-        "proxy_renderer.color.differences",
         "proxy_renderer.color.tensors",
         "proxy_renderer.color.view_transform",
-        "proxy_renderer.render.film.grade",
+        "proxy_renderer.render.film",
         "proxy_renderer.render.geometry.camera",
         "proxy_renderer.render.lights.area_specular",
-        "proxy_renderer.render.lights.types.area",
-        "proxy_renderer.render.lights.types.point",
-        "proxy_renderer.render.lights.types.spot",
-        "proxy_renderer.render.lights.types.sun",
+        "proxy_renderer.render.lights.light_types",
         "proxy_renderer.render.material.albedo",
-        "proxy_renderer.render.surface.coat_sheen",
-        "proxy_renderer.render.surface.lobes",
         "proxy_renderer.render.surface.principled",
         "proxy_renderer.render.transport.fog",
-        "proxy_renderer.render.transport.refraction",
+        "proxy_renderer.render.transport.secondary_hits",
     ],
     "beartype.beartype",
 )

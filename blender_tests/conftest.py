@@ -8,8 +8,8 @@ import bpy
 import pytest
 import vibe_render
 from small_scenes import studio
-from vibe_render.session.state import addon_state
-from vibe_render.ui import live, word_readings
+from vibe_render.run.state import addon_state
+from vibe_render.ui import live, words
 
 
 @pytest.fixture
@@ -36,7 +36,7 @@ def addon(registered, scene):
     settings.rounds, settings.steps, settings.size = 100, 1000, 64
     yield scene
     live.stop()
-    word_readings.stop()
+    words.stop()
     addon_state.cancel()
     addon_state.end_live()
     addon_state.readings.forget()

@@ -25,7 +25,7 @@ def read(scene):
 
 def vibe(scene, subject, level=0.6):
     """Prepares a scene and moves every value it has."""
-    prepare.prepare(scene, subject)
+    prepare.prepare_scene(scene, subject)
     found = bindings.instances(scene, subject, PIVOT)
     values = {
         key: tuple((1.0 - level) * a + level * b for a, b in zip(i.lower, i.upper, strict=True))

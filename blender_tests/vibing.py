@@ -5,7 +5,7 @@ import time
 
 import bpy
 import pytest
-from vibe_render.session.state import addon_state
+from vibe_render.run.state import addon_state
 
 from proxy_renderer.schema import VibeError
 

@@ -42,8 +42,8 @@ def start(screen):
 
 def ways_out(screen):
     """The preferences; a prompt is typed; a vibe is stopped and given up, by button and by Esc."""
+    from bl_ext.user_default.vibe_render.run.state import addon_state
     from bl_ext.user_default.vibe_render.scene import snapshot
-    from bl_ext.user_default.vibe_render.session.state import addon_state
 
     yield from preferences(screen)
     screen.shoot("panel")
@@ -89,8 +89,8 @@ def ways_out(screen):
 
 def choosing(screen):
     """A result: undone, compared, dimmed, another variant, locks, saved as a preset, again, kept or reverted."""
+    from bl_ext.user_default.vibe_render.run.state import addon_state
     from bl_ext.user_default.vibe_render.scene import snapshot
-    from bl_ext.user_default.vibe_render.session.state import addon_state
 
     before, scene = values(), bpy.context.scene
     yield from a_result(screen, variants=2)
@@ -141,7 +141,7 @@ def choosing(screen):
 
 def locks(screen):
     """The key light's power and the fog are locked; then the same words once more."""
-    from bl_ext.user_default.vibe_render.session.state import addon_state
+    from bl_ext.user_default.vibe_render.run.state import addon_state
 
     settings, key = bpy.context.scene.vibe, "light/Key/power"
     yield from screen.click_on(f'vibe.lock(key="{key}"', 931, (0.82, 0.84, 0.8))
@@ -174,8 +174,8 @@ def locked_values(key):
 
 def questions(screen):
     """The question about a shared material, answered both ways."""
+    from bl_ext.user_default.vibe_render.run.state import addon_state
     from bl_ext.user_default.vibe_render.scene import snapshot
-    from bl_ext.user_default.vibe_render.session.state import addon_state
 
     floor, monkey = bpy.data.objects["Plane"], bpy.data.objects["Suzanne"]
     floor.data.materials[0] = monkey.data.materials[0]
@@ -209,7 +209,7 @@ def questions(screen):
 
 def ends(screen):
     """A second window, another file, and the end of Blender, while a vibe runs."""
-    from bl_ext.user_default.vibe_render.session.state import addon_state
+    from bl_ext.user_default.vibe_render.run.state import addon_state
 
     yield from running(screen)
     yield from second_window(screen, addon_state)
@@ -230,8 +230,8 @@ def ends(screen):
 
 def live(screen):
     """Live is switched on, words are typed; Enter searches, Esc gives that up, and Esc in the field takes a look away."""
-    from bl_ext.user_default.vibe_render.session import preview
-    from bl_ext.user_default.vibe_render.session.state import addon_state
+    from bl_ext.user_default.vibe_render.run import preview
+    from bl_ext.user_default.vibe_render.run.state import addon_state
 
     before = values()
     effort(20, 60, 256)
@@ -282,7 +282,7 @@ def second_window(screen, addon_state):
 
 def preferences(screen):
     """What the add-on's preferences look like, and whether they find and try the engine."""
-    from bl_ext.user_default.vibe_render.session.engine_state import engine_state
+    from bl_ext.user_default.vibe_render.ui.engine_state import engine_state
 
     kind, screen.area.type = screen.area.type, "PREFERENCES"
     bpy.context.preferences.active_section = "ADDONS"

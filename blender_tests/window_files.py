@@ -18,11 +18,11 @@ def files(screen):
     from bl_ext.user_default.vibe_render.looks import library
 
     folder = screen.out / "files"
-    for old in (folder, library.folder()):
+    for old in (folder, library.preset_folder()):
         shutil.rmtree(old, ignore_errors=True)
     folder.mkdir()
     with screen.over(screen.view):
-        bpy.ops.vibe.preset_apply(path=str(library.find("Moonlight").path))
+        bpy.ops.vibe.preset_apply(path=str(library.find_preset("Moonlight").path))
     yield from screen.away()
     yield from a_preset_of_ones_own(screen)
     yield from handed_on(screen, folder)
@@ -40,7 +40,7 @@ def a_preset_of_ones_own(screen):
     yield 0.7
     screen.shoot("save")
     yield from confirm(screen, lambda: held.chosen != ours, "the preset is saved")
-    screen.observed["saved"] = library.at(held.chosen).name
+    screen.observed["saved"] = library.preset_at(held.chosen).name
     saved = held.chosen
     yield from choose(screen, 24)
     yield 0.5
@@ -49,7 +49,7 @@ def a_preset_of_ones_own(screen):
     yield 0.5
     screen.shoot("rename")
     yield from confirm(screen, lambda: held.chosen != saved, "the preset is renamed")
-    screen.observed["renamed"] = library.at(held.chosen).name
+    screen.observed["renamed"] = library.preset_at(held.chosen).name
     yield from screen.away()
     screen.shoot("renamed")
 
@@ -66,11 +66,11 @@ def handed_on(screen, folder):
     yield 0.7
     screen.shoot("delete")
     yield from confirm(screen, lambda: not held.chosen, "the preset is deleted")
-    screen.observed["deleted"] = not any(look.name == NAME for look in library.looks())
+    screen.observed["deleted"] = not any(look.name == NAME for look in library.all_looks())
     yield from presets_menu(screen, 24)
     yield from file_dialog(screen, folder, "import", pick=True)
     yield from screen.wait(lambda: held.chosen, 30, "the preset is imported")
-    screen.observed["imported"] = library.at(held.chosen).name
+    screen.observed["imported"] = library.preset_at(held.chosen).name
     yield from screen.away()
     screen.shoot("imported")
 

@@ -22,7 +22,7 @@ def presets(screen):
     yield from confirm(screen, lambda: held.chosen, "the preset is saved")
     yield from screen.away()
     screen.shoot("saved")
-    screen.observed["saved"] = library.at(held.chosen).name
+    screen.observed["saved"] = library.preset_at(held.chosen).name
     yield from screen.click_on("vibe.keep", 713, (0.2,))
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "it is kept")
     yield from screen.away()
@@ -66,4 +66,4 @@ def search(screen, held, top):
         yield 0.7
         screen.shoot(f"search_{number + 1}")
     screen.observed["searched"] = held.search
-    screen.observed["chosen"] = library.at(held.chosen).name
+    screen.observed["chosen"] = library.preset_at(held.chosen).name

@@ -221,7 +221,7 @@ class Screen:
 
     def _watch(self):
         """Notes the longest tick by what goes on: this thread's time on a core, without what other programs take."""
-        from bl_ext.user_default.vibe_render.session.session import Session
+        from bl_ext.user_default.vibe_render.run.session import Session
 
         advance = Session.advance
         if advance.__name__ == "watched":

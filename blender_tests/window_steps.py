@@ -23,7 +23,7 @@ def open_panel(screen):
 
 def running(screen):
     """A long vibe is started, and its first picture awaited."""
-    from bl_ext.user_default.vibe_render.session.state import addon_state
+    from bl_ext.user_default.vibe_render.run.state import addon_state
 
     bpy.context.scene.vibe.prompt = PROMPT
     effort(20, 60, 256)
@@ -37,8 +37,8 @@ def running(screen):
 
 def first_look(screen):
     """The first look is awaited; how long after the click its values and its picture came is noted."""
-    from bl_ext.user_default.vibe_render.session import preview
-    from bl_ext.user_default.vibe_render.session.state import addon_state
+    from bl_ext.user_default.vibe_render.run import preview
+    from bl_ext.user_default.vibe_render.run.state import addon_state
 
     session, began = addon_state.session, time.monotonic()
     yield from screen.wait(lambda: preview.exists(bpy.context.scene), 300, "the first look is in the scene")
@@ -51,7 +51,7 @@ def first_look(screen):
 
 def a_result(screen, variants=1):
     """A short vibe is run to its end."""
-    from bl_ext.user_default.vibe_render.session.state import addon_state
+    from bl_ext.user_default.vibe_render.run.state import addon_state
 
     effort(1, 4)
     bpy.context.scene.vibe.variants, bpy.context.scene.vibe.prompt = variants, PROMPT

@@ -12,8 +12,8 @@ HEADER = 363
 def still(screen):
     """The picture's panel is opened; a file's path is typed, and its look searched for; then other pictures are given."""
     from bl_ext.user_default.vibe_render.render import reference
+    from bl_ext.user_default.vibe_render.run.state import addon_state
     from bl_ext.user_default.vibe_render.scene import snapshot
-    from bl_ext.user_default.vibe_render.session.state import addon_state
 
     settings, before = bpy.context.scene.vibe, values()
     path = dusk(screen.out / "dusk.png")
@@ -45,12 +45,12 @@ def still(screen):
     yield 1.5
     yield from screen.away()
     screen.shoot("image")
-    screen.observed["like_image"] = reference.name(settings)
+    screen.observed["like_image"] = reference.picture_name(settings)
     yield from choose(screen, "SLOT")
     yield 0.5
     yield from screen.away()
     screen.shoot("slot")
-    screen.observed["like_slot"] = reference.name(settings)
+    screen.observed["like_slot"] = reference.picture_name(settings)
 
 
 def dusk(path):

@@ -12,7 +12,7 @@ KEY = "light/Key/power"
 
 def without_engine(screen):
     """The panel, earlier prompts, single locks, a preset compared and dimmed, the properties editor, the preferences."""
-    from bl_ext.user_default.vibe_render.session.engine_state import engine_state
+    from bl_ext.user_default.vibe_render.ui.engine_state import engine_state
 
     yield from screen.wait(lambda: engine_state.problem, 60, "no engine is found")
     yield from screen.away()
@@ -29,7 +29,7 @@ def without_engine(screen):
 
 def earlier_prompts(screen):
     """One is chosen from the menu, then all are forgotten."""
-    from bl_ext.user_default.vibe_render.session import prompt_history
+    from bl_ext.user_default.vibe_render.ui import prompt_history
 
     prompt_history.clear()
     for prompt in reversed(EARLIER):
@@ -71,7 +71,9 @@ def a_preset(screen):
     from bl_ext.user_default.vibe_render.looks import library
     from bl_ext.user_default.vibe_render.scene import snapshot
 
-    shutil.rmtree(library.folder(), ignore_errors=True)  # so that ours are at the same places every time
+    shutil.rmtree(
+        library.preset_folder(), ignore_errors=True
+    )  # so that ours are at the same places every time
     yield from screen.find("vibe.look_for_engine", 430)
     row = screen.observed["found"]["vibe.look_for_engine"][1]
     yield from screen.click_at(

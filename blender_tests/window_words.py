@@ -6,7 +6,7 @@ import bpy
 
 def words(screen):
     """A word's menu is opened with the mouse, and its last line is chosen with the keyboard."""
-    from bl_ext.user_default.vibe_render.session.state import addon_state
+    from bl_ext.user_default.vibe_render.run.state import addon_state
 
     settings = bpy.context.scene.vibe
     settings.prompt = "glossy red monkey"
@@ -24,7 +24,7 @@ def words(screen):
     yield 0.3
     screen.press("Return")
     yield from screen.wait(lambda: len(settings.targets), 60, "the choice is kept")
-    screen.observed["told"] = settings.told()
+    screen.observed["told"] = settings.target_pairs()
     yield from screen.wait(
         lambda: not addon_state.readings.due(bpy.context.scene), 60, "words are read again"
     )
@@ -38,4 +38,4 @@ def words(screen):
     settings.prompt = ""
     yield 0.3
     bpy.ops.vibe.recall(prompt="glossy red monkey")
-    screen.observed["recalled"] = settings.told()
+    screen.observed["recalled"] = settings.target_pairs()

@@ -12,9 +12,9 @@ from pathlib import Path
 
 from proxy_renderer.cli.main import COMMANDS
 from proxy_renderer.cli.main import parser as command_line
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.schema import GROUPS, PARAMETERS
 from proxy_renderer.schema.options.table import TABLE
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
 
 DOCS = Path(__file__).resolve().parent
 

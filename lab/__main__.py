@@ -10,7 +10,7 @@ from importlib import import_module
 from pathlib import Path
 
 from lab.bench.options import BENCHES
-from proxy_renderer.cli.parser import Help, Parser
+from proxy_renderer.cli.main import Help, Parser
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.options import checks
 

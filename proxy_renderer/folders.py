@@ -9,8 +9,7 @@ from pathlib import Path
 from platformdirs import user_cache_path, user_config_path
 
 _NAME = "vibe-render"
-CACHE = "VIBE_CACHE"
-"""The environment variable that names another cache folder."""
+CACHE = "VIBE_CACHE"  # the environment variable that names another cache folder
 
 
 def config_folder() -> Path:
@@ -19,11 +18,7 @@ def config_folder() -> Path:
 
 
 def cache_folder(part: str) -> Path:
-    """The user's folder for what can be made again; it need not exist.
-
-    Args:
-        part: "vlm" for the answers of models, "fidelity" for reference pictures.
-    """
+    """The user's folder for what can be made again, such as "vlm", the answers of models; it need not exist."""
     if named := os.environ.get(CACHE):
         return Path(named).expanduser().resolve() / part
     return user_cache_path(_NAME, appauthor=False, opinion=False) / part

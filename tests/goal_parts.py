@@ -8,26 +8,26 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 
-from plan_parts import CONTEXT, make_instances
+from plan_parts import SCENE, make_instances
 
 from proxy_renderer.color.floats import hex_from_srgb, srgb_from_hex
 from proxy_renderer.goals.resolve import Goals, goals_of
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.types import Plan
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import LightWords, Parsed, SceneWords
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import LightDescription, Parsed, SceneDescription
 
-ROOM = SceneWords(
+ROOM = SceneDescription(
     "vase",
     {"vase": "subject", "Table": "surroundings", "Wall": "surroundings"},
     {"Clay": "subject", "Wood": "surroundings", "Plaster": "surroundings"},
     {"vase": ("Clay",), "Table": ("Wood",), "Wall": ("Plaster",)},
     {
-        "Key": LightWords("AREA", "key", -40.0),
-        "Fill": LightWords("AREA", "fill", 60.0),
-        "Back": LightWords("POINT", "rim", 160.0),
+        "Key": LightDescription("AREA", "key", -40.0),
+        "Fill": LightDescription("AREA", "fill", 60.0),
+        "Back": LightDescription("POINT", "rim", 160.0),
     },
 )
 _THINGS = ("vase", "table", "wall")
@@ -36,10 +36,10 @@ _COLORED = (*_THINGS, "light", "background", "key light", "rim light", "fog", "s
 
 def plan_of(goals: Goals) -> Plan:
     """The plan of goals for the scene that `ROOM` names."""
-    return plan(goals, make_instances(materials=tuple(ROOM.materials.items())), CONTEXT)
+    return plan(goals, make_instances(materials=tuple(ROOM.materials.items())), SCENE)
 
 
-def read(prompt: str, scene: SceneWords = ROOM) -> Goals:
+def read(prompt: str, scene: SceneDescription = ROOM) -> Goals:
     """The goals of a prompt."""
     return goals_of(parse(prompt, scene, shipped_vocabulary()))
 

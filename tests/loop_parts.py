@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the optimization loop is followed with in tests."""
 
+from dataclasses import replace
+
+from proxy_renderer.optimize.rounds.confiner import RoundStart
+
 PROMPT = "glossy teal ball, white studio background"
 
 
@@ -27,3 +31,12 @@ class Silent:
 
     def ask(self, request):
         raise AssertionError("nobody renders anchors here")
+
+
+def any_round(search, ends):
+    """Another round from the last end, however near it is to the words, in the place of `next_round`."""
+    last = ends[-1]
+    if len(ends) == search.rounds:
+        return None
+    start = replace(last.start.start, u=last.u, shots=last.shots, first=last.start.number + 1)
+    return replace(RoundStart.at(start), earlier=last.confined.plan, start=last.start.start)

@@ -7,20 +7,20 @@ import re
 import tomllib
 from pathlib import Path
 
-from proxy_renderer.prompt.binding.reader import PromptReader
-from proxy_renderer.prompt.binding.targets import NOWHERE
-from proxy_renderer.prompt.lexicon.entries import normalize
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.parser import prepared
-from proxy_renderer.prompt.types import LightWords, SceneWords
+from proxy_renderer.words.lexicon.entries import normalize
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.parser import prepared
+from proxy_renderer.words.reader import read_words
+from proxy_renderer.words.targets import NOWHERE
+from proxy_renderer.words.types import LightDescription, SceneDescription
 
-FILE = Path(__file__).parent / "prompt" / "ordinary_words.toml"
-ROOM = SceneWords(
+FILE = Path(__file__).parent / "words" / "ordinary_words.toml"
+ROOM = SceneDescription(
     "Chair",
     {"Chair": "subject", "Table": "surroundings", "Wall": "surroundings", "Floor": "surroundings"},
     {"Seat": "subject", "Wood": "surroundings", "Plaster": "surroundings", "Tiles": "surroundings"},
     {"Chair": ("Seat",), "Table": ("Wood",), "Wall": ("Plaster",), "Floor": ("Tiles",)},
-    {"Key": LightWords("AREA", "key", -50.0), "Fill": LightWords("AREA", "fill", 60.0)},
+    {"Key": LightDescription("AREA", "key", -50.0), "Fill": LightDescription("AREA", "fill", 60.0)},
 )
 _LOOK = re.compile(r"\[([^]]*)\]")
 
@@ -40,9 +40,9 @@ def false_actions(marked: str) -> list[str]:
     """Look words that the reader binds to something, and none of whose words is marked as a look."""
     looks = {word for said in _LOOK.findall(marked) for word in words_of(said)}
     text = marked.replace("[", "").replace("]", "")
-    reader = PromptReader(shipped_vocabulary(), ROOM)
-    unused = reader.read(prepared(text, ROOM, shipped_vocabulary())).ignored
-    acted = (p.look for p in reader.chosen if p.target.kind not in NOWHERE and p.look.text not in unused)
+    reading = read_words(prepared(text, ROOM, shipped_vocabulary()), ROOM, shipped_vocabulary())
+    unused = reading.parsed.ignored
+    acted = (p.look for p in reading.chosen if p.target.kind not in NOWHERE and p.look.text not in unused)
     return [look.token.text for look in acted if looks.isdisjoint(words_of(look.token.text))]
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import DracoPy
 import numpy as np
 
-from proxy_renderer.blender import draco, gltf
+from proxy_renderer.blender import meshes
 
 NAME = "KHR_draco_mesh_compression"
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3}
@@ -17,14 +17,14 @@ def pack(plain: Path, target: Path) -> Path:
 
     A .gltf gets its bytes as a file beside it; in a .glb they are inside.
     """
-    document, binary = gltf.read(plain)
+    document, binary = meshes.read_gltf(plain)
     data = bytearray(binary)
     for primitive in (p for mesh in document["meshes"] for p in mesh["primitives"]):
         _pack(document, data, primitive)
     document["extensionsUsed"] = [*document.get("extensionsUsed", []), NAME]
     document["extensionsRequired"] = [NAME]
     if target.suffix == ".glb":
-        draco._write(target, document, data)
+        meshes._write(target, document, data)
         return target
     import json
 
@@ -38,7 +38,7 @@ def _pack(document, data, primitive):
     def values(number):
         accessor = document["accessors"][number]
         view = document["bufferViews"][accessor["bufferView"]]
-        width, kind = _WIDTHS[accessor["type"]], draco._NUMBERS[accessor["componentType"]]
+        width, kind = _WIDTHS[accessor["type"]], meshes._NUMBERS[accessor["componentType"]]
         start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
         return np.frombuffer(data, kind, accessor["count"] * width, start).reshape(-1, width)
 

@@ -7,10 +7,10 @@ import random
 
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan
-from proxy_renderer.planning.types import Plan, PlanContext
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.planning.types import Plan
 from proxy_renderer.schema import PARAMETERS, Instance
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import LightDescription, SceneDescription
 
 LIGHTS = (("Key", "AREA", "key", -40.0), ("Fill", "AREA", "fill", 60.0), ("Back", "POINT", "rim", 160.0))
 REFERENCES = {
@@ -67,11 +67,8 @@ def make_instances(
     return found
 
 
-CONTEXT = PlanContext(light_types={name: kind for name, kind, _, _ in LIGHTS})
+SCENE = SceneDescription(lights={name: LightDescription(kind, role) for name, kind, role, _ in LIGHTS})
 
 
-def make_plan(
-    prompt: str, instances=None, context: PlanContext = CONTEXT, scene: SceneWords | None = None
-) -> Plan:
-    goals = goals_of(parse(prompt, scene or SceneWords()))
-    return plan(goals, make_instances() if instances is None else instances, context)
+def make_plan(prompt: str, instances=None, scene: SceneDescription = SCENE) -> Plan:
+    return plan(goals_of(parse(prompt, scene)), make_instances() if instances is None else instances, scene)

@@ -59,7 +59,7 @@ def test_the_schema_is_standard_library_and_relative_imports_only():
     [
         "import proxy_renderer",
         "import proxy_renderer.cli.main as c; c.parser()",
-        "import proxy_renderer.planning.planner, proxy_renderer.prompt.parser",
+        "import proxy_renderer.planning.planner, proxy_renderer.words.parser",
         "import proxy_renderer.engine.worker",
     ],
 )

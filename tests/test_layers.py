@@ -20,15 +20,13 @@ PACKAGES = {
 LAYERS = {
     "proxy_renderer": """
         schema=schema.options . blender color scene
-        prompt.lexicon prompt=prompt.mentions=prompt.binding=prompt.languages goals planning=planning.lights vlm inputs batch.manifest batch
-        render.film render.geometry render.material render.lights=render.lights.types render.transport render.edges render.surface
-        render.cycles render claims.measures claims rigs reference.files reference
-        guidance optimize=optimize.inner=optimize.rounds engine
-        cli=cli.commands
+        words.lexicon words goals planning vlm inputs batch
+        render.geometry render.material render.lights render.transport render.surface render claims.measures claims rigs reference
+        guidance optimize=optimize.rounds engine
+        cli
     """,
     "vibe_render": """
-        core engine scene.geometry scene.lights scene.nodes scene scene.stage render export session.notes session looks
-        headless ui ui.operators ui.panels
+        core engine scene.geometry scene.nodes scene render export run looks headless ui
         .
     """,
     "lab": """

@@ -57,7 +57,7 @@ def test_what_nothing_reaches_is_noticed(wheel):
         "proxy_renderer/train/__init__.py",
         "proxy_renderer/guidance/judge/heads.safetensors",
         "proxy_renderer/guidance/embedded/heads.safetensors",
-        "proxy_renderer/prompt/lexicon/verbs.txt",
+        "proxy_renderer/words/lexicon/verbs.txt",
         "proxy_renderer/batch/page/index.txt",
         "vibe_render/looks/shipped/noir.png",
         "vibe_render/looks/shipped/prompts.toml",

@@ -24,9 +24,8 @@ if not __package__:
         sys.path.insert(1, str(here.parents[1]))
 
 from vibe_render.core import files
-from vibe_render.core.schema_import import atomic, faults, schema
-from vibe_render.headless.arguments import arguments_of_process, parse
-from vibe_render.headless.reporter import Reporter
+from vibe_render.core.schema_import import atomic, errors, schema
+from vibe_render.headless.arguments import Reporter, arguments_of_process, parse
 
 
 def main() -> int:
@@ -35,17 +34,17 @@ def main() -> int:
     reporter = Reporter(events="--events" in arguments)
     try:
         given = parse(arguments)
-        from vibe_render.headless import commands, serve  # not before: importing bpy takes half a second
+        from vibe_render.headless import commands  # not before: importing bpy takes half a second
 
         if given.command == "serve":
-            serve.serve()
+            commands.serve()
         else:
             commands.COMMANDS[given.command](given, reporter)
         return 0
     except Exception as error:
         known = _known(error)
-        reporter.error(known or faults.unexpected(error, reporter.doing))
-        return 2 if known and not isinstance(known, faults.UnexpectedError) else 1
+        reporter.error(known or errors.unexpected(error, reporter.doing))
+        return 2 if known and not isinstance(known, errors.UnexpectedError) else 1
 
 
 def _known(error: Exception) -> schema.VibeError | None:

@@ -11,7 +11,7 @@ import bpy
 import pytest
 from small_scenes import studio
 
-from proxy_renderer.batch.flamenco import install
+from proxy_renderer.batch.command import install_job_type
 from proxy_renderer.schema import VibeError, preset
 
 ROOT = Path(__file__).parents[2]
@@ -45,7 +45,7 @@ def engine(tmp_path):
     """A JavaScript engine that has loaded the installed job type."""
     racer = pytest.importorskip("py_mini_racer", reason="mini-racer is not installed")
     context = racer.MiniRacer()
-    context.eval(API + install(tmp_path / "scripts").read_text())
+    context.eval(API + install_job_type(tmp_path / "scripts").read_text())
     return context
 
 
@@ -55,7 +55,7 @@ def compiled(engine, settings):
 
 def test_it_needs_a_manager(tmp_path):
     with pytest.raises(VibeError, match="There is no folder"):
-        install(tmp_path / "nowhere" / "scripts")
+        install_job_type(tmp_path / "nowhere" / "scripts")
 
 
 def test_its_settings_are_complete(engine):

@@ -8,8 +8,8 @@ import pytest
 import torch
 from studio import Studio
 
+from proxy_renderer.claims.measures import MEASURES
 from proxy_renderer.claims.measures.picture import MeasuredPicture, region_of
-from proxy_renderer.claims.measures.registry import MEASURES
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 

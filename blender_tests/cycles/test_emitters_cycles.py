@@ -11,7 +11,7 @@ from vibe_render.scene.subject import SubjectChoice
 from lab.bench.metrics import difference
 from lab.blender.scenes.build import build
 from lab.blender.scenes.recipe import CameraRecipe, FinishRecipe, FogRecipe, SceneRecipe, WorldRecipe
-from proxy_renderer.engine.report import load_picture
+from proxy_renderer.engine.pictures import load_picture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 
@@ -36,7 +36,7 @@ def test_the_halo_of_a_bulb_in_fog(tmp_path):
     )
     scene, subject = build(recipe, 0)
     reading.export_scene(scene, tmp_path, SubjectChoice(tuple(o.name for o in subject)))
-    final_render.render(scene, tmp_path / "cycles.png", 64, 96)
+    final_render.render_picture(scene, tmp_path / "cycles.png", 64, 96)
     cycles = torch.from_numpy(load_picture(tmp_path / "cycles.png").copy())
     proxy = Proxy(load_scene(tmp_path), (64, 64))
     with torch.no_grad():
@@ -58,7 +58,7 @@ def test_a_rough_floor_mirrors_softboxes(scene, tmp_path):
     scene.collection.objects.link(camera)
     scene.camera, scene.render.resolution_x, scene.render.resolution_y = camera, 96, 96
     reading.export_scene(scene, tmp_path, SubjectChoice(("Floor",)))
-    final_render.render(scene, tmp_path / "cycles.png", 96, 128)
+    final_render.render_picture(scene, tmp_path / "cycles.png", 96, 128)
     cycles = torch.from_numpy(load_picture(tmp_path / "cycles.png").copy())
     with torch.no_grad():
         picture = Proxy(load_scene(tmp_path), (96, 96)).render({}).display

@@ -11,7 +11,7 @@ import torch
 from vibe_render.core import compat
 from vibe_render.scene import bindings
 
-from proxy_renderer.render.film.film import Film
+from proxy_renderer.render.film import Film
 from proxy_renderer.scene import FilmSettings
 
 SIZE = 96

@@ -16,9 +16,8 @@ from vibe_render.export import reading
 from vibe_render.render import final_render
 from vibe_render.scene.subject import SubjectChoice
 
-from proxy_renderer.color.differences import ciede2000
-from proxy_renderer.color.tensors import lab_from_srgb
-from proxy_renderer.engine.report import load_picture
+from proxy_renderer.color.tensors import ciede2000, lab_from_srgb
+from proxy_renderer.engine.pictures import load_picture
 from proxy_renderer.render.proxy import Proxy, Render
 from proxy_renderer.scene import load_scene
 
@@ -74,7 +73,7 @@ def _aim(name: str, data: bpy.types.ID, place: tuple[float, float, float]) -> bp
 def _compare(scene: bpy.types.Scene, folder: Path) -> tuple[torch.Tensor, Render, list[str]]:
     """CIEDE2000 (H, W) between proxy and Cycles, the proxy's render, and the export's warnings."""
     job = reading.export_scene(scene, folder / "job", SubjectChoice())
-    final_render.render(scene, folder / "cycles.png", SIZE, SAMPLES)
+    final_render.render_picture(scene, folder / "cycles.png", SIZE, SAMPLES)
     cycles = torch.from_numpy(load_picture(folder / "cycles.png"))
     with torch.no_grad():
         render = Proxy(load_scene(folder / "job"), (cycles.shape[1], cycles.shape[0])).render({})

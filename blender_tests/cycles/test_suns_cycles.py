@@ -10,7 +10,7 @@ from vibe_render.scene.subject import SubjectChoice
 from lab.bench.metrics import difference
 from lab.blender.scenes.build import build
 from lab.blender.scenes.recipe import CameraRecipe, FinishRecipe, SceneRecipe, WorldRecipe
-from proxy_renderer.engine.report import load_picture
+from proxy_renderer.engine.pictures import load_picture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 
@@ -24,7 +24,7 @@ def test_the_sun_of_a_city_throws_a_shadow(tmp_path):
     )
     scene, subject = build(recipe, 0)
     reading.export_scene(scene, tmp_path, SubjectChoice(tuple(o.name for o in subject)))
-    final_render.render(scene, tmp_path / "cycles.png", 64, 64)
+    final_render.render_picture(scene, tmp_path / "cycles.png", 64, 64)
     cycles = torch.from_numpy(load_picture(tmp_path / "cycles.png").copy())
     proxy = Proxy(load_scene(tmp_path), (64, 64))
     assert proxy.environment.suns

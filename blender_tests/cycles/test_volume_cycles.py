@@ -18,7 +18,7 @@ from lab.blender.scenes.recipe import (
     SceneRecipe,
     WorldRecipe,
 )
-from proxy_renderer.engine.report import load_picture
+from proxy_renderer.engine.pictures import load_picture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 
@@ -59,7 +59,7 @@ def test_fog_matches_cycles(tmp_path, name):
     recipe = SceneRecipe(name, "head", (FINISH,), lamps, world, ground=GROUND, fog=FOGS[fog], view=VIEW)
     scene, subject = build(recipe, 0)
     reading.export_scene(scene, tmp_path, SubjectChoice(tuple(o.name for o in subject)))
-    final_render.render(scene, tmp_path / "cycles.png", 48, 64)
+    final_render.render_picture(scene, tmp_path / "cycles.png", 48, 64)
     cycles = torch.from_numpy(load_picture(tmp_path / "cycles.png").copy())
     with torch.no_grad():
         proxy = Proxy(load_scene(tmp_path), (48, 48)).render({}).display

@@ -11,8 +11,8 @@ from pathlib import Path
 import bpy
 import pytest
 from dump import contents, difference
-from vibe_render.session import session
-from vibe_render.session.state import addon_state
+from vibe_render.run import session
+from vibe_render.run.state import addon_state
 from vibing import advance, fails
 
 STAGES = {  # when it is reached, with how many steps

@@ -10,10 +10,10 @@ from dump import contents, difference
 from marks import few_of
 from small_scenes import cube
 from vibe_render.export import reading
+from vibe_render.run.session import result
+from vibe_render.run.state import addon_state
 from vibe_render.scene import snapshot
-from vibe_render.session.session import result
-from vibe_render.session.state import addon_state
-from vibe_render.ui.operators.vibe import obstacle
+from vibe_render.ui.bases import obstacle
 from vibing import advance, fails
 
 from proxy_renderer.schema import messages

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import pytest
 from vibe_render.engine import find, setup, torch_builds
-from vibe_render.ui import setup_text
 
 from proxy_renderer.schema import VibeError
 
@@ -173,7 +172,7 @@ def test_each_computer_gets_the_build_that_suits_it(monkeypatch, system, card, b
 def test_what_is_downloaded_is_said_with_its_source_and_size(tmp_path, monkeypatch):
     monkeypatch.setattr(torch_builds.sys, "platform", "linux")
     monkeypatch.setattr(torch_builds, "has_nvidia_card", lambda: False)
-    small, large = (" ".join(setup_text.lines(build, tmp_path)) for build in torch_builds.choices())
+    small, large = (" ".join(torch_builds.download_text(build, tmp_path)) for build in torch_builds.choices())
     assert {"download.pytorch.org", "pypi.org"} <= set(small.replace(",", "").replace("(", "").split())
     assert f"{torch_builds.CPU.download} GB to download" in small
     assert f"{torch_builds.CUDA.disk} GB in {tmp_path}" in large

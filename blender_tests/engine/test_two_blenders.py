@@ -11,7 +11,7 @@ import bpy
 import pytest
 from headless_runs import BATCH_PY, FILES, QUICK, save_scene
 from model_server import MODEL, sensible, serving
-from vibe_render.looks import take
+from vibe_render.looks import transfer
 
 HERE = Path(__file__).parents[1]
 WINDOW = """
@@ -66,7 +66,7 @@ def test_two_windows(tmp_path):
     assert shot.read_bytes() == held
     saved = sorted(user.rglob("presets/*.json"))
     assert [path.name for path in saved] == ["mine-2.json", "mine.json"]
-    same(*(take.load(path).roles["film"][0] for path in saved))
+    same(*(transfer.load_preset(path).roles["film"][0] for path in saved))
     (prompts,) = user.rglob("prompts.json")
     assert json.loads(prompts.read_text()) == ["glossy teal box, vignette"]
     assert list(user.rglob("cache/**/*.json"))

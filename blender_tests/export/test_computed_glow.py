@@ -6,18 +6,17 @@ import dump
 import pytest
 import small_scenes as scenes
 import torch
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneDescription
 from vibe_render.export import reading
 from vibe_render.render import anchors
 from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.planning.lights.glow import glows
+from proxy_renderer.planning.glow import glows
 from proxy_renderer.planning.planner import plan
-from proxy_renderer.planning.types import PlanContext
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
-from proxy_renderer.render.cycles.pictures import CyclesPicture
+from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 
@@ -79,8 +78,8 @@ def test_words_reckon_with_what_the_nodes_give(sign, tmp_path):
     math.inputs[1].default_value = 0.2
     reading.export_scene(sign, tmp_path, SubjectChoice(("Sign",)))
     data = load_scene(tmp_path)
-    parsed = parse("glowing sign", SceneWords())
-    entries = plan(goals_of(parsed), dict(data.instances), PlanContext(glows=glows(data)))
+    parsed = parse("glowing sign", SceneDescription())
+    entries = plan(goals_of(parsed), dict(data.instances), SceneDescription(emitters=glows(data)))
     shown = [v[0] * glows(data)["Sign"].strength for v in (entries[KEY].lower, entries[KEY].upper)]
     assert shown[1] > shown[0] > 0.1
 
@@ -114,9 +113,9 @@ def test_a_fire_of_a_color_ramp_turns_blue(fire, tmp_path, prompt):
     job = reading.export_scene(fire, tmp_path, SubjectChoice(("Fire",)))
     data = load_scene(tmp_path)
     parsed = parse(
-        prompt, SceneWords(subject="Fire", objects={"Fire": "subject"}, materials={"Flame": "subject"})
+        prompt, SceneDescription(subject="Fire", objects={"Fire": "subject"}, materials={"Flame": "subject"})
     )
-    entries = plan(goals_of(parsed), dict(data.instances), PlanContext(glows=glows(data)))
+    entries = plan(goals_of(parsed), dict(data.instances), SceneDescription(emitters=glows(data)))
     names = ("emission_color", "recolor")
     keys = [key for key in (f"material/Flame/{name}" for name in names) if entries[key].priority is not None]
     values = {

@@ -380,4 +380,4 @@ def test_what_lies_among_the_parts_of_a_thing_is_a_part_and_what_carries_it_is_n
 
 def test_pixels_of_gray_images_have_three_channels(scene):
     image = bpy.data.images.new("Gray", 2, 2, float_buffer=True)
-    assert bake.pixels(image).shape == (2, 2, 3)
+    assert bake.image_pixels(image).shape == (2, 2, 3)

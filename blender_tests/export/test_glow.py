@@ -5,17 +5,15 @@ import bpy
 import dump
 import pytest
 import small_scenes as scenes
+from proxy_renderer.optimize.scene_facts import described
+from proxy_renderer.optimize.stage import set_stage
+from proxy_renderer.words.parser import parse
 from vibe_render.export import reading
 from vibe_render.scene import bindings, prepare, snapshot
 from vibe_render.scene.subject import SubjectChoice
 
-from proxy_renderer.engine.additions import with_additions
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.optimize.context import scene_words
-from proxy_renderer.planning.lights.glow import glows
 from proxy_renderer.planning.planner import plan
-from proxy_renderer.planning.types import PlanContext
-from proxy_renderer.prompt.parser import parse
 from proxy_renderer.scene import load_scene
 
 
@@ -38,10 +36,11 @@ def panel(scene):
 
 def planned(scene, prompt, folder):
     reading.export_scene(scene, folder, SubjectChoice(("Cube",)))
-    addition = with_additions([load_scene(folder)], prompt)
+    addition = set_stage([load_scene(folder)], prompt)
     data = addition.scenes[0]
-    parsed, known = parse(prompt, scene_words(data)), PlanContext(glows=glows(data))
-    return plan(goals_of(parsed), dict(data.instances), known, light=addition.plan)
+    known = described(data)
+    goals = goals_of(parse(prompt, known))
+    return plan(goals, dict(data.instances), known, light=addition.plan)
 
 
 def test_no_key_is_added_where_a_panel_lights_the_scene(panel):

@@ -7,8 +7,8 @@ import bpy
 import pytest
 from dump import contents, difference
 from faulty_scenes import AIM
-from vibe_render.session import session
-from vibe_render.session.state import addon_state
+from vibe_render.run import session
+from vibe_render.run.state import addon_state
 from vibing import advance
 
 from proxy_renderer.scene import load_scene

@@ -10,7 +10,7 @@ from vibe_render.export import reading
 from vibe_render.render import anchors
 from vibe_render.scene.subject import SubjectChoice
 
-from proxy_renderer.render.cycles.pictures import CyclesPicture
+from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 

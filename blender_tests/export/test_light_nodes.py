@@ -12,7 +12,7 @@ from vibe_render.render import anchors
 from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.subject import SubjectChoice
 
-from proxy_renderer.render.cycles.pictures import CyclesPicture
+from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 

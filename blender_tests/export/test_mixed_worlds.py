@@ -15,12 +15,11 @@ from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan
-from proxy_renderer.planning.types import PlanContext
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
-from proxy_renderer.render.cycles.pictures import CyclesPicture
+from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneDescription
 
 RED, BLUE = (0.8, 0.1, 0.05), (0.1, 0.2, 0.9)
 
@@ -175,9 +174,9 @@ def test_what_the_camera_sees_and_what_lights_change_each_by_itself(scene, tmp_p
 def test_words_mean_what_is_seen_or_what_lights(scene, tmp_path, prompt, seen, shed):
     fill(scene, by_camera_rays)
     reading.export_scene(scene, tmp_path, SubjectChoice(("Ball",)))
-    parsed = parse(prompt, SceneWords())
+    parsed = parse(prompt, SceneDescription())
     data = load_scene(tmp_path)
-    entries = plan(goals_of(parsed), dict(data.instances), PlanContext())
+    entries = plan(goals_of(parsed), dict(data.instances), SceneDescription())
     named = {
         key for key, entry in entries.items() if entry.priority is not None and "supports" not in entry.reason
     }

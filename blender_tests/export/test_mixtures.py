@@ -187,11 +187,11 @@ def test_diffuse_and_emission_need_no_warning(stage, tmp_path):
 
 def test_notes_name_three_things_and_five_reasons():
     reasons = {name: ["Hair is left out"] for name in "ABCDE"}
-    assert notes.by_reason(reasons) == ["Hair is left out in A, B, C and 2 more."]
-    assert notes.by_reason({"A": ["X is Y"], "B": ["X is Y", "Z is Y"]}) == [
+    assert notes.notes_by_reason(reasons) == ["Hair is left out in A, B, C and 2 more."]
+    assert notes.notes_by_reason({"A": ["X is Y"], "B": ["X is Y", "Z is Y"]}) == [
         "X is Y in A and B.",
         "Z is Y in B.",
     ]
     lines = [f"{n}." for n in range(24)]
-    assert notes.shortened([*lines, *lines]) == [*lines[:5], "And 19 more."]
-    assert notes.shortened(lines[:5]) == lines[:5]
+    assert notes.shortened_notes([*lines, *lines]) == [*lines[:5], "And 19 more."]
+    assert notes.shortened_notes(lines[:5]) == lines[:5]

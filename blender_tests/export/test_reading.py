@@ -9,9 +9,9 @@ from dump import contents, difference
 from marks import few_of
 from results import state
 from small_scenes import studio
+from vibe_render.run import session
+from vibe_render.run.state import addon_state
 from vibe_render.scene import snapshot
-from vibe_render.session import session
-from vibe_render.session.state import addon_state
 from vibing import advance, fails
 
 

@@ -11,7 +11,7 @@ from vibe_render.export import reading
 from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.subject import SubjectChoice
 
-from proxy_renderer.engine.additions import with_additions
+from proxy_renderer.optimize.stage import set_stage
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema.added_lights import ADDED_LIGHTS, CARD, COLLECTION
 
@@ -63,7 +63,7 @@ def test_each_type_of_light_is_added_to_its_collection_and_taken_away(tmp_path, 
 def test_a_card_stands_where_the_engine_has_it(tmp_path):
     scene = scenes.still_life()
     job = reading.export_scene(scene, tmp_path, SubjectChoice(("Bottle",)))
-    addition = with_additions([load_scene(tmp_path)], "sun through the blinds")
+    addition = set_stage([load_scene(tmp_path)], "sun through the blinds")
     values = {key: list(entry.start) for key, entry in addition.plan.entries.items() if "Vibe" in key}
     bindings.write(scene, values, job.analysis.objects, job.analysis.pivot)
     card = next(o for o in scene.objects if o.name == CARD)

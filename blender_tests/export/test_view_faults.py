@@ -8,7 +8,8 @@ from small_scenes import cube
 from vibe_render.core.compat import start_compositor
 from vibe_render.core.journal import Journal
 from vibe_render.export import reading
-from vibe_render.render import black, final_render
+from vibe_render.render import final_render
+from vibe_render.render.final_render import black_note
 from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.schema import VibeError
@@ -48,11 +49,11 @@ def test_a_usual_view(scene, tmp_path):
 
 def test_a_black_picture(scene, tmp_path):
     subject = plain(scene)
-    final_render.render(scene, tmp_path / "lit.png", 32, 1)
+    final_render.render_picture(scene, tmp_path / "lit.png", 32, 1)
     darkness(scene, subject)
-    final_render.render(scene, tmp_path / "dark.png", 32, 1)
-    assert black.note(scene, tmp_path / "lit.png") == ""
-    assert "no light" in black.note(scene, tmp_path / "dark.png")
+    final_render.render_picture(scene, tmp_path / "dark.png", 32, 1)
+    assert black_note(scene, tmp_path / "lit.png") == ""
+    assert "no light" in black_note(scene, tmp_path / "dark.png")
 
 
 def test_a_compositor_that_gives_nothing(scene, tmp_path):
@@ -60,8 +61,8 @@ def test_a_compositor_that_gives_nothing(scene, tmp_path):
     tree = start_compositor(Journal(), scene)
     for link in list(tree.links):
         tree.links.remove(link)
-    final_render.render(scene, tmp_path / "cut.png", 32, 1)
-    assert "output of its compositor" in black.note(scene, tmp_path / "cut.png")
+    final_render.render_picture(scene, tmp_path / "cut.png", 32, 1)
+    assert "output of its compositor" in black_note(scene, tmp_path / "cut.png")
 
 
 def test_the_picture_is_in_another_scene(scene, tmp_path):

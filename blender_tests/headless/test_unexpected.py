@@ -15,7 +15,7 @@ def test_a_fault_is_one_line_and_a_log(tmp_path, monkeypatch, capfd):
     shot, out, logs = save_scene(tmp_path / "shot.blend"), tmp_path / "out", tmp_path / "logs"
     held = shot.read_bytes()
     monkeypatch.setenv("XDG_STATE_HOME", str(logs))
-    monkeypatch.setattr(final_render, "render", broken)
+    monkeypatch.setattr(final_render, "render_picture", broken)
     monkeypatch.setattr(sys, "argv", ["batch.py", "apply", "noir", str(shot), f"--out={out}"])
     assert batch.main() == 1
     (line,) = [line for line in capfd.readouterr().err.splitlines() if line.startswith("vibe: ")]

@@ -43,7 +43,7 @@ def rendered(folder, name):
         return None
     image = bpy.data.images.load(str(picture))
     try:
-        return bake.pixels(image)
+        return bake.image_pixels(image)
     finally:
         bpy.data.images.remove(image)
 

@@ -5,7 +5,7 @@ import pytest
 import vibe_render
 from sample_presets import DAY
 from small_scenes import studio, wide_picture
-from vibe_render.looks import asset_preview, library, thumbnail
+from vibe_render.looks import assets, library, thumbnail
 
 from proxy_renderer.schema import preset
 
@@ -16,7 +16,7 @@ def own(tmp_path, monkeypatch):
     mine, shipped = tmp_path / "mine", tmp_path / "shipped"
     for place in (mine, shipped):
         place.mkdir()
-    monkeypatch.setattr(library, "folder", lambda create=False: mine)
+    monkeypatch.setattr(library, "preset_folder", lambda create=False: mine)
     monkeypatch.setattr(library, "SHIPPED", shipped)
     (shipped / "cosy.json").write_text(preset.Preset("Cosy", DAY.roles, {}, "cosy, warm").dumps())
     return mine
@@ -25,8 +25,8 @@ def own(tmp_path, monkeypatch):
 @pytest.fixture
 def addon(scene, monkeypatch):
     """The add-on, registered with a studio in the file; pictures are quick."""
-    for module in (thumbnail, asset_preview):
-        monkeypatch.setattr(module, "_SAMPLES", 2)
+    monkeypatch.setattr(thumbnail, "_SAMPLES", 2)
+    monkeypatch.setattr(assets, "_BALL_SAMPLES", 2)
     vibe_render.register()
     studio(scene)
     yield scene

@@ -9,8 +9,8 @@ import vibe_render
 from dump import contents, difference
 from small_scenes import studio
 from vibe_render.looks import library, thumbnail, use
+from vibe_render.run.session import result
 from vibe_render.scene.subject import SubjectChoice
-from vibe_render.session.session import result
 
 from lab.blender import make_looks
 
@@ -20,7 +20,7 @@ ROWS = tomllib.loads(make_looks.PROMPTS.read_text(encoding="utf-8"))["look"]
 @pytest.fixture(autouse=True)
 def own(tmp_path, monkeypatch):
     """The artist has no presets of their own."""
-    monkeypatch.setattr(library, "folder", lambda create=False: tmp_path)
+    monkeypatch.setattr(library, "preset_folder", lambda create=False: tmp_path)
 
 
 @pytest.fixture
@@ -40,25 +40,25 @@ def test_there_is_one_for_each_prompt_and_no_other():
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row["name"])
 def test_it_is_whole_and_small(row):
-    look = library.find(row["name"])
+    look = library.find_preset(row["name"])
     assert look.problem == ""
     assert look.shipped
     assert look.prompt == row["prompt"]
     assert look.picture.stat().st_size < 15_000
-    assert thumbnail.pixels(look.picture).shape == (thumbnail.SIZE, thumbnail.SIZE, 4)
+    assert thumbnail.read_picture(look.picture).shape == (thumbnail.SIZE, thumbnail.SIZE, 4)
     assert not {"subject", "surroundings"} & set(look.preset.roles)  # materials are the artist's
 
 
 def test_each_goes_onto_another_scene_and_off_again(addon):
     before = contents()
     for row in ROWS:
-        look = library.find(row["name"])
-        assert use.apply(addon, look.preset, SubjectChoice()) == []
+        look = library.find_preset(row["name"])
+        assert use.apply_preset(addon, look.preset, SubjectChoice()) == []
         assert addon.vibe.changes
     assert result.revert(addon) == []
     assert difference(before, contents()) == {}
 
 
 def test_names_are_found_on_the_command_line():
-    assert library.named("noir").name == "Noir"
-    assert library.named(str(Path(library.SHIPPED) / "noir.json")).name == "Noir"
+    assert library.preset_named("noir").name == "Noir"
+    assert library.preset_named(str(Path(library.SHIPPED) / "noir.json")).name == "Noir"

@@ -6,7 +6,7 @@ import PyOpenColorIO
 import pytest
 from grade_formula import IDENTITY, reference
 from vibe_render.core.color import to_linear, to_srgb
-from vibe_render.looks import library, lut, take
+from vibe_render.looks import library, lut, transfer
 
 from proxy_renderer.schema import VibeError
 
@@ -28,7 +28,7 @@ def read(path, colors):
 
 def test_neutral_values_are_the_grades_own():
     inputs = {name: value if isinstance(value, tuple) else (value,) for name, value in IDENTITY.items()}
-    assert lut.identity() == inputs
+    assert lut.neutral_grade() == inputs
 
 
 @pytest.mark.parametrize("values", LOOKS)
@@ -36,14 +36,14 @@ def test_formula_is_the_compositors(values):
     """Against the formula that test_grade compares Blender's compositor with."""
     colors = 2.0 ** np.random.default_rng(3).uniform(-8.0, 3.0, (32, 48, 3))
     plain = {name: v if len(v) == 3 else v[0] for name, v in values.items()}
-    ours = lut.graded(colors.reshape(-1, 3), values)
+    ours = lut.graded_colors(colors.reshape(-1, 3), values)
     np.testing.assert_allclose(ours, reference(colors, **plain).reshape(-1, 3), rtol=1e-5, atol=1e-7)
 
 
 def off(folder, values, colors):
     """How far OpenColorIO with the file is from the grade, (N, 3)."""
-    lut.write(folder / "look.cube", 'a "look"\n', values)
-    wanted = to_srgb(lut.graded(to_linear(colors), values)).clip(0.0, 1.0)
+    lut.write_cube(folder / "look.cube", 'a "look"\n', values)
+    wanted = to_srgb(lut.graded_colors(to_linear(colors), values)).clip(0.0, 1.0)
     return np.abs(read(folder / "look.cube", colors) - wanted)
 
 
@@ -62,8 +62,8 @@ def test_opencolorio_reads_it_back(tmp_path, values):
 @pytest.mark.parametrize("path", sorted(library.SHIPPED.glob("*.json")), ids=lambda path: path.stem)
 def test_the_looks_that_come_along_are_close_everywhere(tmp_path, path):
     """Also in the dark, where saturation takes colors below black, and the display's curve is steep."""
-    film = take.load(path).roles.get("film", [{}])[0]
-    values = {name: value for name, value in film.items() if name in lut.identity()}
+    film = transfer.load_preset(path).roles.get("film", [{}])[0]
+    values = {name: value for name, value in film.items() if name in lut.neutral_grade()}
     random = np.random.default_rng(5)
     difference = off(
         tmp_path, values, random.uniform(0.0, 1.0, (20_000, 3)) * random.choice([1.0, 0.3], (20_000, 1))
@@ -74,11 +74,11 @@ def test_the_looks_that_come_along_are_close_everywhere(tmp_path, path):
 
 
 def test_a_look_that_does_not_grade_changes_nothing(tmp_path):
-    lut.write(tmp_path / "none.cube", "none", {})
+    lut.write_cube(tmp_path / "none.cube", "none", {})
     colors = np.random.default_rng(5).uniform(0.0, 1.0, (1000, 3))
     assert np.abs(read(tmp_path / "none.cube", colors) - colors).max() < 1e-5
 
 
 def test_unwritable(tmp_path):
     with pytest.raises(VibeError, match="cannot be written"):
-        lut.write(tmp_path / "missing" / "x.cube", "x", {})
+        lut.write_cube(tmp_path / "missing" / "x.cube", "x", {})

@@ -5,9 +5,8 @@ import bpy
 import pytest
 from dump import contents, difference
 from sample_presets import DAY, NOIR
-from vibe_render.looks import library, take, thumbnail
-from vibe_render.ui import look_icons
-from vibe_render.ui.panels import presets
+from vibe_render.looks import library, thumbnail, transfer
+from vibe_render.ui import drawing, presets
 
 from proxy_renderer.schema import preset
 
@@ -15,13 +14,13 @@ from proxy_renderer.schema import preset
 @pytest.fixture
 def held(addon, own):
     """What the panel holds, with a preset of the artist's chosen in a studio."""
-    saved = library.save(NOIR)
+    saved = library.save_preset(NOIR)
     bpy.ops.vibe.preset_choose(path=str(saved.path))
     return bpy.context.window_manager.vibe_presets
 
 
 def names():
-    return [look.name for look in library.looks()]
+    return [look.name for look in library.all_looks()]
 
 
 def test_applied_saved_and_reverted(held):
@@ -30,25 +29,25 @@ def test_applied_saved_and_reverted(held):
     assert bpy.ops.vibe.preset_apply() == {"FINISHED"}
     assert bpy.context.scene.vibe.vibed_preset == "Noir"
     assert bpy.ops.vibe.preset_save(name="Mine") == {"FINISHED"}
-    mine = library.at(held.chosen)
+    mine = library.preset_at(held.chosen)
     assert mine.name == "Mine"
     assert mine.picture.is_file()
     assert mine.preset.roles["film"][0]["contrast"] == [pytest.approx(1.4)]
-    assert look_icons.icon(mine) != look_icons.icon(library.find("Noir"))
+    assert drawing.icon(mine) != drawing.icon(library.find_preset("Noir"))
     assert bpy.ops.vibe.revert() == {"FINISHED"}
     assert difference(before, contents()) == {}
 
 
 def test_what_did_not_fit_is_kept_for_the_panel(held):
     look = preset.Preset("Many", {**DAY.roles, "subject": [{"roughness": [0.1]}] * 3})
-    assert bpy.ops.vibe.preset_apply(path=str(library.save(look).path)) == {"FINISHED"}
+    assert bpy.ops.vibe.preset_apply(path=str(library.save_preset(look).path)) == {"FINISHED"}
     assert held.rest.splitlines() == ["Subject material: 2 more than this scene has"]
 
 
 def test_renamed_exported_imported_and_deleted(held, tmp_path):
     assert bpy.ops.vibe.preset_rename(name="Black and White") == {"FINISHED"}
     assert bpy.ops.vibe.preset_export(filepath=str(tmp_path / "bw.json")) == {"FINISHED"}
-    assert take.load(tmp_path / "bw.json").name == "Black and White"
+    assert transfer.load_preset(tmp_path / "bw.json").name == "Black and White"
     assert bpy.ops.vibe.preset_delete() == {"FINISHED"}
     assert names() == ["Cosy"]
     assert held.chosen == ""
@@ -64,7 +63,7 @@ def test_one_bad_file_does_not_keep_others_out(held, tmp_path, capfd):
     a, b, c = ({"name": f"{name}.json"} for name in "abc")
     assert bpy.ops.vibe.preset_import(files=[a, b, c], directory=str(tmp_path)) == {"FINISHED"}
     assert set(names()) == {"Cosy", "Day", "Noir"}
-    assert held.chosen == str(library.find("Day").path)
+    assert held.chosen == str(library.find_preset("Day").path)
     output = capfd.readouterr().out
     assert "Warning: Day is among your presets. Left out: a.json (" in output
     assert "; c.json (" in output
@@ -73,7 +72,7 @@ def test_one_bad_file_does_not_keep_others_out(held, tmp_path, capfd):
 
 
 def test_shipped_presets_are_applied_and_not_deleted(held):
-    bpy.ops.vibe.preset_choose(path=str(library.find("Cosy").path))
+    bpy.ops.vibe.preset_choose(path=str(library.find_preset("Cosy").path))
     assert not bpy.ops.vibe.preset_delete.poll()
     assert not bpy.ops.vibe.preset_rename.poll()
     assert bpy.ops.vibe.preset_apply() == {"FINISHED"}
@@ -100,14 +99,16 @@ def test_what_is_no_file_or_a_name_of_ours(held, tmp_path):
     with pytest.raises(RuntimeError, match="No file was chosen"):
         bpy.ops.vibe.preset_import(filepath=str(tmp_path), directory=str(tmp_path))
     assert bpy.ops.vibe.preset_rename(name="Cosy") == {"FINISHED"}
-    assert library.at(held.chosen).name == "Cosy 2"
+    assert library.preset_at(held.chosen).name == "Cosy 2"
 
 
 def test_assets_and_lut_of_the_look(held, tmp_path):
     assert not bpy.ops.vibe.export_lut.poll()
     assert not bpy.ops.vibe.export_assets.poll()
     bpy.ops.vibe.preset_apply()
-    thumbnail.render(bpy.context.scene, tmp_path / "first.jpg")  # Blender 4.5 orders passes anew at a render
+    thumbnail.render_thumbnail(
+        bpy.context.scene, tmp_path / "first.jpg"
+    )  # Blender 4.5 orders passes anew at a render
     before = contents()
     assert bpy.ops.vibe.export_lut(filepath=str(tmp_path / "noir.cube")) == {"FINISHED"}
     assert bpy.ops.vibe.export_assets(filepath=str(tmp_path / "noir.blend")) == {"FINISHED"}
@@ -121,5 +122,5 @@ def test_assets_and_lut_of_the_look(held, tmp_path):
 
 def test_panel_finds_what_it_draws(held):
     """What is drawn without a window: nothing; but its icons and columns can be asked for."""
-    assert all(look_icons.icon(look) for look in library.looks())
+    assert all(drawing.icon(look) for look in library.all_looks())
     assert presets.PresetsPanel.poll(bpy.context)

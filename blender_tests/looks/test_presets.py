@@ -9,7 +9,7 @@ import bpy
 import pytest
 import scenes
 from vibe_render.export import reading
-from vibe_render.looks import fit, take
+from vibe_render.looks import transfer
 from vibe_render.scene import bindings, scene_context
 from vibe_render.scene.subject import SubjectChoice
 
@@ -37,12 +37,12 @@ def look(tmp_path):
         "film/saturation": (1.4,),
         "camera/fov": (30.0,),
     }
-    return take.extract("a test", job, values)
+    return transfer.extract_look("a test", job, values)
 
 
 def test_a_preset_survives_its_file(look, tmp_path):
     (tmp_path / "preset.json").write_text(look.dumps(), encoding="utf-8")
-    assert take.load(tmp_path / "preset.json") == look
+    assert transfer.load_preset(tmp_path / "preset.json") == look
     assert look.roles["volume"] == [{"density": [pytest.approx(0.5)]}]
     assert look.roles["key"][0]["azimuth"] == [pytest.approx(-90.0)]
     assert "camera" not in look.roles
@@ -50,7 +50,7 @@ def test_a_preset_survives_its_file(look, tmp_path):
 
 def test_it_fits_a_scene_with_other_lights_materials_and_lengths(look, tmp_path):
     scene, job = opened(scenes.textured, tmp_path / "other")
-    values = fit.fit(look, job).values
+    values = transfer.fit_look(look, job).values
     globe = {k: v for k, v in values.items() if k.startswith("material/Globe Map/")}
     assert globe["material/Globe Map/recolor"] == [1.0]
     tint = globe["material/Globe Map/tint"]
@@ -73,7 +73,7 @@ def test_lamps_become_suns_of_the_same_brightness(look, tmp_path):
     lamp.type = "SUN"
     job = reading.export_scene(scene, tmp_path / "sun", SubjectChoice())
     entry = {"power": [9.8696], "size": [0.5]}  # an area light that makes white come out at 1
-    values = fit.fit(preset.Preset("", {"key": [entry]}, {"key": ["AREA"]}), job).values
+    values = transfer.fit_look(preset.Preset("", {"key": [entry]}, {"key": ["AREA"]}), job).values
     assert values["light/Key/strength"] == [pytest.approx(3.14159, rel=1e-3)]
     assert values["light/Key/angle"] == [pytest.approx(28.07, rel=1e-3)]
 
@@ -113,7 +113,7 @@ def test_presets_that_are_refused(tmp_path, change, complaint):
     raw = {"format": "vibe-preset", "version": VERSION, "name": "", "roles": {}, "kinds": {}, **change}
     (tmp_path / "p.json").write_text(json.dumps(raw))
     with pytest.raises(VibeError, match=complaint):
-        take.load(tmp_path / "p.json")
+        transfer.load_preset(tmp_path / "p.json")
 
 
 @contextmanager
@@ -146,7 +146,7 @@ def test_a_prompt_may_hold_anything_and_nothing_of_it_is_done(tmp_path):
     raw = {"format": "vibe-preset", "version": VERSION, "name": prompt, "prompt": prompt, "roles": {}}
     (tmp_path / "p.json").write_text(json.dumps(raw))
     with watched() as events:
-        look = take.load(tmp_path / "p.json")
+        look = transfer.load_preset(tmp_path / "p.json")
     assert events == [("open", str(tmp_path / "p.json"))]
     assert look.prompt == prompt.replace("\n\x1b", " ")
     assert len(look.name) <= preset.LONGEST_NAME
@@ -166,7 +166,7 @@ def test_a_prompt_may_hold_anything_and_nothing_of_it_is_done(tmp_path):
 def test_hostile_files_are_one_clear_line(tmp_path, text, complaint):
     (tmp_path / "p.json").write_text(text)
     with pytest.raises(VibeError, match=complaint) as refused:
-        take.load(tmp_path / "p.json")
+        transfer.load_preset(tmp_path / "p.json")
     assert refused.value.remedy
     assert len(str(refused.value)) < 300
 
@@ -177,7 +177,7 @@ def test_what_does_not_fit_is_listed(look, tmp_path):
     driver = bpy.data.materials["Stand"].node_tree.nodes["Principled BSDF"].inputs["Roughness"]
     driver.keyframe_insert("default_value", frame=1)
     scene_reading = reading.read_scene(scene, SubjectChoice())
-    subjects = len(take.owners(scene_reading, "subject"))
+    subjects = len(transfer.role_owners(scene_reading, "subject"))
     wanted = preset.Preset(
         "",
         {
@@ -189,7 +189,7 @@ def test_what_does_not_fit_is_listed(look, tmp_path):
         },
         {"key": ["AREA", "POINT"], "rim": ["AREA"], "fill": ["AREA"]},
     )
-    fitted = fit.fit(wanted, scene_reading)
+    fitted = transfer.fit_look(wanted, scene_reading)
     rest = "\n".join(fitted.rest)
     assert "Subject material: 2 more than this scene has" in rest
     assert "Key light: 1 more than this scene has" in rest
@@ -208,10 +208,10 @@ def test_what_does_not_fit_is_listed(look, tmp_path):
 
 def test_files_that_are_no_presets(tmp_path):
     with pytest.raises(VibeError, match="cannot be read"):
-        take.load(tmp_path / "missing.json")
+        transfer.load_preset(tmp_path / "missing.json")
     (tmp_path / "p.json").write_text("{")
     with pytest.raises(VibeError, match="not JSON"):
-        take.load(tmp_path / "p.json")
+        transfer.load_preset(tmp_path / "p.json")
     (tmp_path / "p.json").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(VibeError, match="cannot be read"):
-        take.load(tmp_path / "p.json")
+        transfer.load_preset(tmp_path / "p.json")

@@ -12,8 +12,8 @@ from vibe_render.looks import library
 @pytest.fixture
 def looks(addon, own):
     """A studio with a preset of the artist's applied: (path of it, path of another)."""
-    first = str(library.save(NOIR).path)
-    other = str(library.find("Cosy").path)
+    first = str(library.save_preset(NOIR).path)
+    other = str(library.find_preset("Cosy").path)
     bpy.ops.ed.undo_push(message="Studio")
     bpy.ops.vibe.preset_apply("EXEC_DEFAULT", True, path=first)
     return first, other

@@ -11,8 +11,8 @@ from vibe_render.render import anchors, final_render
 from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.subject import SubjectChoice
 
-from proxy_renderer.color.differences import mean_difference
-from proxy_renderer.render.cycles.pictures import CyclesPicture
+from proxy_renderer.color.tensors import mean_difference
+from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import VibeError, messages
@@ -34,11 +34,11 @@ def contents():
 
 
 def load(scene, path, groups):
-    from vibe_render.export.view import film
+    from vibe_render.export.view import film_row
 
     from proxy_renderer.scene import FilmSettings
 
-    return CyclesPicture.load(path, groups, FilmSettings(**film(scene)))
+    return CyclesPicture.load(path, groups, FilmSettings(**film_row(scene)))
 
 
 @pytest.fixture
@@ -112,7 +112,7 @@ def test_a_render_that_fails_leaves_the_scene_alone(studio, monkeypatch):
     monkeypatch.setattr(final_render, "render_layers", broken)
     with pytest.raises(MemoryError):
         anchors.render_anchor(scene, path, TRIED, subject, PIVOT)
-    answer = anchors.answer(scene, path.parent, messages.Anchor(3, TRIED, 48, 4), subject, PIVOT)
+    answer = anchors.answer_anchor(scene, path.parent, messages.Anchor(3, TRIED, 48, 4), subject, PIVOT)
     assert answer.number == 3
     assert "no room" in answer.error
     assert difference(before, contents()) == {}
@@ -122,7 +122,7 @@ def test_what_cannot_be_is_said(studio):
     scene, subject, path = studio
     before = contents()
     wrong = messages.Anchor(1, {"world/color": [float("nan")] * 3}, 48, 4)
-    assert "finite" in anchors.answer(scene, path.parent, wrong, subject, PIVOT).error
+    assert "finite" in anchors.answer_anchor(scene, path.parent, wrong, subject, PIVOT).error
     path.write_bytes(b"")
     with pytest.raises(VibeError, match="cannot be written"):
         anchors.render_anchor(scene, path / "a.exr", {}, subject, PIVOT, 16, 1)
@@ -158,8 +158,8 @@ def test_an_anchored_proxy_shows_what_cycles_renders(scene, tmp_path):
     groups = anchors.render_anchor(scene, path, {}, analysis.objects, analysis.pivot, 64, 64)
     values = {"light/Area/power": [300.0], "light/Sun/color": [1.0, 0.6, 0.3], "film/exposure": [-1.0]}
     with bindings.trial(scene, values, analysis.objects, analysis.pivot):
-        final_render.render(scene, tmp_path / "after.png", 64, 256)
-    from proxy_renderer.engine.report import load_picture
+        final_render.render_picture(scene, tmp_path / "after.png", 64, 256)
+    from proxy_renderer.engine.pictures import load_picture
 
     after = torch.from_numpy(load_picture(tmp_path / "after.png"))
     proxy = Proxy(data, (64, 64))

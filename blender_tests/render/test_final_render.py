@@ -8,7 +8,7 @@ import small_scenes as scenes
 from dump import difference, dump
 from vibe_render.core import compat
 from vibe_render.render import final_render
-from vibe_render.scene import evaluated
+from vibe_render.scene import copies
 
 
 def layers(picture):
@@ -41,9 +41,9 @@ def test_the_artists_output_stays(scene, tmp_path, output):
     output(scene.render.image_settings)
     scene.render.filepath = "//mine/"
     before = dump()
-    final_render.render(scene, tmp_path / "after.png", 32, 1)
+    final_render.render_picture(scene, tmp_path / "after.png", 32, 1)
     final_render.render_mask(scene, tmp_path / "mask.png", 32, subject)
-    evaluated.evaluate(scene, lambda depsgraph: len(depsgraph.objects))
+    copies.evaluate_render(scene, lambda depsgraph: len(depsgraph.objects))
     apart = difference(before, dump())
     assert {path for path in apart if "Render Result" not in path} == set()  # any render makes that
     assert scene.render.image_settings.file_format in ("FFMPEG", "OPEN_EXR_MULTILAYER")
@@ -57,12 +57,12 @@ def test_the_artists_compositor_is_in_the_picture_and_its_files_are_not_written(
     files = tree.nodes.new("CompositorNodeOutputFile")
     place = "directory" if hasattr(files, "directory") else "base_path"
     setattr(files, place, str(tmp_path / "theirs"))
-    final_render.render(scene, tmp_path / "before.png", 32, 4)
+    final_render.render_picture(scene, tmp_path / "before.png", 32, 4)
     invert = tree.nodes.new("CompositorNodeInvert")
     source = output.links[0].from_socket
     tree.links.new(source, invert.inputs["Color"])
     tree.links.new(invert.outputs["Color"], output)
-    final_render.render(scene, tmp_path / "after.png", 32, 4)
+    final_render.render_picture(scene, tmp_path / "after.png", 32, 4)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["after.png", "before.png"]
     before, after = (_pixels(tmp_path / f"{name}.png") for name in ("before", "after"))
     assert np.abs(before - after).mean() > 0.05

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 from PIL import Image
-from vibe_render.ui import picture_icons
+from vibe_render.ui import drawing
 
 
 def picture(path, color, size):
@@ -16,14 +16,14 @@ def picture(path, color, size):
 def test_before_and_after_are_both_seen(tmp_path, before, after):
     """The engine's first picture is small, and the last is as large as was asked for."""
     paths = picture(tmp_path / "a.png", (255, 0, 0), before), picture(tmp_path / "b.png", (0, 0, 255), after)
-    picture_icons.icon(*paths)  # has no number without a window
-    _, pictures = picture_icons._slots[False, paths]
-    pixels = picture_icons._pixels(pictures["vibe"])
+    drawing.icon(*paths)  # has no number without a window
+    _, pictures = drawing._slots[False, paths]
+    pixels = drawing._pixels(pictures["vibe"])
     colors = pixels.view(np.uint8).reshape(*pixels.shape, 4)[..., :3]
     red, blue = ((colors[..., channel] > 250).mean() for channel in (0, 2))
     assert red == pytest.approx(blue)
     assert red > 0.45
-    picture_icons.free()
+    drawing.free_icons()
 
 
 @pytest.mark.parametrize("size", [(192, 108), (108, 192), (64, 64)])
@@ -33,17 +33,17 @@ def test_the_middle_of_a_variant_is_seen(tmp_path, size):
     left, top = ((n - min(size)) // 2 for n in size)
     image.paste((255, 0, 0), (left, top, left + min(size), top + min(size)))
     image.save(path)
-    picture_icons.icon(path, square=True)
-    _, pictures = picture_icons._slots[True, (path,)]
-    pixels = picture_icons._pixels(pictures["vibe"])
+    drawing.icon(path, square=True)
+    _, pictures = drawing._slots[True, (path,)]
+    pixels = drawing._pixels(pictures["vibe"])
     assert pixels.shape == (min(size), min(size))
     assert (pixels.view(np.uint8).reshape(*pixels.shape, 4)[..., 0] > 250).all()
-    picture_icons.free()
+    drawing.free_icons()
 
 
 def test_a_picture_that_is_resized_keeps_its_corners():
     corners = np.array([[1, 2], [3, 4]], np.int32)
-    larger = picture_icons.resized(corners, 5, 7)
+    larger = drawing.resized(corners, 5, 7)
     assert larger.shape == (5, 7)
     assert larger[[0, 0, -1, -1], [0, -1, 0, -1]].tolist() == [1, 2, 3, 4]
-    assert picture_icons.resized(corners, 2, 2).tolist() == corners.tolist()
+    assert drawing.resized(corners, 2, 2).tolist() == corners.tolist()

@@ -9,7 +9,7 @@ from small_scenes import studio
 from vibe_render.core import compat
 from vibe_render.core.schema_import import schema
 from vibe_render.render import reference
-from vibe_render.ui import obstacles
+from vibe_render.ui import bases
 
 from proxy_renderer.reference.picture import read_reference
 
@@ -24,7 +24,7 @@ def saved(settings, folder):
     """The picture as the engine reads it, and that Blender has nothing new of it."""
     images = set(bpy.data.images.keys())
     scenes = len(bpy.data.scenes)
-    found = read_reference(reference.file(settings.id_data, folder))
+    found = read_reference(reference.picture_path(settings.id_data, folder))
     assert set(bpy.data.images.keys()) == images
     assert len(bpy.data.scenes) == scenes
     return found
@@ -41,8 +41,8 @@ def drawn(name, light=False, color=(0.8, 0.4, 0.2)):
 
 def test_nothing_is_given_unless_it_is_chosen(settings, tmp_path):
     settings.like = str(tmp_path / "missing.png")
-    assert reference.name(settings) == ""
-    assert reference.file(settings.id_data, tmp_path) == ""
+    assert reference.picture_name(settings) == ""
+    assert reference.picture_path(settings.id_data, tmp_path) == ""
     assert settings.engine_options(bpy.context).like == ""
 
 
@@ -51,15 +51,15 @@ def test_a_file_is_found_from_the_blends_folder(settings, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
     settings = bpy.context.scene.vibe
     settings.like_from, settings.like = "FILE", "//still.png"
-    assert reference.name(settings) == "still.png"
-    assert reference.file(settings.id_data, tmp_path) == str(tmp_path / "still.png")
+    assert reference.picture_name(settings) == "still.png"
+    assert reference.picture_path(settings.id_data, tmp_path) == str(tmp_path / "still.png")
 
 
 def test_a_missing_file_is_one_line_and_grays_the_button_out(settings, tmp_path):
     settings.like_from, settings.like = "FILE", str(tmp_path / "missing.png")
-    assert "missing.png" in obstacles.obstacle(bpy.context)
+    assert "missing.png" in bases.obstacle(bpy.context)
     with pytest.raises(schema.VibeError, match=r"missing\.png"):
-        reference.file(settings.id_data, tmp_path)
+        reference.picture_path(settings.id_data, tmp_path)
 
 
 def test_an_image_that_is_only_in_blender(settings, tmp_path):
@@ -84,7 +84,7 @@ def test_an_image_whose_file_is_gone(settings, tmp_path):
     (tmp_path / "a.png").unlink()
     settings.like_image.reload()
     with pytest.raises(schema.VibeError, match="no pixels"):
-        reference.file(settings.id_data, tmp_path)
+        reference.picture_path(settings.id_data, tmp_path)
 
 
 def test_what_was_rendered_into_a_slot(settings, tmp_path):
@@ -100,18 +100,18 @@ def test_what_was_rendered_into_a_slot(settings, tmp_path):
     assert np.abs(saved(settings, tmp_path).display - shown.display).mean() < 0.01
     settings.like_slot = active + 2
     with pytest.raises(schema.VibeError, match="slot"):
-        reference.file(scene, tmp_path)
+        reference.picture_path(scene, tmp_path)
     assert result.render_slots.active_index == active
     settings.like_slot = 99
     with pytest.raises(schema.VibeError, match="slot 99"):
-        reference.file(scene, tmp_path)
+        reference.picture_path(scene, tmp_path)
 
 
 def test_a_picture_is_enough_to_begin_and_what_is_taken_over_reaches_the_engine(settings):
     settings.prompt = ""
-    assert "Describe a mood" in obstacles.obstacle(bpy.context)
+    assert "Describe a mood" in bases.obstacle(bpy.context)
     settings.like_from, settings.like_image = "IMAGE", drawn("Mood")
-    assert "Describe a mood" not in obstacles.obstacle(bpy.context)
+    assert "Describe a mood" not in bases.obstacle(bpy.context)
     assert settings.engine_options(bpy.context).like_only == ()
     settings.like_air = settings.like_materials = False
     settings.like_same = True
@@ -125,6 +125,6 @@ def test_blender_can_paste_pictures():
 
 
 def test_how_panels_say_what_was_asked_for():
-    assert reference.wanted("noir", "") == "“noir”"
-    assert reference.wanted("", "still.jpg") == "like still.jpg"
-    assert reference.wanted("but colder", "still.jpg") == "“but colder” like still.jpg"
+    assert reference.request_title("noir", "") == "“noir”"
+    assert reference.request_title("", "still.jpg") == "like still.jpg"
+    assert reference.request_title("but colder", "still.jpg") == "“but colder” like still.jpg"

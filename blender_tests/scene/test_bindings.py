@@ -35,7 +35,7 @@ def test_the_scenes_of_these_tests_have_every_parameter():
 @pytest.mark.parametrize("level", ["lower", pytest.param("default", marks=pytest.mark.slow), "upper"])
 def test_what_is_written_is_read_back(scene, name, level):
     subject = scenes.ALL[name](scene)
-    prepare.prepare(scene, subject)
+    prepare.prepare_scene(scene, subject)
     free = {k: i for k, i in instances(scene, subject).items() if not i.locked}
     # One parameter at a time, so that each has to find or make its own place; fog first, it makes the box.
     bindings.write(scene, {"volume/density": [0.02]}, subject, PIVOT)

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 from packed_mesh import pack
-from vibe_render.scene.stage.stage import build_stage
+from vibe_render.scene.stage import build_stage
 
 from proxy_renderer.blender.meshes import prepared
 

@@ -99,7 +99,7 @@ def test_the_world_shines_through_and_through_a_world_volume_it_does_not(scene, 
 def test_no_box_without_density(scene):
     subject = scenes.studio(scene)
     write(scene, subject, density=0.0, color=(0.1, 0.2, 0.3), falloff=1.0)
-    assert fog.find(scene) is None
+    assert fog.find_fog(scene) is None
     assert not snapshot.exists(scene)
 
 
@@ -107,11 +107,11 @@ def test_the_box_holds_camera_and_subject_and_is_out_of_the_artists_way(scene):
     subject = scenes.studio(scene)
     scene.camera.location = (0.0, -30.0, 12.0)
     context = scene_context.SceneContext(scene, subject, Vector(PIVOT))
-    planned = fog.domain(context)
+    planned = fog.fog_domain(context)
     write(scene, subject, density=0.1, color=(0.1, 0.2, 0.3))
-    box = fog.find(scene)
+    box = fog.find_fog(scene)
     assert (box.display_type, box.hide_select, box.name, box.hide_render) == ("WIRE", True, "Vibe Fog", False)
-    box_domain = fog.domain(context)
+    box_domain = fog.fog_domain(context)
     for a, b in zip(planned.center, box_domain.center, strict=True):
         assert a == pytest.approx(b, abs=1e-4)
     for a, b in zip(planned.half_size, box_domain.half_size, strict=True):
@@ -131,10 +131,10 @@ def test_density_0_hides_the_box_and_density_shows_it_again(scene):
     subject = scenes.studio(scene)
     write(scene, subject, density=0.1)
     write(scene, subject, density=0.0)
-    assert fog.find(scene).hide_render
+    assert fog.find_fog(scene).hide_render
     assert bindings.read(scene, subject, PIVOT)["volume/density"] == (0.0,)
     write(scene, subject, density=0.2)
-    assert not fog.find(scene).hide_render
+    assert not fog.find_fog(scene).hide_render
     assert len([o for o in bpy.data.objects if o.get(owned.MARK) == owned.FOG]) == 1
 
 
@@ -146,4 +146,4 @@ def test_the_artists_world_volume_is_used(scene):
     write(scene, subject, density=0.2, anisotropy=0.4)
     volume = scene.world.node_tree.nodes["Principled Volume"]
     assert volume.inputs["Density"].default_value == pytest.approx(0.2)
-    assert fog.find(scene) is None
+    assert fog.find_fog(scene) is None

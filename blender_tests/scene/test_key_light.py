@@ -10,7 +10,8 @@ import pytest
 from vibe_render.core import compat
 from vibe_render.core.schema_import import schema
 from vibe_render.scene import scene_context
-from vibe_render.scene.stage import parts
+from vibe_render.scene.orbits import orbit_matrix
+from vibe_render.scene.stage import mesh_object, plain_material, plain_world
 
 SIZE = 16
 LEVEL = 0.4  # radiance that each light gives to the plane
@@ -20,14 +21,17 @@ DISTANCES = {"SUN": 5.0, "AREA": 3.0, "SPOT": 2.5, "POINT": 4.0}
 @pytest.fixture
 def lights(scene):
     """A white diffuse plane that faces its camera, and one light of each type in front of it, all switched off."""
-    white = parts.material("White", (1.0, 1.0, 1.0), roughness=1.0)
+    white = plain_material("White", (1.0, 1.0, 1.0), roughness=1.0)
     shader = next(n for n in compat.node_tree(white).nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
     shader.inputs["Specular IOR Level"].default_value = 0.0
     corners = np.array([(-1, 0, -1), (1, 0, -1), (1, 0, 1), (-1, 0, 1)], float)
-    parts.mesh_object(scene, "Plane", corners, [(0, 1, 2, 3)], white)
-    parts.world(scene, (0.0, 0.0, 0.0), 0.0)
+    mesh_object(scene, "Plane", corners, [(0, 1, 2, 3)], white)
+    plain_world(scene, (0.0, 0.0, 0.0), 0.0)
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    camera.matrix_world, camera.data.angle = parts.pose((0.0, 0.0, 0.0), 0.0, 0.0, 6.0), math.radians(2.0)
+    camera.matrix_world, camera.data.angle = (
+        orbit_matrix((0.0, 0.0, 0.0), 0.0, 0.0, 6.0),
+        math.radians(2.0),
+    )
     scene.collection.objects.link(camera)
     scene.camera = camera
     return {kind: _light(scene, kind, distance) for kind, distance in DISTANCES.items()}
@@ -39,7 +43,7 @@ def _light(scene, kind, distance):
     if kind == "AREA":
         data.size = 0.05
     thing = bpy.data.objects.new(kind, data)
-    thing.matrix_world = parts.pose((0.0, 0.0, 0.0), 0.0, 0.0, distance)
+    thing.matrix_world = orbit_matrix((0.0, 0.0, 0.0), 0.0, 0.0, distance)
     thing.visible_camera = False
     scene.collection.objects.link(thing)
     return thing

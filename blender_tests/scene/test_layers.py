@@ -7,9 +7,9 @@ import small_scenes as scenes
 import vibe_render
 from vibe_render.export import reading
 from vibe_render.render import anchors
+from vibe_render.run.session import result
 from vibe_render.scene import snapshot
 from vibe_render.scene.subject import SubjectChoice
-from vibe_render.session.session import result
 
 from proxy_renderer.schema import messages
 

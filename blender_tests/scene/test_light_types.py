@@ -6,8 +6,7 @@ import pytest
 import small_scenes as scenes
 from vibe_render.core.journal import Journal
 from vibe_render.core.schema_import import schema
-from vibe_render.scene.lights.light_type import EXTENTS
-from vibe_render.scene.lights.registry import LIGHT_TYPES, light_type
+from vibe_render.scene.light_types import EXTENTS, LIGHT_TYPES, light_type
 from vibe_render.scene.orbits import Pose
 
 

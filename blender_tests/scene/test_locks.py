@@ -7,7 +7,7 @@ import small_scenes as scenes
 from mathutils import Matrix
 from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.nodes import owned
-from vibe_render.scene.nodes.tint import TINT
+from vibe_render.scene.nodes.inputs import TINT
 
 PIVOT = (0.0, 0.0, 0.0)
 

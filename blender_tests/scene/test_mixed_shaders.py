@@ -9,7 +9,7 @@ from dump import difference, dump
 from marks import few_of
 from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.nodes import layers, owned
-from vibe_render.scene.nodes.tint import TINT
+from vibe_render.scene.nodes.inputs import TINT
 
 PIVOT = (0.0, 0.0, 0.0)
 BLUE = (0.02, 0.05, 0.4)
@@ -149,7 +149,7 @@ def test_the_roughness_of_plastic_is_its_coats_and_the_glow_the_emissions(scene,
 
 def test_a_principled_shader_behind_a_value_is_not_the_surface(scene, subject, tree):
     shown(tree, node(tree, "Emission", Color=RED))
-    assert layers.surface(bpy.data.materials["Body"]).node.bl_idname == "ShaderNodeEmission"
+    assert layers.by_prominence(bpy.data.materials["Body"])[0].shader.node.bl_idname == "ShaderNodeEmission"
     assert "material/Body/base_color" not in bindings.read(scene, subject, PIVOT)
 
 

@@ -8,15 +8,15 @@ import small_scenes as scenes
 import torch
 from dump import contents, difference
 from vibe_render.export import reading
-from vibe_render.looks import fit, take
+from vibe_render.looks import transfer
 from vibe_render.render import anchors
-from vibe_render.scene import bindings, own_backdrop, snapshot
-from vibe_render.scene.nodes import backgrounds, insets
-from vibe_render.scene.nodes.tint import TINT
+from vibe_render.run.session import result
+from vibe_render.scene import bindings, snapshot
+from vibe_render.scene.nodes import backgrounds, inputs
+from vibe_render.scene.nodes.inputs import TINT
 from vibe_render.scene.subject import SubjectChoice
-from vibe_render.session.session import result
 
-from proxy_renderer.render.cycles.pictures import CyclesPicture
+from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import messages
@@ -96,10 +96,10 @@ def moved(backdrop):
 def test_it_is_offered_with_the_worlds_values_and_is_no_part_of_the_scene(studio, tmp_path):
     before = contents()
     job, backdrop, place = exported(studio, tmp_path)
-    assert not set(own_backdrop.OF_WORLD) & set(job.instances)
+    assert not set(backgrounds.WORLD_OF_BACKDROP) & set(job.instances)
     assert len(backdrop) == 2
     for key, instance in backdrop.items():
-        assert instance.value == job.instances[own_backdrop.OF_WORLD[key]].value
+        assert instance.value == job.instances[backgrounds.WORLD_OF_BACKDROP[key]].value
         assert instance.key == key
     same = {key: i.value for key, i in backdrop.items()}
     assert bindings.write(studio, same, *place) == {}
@@ -163,7 +163,7 @@ def test_a_tint_that_was_kept_is_where_it_starts(scene, tmp_path):
     assert now["world/backdrop_tint"] == pytest.approx((0.5, 1.2, 0.8))
     bindings.write(scene, {"world/backdrop_tint": GREEN}, *place)
     assert bindings.read(scene, *place)["world/tint"] == pytest.approx((0.5, 1.2, 0.8))
-    assert len([n for n in scene.world.node_tree.nodes if insets._mark(n) == TINT.name]) == 2
+    assert len([n for n in scene.world.node_tree.nodes if inputs._inset_name(n) == TINT.name]) == 2
     snapshot.revert(scene)
     assert difference(before, contents()) == {}
 
@@ -179,7 +179,7 @@ def test_the_proxy_sees_what_cycles_renders(studio, tmp_path, again):
         bindings.write(studio, values, *place)
         exported(studio, tmp_path)
     data = load_scene(tmp_path)
-    data = data if again else data.parted()
+    data = data if again else data.with_backdrop()
     steps = [values, {**values, "world/strength": (1.5,)}]
     if "world/rotation" in data.instances:
         steps.append({**values, "world/rotation": (120.0,)})
@@ -212,13 +212,13 @@ def test_a_preset_brings_it_to_another_scene(scene, tmp_path):
     fill(scene, plain)
     job, backdrop, _ = exported(scene, tmp_path)
     values = moved(backdrop)
-    look = take.extract("green background", job.with_additions_of(values), values)
+    look = transfer.extract_look("green background", job.with_additions_of(values), values)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     for world, color in ((plain, "color"), (pictured, "tint")):
         bpy.ops.wm.read_factory_settings(use_empty=True)
         fill(bpy.context.scene, world)
         read = reading.prepare_and_read(bpy.context.scene, CHOICE)
-        fitted = fit.fit(look, read)
+        fitted = transfer.fit_look(look, read)
         assert fitted.rest == []
         assert set(fitted.values) == {f"world/backdrop_{color}", "world/backdrop_strength"}
         assert (
@@ -235,7 +235,7 @@ def test_the_list_of_changes_starts_from_the_world_and_so_does_the_slider(addon)
     result.apply(addon, "green background", messages.Result(values, {}, ""), *place)
     for change in addon.vibe.changes:
         old, new = change.values()
-        assert old == pytest.approx(own[own_backdrop.OF_WORLD[change.name]])
+        assert old == pytest.approx(own[backgrounds.WORLD_OF_BACKDROP[change.name]])
         assert new == pytest.approx(values[change.name])
     addon.vibe.show_original = True
     now = bindings.read(addon, *place)

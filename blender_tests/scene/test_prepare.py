@@ -16,14 +16,14 @@ PIVOT = (0.0, 0.0, 0.0)
 
 def test_a_bare_mesh_gets_everything(scene):
     subject = scenes.bare(scene)
-    assert len(prepare.prepare(scene, subject)) == 4
+    assert len(prepare.prepare_scene(scene, subject)) == 4
     assert scene.world
-    assert owned.is_owned(scene.camera)
+    assert owned.MARK in scene.camera
     assert subject[0].material_slots[0].material
     parameters = bindings.instances(scene, subject, PIVOT)
     assert parameters["light/Vibe Key/power"].role == "key"
     assert parameters["light/Vibe Key/power"].value[0] > 0.0
-    assert prepare.prepare(scene, subject) == []
+    assert prepare.prepare_scene(scene, subject) == []
 
 
 @pytest.mark.parametrize("size", [(1920, 1080), (600, 1200)])
@@ -31,7 +31,7 @@ def test_a_bare_mesh_gets_everything(scene):
 def test_the_new_camera_sees_the_whole_subject(scene, size, scale):
     scene.render.resolution_x, scene.render.resolution_y = size
     subject = scenes.cube(scene, "Cube", (3.0, 2.0, 1.0), scale)
-    prepare.prepare(scene, [subject])
+    prepare.prepare_scene(scene, [subject])
     corners = [
         world_to_camera_view(scene, scene.camera, subject.matrix_world @ Vector(c)) for c in subject.bound_box
     ]
@@ -43,7 +43,7 @@ def test_the_new_camera_sees_the_whole_subject(scene, size, scale):
 
 def test_a_new_key_light_exposes_a_gray_subject_well(scene, tmp_path):
     subject = scenes.bare(scene)
-    prepare.prepare(scene, subject)
+    prepare.prepare_scene(scene, subject)
     scene.render.engine, scene.cycles.samples = "CYCLES", 16
     scene.render.resolution_x = scene.render.resolution_y = 32
     scene.render.filepath = str(tmp_path / "out.png")
@@ -56,12 +56,12 @@ def test_a_new_key_light_exposes_a_gray_subject_well(scene, tmp_path):
 def test_a_scene_that_its_world_lights_keeps_its_look(scene):
     subject = scenes.bare(scene)
     scenes.world(scene).node_tree.nodes["Background"].inputs["Color"].default_value = (0.5, 0.5, 0.5, 1.0)
-    prepare.prepare(scene, subject)
+    prepare.prepare_scene(scene, subject)
     assert bpy.data.lights["Vibe Key"].energy == 0.0
 
 
 def test_nothing_is_added_to_a_scene_that_has_all(scene):
-    assert prepare.prepare(scene, scenes.studio(scene)) == []
+    assert prepare.prepare_scene(scene, scenes.studio(scene)) == []
     assert not snapshot.exists(scene)
 
 

@@ -4,7 +4,8 @@
 import bpy
 import small_scenes as scenes
 from dump import difference, dump
-from vibe_render.scene import bindings, shared_materials, snapshot
+from vibe_render.scene import bindings, snapshot
+from vibe_render.scene.prepare import separate_materials, shared_materials
 
 PIVOT = (0.0, 0.0, 0.5)
 
@@ -17,7 +18,7 @@ def sharing(scene):
 
 
 def names(subject):
-    return {m.name: [o.name for o in users] for m, users in shared_materials.shared(subject).items()}
+    return {m.name: [o.name for o in users] for m, users in shared_materials(subject).items()}
 
 
 def test_other_things_and_other_scenes_count_and_the_subject_does_not(scene):
@@ -33,7 +34,7 @@ def test_other_things_and_other_scenes_count_and_the_subject_does_not(scene):
 def test_single_user_copies_change_alone_and_revert_takes_them_away(scene):
     subject = sharing(scene)
     before = dump()
-    shared_materials.separate(scene, subject)
+    separate_materials(scene, subject)
     own = subject[0].material_slots[0].material
     assert own.name == "Body.001"
     assert names(subject) == {}
@@ -48,7 +49,7 @@ def test_a_mesh_that_others_use_keeps_its_material(scene):
     twin = bpy.data.objects.new("Twin", subject[0].data)
     scene.collection.objects.link(twin)
     before = dump()
-    shared_materials.separate(scene, subject)
+    separate_materials(scene, subject)
     assert twin.material_slots[0].material.name == "Body"
     assert subject[0].material_slots[0].material.name == "Body.001"
     assert snapshot.revert(scene) == []

@@ -41,7 +41,7 @@ def test_revert_after_two_vibes_with_saving_and_reopening_between(scene, kind, t
     names = [o.name for o in scene_context.meshes(scene)[:1]]
     vibe(scene, [bpy.data.objects[n] for n in names], 0.6)
     scene = reopen(tmp_path)
-    assert fog.find(scene) or scene.world.node_tree.nodes.get("Principled Volume")
+    assert fog.find_fog(scene) or scene.world.node_tree.nodes.get("Principled Volume")
     vibe(scene, [bpy.data.objects[n] for n in names], 0.3)
     scene = reopen(tmp_path)
     assert len(changes(before)) > 50
@@ -66,7 +66,7 @@ def test_a_look_that_was_there_is_kept_by_the_next_snapshot(scene):
 
 def test_a_failure_in_the_middle_leaves_the_scene_as_it_was(scene, kind, monkeypatch):
     subject = kind(scene)
-    prepare.prepare(scene, subject)
+    prepare.prepare_scene(scene, subject)
     before = dump()
     wanted = {k: i.upper for k, i in bindings.instances(scene, subject, PIVOT).items() if not i.locked}
 
@@ -93,7 +93,7 @@ def test_rollback_to_a_mark(scene):
     subject = scenes.bare(scene)
     before = dump()
     first = snapshot.mark(scene)
-    prepare.prepare(scene, subject)
+    prepare.prepare_scene(scene, subject)
     snapshot.rollback(scene, first)
     assert changes(before) == {}
     assert not snapshot.exists(scene)
@@ -115,7 +115,7 @@ def test_revert_after_the_artist_has_renamed_and_removed_things(scene):
     assert after["light/Sonne/elevation"] == pytest.approx(before["light/Sun/elevation"], abs=1e-3)
     assert after["film/exposure"] == before["film/exposure"]
     assert not [
-        b for c in ("objects", "materials", "node_groups") for b in getattr(bpy.data, c) if owned.is_owned(b)
+        b for c in ("objects", "materials", "node_groups") for b in getattr(bpy.data, c) if owned.MARK in b
     ]
 
 

@@ -7,7 +7,7 @@ import pytest
 from vibe_render.core.schema_import import options
 from vibe_render.export import analysis
 from vibe_render.render import final_render
-from vibe_render.scene.stage import demo, stage
+from vibe_render.scene.stage import DEMO_SUBJECT, build_demo, build_stage
 from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.schema import VibeError
@@ -42,7 +42,7 @@ def write_mesh(path):
 
 @pytest.mark.parametrize("suffix", [".obj", ".ply", ".stl", ".glb"])
 def test_every_format_stands_on_the_stage_and_fills_the_picture(tmp_path, suffix):
-    scene = stage.build_stage(write_mesh(tmp_path / f"thing{suffix}"))
+    scene = build_stage(write_mesh(tmp_path / f"thing{suffix}"))
     staged = analysis.analyze(scene, SubjectChoice(selected=True))
     low, high = np.array(staged.low), np.array(staged.high)
     assert low[2] == pytest.approx(0.0, abs=1e-5)
@@ -70,7 +70,7 @@ def test_a_mesh_stands_as_its_skeleton_poses_it(tmp_path):
     thing.modifiers.new("Bones", "ARMATURE").object = armature
     thing.vertex_groups.new(name="All").add(range(4), 1.0, "REPLACE")
     bpy.ops.export_scene.gltf(filepath=str(path), export_rest_position_armature=False)
-    staged = analysis.analyze(stage.build_stage(path), SubjectChoice(selected=True))
+    staged = analysis.analyze(build_stage(path), SubjectChoice(selected=True))
     size = np.linalg.norm(np.array(staged.high) - np.array(staged.low)) / 2
     assert size == pytest.approx(1.0, abs=1e-3)
     assert {o.name for o in staged.objects} == {"t"}
@@ -78,7 +78,7 @@ def test_a_mesh_stands_as_its_skeleton_poses_it(tmp_path):
 
 @pytest.mark.parametrize("kind", options.STAGES)
 def test_the_stage_is_not_the_subject_and_fills_the_frame(tmp_path, kind):
-    scene = stage.build_stage(write_mesh(tmp_path / "thing.obj"), kind)
+    scene = build_stage(write_mesh(tmp_path / "thing.obj"), kind)
     staged = analysis.analyze(scene, SubjectChoice())
     names = [
         name for (name, _), chosen in zip(staged.geometry.objects, staged.is_subject, strict=True) if chosen
@@ -91,8 +91,8 @@ def test_the_stage_is_not_the_subject_and_fills_the_frame(tmp_path, kind):
 
 
 def test_the_picture_is_well_exposed(tmp_path):
-    scene = stage.build_stage(write_mesh(tmp_path / "thing.obj"))
-    final_render.render(scene, tmp_path / "before.png", 48, 4)
+    scene = build_stage(write_mesh(tmp_path / "thing.obj"))
+    final_render.render_picture(scene, tmp_path / "before.png", 48, 4)
     image = bpy.data.images.load(str(tmp_path / "before.png"))
     assert tuple(image.size) == (48, 48)
     values = np.empty(48 * 48 * 4, np.float32)
@@ -104,7 +104,7 @@ def test_the_picture_is_well_exposed(tmp_path):
 
 
 def test_the_mask_shows_the_subject_alone(tmp_path):
-    scene = stage.build_stage(write_mesh(tmp_path / "thing.obj"))
+    scene = build_stage(write_mesh(tmp_path / "thing.obj"))
     staged = analysis.analyze(scene, SubjectChoice(selected=True))
     settings = scene.render.film_transparent, scene.cycles.samples, scene.world
     final_render.render_mask(scene, tmp_path / "mask.png", 48, staged.objects)
@@ -133,20 +133,20 @@ def test_the_mask_shows_the_subject_alone(tmp_path):
 def test_broken_files(tmp_path, name, content, said):
     (tmp_path / name).write_text(content)
     with pytest.raises(VibeError, match=said):
-        stage.build_stage(tmp_path / name)
+        build_stage(tmp_path / name)
 
 
 def test_a_missing_file_and_an_unknown_stage(tmp_path):
     with pytest.raises(VibeError, match="There is no file"):
-        stage.build_stage(tmp_path / "missing.obj")
+        build_stage(tmp_path / "missing.obj")
     with pytest.raises(VibeError, match="no stage 'beach'"):
-        stage.build_stage(write_mesh(tmp_path / "thing.obj"), "beach")
+        build_stage(write_mesh(tmp_path / "thing.obj"), "beach")
 
 
 def test_the_demo_has_what_a_demo_needs():
-    scene = demo.build_demo()
-    staged = analysis.analyze(scene, SubjectChoice((demo.SUBJECT,)))
-    assert [o.name for o in staged.objects] == [demo.SUBJECT]
+    scene = build_demo()
+    staged = analysis.analyze(scene, SubjectChoice((DEMO_SUBJECT,)))
+    assert [o.name for o in staged.objects] == [DEMO_SUBJECT]
     assert len(staged.geometry.materials) >= 4
     assert sum(o.type == "LIGHT" for o in scene.objects) == 2
     share = np.isin(staged.visible.object, np.nonzero(staged.is_subject)[0]).mean()

@@ -7,10 +7,9 @@ import vibe_render
 from dump import contents, difference
 from vibe_render.export import reading
 from vibe_render.looks import use
-from vibe_render.scene import stored_subject
-from vibe_render.scene.stage import demo
-from vibe_render.scene.subject import SubjectChoice
-from vibe_render.session.session import result
+from vibe_render.run.session import result
+from vibe_render.scene.stage import DEMO_SUBJECT, build_demo
+from vibe_render.scene.subject import SUBJECT_KEY, SubjectChoice, recall_subject, remember_subject
 
 from proxy_renderer.schema import VibeError, preset
 
@@ -21,7 +20,7 @@ TEAL = preset.Preset("Teal", {"subject": [{"base_color": [0.0, 0.4, 0.4]}]}, {},
 def still_life():
     """The demo's monkey among other things, with the add-on."""
     vibe_render.register()
-    yield demo.build_demo()
+    yield build_demo()
     vibe_render.unregister()
 
 
@@ -32,47 +31,47 @@ def painted(scene):
 
 def test_it_is_meant_by_the_next_preset_and_revert_forgets_it(still_life):
     before = contents()
-    use.apply(still_life, TEAL, SubjectChoice((demo.SUBJECT,)))
+    use.apply_preset(still_life, TEAL, SubjectChoice((DEMO_SUBJECT,)))
     assert painted(still_life) == {"Clay"}
-    use.apply(still_life, TEAL, SubjectChoice())
+    use.apply_preset(still_life, TEAL, SubjectChoice())
     assert painted(still_life) == {"Clay"}
     assert result.revert(still_life) == []
     assert difference(before, contents()) == {}
-    assert stored_subject.recall(still_life) == []
+    assert recall_subject(still_life) == []
 
 
 def test_it_stands_in_for_a_selection(still_life):
     bpy.ops.object.select_all(action="DESELECT")
     with pytest.raises(VibeError, match="Nothing is selected"):
         reading.read_scene(still_life, SubjectChoice(selected=True))
-    stored_subject.remember(still_life, [bpy.data.objects["Ring"]])
+    remember_subject(still_life, [bpy.data.objects["Ring"]])
     assert [
         o.name for o in reading.read_scene(still_life, SubjectChoice(selected=True)).analysis.objects
     ] == ["Ring"]
 
 
 def test_the_menu_makes_it_ours_again(still_life):
-    stored_subject.remember(still_life, [bpy.data.objects["Ring"]])
+    remember_subject(still_life, [bpy.data.objects["Ring"]])
     still_life.vibe.subject = "SELECTED"
     still_life.vibe.subject = "AUTO"
-    assert stored_subject.recall(still_life) == []
+    assert recall_subject(still_life) == []
 
 
 @pytest.mark.parametrize("stored", ["", "{", "3", '["Ring"', '[{"a": 1}]', 7, [1.0, 2.0]])
 def test_nonsense_in_a_file_is_no_choice(still_life, stored):
-    still_life[stored_subject.KEY] = stored
-    assert stored_subject.recall(still_life) == []
+    still_life[SUBJECT_KEY] = stored
+    assert recall_subject(still_life) == []
 
 
 def test_what_is_out_of_the_picture_is_not_asked_for(still_life):
     ring = bpy.data.objects["Ring"]
-    stored_subject.remember(still_life, [ring])
+    remember_subject(still_life, [ring])
     ring.hide_render = True
-    assert demo.SUBJECT in [o.name for o in reading.read_scene(still_life, SubjectChoice()).analysis.objects]
+    assert DEMO_SUBJECT in [o.name for o in reading.read_scene(still_life, SubjectChoice()).analysis.objects]
 
 
 def test_small_parts_of_a_subject_keep_their_looks(still_life):
     """A look for one thing goes onto what is as prominent, and what stays is listed."""
-    rest = use.apply(still_life, TEAL, SubjectChoice())
+    rest = use.apply_preset(still_life, TEAL, SubjectChoice())
     assert "Brass" not in painted(still_life)
     assert any(line.startswith("Brass: shows too little") for line in rest)

@@ -8,7 +8,7 @@ import small_scenes as scenes
 from vibe_render.core.color import LUMA
 from vibe_render.scene import bindings
 from vibe_render.scene.nodes import owned
-from vibe_render.scene.nodes.tint import TINT
+from vibe_render.scene.nodes.inputs import TINT
 
 PIVOT = (0.0, 0.0, 0.0)
 PAINT = (0.6, 0.3, 0.1)
@@ -69,7 +69,7 @@ def test_an_identity_adds_nothing_and_two_materials_share_one_group(scene):
     )
     assert not bpy.data.node_groups.get("Vibe Tint")
     write(scene, subject, material__Painted__tint=(0.5, 1.0, 1.0), world__tint=(1.0, 0.5, 1.0))
-    assert len([g for g in bpy.data.node_groups if owned.is_owned(g)]) == 1
+    assert len([g for g in bpy.data.node_groups if owned.MARK in g]) == 1
     (node,) = owned.group_nodes(bpy.data.materials["Painted"].node_tree, TINT.name)
     assert (node.label, node.use_custom_color, node.parent.label) == ("Vibe Tint", True, "Vibe Render")
 

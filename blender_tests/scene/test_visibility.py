@@ -7,12 +7,12 @@ import pytest
 from mathutils import Vector
 from vibe_render.export import analysis
 from vibe_render.scene.geometry import visibility
-from vibe_render.scene.stage import demo
+from vibe_render.scene.stage import build_demo
 
 
 def blenders(scene):
     """The object that each ray meets, by Blender's own casting; "" for none."""
-    starts, directions = visibility.rays(visibility.ray_camera(scene), 48)
+    starts, directions = visibility.camera_rays(visibility.ray_camera(scene), 48)
     graph = bpy.context.evaluated_depsgraph_get()
     lens, ahead = scene.camera.data, -np.array(scene.camera.matrix_world.normalized())[:3, 2]
     names = np.full(starts.shape[:2], "", object)
@@ -30,7 +30,7 @@ def blenders(scene):
 )
 def test_rays_meet_what_blenders_own_meet(kind, lens, shift):
     """Things behind the camera and between the rays are left out before; what is met stays the same."""
-    scene = demo.build_demo()
+    scene = build_demo()
     bpy.ops.mesh.primitive_cube_add(size=60)  # around everything, the camera included
     camera = scene.camera.data
     camera.type, camera.shift_x = kind, shift

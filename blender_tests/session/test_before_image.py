@@ -5,8 +5,8 @@ import time
 
 import bpy
 import pytest
-from vibe_render.session.session import before_image
-from vibe_render.session.state import addon_state
+from vibe_render.run.session import before_image
+from vibe_render.run.state import addon_state
 from vibing import advance
 
 

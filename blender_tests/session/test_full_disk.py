@@ -12,10 +12,11 @@ from model_server import sensible, serving
 from sample_presets import NOIR
 from small_disk import small_disk
 from small_scenes import studio, wide_picture
-from vibe_render.looks import asset_catalog, library, lut
+from vibe_render.looks import assets, library, lut
 from vibe_render.render import final_render
-from vibe_render.session import before_image, prompt_history, session
-from vibe_render.session.state import addon_state
+from vibe_render.run import before_image, session
+from vibe_render.run.state import addon_state
+from vibe_render.ui import prompt_history
 from vibing import advance, fails
 
 from proxy_renderer.schema import VibeError
@@ -33,22 +34,22 @@ def disk(tmp_path):
 def test_presets(disk, monkeypatch, tmp_path, left):
     """With one page left, the preset has room, and its picture does not."""
     mine, wide = replace(NOIR, name="Mine"), wide_picture(tmp_path)
-    monkeypatch.setattr(library, "folder", lambda create=False: disk.folder)
-    library.save(mine, wide)
+    monkeypatch.setattr(library, "preset_folder", lambda create=False: disk.folder)
+    library.save_preset(mine, wide)
     there = disk.files()
     disk.fill(left)
     for act in (
-        lambda: library.save(mine, wide),
-        lambda: library.export(library.find("Mine"), disk.folder / "other.json"),
-        lambda: asset_catalog.add(disk.folder, ["Vibe Render/Materials"]),
-        lambda: lut.write(disk.folder / "noir.cube", "Noir", {}),
+        lambda: library.save_preset(mine, wide),
+        lambda: library.export_preset(library.find_preset("Mine"), disk.folder / "other.json"),
+        lambda: assets.add_catalogs(disk.folder, ["Vibe Render/Materials"]),
+        lambda: lut.write_cube(disk.folder / "noir.cube", "Noir", {}),
     ):
         with pytest.raises(VibeError, match=f"{re.escape(NO_ROOM)}{disk.folder}. Make room"):
             act()
         assert disk.files() == there
-    assert library.find("Mine").preset == mine
+    assert library.find_preset("Mine").preset == mine
     disk.make_room()
-    assert library.save(mine, wide).picture.is_file()
+    assert library.save_preset(mine, wide).picture.is_file()
 
 
 def test_pictures_of_blender(scene, disk):
@@ -56,10 +57,10 @@ def test_pictures_of_blender(scene, disk):
     studio(scene)
     disk.fill()
     with pytest.raises(VibeError, match=NO_ROOM):
-        final_render.render(scene, disk.folder / "after.png", 32, 1)
+        final_render.render_picture(scene, disk.folder / "after.png", 32, 1)
     assert disk.files() == set()
     disk.make_room()
-    final_render.render(scene, disk.folder / "after.png", 32, 1)
+    final_render.render_picture(scene, disk.folder / "after.png", 32, 1)
     assert disk.files() == {"after.png"}
 
 

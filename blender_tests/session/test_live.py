@@ -7,9 +7,9 @@ import bpy
 import pytest
 from dump import contents, difference
 from results import read
+from vibe_render.run import preview
+from vibe_render.run.state import addon_state
 from vibe_render.scene import snapshot
-from vibe_render.session import preview
-from vibe_render.session.state import addon_state
 from vibe_render.ui import live as live_ui
 
 

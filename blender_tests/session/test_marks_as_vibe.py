@@ -7,11 +7,11 @@ import bpy
 import pytest
 import scenes
 from small_scenes import camera, cube, light, principled, world
-from vibe_render.export import reading, sketch
+from vibe_render.export import reading
 from vibe_render.scene.subject import SubjectChoice
 
-from proxy_renderer.engine.additions import with_additions
-from proxy_renderer.engine.readings import WordReader
+from proxy_renderer.engine.live import WordReader
+from proxy_renderer.optimize.stage import set_stage
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import messages, schema_hash
 
@@ -126,7 +126,7 @@ CASES = [
 
 def marked(folder, prompt, target=()):
     """What the panel marks."""
-    sketch.sketch_scene(bpy.context.scene, folder, SubjectChoice())
+    reading.sketch_scene(bpy.context.scene, folder, SubjectChoice())
     asked = messages.AskReadings(schema_hash(), prompt, str(folder), target=target)
     return WordReader().read(asked).words
 
@@ -134,7 +134,7 @@ def marked(folder, prompt, target=()):
 def understood(folder, prompt, target=()):
     """What the report of a vibe says of the words."""
     scene = load_scene(reading.export_scene(bpy.context.scene, folder, SubjectChoice()).folder)
-    return with_additions([scene], prompt, told=target).understood.words
+    return set_stage([scene], prompt, target=target).understood.words
 
 
 @pytest.mark.parametrize(("build", "prompt"), CASES, ids=[prompt[:30] for _, prompt in CASES])
@@ -156,7 +156,7 @@ def test_a_choice_counts_for_marks_and_vibe(scene, tmp_path):
 def test_a_sketch_changes_nothing(scene, tmp_path):
     cars(scene)
     before = {block: len(getattr(bpy.data, block)) for block in ("objects", "materials", "meshes", "scenes")}
-    sketch.sketch_scene(scene, tmp_path, SubjectChoice())
+    reading.sketch_scene(scene, tmp_path, SubjectChoice())
     assert before == {block: len(getattr(bpy.data, block)) for block in before}
 
 
@@ -186,5 +186,5 @@ def test_a_turned_flat_thing_is_where_it_is(scene, tmp_path):
 
 def write(folder):
     """The folder of a sketch."""
-    sketch.sketch_scene(bpy.context.scene, folder, SubjectChoice())
+    reading.sketch_scene(bpy.context.scene, folder, SubjectChoice())
     return folder

@@ -11,8 +11,8 @@ import vibe_render
 from headless_runs import run_with_model
 from model_server import KEY, MODEL, has_picture, plan_for, refuses, says, sensible, serving
 from small_scenes import studio
-from vibe_render.session.notes.model import failure_note, model_lines
-from vibe_render.session.session import preferences
+from vibe_render.run.notes import failure_note, model_lines
+from vibe_render.run.session import preferences
 
 
 def without_key(folder):
@@ -89,7 +89,7 @@ def test_a_vibe_from_the_panel_with_the_key_of_the_preferences(installed, tmp_pa
     with serving(dying) as model:
         chosen.vlm_model, chosen.vlm_url, chosen.vlm_key = MODEL, model.url, KEY
         assert bpy.ops.vibe.run() == {"FINISHED"}
-        vibe_render.session.state.addon_state.close()
+        vibe_render.run.state.addon_state.close()
     assert {h["authorization"] for h in model.headers} == {f"Bearer {KEY}"}
     assert scene.vibe.changes["film/glare"].reason.startswith(
         "model: dreamy"
@@ -106,7 +106,7 @@ def test_blender_s_online_access_is_asked(installed, monkeypatch):
     scene.vibe.prompt = "glossy red cube"
     with pytest.raises(RuntimeError, match="online access is off"):
         bpy.ops.vibe.run()
-    vibe_render.session.state.addon_state.close()
+    vibe_render.run.state.addon_state.close()
 
 
 def test_what_failed_is_said():

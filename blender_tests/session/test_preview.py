@@ -6,9 +6,9 @@ import pytest
 import small_scenes as scenes
 from dump import changes, contents, difference, dump
 from results import FOUND, PIVOT, read
+from vibe_render.run import preview
+from vibe_render.run.state import addon_state
 from vibe_render.scene import bindings, prepare, snapshot
-from vibe_render.session import preview
-from vibe_render.session.state import addon_state
 from vibing import advance
 
 
@@ -23,7 +23,7 @@ def some_values(scene, subject, level):
 @pytest.mark.parametrize("kind", scenes.ALL)
 def test_it_goes_without_a_trace(scene, kind):
     subject = scenes.ALL[kind](scene)
-    prepare.prepare(scene, subject)
+    prepare.prepare_scene(scene, subject)
     values = some_values(scene, subject, 0.6)
     before = dump()
     preview.show(scene, values, subject, PIVOT)

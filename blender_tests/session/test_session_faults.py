@@ -12,13 +12,13 @@ from vibe_render.export import reading
 from vibe_render.render import final_render
 from vibe_render.scene.subject import SubjectChoice
 
-from proxy_renderer.color.differences import mean_difference
-from proxy_renderer.optimize.context import scene_words
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.mentions.scene import SceneIndex
+from proxy_renderer.color.tensors import mean_difference
+from proxy_renderer.optimize.scene_words import described
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import SceneData, load_scene
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.scene import SceneIndex
 
 SAMPLES = 32
 
@@ -56,12 +56,12 @@ def test_fault(scene, tmp_path, name):
     assert fault.warns or fault.near is None or not warnings
     longest = max(scene.render.resolution_x, scene.render.resolution_y)
     size = scene.render.resolution_x, scene.render.resolution_y
-    SceneIndex(scene_words(read), default_vocabulary()).named(
+    SceneIndex(described(read), default_vocabulary()).named(
         ("lamp",)
     )  # what a prompt may name can be looked up
     picture = render(read, size)
     if fault.near is not None:
-        final_render.render(scene, tmp_path / "cycles.png", longest, SAMPLES)
+        final_render.render_picture(scene, tmp_path / "cycles.png", longest, SAMPLES)
         with Image.open(tmp_path / "cycles.png") as image:
             cycles = torch.from_numpy(np.array(image.convert("RGB"), dtype=np.float32) / 255)
         assert cycles.shape == picture.shape

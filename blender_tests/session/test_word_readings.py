@@ -5,10 +5,10 @@ import time
 
 import bpy
 import pytest
-from vibe_render.session import word_readings as session_readings
-from vibe_render.session.state import addon_state
+from vibe_render.run import word_readings as session_readings
+from vibe_render.run.state import addon_state
 from vibe_render.ui import live as live_ui
-from vibe_render.ui import word_readings
+from vibe_render.ui import words as words_ui
 
 from proxy_renderer.schema.targets import GENERAL
 
@@ -32,7 +32,7 @@ def wait(prompt):
     end = time.monotonic() + 240.0
     while addon_state.readings.newest.prompt != prompt:
         assert time.monotonic() < end
-        word_readings._tick()
+        words_ui._tick()
         time.sleep(0.005)
     return {word.text: word for word in addon_state.readings.newest.words}
 
@@ -42,7 +42,7 @@ def test_words_are_marked_as_understood_or_left_out(typing):
     assert [word.state for word in words.values()] == ["understood", "understood", "left out", "left out"]
     assert words["sumptuous"].others  # known words that are as near are offered, and act on a click only
     assert "cube" in words["red"].meaning.lower()
-    assert not word_readings.addon_state.readings.due(typing)
+    assert not addon_state.readings.due(typing)
 
 
 def test_another_reading_goes_into_the_prompt(typing):
@@ -79,8 +79,8 @@ def test_marks_follow_a_change_of_the_scene_when_it_is_quiet(typing):
     assert "Subject" in read(typing, "glossy red subject")["red"].candidates
     cube.name = "Teapot"
     bpy.context.view_layer.update()
-    word_readings.addon_state.readings.scene_changed([cube])
-    assert word_readings.addon_state.readings.due(typing)
+    addon_state.readings.scene_changed([cube])
+    assert addon_state.readings.due(typing)
     red = reread(typing)["red"]
     assert "Teapot" in (*red.candidates, *red.targets)
     assert "Subject" not in (*red.candidates, *red.targets)
@@ -89,7 +89,7 @@ def test_marks_follow_a_change_of_the_scene_when_it_is_quiet(typing):
 def test_a_word_can_describe_what_the_menu_has_no_room_for(typing):
     typing.vibe.prompt = "glossy cube"
     assert bpy.ops.vibe.describe_another(word="glossy", target="Floor") == {"FINISHED"}
-    assert typing.vibe.told() == ["glossy=Floor"]
+    assert typing.vibe.target_pairs() == ["glossy=Floor"]
     typing.vibe.targets.clear()
 
 
@@ -109,9 +109,9 @@ def test_a_scene_that_cannot_be_exported_has_marks_too(typing):
 def test_a_choice_for_a_word_that_is_gone_is_not_sent(typing):
     typing.vibe.prompt = "glossy cube"
     bpy.ops.vibe.describe(word="red", target="lights")
-    assert typing.vibe.told() == []
+    assert typing.vibe.target_pairs() == []
     typing.vibe.prompt = "Red cube"
-    assert typing.vibe.told() == ["red=lights"]
+    assert typing.vibe.target_pairs() == ["red=lights"]
     typing.vibe.targets.clear()
 
 
@@ -120,7 +120,7 @@ def reread(scene):
     end = time.monotonic() + 240.0
     while addon_state.readings.due(scene):
         assert time.monotonic() < end
-        word_readings._tick()
+        words_ui._tick()
         time.sleep(0.005)
     return {word.text: word for word in addon_state.readings.newest.words}
 
@@ -140,8 +140,8 @@ def test_they_come_while_a_look_is_drawn_and_hold_it_up_by_nothing(typing):
 
 def test_an_engine_that_ends_is_waited_for_by_nobody(typing):
     typing.vibe.prompt = "glossy"
-    word_readings._tick()
+    words_ui._tick()
     addon_state.close_engine()
-    assert word_readings._tick() is None
+    assert words_ui._tick() is None
     addon_state.engine(bpy.context).start()
     assert "glossy" in read(typing, "glossy")

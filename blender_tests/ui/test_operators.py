@@ -13,11 +13,11 @@ from results import FOUND, PIVOT, PROMPT, read
 from small_scenes import studio
 from vibe_render.engine.process import Engine
 from vibe_render.render import anchors
+from vibe_render.run import preview, result, session
+from vibe_render.run.state import addon_state, engine_choice
 from vibe_render.scene import bindings, snapshot
-from vibe_render.session import changes, preview, result, session
-from vibe_render.session.engine_state import engine_state
-from vibe_render.session.state import addon_state, engine_choice
-from vibe_render.ui import warm_up
+from vibe_render.ui import setup
+from vibe_render.ui.engine_state import engine_state
 
 from proxy_renderer.schema import FAMILIES, GROUPS, VibeError, messages
 
@@ -62,7 +62,7 @@ def test_options_are_what_the_engine_takes(addon):
 
 
 def test_run_says_what_is_in_its_way(addon):
-    from vibe_render.ui.operators.vibe import obstacle
+    from vibe_render.ui.bases import obstacle
 
     assert "mood" in obstacle(bpy.context)
     addon.vibe.prompt = PROMPT
@@ -176,9 +176,9 @@ def test_keep_leaves_nothing_to_revert_to(vibed):
 def test_mixing_ends_at_its_ends(family):
     parameter = FAMILIES[family]
     low, high = ((b,) * parameter.components for b in (parameter.lower, parameter.upper))
-    assert changes.blend(family, low, high, 0.0) == low
-    assert changes.blend(family, low, high, 1.0) == high
-    assert all(low[0] < v < high[0] for v in changes.blend(family, low, high, 0.5))
+    assert result.blend(family, low, high, 0.0) == low
+    assert result.blend(family, low, high, 1.0) == high
+    assert all(low[0] < v < high[0] for v in result.blend(family, low, high, 0.5))
 
 
 @pytest.fixture(scope="module")
@@ -345,10 +345,10 @@ def test_the_engine_starts_once_when_a_panel_is_drawn(addon):
     engine_state.search("")
     while engine_state.busy:
         engine_state.tick()
-    warm_up.begin_soon()
-    warm_up.begin_soon()
-    assert bpy.app.timers.is_registered(warm_up._begin)
-    assert warm_up._begin() is None
+    setup.warm_up_soon()
+    setup.warm_up_soon()
+    assert bpy.app.timers.is_registered(setup._warm_up)
+    assert setup._warm_up() is None
     until = time.monotonic() + 60.0
     while not addon_state.engine(bpy.context).alive and time.monotonic() < until:
         time.sleep(0.02)

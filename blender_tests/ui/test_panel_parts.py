@@ -4,11 +4,11 @@
 import bpy
 import pytest
 from small_scenes import studio
-from vibe_render.session import changes, preferences, prompt_history
-from vibe_render.session.state import addon_state
-from vibe_render.ui import cache_size, option_properties, value_list
-from vibe_render.ui import preferences as ui_preferences
-from vibe_render.ui.panels import result
+from vibe_render.core import preferences
+from vibe_render.run.result import cause
+from vibe_render.run.state import addon_state
+from vibe_render.ui import prompt_history, result, scope, setup
+from vibe_render.ui.properties import declare
 
 from proxy_renderer.schema.limits import LONGEST_PROMPT
 from proxy_renderer.schema.options.option import Option, Panel
@@ -52,18 +52,18 @@ def test_the_list_has_every_value_and_says_which_must_stay(addon):
     bpy.data.materials["Body"].node_tree.nodes["Principled BSDF"].inputs["Roughness"].keyframe_insert(
         "default_value", frame=1
     )
-    value_list.fill(addon)
+    scope.fill(addon)
     rows = {row.name: row for row in bpy.context.window_manager.vibe_values.rows}
     assert rows["light/Area/power"].reason == ""
     assert "animated" in rows["material/Body/roughness"].reason
     bpy.data.objects.remove(bpy.data.objects["Area"])
-    value_list.fill(addon)
+    scope.fill(addon)
     assert "light/Area/power" not in bpy.context.window_manager.vibe_values.rows
 
 
 def test_the_list_is_searched_by_title_and_key(addon):
     studio(addon)
-    value_list.fill(addon)
+    scope.fill(addon)
     values = bpy.context.window_manager.vibe_values
 
     class Search:
@@ -71,7 +71,7 @@ def test_the_list_is_searched_by_title_and_key(addon):
 
         filter_name, bitflag_filter_item = "AREA power", 1 << 30
 
-    flags, order = value_list.VIBE_UL_values.filter_items(Search, bpy.context, values, "rows")
+    flags, order = scope.VIBE_UL_values.filter_items(Search, bpy.context, values, "rows")
     assert [row.name for row, flag in zip(values.rows, flags, strict=True) if flag] == ["light/Area/power"]
     assert order == []
 
@@ -87,23 +87,23 @@ def test_locks_open_and_close(addon):
 
 
 def test_the_cache_is_measured_and_cleared_but_not_during_a_vibe(folder, addon, monkeypatch):
-    cache_size.measure_again()
+    setup.measure_again()
     place = preferences.cache_folder(bpy.context)
-    assert cache_size.text(place) == "Empty"
+    assert setup.cache_size(place) == "Empty"
     assert not bpy.ops.vibe.clear_cache.poll()
     (place / "deep").mkdir(parents=True)
     (place / "deep" / "answer.json").write_bytes(bytes(1500))
     beside = place.parent / "mine.txt"
     beside.write_text("the artist's")
-    cache_size.measure_again()
-    assert cache_size.text(place) == "1.5 kB in 1 file"
+    setup.measure_again()
+    assert setup.cache_size(place) == "1.5 kB in 1 file"
     monkeypatch.setattr(addon_state, "running", True)
     assert not bpy.ops.vibe.clear_cache.poll()
     monkeypatch.setattr(addon_state, "running", False)
     assert bpy.ops.vibe.clear_cache() == {"FINISHED"}
     assert not place.exists()
     assert beside.is_file()
-    assert cache_size.text(place) == "Empty"
+    assert setup.cache_size(place) == "Empty"
 
 
 @pytest.mark.parametrize(
@@ -117,7 +117,7 @@ def test_the_cache_is_measured_and_cleared_but_not_during_a_vibe(folder, addon, 
     ],
 )
 def test_reasons_are_short_where_a_word_says_it(reason, short):
-    assert changes.cause(reason) == short
+    assert cause(reason) == short
 
 
 @pytest.mark.parametrize(
@@ -146,7 +146,7 @@ def test_properties_of_options_come_from_the_table(addon):
     sparkle = Option(
         "sparkle", 3, "how much", "budget", bounds=(1, 9), panel=Panel("Sparkle", "How much", (1, 5))
     )
-    extended = option_properties.declare("Extended", preferences=False, table=(*TABLE, sparkle))
+    extended = declare("Extended", preferences=False, table=(*TABLE, sparkle))
     sparkling = type("VibeSparkling", (extended, bpy.types.PropertyGroup), {})
     bpy.utils.register_class(sparkling)
     try:
@@ -156,7 +156,7 @@ def test_properties_of_options_come_from_the_table(addon):
     finally:
         bpy.utils.unregister_class(sparkling)
     scene = bpy.types.Scene.bl_rna.properties["vibe"].fixed_type.properties
-    own = ui_preferences.VibePreferences.bl_rna.properties
+    own = setup.VibePreferences.bl_rna.properties
     rows = [row for row in TABLE if row.panel]
     assert len(rows) > 10
     for row in rows:

@@ -17,11 +17,10 @@ from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
 
-from proxy_renderer.batch import schedule
-from proxy_renderer.batch.local import LocalPool, local_pool
-from proxy_renderer.batch.manifest import manifest
-from proxy_renderer.batch.manifest.manifest import Limits, SceneGroup
+from proxy_renderer.batch import manifest, schedule
+from proxy_renderer.batch.manifest import Limits, SceneGroup
 from proxy_renderer.batch.plan import BatchPlan, Job
+from proxy_renderer.batch.schedule import LocalPool, local_pool
 from proxy_renderer.batch.sheet import Sheet
 from proxy_renderer.batch.store import DONE, JobRow, Store, head, read_json, tidy, write_json
 from proxy_renderer.batch.worker import Setup

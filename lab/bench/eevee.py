@@ -11,7 +11,7 @@ from typing import Any
 import torch
 
 from lab.bench.metrics import difference
-from proxy_renderer.engine.report import load_picture
+from proxy_renderer.engine.pictures import load_picture
 from proxy_renderer.schema import VibeError
 
 _DIGITS = 3

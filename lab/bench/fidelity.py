@@ -21,8 +21,8 @@ from torch import Tensor
 from lab.bench import blender, cache, eevee, table
 from lab.bench.metrics import Difference, difference
 from lab.bench.sheet import Strip, error_picture, save_sheets
-from proxy_renderer.engine.report import load_picture, save_picture
-from proxy_renderer.render.cycles.pictures import CyclesPicture
+from proxy_renderer.engine.pictures import load_picture, save_picture
+from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import atomic

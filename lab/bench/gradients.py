@@ -28,8 +28,8 @@ from torch.nn.functional import adaptive_avg_pool2d
 from lab.bench import blender, cache
 from lab.bench.objective import TERMS, agreement, objective
 from proxy_renderer.color.tensors import lab_from_srgb, linear_from_srgb, luminance
-from proxy_renderer.engine.report import load_picture
-from proxy_renderer.guidance import augment
+from proxy_renderer.engine.pictures import load_picture
+from proxy_renderer.guidance import regions
 from proxy_renderer.guidance.encoder import Encoder, load_encoder
 from proxy_renderer.guidance.regions import mean
 from proxy_renderer.render.proxy import Proxy
@@ -137,7 +137,7 @@ def functionals(display: Tensor, mask: Tensor, encoder: Encoder, caption: Tensor
     """
     light = 100 * luminance(linear_from_srgb(display))
     colors = torch.cat((light, lab_from_srgb(display)), -1)
-    features = encoder.encode_images(augment.whole(display.permute(2, 0, 1)[None], encoder.size))
+    features = encoder.encode_images(regions.whole(display.permute(2, 0, 1)[None], encoder.size))
     cells = adaptive_avg_pool2d(light.permute(2, 0, 1), _CELLS).flatten()
     return torch.cat(
         (mean(colors, mask), mean(colors, 1 - mask), 1 - (features @ caption.T).flatten(), cells)

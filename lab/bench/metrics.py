@@ -10,8 +10,7 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from proxy_renderer.color.differences import ciede2000
-from proxy_renderer.color.tensors import lab_from_srgb, luminance
+from proxy_renderer.color.tensors import ciede2000, lab_from_srgb, luminance
 
 _WINDOW, _SIGMA = 11, 1.5
 _C1, _C2 = 0.01**2, 0.03**2

@@ -9,19 +9,19 @@ import torch
 from torch import Tensor
 
 from proxy_renderer.claims.claim import ClaimSet
+from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.claims.measures.picture import MeasuredPicture
-from proxy_renderer.claims.wanted import claims_of
 from proxy_renderer.goals.resolve import goals_or_why
 from proxy_renderer.guidance.encoder import Encoder
-from proxy_renderer.guidance.guide import Weights
-from proxy_renderer.guidance.losses import claims_loss
-from proxy_renderer.optimize.context import plan_context, scene_words
-from proxy_renderer.optimize.inner.descent import fixed_views
+from proxy_renderer.guidance.guide import Weights, claims_loss
+from proxy_renderer.optimize.least_squares import fixed_views
 from proxy_renderer.optimize.rounds.method import Method
+from proxy_renderer.optimize.scene_facts import described_now
+from proxy_renderer.optimize.scene_words import described
 from proxy_renderer.planning.advice import OfflineAdvisor
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.understood import Understood
 from proxy_renderer.render.proxy import Proxy
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.parser import Understood
 
 TERMS = ("similarity", "claims")
 """The parts of the objective: what the encoder says of regions, and what the words claim."""
@@ -41,8 +41,9 @@ def objective(proxy: Proxy, prompt: str, encoder: Encoder) -> Callable[[Tensor],
     scene = proxy.scene
     with torch.no_grad():
         picture, seen = proxy.render({}), proxy.gbuffer({})
-        now = plan_context(proxy, {key: each.value for key, each in scene.instances.items()}, picture)
-        advice = OfflineAdvisor(goals_or_why(Understood(prompt, scene_words(scene)))).advise(
+        known, values = described(scene), {key: each.value for key, each in scene.instances.items()}
+        now = described_now(known, proxy, values, picture)
+        advice = OfflineAdvisor(goals_or_why(Understood(prompt, known))).advise(
             picture.display, scene.instances, now
         )
         guidance = Method().guidance(encoder, prompt, advice, picture, every_word=True)

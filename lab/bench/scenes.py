@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from proxy_renderer.render.lights.types import LIGHT_TYPES
+from proxy_renderer.render.lights.light_types import LIGHT_TYPES
 from proxy_renderer.scene import (
     Camera,
     FilmSettings,

@@ -12,7 +12,7 @@ import torch
 from PIL import Image, ImageDraw, ImageFont
 
 from lab.bench.metrics import delta_e_map
-from proxy_renderer.engine.report import save_image
+from proxy_renderer.engine.pictures import save_image
 
 _SIDE, _GAP, _LINE = 256, 6, 24
 _PAPER, _INK, _FAINT = (24, 24, 26), (236, 236, 236), (150, 150, 156)

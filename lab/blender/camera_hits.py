@@ -11,7 +11,7 @@ from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 from vibe_render.core.schema_import import atomic
 from vibe_render.export.analysis import SceneAnalysis
-from vibe_render.scene.geometry.visibility import ray_camera, rays
+from vibe_render.scene.geometry.visibility import camera_rays, ray_camera
 
 
 def save_camera_hits(analysis: SceneAnalysis, path: Path, count: int) -> None:
@@ -29,7 +29,7 @@ def save_camera_hits(analysis: SceneAnalysis, path: Path, count: int) -> None:
     seen = np.flatnonzero(geometry.seen)
     faces = geometry.faces[seen].tolist()
     tree = BVHTree.FromPolygons(geometry.vertices.tolist(), faces, all_triangles=True)
-    starts, directions = rays(ray_camera(analysis.scene), count)
+    starts, directions = camera_rays(ray_camera(analysis.scene), count)
     face = np.full((count, count), -1)
     depth = np.full((count, count), np.inf, np.float32)
     for index in np.ndindex(face.shape):

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import bpy
 from vibe_render.core import compat
-from vibe_render.core.overrides import changed
-from vibe_render.render.final_render import is_fog, render
+from vibe_render.core.compat import changed
+from vibe_render.render.final_render import is_fog, render_picture
 
 
 def render_clear(scene: bpy.types.Scene, path: Path, size: int, samples: int, seed: int = 0) -> None:
@@ -22,4 +22,4 @@ def render_clear(scene: bpy.types.Scene, path: Path, size: int, samples: int, se
         for node in tree.nodes if tree else ():
             if node.bl_idname.startswith("ShaderNodeVolume"):
                 stack.enter_context(changed(node, mute=True))
-        render(scene, path, size, samples, seed)
+        render_picture(scene, path, size, samples, seed)

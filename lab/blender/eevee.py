@@ -20,7 +20,7 @@ if not __package__:
     sys.path += [str(root / "addon"), str(root)]  # last: Blender has packages of its own
 
 from vibe_render.core import compat
-from vibe_render.core.overrides import changed
+from vibe_render.core.compat import changed
 
 
 def render(path: Path, size: int, frames: int) -> None:

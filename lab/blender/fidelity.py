@@ -71,7 +71,7 @@ def _reference(scene: bpy.types.Scene, mark: str, a: argparse.Namespace) -> tupl
     path = side.cached(a, ".png", mark, a.size, a.samples, bpy.app.version_string, VERSION)
     if path.is_file():
         return path, True
-    final_render.render(scene, path, a.size, a.samples, exact=True)
+    final_render.render_picture(scene, path, a.size, a.samples, exact=True)
     return path, False
 
 

@@ -69,7 +69,7 @@ def _step(
         path = side.cached(a, ".png", base, key, [f"{v:.6g}" for v in value])
         if not path.is_file():
             _write(scene, job, key, value)
-            final_render.render(scene, path, a.size, a.samples, exact=True)
+            final_render.render_picture(scene, path, a.size, a.samples, exact=True)
             _write(scene, job, key, instance.value)
         step |= {name: value, f"{name}_picture": str(path)}
     return step

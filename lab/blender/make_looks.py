@@ -18,12 +18,11 @@ from pathlib import Path
 import bpy
 import numpy as np
 from vibe_render.core.schema_import import preset, schema
-from vibe_render.engine.conversation import Conversation
 from vibe_render.engine.process import Engine
 from vibe_render.headless import arguments, scenes, vibe
-from vibe_render.headless.reporter import Reporter
-from vibe_render.looks import library, take, thumbnail
-from vibe_render.scene.stage import demo, parts
+from vibe_render.headless.arguments import Reporter
+from vibe_render.looks import library, thumbnail, transfer
+from vibe_render.scene.stage import DEMO_SUBJECT, area_light, build_demo
 
 GROUPS = "light,world,volume,film"
 PROMPTS = Path(__file__).with_name("looks.toml")
@@ -41,14 +40,14 @@ def main() -> int:
     a, options = parser.parse_known_args()
     rows = tomllib.loads(PROMPTS.read_text(encoding="utf-8"))["look"]
     a.out.mkdir(parents=True, exist_ok=True)
-    engine, reporter = Engine(""), Reporter(events=False)
+    reporter = Reporter(events=False)
+    engine = Engine(listener=reporter.engine)
     engine.start()
-    talk = Conversation(engine, reporter.engine)
     try:
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             for row in rows:
                 if not a.only or row["name"] in a.only:
-                    make(row["name"], row["prompt"], options, Path(folder), a.out, talk, reporter)
+                    make(row["name"], row["prompt"], options, Path(folder), a.out, engine, reporter)
     except schema.VibeError as error:
         reporter.error(error)
         return 2
@@ -63,7 +62,7 @@ def make(
     options: list[str],
     folder: Path,
     out: Path,
-    talk: Conversation,
+    engine: Engine,
     reporter: Reporter,
 ) -> None:
     """Makes a look and its picture.
@@ -80,11 +79,12 @@ def make(
     stage = folder / "stage.blend"
     if not stage.exists():
         build_stage(stage)
-    words = ["run", str(stage), f"--prompt={prompt}", f"--groups={GROUPS}", f"--subject={demo.SUBJECT}"]
-    vibe.run_with_engine(arguments.parse([*words, f"--out={folder}", *options]), reporter, talk)
-    look_preset = take.load(folder / "preset.json")
+    words = ["run", str(stage), f"--prompt={prompt}", f"--groups={GROUPS}", f"--subject={DEMO_SUBJECT}"]
+    args = arguments.parse([*words, f"--out={folder}", *options])
+    vibe.HeadlessVibe(args, reporter, engine).run()
+    look_preset = transfer.load_preset(folder / "preset.json")
     path = library.path_for(out, name)
-    thumbnail.shrink(folder / "after.png", path.with_suffix(thumbnail.SUFFIX))
+    thumbnail.save_thumbnail(folder / "after.png", path.with_suffix(thumbnail.SUFFIX))
     path.write_text(
         preset.Preset(name, look_preset.roles, look_preset.kinds, prompt).dumps() + "\n", encoding="utf-8"
     )
@@ -95,12 +95,12 @@ def build_stage(path: Path) -> None:
 
     Its subject is painted: what a look does to colors shows on a color.
     """
-    scene = demo.build_demo()
+    scene = build_demo()
     scene.camera.data.angle *= 0.82
-    paint = bpy.data.objects[demo.SUBJECT].active_material.node_tree.nodes["Principled BSDF"]
+    paint = bpy.data.objects[DEMO_SUBJECT].active_material.node_tree.nodes["Principled BSDF"]
     paint.inputs["Base Color"].default_value = (0.62, 0.16, 0.07, 1.0)
     pivot = np.array([0.0, 0.0, 0.86])
-    parts.area_light(scene, "Fill", (80.0, 18.0), 4.5, 3.0, 0.2, pivot)
+    area_light(scene, "Fill", (80.0, 18.0), 4.5, 3.0, 0.2, pivot)
     scenes.save_blend(path)
 
 

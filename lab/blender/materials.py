@@ -22,7 +22,7 @@ from vibe_render.core import compat
 from vibe_render.export.analysis import analyze
 from vibe_render.headless.scenes import open_blend, save_blend
 from vibe_render.render import final_render
-from vibe_render.scene.stage import parts
+from vibe_render.scene.stage import area_light, cyclorama, framing_camera, plain_material, plain_world
 from vibe_render.scene.subject import SubjectChoice
 
 from lab.blender import side
@@ -45,13 +45,13 @@ def build_studio(folder: Path) -> dict[str, Any]:
     scene = bpy.context.scene
     scene.render.resolution_x = scene.render.resolution_y = _SIDE
     ball = making.ball(BALL, 0.9, (0.0, 0.0, 0.9), 48)
-    ball.data.materials.append(parts.material(BALL, _GRAY))
+    ball.data.materials.append(plain_material(BALL, _GRAY))
     corners = np.array([[x, y, z] for x in (-0.9, 0.9) for y in (-0.9, 0.9) for z in (0.0, 1.8)])
-    parts.camera(scene, corners, (0.0, 10.0), 38.0, 0.74)
-    parts.cyclorama(scene, 7.0, 6.0, 0.0, parts.material("Backdrop", _GRAY, 0.8))
-    parts.area_light(scene, "Key", (-40.0, 42.0), 5.0, 1.4, 0.7, ball.location)
-    parts.area_light(scene, "Fill", (60.0, 42.0), 5.0, 2.0, 0.3, ball.location)
-    parts.world(scene, (0.5, 0.5, 0.5), 0.3)
+    framing_camera(scene, corners, (0.0, 10.0), 38.0, 0.74)
+    cyclorama(scene, 7.0, 6.0, 0.0, plain_material("Backdrop", _GRAY, 0.8))
+    area_light(scene, "Key", (-40.0, 42.0), 5.0, 1.4, 0.7, ball.location)
+    area_light(scene, "Fill", (60.0, 42.0), 5.0, 2.0, 0.3, ball.location)
+    plain_world(scene, (0.5, 0.5, 0.5), 0.3)
     scene.view_layers[0].update()
     save_blend(folder / "scene.blend")
     save_camera_hits(analyze(scene, SubjectChoice((BALL,))), folder / "sight.npz", CAMERA_HITS)
@@ -71,7 +71,7 @@ def render_measured(scene: Path, rows: Path, folder: Path, size: int, samples: i
     missing = [row for row in json.loads(rows.read_text("utf-8")) if not (folder / row["file"]).is_file()]
     for row in missing:
         give(bpy.data.materials[BALL], row)
-        final_render.render(bpy.context.scene, folder / row["file"], size, samples)
+        final_render.render_picture(bpy.context.scene, folder / row["file"], size, samples)
     return {"rendered": len(missing)}
 
 

@@ -17,11 +17,9 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-from vibe_render.engine.conversation import Conversation
 from vibe_render.engine.process import Engine
 from vibe_render.headless import vibe
-from vibe_render.headless.arguments import parse
-from vibe_render.headless.reporter import Reporter
+from vibe_render.headless.arguments import Reporter, parse
 from vibe_render.render import final_render
 from vibe_render.scene import snapshot
 
@@ -47,7 +45,6 @@ class PaperRuns:
     def __init__(self) -> None:
         self._reporter = _Quiet(events=False)
         self._engine: Engine | None = None
-        self._talk: Conversation | None = None
         self._environment: dict[str, str] = {}
 
     def vibe(self, run: dict[str, Any]) -> None:
@@ -63,7 +60,7 @@ class PaperRuns:
             self._environment = run["environment"]
             os.environ.update(self._environment)
         try:
-            analysis = vibe.run_with_engine(parse(given), self._reporter, self._conversation())
+            analysis = vibe.HeadlessVibe(parse(given), self._reporter, self._warm_engine()).run()
         except BaseException:
             self.close()
             raise
@@ -79,14 +76,12 @@ class PaperRuns:
         """Ends the engine."""
         if self._engine:
             self._engine.stop(patience=0.5)
-        self._engine = self._talk = None
+        self._engine = None
 
-    def _conversation(self) -> Conversation:
-        if self._talk is None or self._engine is None or not self._engine.alive:
-            self._engine = Engine()
-            self._engine.start()
-            self._talk = Conversation(self._engine, lambda message: None)
-        return self._talk
+    def _warm_engine(self) -> Engine:
+        self._engine = self._engine or Engine()
+        self._engine.start()
+        return self._engine
 
 
 def _number(run: dict[str, Any], option: str) -> int:

@@ -19,7 +19,15 @@ import bpy
 import numpy as np
 from vibe_render.render import final_render
 from vibe_render.scene import bindings
-from vibe_render.scene.stage import parts
+from vibe_render.scene.stage import (
+    area_light,
+    cyclorama,
+    floor,
+    framing_camera,
+    mesh_object,
+    plain_material,
+    plain_world,
+)
 
 from lab.blender.side import say
 
@@ -29,7 +37,7 @@ def main(folder: Path) -> None:
     for row in json.loads((folder / "looks.json").read_text(encoding="utf-8")):
         try:
             scene, subject = _build(row, folder)
-            final_render.render(scene, folder / f"{row['name']}.png", row["size"], row["samples"])
+            final_render.render_picture(scene, folder / f"{row['name']}.png", row["size"], row["samples"])
             final_render.render_mask(scene, folder / f"{row['name']}.mask.png", row["size"], [subject])
             say("scene", name=row["name"])
         except Exception as error:
@@ -42,25 +50,25 @@ def _build(row: dict[str, Any], folder: Path) -> tuple[bpy.types.Scene, bpy.type
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True, load_ui=False)
     scene = bpy.context.scene
     scene.render.resolution_x = scene.render.resolution_y = row["size"]
-    stuff = parts.material("Subject", row["color"], row["roughness"], row["metallic"])
+    stuff = plain_material("Subject", row["color"], row["roughness"], row["metallic"])
     shader = next(n for n in stuff.node_tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
     shader.inputs["Specular IOR Level"].default_value = row["specular"]
     with np.load(folder / row["mesh"]) as mesh:
         points = mesh["triangles"].reshape(-1, 3)
         normals = mesh["normals"].reshape(-1, 3)
     faces = np.arange(len(points)).reshape(-1, 3)
-    subject = parts.mesh_object(scene, "Subject", points, faces.tolist(), stuff)
+    subject = mesh_object(scene, "Subject", points, faces.tolist(), stuff)
     subject.data.normals_split_custom_set(normals.tolist())
     middle = (points.min(0) + points.max(0)) / 2
-    camera = parts.camera(scene, points, (0.0, row["elevation"]), row["fov"], row["fill"])
-    ground = parts.material("Ground", row["ground"], 0.75)
+    camera = framing_camera(scene, points, (0.0, row["elevation"]), row["fov"], row["fill"])
+    ground = plain_material("Ground", row["ground"], 0.75)
     if row["stage"] == "floor":
-        parts.floor(scene, 60.0, ground)
+        floor(scene, 60.0, ground)
     elif row["stage"] == "cove":
-        parts.cyclorama(scene, row["radius"], 12.0, 0.0, ground)
+        cyclorama(scene, row["radius"], 12.0, 0.0, ground)
     angles = (row["light_azimuth"], row["light_elevation"])
-    parts.area_light(scene, "Key", angles, 5.0, row["light_size"], row["light"], middle, row["light_color"])
-    parts.world(scene, row["world"])
+    area_light(scene, "Key", angles, 5.0, row["light_size"], row["light"], middle, row["light_color"])
+    plain_world(scene, row["world"])
     scene.view_settings.view_transform = row["transform"]
     view = (camera.location - camera.location.__class__(middle)).length
     values: dict[str, tuple[float, ...]] = {

@@ -21,7 +21,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 from vibe_render.export import reading
-from vibe_render.scene.stage import parts
+from vibe_render.scene.stage import plain_material, plain_world
 from vibe_render.scene.subject import SubjectChoice
 
 from lab.blender import side
@@ -50,7 +50,7 @@ def build(triangles: int, lights: int, materials: int, shots: int) -> list[bpy.t
     mesh = _sphere(max(12, triangles // count), radius)
     for i in range(count):
         red, green, blue = (0.45 + 0.4 * math.sin(1.0 + i + 2.0 * c) for c in range(3))
-        stuff = parts.material(f"Stuff {i}", (red, green, blue), roughness=0.25 + 0.5 * (i % 4) / 3)
+        stuff = plain_material(f"Stuff {i}", (red, green, blue), roughness=0.25 + 0.5 * (i % 4) / 3)
         row, column = divmod(i, side_count)
         place = ((np.array([column, row]) + 0.5) / side_count - 0.5) * _ROOM
         data = mesh if i == 0 else mesh.copy()
@@ -60,10 +60,10 @@ def build(triangles: int, lights: int, materials: int, shots: int) -> list[bpy.t
         ball.location = (*place, radius)
         scene.collection.objects.link(ball)
     bpy.ops.mesh.primitive_plane_add(size=4 * _ROOM)
-    bpy.context.object.data.materials.append(parts.material("Floor", (0.5, 0.5, 0.5), roughness=0.6))
+    bpy.context.object.data.materials.append(plain_material("Floor", (0.5, 0.5, 0.5), roughness=0.6))
     for i in range(lights):
         _lamp(scene, i, lights)
-    parts.world(scene, (0.5, 0.5, 0.5), strength=0.2)
+    plain_world(scene, (0.5, 0.5, 0.5), strength=0.2)
     return [_camera(scene, i, shots) for i in range(shots)]
 
 

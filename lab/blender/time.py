@@ -15,11 +15,11 @@ from typing import Any
 import bpy
 from vibe_render.core import ADDON
 from vibe_render.render import final_render
-from vibe_render.scene.stage.demo import build_demo
-from vibe_render.session import result, session
-from vibe_render.session.live import Live
-from vibe_render.session.session import Session
-from vibe_render.session.state import addon_state
+from vibe_render.run import result, session
+from vibe_render.run.live import Live
+from vibe_render.run.session import Session
+from vibe_render.run.state import addon_state
+from vibe_render.scene.stage import build_demo
 
 from lab.blender import side
 from lab.blender.scenes import build
@@ -125,7 +125,7 @@ def measure(timed: _Timed, options: argparse.Namespace) -> dict[str, Any]:
         time.sleep(0.005)
     addon_state.end()
     phases.lap("write the values")
-    final_render.render(scene, options.work / "final.png", options.size, options.samples, 0)
+    final_render.render_picture(scene, options.work / "final.png", options.size, options.samples, 0)
     phases.lap("finished picture")
     report = vibe.report
     result.revert(scene)

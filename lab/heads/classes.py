@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from proxy_renderer.prompt.lexicon.entries import VocabularyEntry
+from proxy_renderer.words.lexicon.entries import VocabularyEntry
 
 HEADS = {
     "color": "subject_color",

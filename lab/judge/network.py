@@ -6,7 +6,7 @@ from typing import Any
 from timm.models import register_model
 from torch import Tensor, nn
 
-from proxy_renderer.guidance.network import PATCH, Tower, with_logarithm
+from proxy_renderer.guidance.encoder import PATCH, Tower, with_logarithm
 
 
 class Patches(nn.Conv2d):

@@ -15,7 +15,7 @@ from torch import Tensor
 from lab.methods import RATE
 from proxy_renderer.guidance.encoder import Encoder
 from proxy_renderer.guidance.guide import Guidance
-from proxy_renderer.optimize.inner.descent import Descent, fixed_views
+from proxy_renderer.optimize.least_squares import Descent, fixed_views
 from proxy_renderer.optimize.objective import RoundObjective
 from proxy_renderer.optimize.rounds.confiner import Confined
 from proxy_renderer.optimize.rounds.method import Method

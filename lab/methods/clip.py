@@ -16,8 +16,7 @@ from lab.methods.adam import Adam, StepSettings
 from proxy_renderer.claims.claim import Claim
 from proxy_renderer.guidance import regions
 from proxy_renderer.guidance.encoder import Encoder
-from proxy_renderer.guidance.guide import Guidance, Weights
-from proxy_renderer.guidance.losses import positive_loss
+from proxy_renderer.guidance.guide import Guidance, Weights, positive_loss
 from proxy_renderer.optimize.objective import RoundObjective
 from proxy_renderer.optimize.rounds.confiner import Confined
 from proxy_renderer.optimize.rounds.selection import Selection, relevant
@@ -65,12 +64,8 @@ class ClipOnly(Adam):
     ) -> Selection:
         """All that can move."""
         keys = relevant(now.plan, vector, now.upper > now.lower)
-        home = vector.encode({})
-        none = torch.zeros_like(home)
-        return Selection(
-            sorted(keys),
-            RoundObjective(shots, vector, keys, now.lower, now.upper, home, none, self.weights),
-        )
+        box = now.lower, now.upper
+        return Selection(sorted(keys), RoundObjective(shots, vector, now.plan, keys, box, self.weights))
 
 
 class ClipAuthors(ClipOnly):

@@ -15,7 +15,7 @@ from lab.heads.classes import HEADS
 from lab.methods.attributes import WithHeads
 from proxy_renderer.guidance.encoder import Encoder
 from proxy_renderer.guidance.guide import Guidance, NoGuidance, Weights
-from proxy_renderer.optimize.inner.descent import Descent
+from proxy_renderer.optimize.least_squares import Descent
 from proxy_renderer.optimize.rounds import selection
 from proxy_renderer.optimize.rounds.confiner import Confined
 from proxy_renderer.optimize.rounds.method import Method

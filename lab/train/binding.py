@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 import argparse
+import json
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from lab.train.fitting import Example, fit_links, fit_pairs
 from lab.train.sentences import read_folder
@@ -15,11 +17,12 @@ from lab.train.sentences.glossed import glossed
 from lab.train.sentences.labels import LabeledSentence
 from lab.train.sentences.right import right_pairs
 from lab.train.sentences.stand_in import stand_in
-from proxy_renderer.prompt.binding.assignment import assigned
-from proxy_renderer.prompt.binding.model import FILE, FactWeights, write
-from proxy_renderer.prompt.binding.pairs import reading
-from proxy_renderer.prompt.lexicon.vocabulary import Vocabulary, shipped_vocabulary
-from proxy_renderer.prompt.parser import prepared
+from proxy_renderer.words.features import reading
+from proxy_renderer.words.lexicon.vocabulary import Vocabulary, shipped_vocabulary
+from proxy_renderer.words.model import FILE, FactWeights, likeliest_row
+from proxy_renderer.words.parser import prepared
+
+_SMALL = 0.02  # weights nearer to 0 are left out of the file
 
 L2 = 1.5
 """Of the penalty: half of it times the sum of squares."""
@@ -38,7 +41,7 @@ def examples(
     """
     found = []
     scenes = {s.scene.name: s.scene for s in sentences}
-    words_of = {name: stand_in(scene).words for name, scene in scenes.items()}
+    words_of = {name: stand_in(scene).scene for name, scene in scenes.items()}
     for artists in sentences:
         words = words_of[artists.scene.name]
         sentence = glossed(artists, words, vocabulary)
@@ -82,7 +85,7 @@ def accuracy(every: Sequence[tuple[Example, FactWeights]]) -> float:
     right = []
     for example, weights in every:
         for pairs, may, chosen in zip(
-            example.read.pairs, example.right, assigned(example.read, weights), strict=True
+            example.read.pairs, example.right, likeliest_row(example.read, weights), strict=True
         ):
             right += [may[next(i for i, p in enumerate(pairs) if p is chosen)]] if any(may) else []
     return sum(right) / max(len(right), 1)
@@ -120,3 +123,10 @@ def main(argv: Sequence[str]) -> None:
     command = f"python -m lab fit --sentences {folders}{hard} --l2 {options.l2:g}"
     write(options.out, fitted.weights, command, figures)
     print(f"{figures}; {len(fitted.weights)} weights in {options.out}; {time.perf_counter() - start:.0f} s")
+
+
+def write(path: Path, weights: Mapping[str, float], command: str, figures: Mapping[str, Any]) -> None:
+    """Writes a file of weights."""
+    kept = {name: round(w, 2) for name, w in weights.items() if abs(w) >= _SMALL}
+    content = {"made by": command, "figures": dict(figures), "weights": kept}
+    path.write_text(json.dumps(content, indent=0, ensure_ascii=False) + "\n", encoding="utf-8")

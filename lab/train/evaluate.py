@@ -26,8 +26,8 @@ from lab.train.text.captions import caption
 from lab.train.text.wording import NOUNS, TRAINED, WordingSplit
 from proxy_renderer.guidance import regions
 from proxy_renderer.guidance.encoder import Encoder, load_encoder
-from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.schema import atomic
+from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 
 _GROUPS, _BATCHES, _SEED = 48, 10, 7_000_000
 _UNIFORM = 0.8

@@ -18,9 +18,8 @@ from scipy.optimize import minimize
 from scipy.sparse import csr_matrix
 from scipy.special import logsumexp
 
-from proxy_renderer.prompt.binding.assignment import link
-from proxy_renderer.prompt.binding.model import FactWeights, likeliest
-from proxy_renderer.prompt.binding.pairs import PromptPairs, TargetPair
+from proxy_renderer.words.model import FactWeights, likeliest, link
+from proxy_renderer.words.targets import PromptPairs, TargetPair
 
 _LEAST = 3  # sentences in which a fact has to be
 _WRONG = -1e9  # logarithm of a probability of nothing

@@ -20,10 +20,10 @@ from lab.judge import network as judge_network  # noqa: F401 - makes timm know t
 from lab.train.data import LOOKS, Batch, choices, contradicts
 from lab.train.pictures.dense import MapReader
 from lab.train.pictures.looks import STRESS
-from proxy_renderer.guidance import network
+from proxy_renderer.guidance import encoder
 from proxy_renderer.guidance.encoder import MERGES
-from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.schema import VibeError, atomic
+from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 
 CONFIG = {
     "embed_dim": 128,
@@ -184,9 +184,9 @@ def _choice(logits: Tensor, labels: Tensor, taught: Tensor) -> Tensor:
 def _last_grid(visual: Any) -> tuple[nn.Module, int]:
     """The last module of a picture tower that puts out a grid of features, and its channels."""
     trunk = getattr(visual, "trunk", None)
-    if isinstance(trunk, network.Tower):
+    if isinstance(trunk, encoder.Tower):
         last: Any = trunk[-1]
-        return trunk[-4], last.in_features // network.GRID**2
+        return trunk[-4], last.in_features // encoder.GRID**2
     return visual.layer4, visual.attnpool.positional_embedding.shape[1]
 
 

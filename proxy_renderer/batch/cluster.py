@@ -1,26 +1,63 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Workers on a Ray cluster: the same `Worker` as on one machine, as an actor on every node that has room for it.
-
-Nodes come and go: what was under way on one that is lost is handed out again. A node that sees the results folder
-writes into it; to one that does not, the scene is sent, and its files come back through Ray's object store.
-"""
+"""Workers on a Ray cluster: the same `Worker` as on one machine, as an actor on every node that has room for it."""
 
 from __future__ import annotations
 
 import contextlib
 import os
 import socket
+import tempfile
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from ..schema import VibeError
-from .local import PER_GPU
-from .manifest.manifest import Limits
+from .manifest import Limits
 from .plan import Job
-from .station import Station
-from .store import JobRow, Store
-from .worker import Interrupted, Setup
+from .schedule import PER_GPU
+from .store import TOKEN, JobRow, Store, read_json
+from .worker import Interrupted, Setup, Worker
+
+
+class Station:
+    """A worker in an actor's process."""
+
+    def __init__(self, setup: Setup, out: Path, token: str) -> None:
+        self._worker = Worker(setup)
+        self._jobs = out / "jobs"
+        self._shares = (read_json(out / TOKEN) or {}).get("token") == token
+        self._node = os.getppid()  # the node's own process has started this one
+
+    def shares(self) -> bool:
+        """True if this machine sees the results folder."""
+        return self._shares
+
+    def run(self, job: Job, *scenes: bytes) -> tuple[JobRow, dict[str, bytes]]:
+        """Carries out a job, and returns its files where they cannot be put into the results folder."""
+        row, files = self._carry_out(job, *scenes)
+        if row["status"] == "failed" and os.getppid() != self._node:
+            # The node has died. Ray kills Blender before this process, which is no failure of the job.
+            raise Interrupted
+        return row, files
+
+    def _carry_out(self, job: Job, *scenes: bytes) -> tuple[JobRow, dict[str, bytes]]:
+        if self._shares:
+            return self._worker.run(job, self._jobs / job.name), {}
+        with tempfile.TemporaryDirectory(prefix="vibe-batch-") as place:
+            folder, sources = Path(place) / "out", []
+            for number, (source, content) in enumerate(zip((job.source, *job.more), scenes, strict=True)):
+                sources.append(Path(place) / str(number) / source.name)  # each under its own name
+                sources[-1].parent.mkdir()
+                sources[-1].write_bytes(content)
+            row = self._worker.run(replace(job, source=sources[0], more=tuple(sources[1:])), folder)
+            files = [p for p in folder.rglob("*") if p.is_file() and not p.name.startswith(".")]
+            return row, {p.relative_to(folder).as_posix(): p.read_bytes() for p in files}
+
+    def close(self) -> None:
+        """Ends the running job."""
+        self._worker.close()
+
 
 _LOOK = 2.0  # seconds between two looks at the cluster's nodes
 _KEPT = 8  # scenes that are kept in the object store
@@ -29,12 +66,7 @@ _FAREWELL = 10.0  # seconds that workers get to end their processes
 
 
 class RayPool:
-    """A `Pool` of stations, as many as the nodes hold.
-
-    Args:
-        ray: The module, connected to a cluster.
-        most: Workers at a time; 0 for as many as fit.
-    """
+    """A `Pool` of stations, as many as the nodes hold."""
 
     def __init__(self, ray: Any, store: Store, setup: Setup, most: int = 0) -> None:
         self._ray, self._store, self._setup, self._most = ray, store, setup, most
@@ -49,7 +81,7 @@ class RayPool:
         self._lost = False
 
     def capacity(self) -> int:
-        """How many stations are ready now."""
+        """Number of stations that are ready now."""
         return len(self._ready)
 
     def submit(self, job: Job) -> None:
@@ -59,11 +91,7 @@ class RayPool:
         self._out[station.run.remote(job, *map(self._scene, sources))] = (station, job)
 
     def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
-        """As `Pool.wait`; stations that come and go meanwhile are taken in.
-
-        Raises:
-            VibeError: The cluster's head is lost.
-        """
+        """As `Pool.wait`; stations that come and go meanwhile are taken in."""
         self._look()
         waiting = [*self._coming, *self._out]
         if not waiting:
@@ -71,8 +99,12 @@ class RayPool:
             return []
         ended, _ = self._ray.wait(waiting, num_returns=1, timeout=seconds)
         for reference in ended:
-            if reference in self._coming:
-                self._arrive(reference)
+            if station := self._coming.pop(reference, None):
+                try:
+                    self._ready[station] = self._ray.get(reference)
+                    self._idle.append(station)
+                except self._ray.exceptions.RayError:  # gone before it came
+                    self._forget(station)
         return [self._end(reference) for reference in ended if reference in self._out]
 
     def close(self) -> None:
@@ -105,11 +137,7 @@ class RayPool:
                     group.append(self._start(node, resources))
 
     def _check_head(self) -> None:
-        """Notices that the head is gone before Ray does, which then ends this process without a word of ours.
-
-        Raises:
-            VibeError: It has not answered several times in a row.
-        """
+        """Notices that the head is gone before Ray does, which then ends this process without a word of ours."""
         host, port = self._ray.get_runtime_context().gcs_address.rsplit(":", 1)
         for _ in range(_PATIENCE):
             try:
@@ -134,14 +162,6 @@ class RayPool:
         self._coming[station.shares.remote()] = station
         return station
 
-    def _arrive(self, reference: Any) -> None:
-        station = self._coming.pop(reference)
-        try:
-            self._ready[station] = self._ray.get(reference)
-            self._idle.append(station)
-        except self._ray.exceptions.RayError:  # gone before it came
-            self._forget(station)
-
     def _forget(self, station: Any) -> None:
         """A station has died; the next look at its node, if that is there, starts another."""
         for group in self._nodes.values():
@@ -156,12 +176,10 @@ class RayPool:
         station, job = self._out.pop(reference)
         try:
             row, files = self._ray.get(reference)
-        except self._ray.exceptions.RayTaskError as error:
-            if not isinstance(error.cause, Interrupted):
+        except self._ray.exceptions.RayError as error:
+            failed = isinstance(error, self._ray.exceptions.RayTaskError)
+            if failed and not isinstance(error.cause, Interrupted):
                 raise
-            self._forget(station)
-            return job, None
-        except self._ray.exceptions.RayError:
             self._forget(station)
             return job, None
         if files:
@@ -180,15 +198,7 @@ class RayPool:
 
 
 def cluster_pool(address: str, store: Store, setup: Setup, most: int = 0) -> RayPool:
-    """Connects to a cluster.
-
-    Args:
-        address: Of its head, HOST:PORT; "auto" for the one that this machine belongs to.
-        most: Stations at once; 0 for as many as the nodes hold.
-
-    Raises:
-        VibeError: Ray is not installed, or there is no cluster.
-    """
+    """Connects to a cluster by its head's HOST:PORT, or "auto". Raises VibeError if that fails."""
     os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")
     try:
         import ray
@@ -205,11 +215,7 @@ def cluster_pool(address: str, store: Store, setup: Setup, most: int = 0) -> Ray
 
 
 def fitting(resources: dict[str, float], limits: Limits) -> int:
-    """How many workers a node holds; 0 if it is too small.
-
-    Args:
-        resources: What Ray says of the node: "CPU" cores, "memory" in bytes, "GPU" cards.
-    """
+    """Number of workers that a node holds; 0 if it is too small."""
     fits = [int(resources.get("CPU", 0) // limits.cores)]
     fits.append(int(resources.get("memory", 0) / 1e9 // limits.memory_gb))
     if cards := resources.get("GPU"):

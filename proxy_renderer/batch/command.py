@@ -1,50 +1,181 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`vibe batch`: from a manifest to a folder of results."""
+"""`vibe batch`, from a manifest to a folder of results, and `vibe flamenco install`."""
 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import re
 import signal
+import time
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from pathlib import Path
+from typing import Any, TextIO
 
-from ..prompt.lexicon.user_words import VARIABLE
+from ..blender.launch import blender_side
+from ..blender.progress import TerminalBar
 from ..schema import VibeError
-from . import schedule
-from .estimate import account
-from .finals import Finals
-from .local import Pool, fitting, local_pool
-from .manifest import manifest
+from ..words.lexicon.user_words import VARIABLE
+from . import manifest, schedule
 from .plan import BatchPlan, Job, Jobs
-from .progress import BatchProgress
+from .schedule import Pool, fitting, local_pool
 from .sheet import Sheet
-from .store import JobRow, Store
+from .store import DONE, FAILED, Finals, JobRow, Store, read_json, write_bytes
 from .worker import Setup
 
 
-def run(a: argparse.Namespace) -> int:
-    """Carries out the command; returns 0, or 1 if jobs have failed.
+class BatchProgress(TerminalBar):
+    """Counts jobs and shows them: `counts` by "done", "failed" and "running"."""
 
-    Raises:
-        VibeError: The manifest is wrong, or the batch cannot go on.
-        KeyboardInterrupt: It was interrupted; what is done stays, and the next run continues.
+    def __init__(self, total: int, done: int, stream: TextIO | None = None) -> None:
+        super().__init__(stream)
+        self._total, self._before = total, done
+        self.counts = {"done": done, "failed": 0, "running": 0}
+
+    def __enter__(self) -> BatchProgress:
+        if self._stream.isatty():
+            from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+
+            columns = (
+                TextColumn("{task.completed:.0f}/{task.total:.0f} jobs"),
+                BarColumn(bar_width=32),
+                TextColumn("{task.description}"),
+                TimeElapsedColumn(),
+            )
+            self._open(columns, self._state(), total=self._total, completed=self._before)
+        return self
+
+    def tell(self, what: str, job: Job, row: JobRow) -> None:
+        """Counts and shows a job that is "started", "done", "failed", "again" (tried again) or "lost"."""
+        self.counts["running"] += 1 if what == "started" else -1
+        if what in ("done", "failed"):
+            self.counts[what] += 1
+        if self._bar is not None:
+            ended = self.counts["done"] + self.counts["failed"]
+            self._bar.update(self._task, description=self._state(), completed=ended)
+        if what == "failed" or (what != "started" and self._bar is None):
+            self.note(self._line(what, job, row))
+
+    def summary(self) -> str:
+        """The outcome in one line."""
+        seconds = time.monotonic() - self._start
+        new = self.counts["done"] - self._before
+        waiting = self._total - self.counts["done"] - self.counts["failed"]
+        parts = [f"{self.counts['done']} of {self._total} jobs are done ({new} now, in {duration(seconds)})"]
+        parts += [f"{self.counts['failed']} failed"] if self.counts["failed"] else []
+        parts += [f"{waiting} wait"] if waiting else []
+        return ", ".join(parts) + "."
+
+    def _line(self, what: str, job: Job, row: JobRow) -> str:
+        ended = self.counts["done"] + self.counts["failed"]
+        who = f"{job.scene} · {job.prompt} · {job.seed}"
+        if what == "done" and job.frames is not None:
+            how = f"{row['seconds']:.0f} s, {row['frames']} frames"
+        elif what == "done":
+            how = f"{row['seconds']:.0f} s, delta E {row['delta_e']:.1f}"
+        elif what == "lost":
+            how = "its machine is lost; it will be done elsewhere"
+        else:
+            how = f"{row['error']}{' It will be tried again.' if what == 'again' else ''}"
+        return f"[{ended}/{self._total}] {what:6} {who}: {how}   {self._left()}".rstrip()
+
+    def _state(self) -> str:
+        failed = f", {self.counts['failed']} failed" if self.counts["failed"] else ""
+        return f"{self.counts['running']} running{failed}   {self._left()}"
+
+    def _left(self) -> str:
+        """Rate and time left, by the jobs that have ended since the start."""
+        ended = self.counts["done"] + self.counts["failed"]
+        if ended == self._before:
+            return ""
+        pace = (time.monotonic() - self._start) / (ended - self._before)
+        return f"{3600 / pace:.0f} jobs/h, {duration(pace * (self._total - ended))} left"
+
+
+def duration(seconds: float) -> str:
+    """A time for people.
+
+    >>> duration(45), duration(200), duration(7500)
+    ('45 s', '3:20 min', '2:05 h')
     """
-    wanted = manifest.load(a.manifest, a.out)
-    plan = BatchPlan(wanted.groups)
+    if seconds < 60:
+        return f"{seconds:.0f} s"
+    if seconds < 3600:
+        return f"{int(seconds) // 60}:{int(seconds) % 60:02d} min"
+    return f"{int(seconds) // 3600}:{int(seconds) % 3600 // 60:02d} h"
+
+
+_LISTED = 12
+_MEASURED = 50  # finished jobs that an estimate looks at
+
+# Seconds on two cores at 512 pixels and 128 samples, from `vibe demo`: see "Speed" in the README.
+_FIXED, _ROUND, _STEP, _RENDERS = 5.0, 3.0, 0.14, 12.0
+
+
+def account(plan: BatchPlan, out: Path, workers: int) -> str:
+    """The plan as text."""
+    counts = {True: 0, False: 0}
+    scenes: Counter[str] = Counter()
+    seconds: list[float] = []
+    guessed, failed = 0.0, 0
+    for job in plan:
+        folder = out / "jobs" / job.name
+        done = (folder / DONE).is_file()
+        counts[done] += 1
+        scenes[job.scene] += 1
+        failed += not done and (folder / FAILED).is_file()
+        if done and len(seconds) < _MEASURED:
+            seconds.append((read_json(folder / DONE) or {}).get("seconds", 0.0))
+        if not done:
+            guessed += guess(job)
+    to_do = counts[False]
+    lines = [
+        f"{len(plan)} jobs: {counts[True]} done, {to_do} to do"
+        + (f", of which {failed} had failed." * bool(failed) or ".")
+    ]
+    lines += [f"  {count:5}  {scene}" for scene, count in list(scenes.items())[:_LISTED]]
+    lines += [f"         ... and {len(scenes) - _LISTED} more scenes"] if len(scenes) > _LISTED else []
+    if not to_do:
+        return "\n".join(lines)
+    # Jobs that are done tell the time of others; without any it is a guess.
+    each = sum(seconds) / len(seconds) if seconds else guessed / to_do
+    basis = f"as the {len(seconds)} looked at took" if seconds else "a guess, until jobs have been measured"
+    where = f"with {workers} worker{'s' * (workers != 1)}" if workers else "divided by the cluster's workers"
+    total = each * to_do / max(workers, 1)
+    lines.append(f"About {duration(each)} a job ({basis}): {duration(total)} {where}.")
+    return "\n".join(lines)
+
+
+def guess(job: Job) -> float:
+    """Seconds that a job would take on two cores."""
+    options = dict(a[2:].split("=", 1) for a in job.arguments if "=" in a)
+    rounds, steps = int(options["rounds"]), int(options["steps"])
+    pictures = (int(options["size"]) / 512) ** 2 * int(options["samples"]) / 128
+    cameras = sum(a.startswith("--cameras=") for a in job.arguments)
+    frames = 1 + options.get("frames", "").count(",")
+    shots = (1 + len(job.more)) * max(cameras, 1) * frames
+    # Steps take the shots in turn; anchors and final pictures are made of each.
+    return _FIXED + rounds * (_ROUND * shots + steps * _STEP) + _RENDERS * pictures * shots
+
+
+def run(a: argparse.Namespace) -> int:
+    """Carries out the command; returns 0, or 1 if jobs have failed. What is done stays, and the next run continues."""
+    content = manifest.load(a.manifest, a.out)
+    plan = BatchPlan(content.groups)
     if a.workers < 0:
         raise VibeError(f"--workers {a.workers} is out of range.", "Use 1 or more, or leave it out.")
     if a.final and not re.fullmatch(r"\d+(-\d+)?", a.final):
         raise VibeError(f"--final {a.final} names no frames.", "Write them as in --final 1-24.")
     if a.dry_run:
-        workers = a.workers or fitting(wanted.limits)
+        workers = a.workers or fitting(content.limits)
         print(account(plan, a.out, 0 if a.ray else workers))
         return 0
-    with Store(a.out) as store, _terminable():
-        store.check_space(wanted.limits.free_gb)
-        return _carry_out(a, plan, store, wanted.limits)
+    with Store(a.out) as store, _handling(_interrupt, signal.SIGTERM):
+        store.check_space(content.limits.free_gb)
+        return _carry_out(a, plan, store, content.limits)
 
 
 def _carry_out(a: argparse.Namespace, plan: BatchPlan, store: Store, limits: manifest.Limits) -> int:
@@ -57,7 +188,7 @@ def _carry_out(a: argparse.Namespace, plan: BatchPlan, store: Store, limits: man
         if a.final is not None:
             failed += _pass(Finals(plan, store, a.final), store, pool, limits, sheet)
     finally:
-        with _deaf():
+        with _handling(signal.SIG_IGN, signal.SIGINT, signal.SIGTERM):  # nothing interrupts the tidying up
             pool.close()
             sheet.write()
     print(f"Open {store.folder / 'index.html'}", flush=True)
@@ -93,25 +224,30 @@ def _pool(a: argparse.Namespace, store: Store, limits: manifest.Limits) -> Pool:
 
 
 @contextmanager
-def _terminable() -> Iterator[None]:
-    """SIGTERM is heard like Ctrl-C."""
-
-    def stop(number: int, frame: Any) -> None:
-        raise KeyboardInterrupt
-
-    old = signal.signal(signal.SIGTERM, stop)
+def _handling(handler: Any, *numbers: int) -> Iterator[None]:
+    """Signals go to a handler inside the block."""
+    old = {number: signal.signal(number, handler) for number in numbers}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, old)
+        for number, before in old.items():
+            signal.signal(number, before)
 
 
-@contextmanager
-def _deaf() -> Iterator[None]:
-    """Nothing interrupts the tidying up."""
-    old = {n: signal.signal(n, signal.SIG_IGN) for n in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield
-    finally:
-        for number, handler in old.items():
-            signal.signal(number, handler)
+def _interrupt(number: int, frame: Any) -> None:
+    raise KeyboardInterrupt
+
+
+NAME = "vibe-render.js"
+
+
+def install_job_type(scripts: Path) -> Path:
+    """Copies the job type to a Flamenco Manager's scripts; it proposes this installation's `batch.py`."""
+    scripts = scripts.expanduser().resolve()
+    if not scripts.parent.is_dir():
+        raise VibeError(f"There is no folder {scripts.parent}.", "Name the folder of your Flamenco Manager.")
+    scripts.mkdir(exist_ok=True)
+    source = Path(__file__).with_name("flamenco.js").read_text("utf-8")
+    script = json.dumps(blender_side().as_posix())[1:-1]
+    write_bytes(scripts / NAME, source.replace("{{script}}", script).encode())
+    return scripts / NAME

@@ -14,8 +14,8 @@ from typing import Protocol
 
 from .. import __version__
 from ..schema import schema_hash
-from .manifest.manifest import SceneGroup
-from .manifest.options import IN_FILES
+from .manifest import SceneGroup
+from .manifest_options import IN_FILES
 
 _WORDS, _DIGEST = 32, 12  # letters of a prompt, and of the digest, in a folder's name
 _FILES = tuple(f"--{name}=" for name in IN_FILES)
@@ -23,46 +23,28 @@ _FILES = tuple(f"--{name}=" for name in IN_FILES)
 
 @dataclass(frozen=True)
 class Take:
-    """Final frames of one .blend through one camera.
+    """Final frames of one .blend through one camera."""
 
-    Attributes:
-        blend: Its number among the job's scenes.
-        camera: Its name; "" for the .blend's own.
-        frames: "1-24" or "1,50"; "" for the .blend's own.
-        folder: For its frames, in that of the job's frames; "" for that itself.
-    """
-
-    blend: int
-    camera: str = ""
-    frames: str = ""
-    folder: str = ""
+    blend: int  # its number among the job's scenes
+    camera: str = ""  # its name; "" for the .blend's own
+    frames: str = ""  # "1-24" or "1,50"; "" for the .blend's own
+    folder: str = ""  # for its frames, in that of the job's frames; "" for that itself
 
 
 @dataclass(frozen=True)
 class Job:
-    """One vibe.
+    """One vibe."""
 
-    Attributes:
-        name: Of its folder: readable, and ending in a digest of everything that its result depends on.
-        scene: As the manifest names it.
-        source: Where the scene is now.
-        prompt: The look.
-        seed: Of every random choice.
-        arguments: Options for Blender's side, with prompt and seed.
-        more: Where the other scenes are that are to have the same look.
-        frames: None for a vibe; else which final frames of its result are wanted: "1-24", "" for the scene's own.
-        takes: The same, for every .blend and camera of the result.
-    """
-
-    name: str
-    scene: str
-    source: Path
-    prompt: str
-    seed: int
-    arguments: tuple[str, ...]
-    more: tuple[Path, ...] = ()
+    name: str  # of its folder: readable, and ending in a digest of everything that its result depends on
+    scene: str  # as the manifest names it
+    source: Path  # where the scene is now
+    prompt: str  # the look
+    seed: int  # of every random choice
+    arguments: tuple[str, ...]  # options for Blender's side, with prompt and seed
+    more: tuple[Path, ...] = ()  # where the other scenes are that are to have the same look
+    # None for a vibe; else the final frames of its result to render: "1-24", "" for the scene's own
     frames: str | None = None
-    takes: tuple[Take, ...] = ()
+    takes: tuple[Take, ...] = ()  # the same, for every .blend and camera of the result
 
 
 class Jobs(Protocol):
@@ -90,19 +72,15 @@ class BatchPlan:
             base = hashlib.sha256(json.dumps([group.name, group.digest, options, version]).encode())
             stem = _slug(Path(group.name).stem)
             for prompt in group.prompts:
-                words = _slug(prompt or _wordless(group.arguments))[:_WORDS].strip("-")
+                # Without a prompt it is called after its files: "like", "goals".
+                files = (n for n in IN_FILES if any(a.startswith(f"--{n}=") for a in group.arguments))
+                words = _slug(prompt or "-".join(files))[:_WORDS].strip("-")
                 for seed in group.seeds:
                     digest = base.copy()
                     digest.update(f" {seed} {prompt}".encode())
                     arguments = (f"--prompt={prompt}", f"--seed={seed}", *group.arguments)
                     name = f"{stem}-{words}-{seed}-{digest.hexdigest()[:_DIGEST]}"
                     yield Job(name, group.name, group.source, prompt, seed, arguments, group.more)
-
-
-def _wordless(arguments: Sequence[str]) -> str:
-    """What a job without a prompt is called after: "goals" or "like"."""
-    named = (name for name in IN_FILES if any(each.startswith(f"--{name}=") for each in arguments))
-    return "-".join(named)
 
 
 @lru_cache(4096)

@@ -1,18 +1,131 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hands out jobs until all are done or given up: the same on one machine and on a cluster."""
+"""Workers on this machine, and the jobs handed out to them until all are done or given up."""
 
 from __future__ import annotations
 
+import os
+import queue
+import shutil
+import subprocess
 from collections import Counter, deque
 from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from pathlib import Path
+from typing import Protocol
 
-from .local import Pool
-from .manifest.manifest import Limits
+import psutil
+
+from .manifest import Limits
 from .plan import Job, Jobs
 from .store import JobRow, Store, head
+from .worker import Interrupted, Setup, Worker
 
-_LOSSES = 5
-"""Times that a worker may be lost in a job before the job is blamed for it."""
+PER_GPU = 4  # engines that share a graphics card
+
+
+class Pool(Protocol):
+    """Workers, wherever they are."""
+
+    def capacity(self) -> int:
+        """Number of jobs that may be out at once, now."""
+
+    def submit(self, job: Job) -> None:
+        """Hands out a job."""
+
+    def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
+        """Waits for jobs to end; returns them with their rows, None for a job whose worker is lost."""
+
+    def close(self) -> None:
+        """Ends all workers now."""
+
+
+class Carrier(Protocol):
+    """Carries out jobs: a `Worker`, or a stand-in in measurements."""
+
+    def run(self, job: Job, folder: Path) -> JobRow:
+        """Carries out a job, and leaves its files in the folder. Raises Interrupted if it was closed meanwhile."""
+
+    def close(self) -> None:
+        """Ends a job that runs, and takes no other."""
+
+
+class LocalPool:
+    """A thread for each worker."""
+
+    def __init__(self, jobs: Path, workers: list[Carrier]) -> None:
+        self._jobs, self._workers = jobs, workers
+        self._idle: queue.SimpleQueue[Carrier] = queue.SimpleQueue()
+        for worker in workers:
+            self._idle.put(worker)
+        self._threads = ThreadPoolExecutor(len(workers))
+        self._out: dict[Future[JobRow], Job] = {}
+
+    def capacity(self) -> int:
+        """Number of workers, idle or not."""
+        return len(self._workers)
+
+    def submit(self, job: Job) -> None:
+        """Hands a job to the next worker that is idle."""
+        self._out[self._threads.submit(self._run, job)] = job
+
+    def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
+        """As `Pool.wait`; a job that was ended from outside comes back with the status "interrupted"."""
+        ended, _ = wait(self._out, seconds, FIRST_COMPLETED)
+        return [(self._out.pop(future), future.result()) for future in ended]
+
+    def close(self) -> None:
+        """Ends the jobs that run, forgets those that wait, and returns when all threads have ended."""
+        for worker in self._workers:
+            worker.close()
+        self._threads.shutdown(wait=True, cancel_futures=True)
+
+    def _run(self, job: Job) -> JobRow:
+        worker = self._idle.get()
+        try:
+            return worker.run(job, self._jobs / job.name)
+        except Interrupted:
+            return {"status": "interrupted"}
+        finally:
+            self._idle.put(worker)
+
+
+def local_pool(jobs: Path, setup: Setup, count: int = 0) -> LocalPool:
+    """Workers for this machine, each on cores of its own; graphics cards are dealt out in turn."""
+    count = count or fitting(setup.limits)
+    cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+    cards = graphics_cards()
+
+    def worker(number: int) -> Worker:
+        first = number * setup.limits.cores
+        mine = cores[first : first + setup.limits.cores] if count > 1 else []
+        card = {"CUDA_VISIBLE_DEVICES": str(number % cards)} if cards else {}
+        return Worker(Setup(setup.limits, setup.variables | card, setup.command), mine)
+
+    return LocalPool(jobs, [worker(number) for number in range(count)])
+
+
+def fitting(limits: Limits, cards: Callable[[], int] | None = None) -> int:
+    """Number of workers that this machine holds; at least one."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    memory = psutil.virtual_memory().total / 1e9
+    fits = [cores // limits.cores, int(memory // limits.memory_gb)]
+    if card_count := (cards or graphics_cards)():
+        fits.append(card_count * PER_GPU)
+    return max(1, min(fits))
+
+
+def graphics_cards() -> int:
+    """Number of CUDA cards, asked without starting torch."""
+    chosen = os.environ.get("CUDA_VISIBLE_DEVICES")
+    if chosen is not None:
+        return len([c for c in chosen.split(",") if c.strip()])
+    if not shutil.which("nvidia-smi"):
+        return 0
+    done = subprocess.run(["nvidia-smi", "-L"], capture_output=True, text=True, timeout=30)
+    return done.stdout.count("GPU ") if done.returncode == 0 else 0
+
+
+_LOSSES = 5  # times that a worker may be lost in a job before the job is blamed for it
 
 
 def run(
@@ -26,12 +139,8 @@ def run(
     """Carries out the jobs that are not done yet. Jobs are made only when there is a worker for them.
 
     Args:
-        limits: How often a failed job is tried again, and how much disk space must be free.
         tell: Hears of "started", "done", "again", "lost" and "failed" jobs.
-        finished: Which jobs are done, if that has been looked up; see `Store.finished`.
-
-    Raises:
-        VibeError: Nothing can be written any more.
+        finished: As `Store.finished` returns it; None to look it up.
     """
     finished = store.finished(plan) if finished is None else finished
     fresh: Iterator[Job] = (job for job, done in zip(plan, finished, strict=True) if not done)
@@ -40,6 +149,7 @@ def run(
     losses: Counter[str] = Counter()
     out, exhausted = 0, False
     while True:
+        # Idle workers get a fresh job, or else one that failed.
         while out < pool.capacity():
             job = None if exhausted else next(fresh, None)
             exhausted = job is None
@@ -53,6 +163,7 @@ def run(
             out += 1
         if exhausted and not again and not out:
             return
+        # A job that ended is done, is tried again, or is given up. One that was lost is not to blame at first.
         for job, row in pool.wait(1.0):
             out -= 1
             if row is None:
@@ -61,7 +172,9 @@ def run(
                     again.append(job)
                     tell("lost", job, {})
                     continue
-                row = _lost(job)
+                error = f"The machine that worked on it was lost {_LOSSES + 1} times."
+                remedy = "Give it more memory: [limits] memory_gb."
+                row = head(job) | {"status": "failed", "error": error, "remedy": remedy}
             attempts[job.name] += 1
             row["attempts"] = attempts[job.name]
             if row["status"] == "done":
@@ -74,12 +187,3 @@ def run(
                 tell("again", job, row)
             else:
                 tell("failed", job, row)
-
-
-def _lost(job: Job) -> JobRow:
-    message = f"The machine that worked on it was lost {_LOSSES + 1} times."
-    return head(job) | {
-        "status": "failed",
-        "error": message,
-        "remedy": "Give it more memory: [limits] memory_gb.",
-    }

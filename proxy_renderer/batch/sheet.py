@@ -30,9 +30,7 @@ FILES = {
 }
 _PAGE = Path(__file__).with_name("page")
 _SCRIPTS = ("rows.js", "card.js", "large.js", "keys.js")
-_SHARE = 0.05
-"""Most of the time that may go into rewriting the sheet while jobs run."""
-
+_SHARE = 0.05  # most of the time that may go into rewriting the sheet while jobs run
 _SOONEST = 5.0  # seconds
 
 
@@ -49,11 +47,7 @@ class Sheet:
             self.write()
 
     def write(self) -> None:
-        """Writes everything anew, a row at a time.
-
-        Raises:
-            VibeError: It cannot be written.
-        """
+        """Writes everything anew, a row at a time. Raises VibeError if it cannot be written."""
         start = time.monotonic()
         folder = self._store.folder
         before, after = _page(self._title)

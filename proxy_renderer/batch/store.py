@@ -12,9 +12,11 @@ from __future__ import annotations
 import json
 import os
 import platform
+import re
 import shutil
 import uuid
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +24,7 @@ from filelock import FileLock, Timeout
 
 from ..schema import VibeError, atomic
 from ..schema.options import checks
-from .plan import Job
+from .plan import Job, Jobs, Take
 
 JobRow = dict[str, Any]
 DONE, FAILED, LOG = "done.json", "failed.json", "log.txt"
@@ -32,15 +34,7 @@ TOKEN = "batch.json"
 
 
 class Store:
-    """A results folder, held by one batch at a time. Use it as a context manager.
-
-    Attributes:
-        folder: Where it is.
-        token: Its name.
-
-    Raises:
-        VibeError: It cannot be written, or another batch works in it.
-    """
+    """A results folder, held by one batch at a time. Use it as a context manager."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = checks.folder(folder)
@@ -68,7 +62,7 @@ class Store:
         self._lock.release()
 
     def done(self, job: Job) -> bool:
-        """Whether there is a result of it; for final frames, whether these have been rendered."""
+        """True if there is a result of it, or if its final frames have been rendered."""
         if job.frames is not None:
             final = read_json(self.jobs / job.name / FINAL) or {}
             return final.get("status") == "done" and final.get("wanted") == job.frames
@@ -83,10 +77,6 @@ class Store:
             empty = not any(entries)
         return bytearray(not empty and self.done(job) for job in plan)
 
-    def count(self, plan: Iterable[Job]) -> int:
-        """How many jobs are done."""
-        return sum(self.finished(plan))
-
     def row(self, job: Job) -> JobRow:
         """A job's row: its result, its failure, or that it waits."""
         for name in (DONE, FAILED):
@@ -100,11 +90,7 @@ class Store:
         return map(self.row, plan)
 
     def fail(self, job: Job, row: JobRow) -> None:
-        """Records a failed attempt in the job's folder.
-
-        Args:
-            job: The job; if it renders final frames, its look stays done.
-        """
+        """Records a failed attempt in the job's folder."""
         folder = self.jobs / job.name
         folder.mkdir(exist_ok=True)
         if job.frames is not None:
@@ -113,11 +99,7 @@ class Store:
             write_json(folder / FAILED, row)
 
     def receive(self, job: Job, files: dict[str, bytes]) -> None:
-        """Takes the files of a job that another machine has done; `done.json` is written last.
-
-        Args:
-            files: Path in the job's folder -> content.
-        """
+        """Takes the files, by path, of a job that another machine has done; `done.json` is written last."""
         folder = self.jobs / job.name
         folder.mkdir(exist_ok=True)
         for name in sorted(files, key=lambda name: name in (DONE, FINAL)):
@@ -125,14 +107,7 @@ class Store:
             write_bytes(folder / name, files[name])
 
     def check_space(self, free_gb: float) -> None:
-        """Makes sure that there is space for another job.
-
-        Args:
-            free_gb: Gigabytes that have to be free where the results are.
-
-        Raises:
-            VibeError: There are fewer.
-        """
+        """Makes sure that there is space for another job. Raises VibeError if there is less."""
         free = shutil.disk_usage(self.folder).free / 1e9
         if free < free_gb:
             raise VibeError(
@@ -156,20 +131,12 @@ def read_json(path: Path) -> JobRow | None:
 
 
 def write_json(path: Path, content: Any) -> None:
-    """Writes a JSON file, all at once or not at all.
-
-    Raises:
-        VibeError: It cannot be written.
-    """
+    """Writes a JSON file, all at once or not at all. Raises VibeError if it cannot be written."""
     write_bytes(path, json.dumps(content, ensure_ascii=False).encode())
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Writes a file, all at once or not at all.
-
-    Raises:
-        VibeError: It cannot be written.
-    """
+    """Writes a file, all at once or not at all. Raises VibeError if it cannot be written."""
     try:
         atomic.write_bytes(path, content)
     except OSError as error:
@@ -191,3 +158,50 @@ def tidy(folder: Path) -> None:
     for left in (*folder.glob(".*part-*"), *folder.glob(f"{FRAMES}/**/.*")):
         left.unlink(missing_ok=True)
     (folder / FAILED).unlink(missing_ok=True)
+
+
+class Finals:
+    """A job for the final frames of every finished result.
+
+    Frames that have been rendered stay when a job is tried again, so that a time limit costs one frame at most.
+    """
+
+    def __init__(self, plan: Jobs, store: Store, frames: str) -> None:
+        # frames: "1-24"; or "" for those that the look was made for, else the scene's own
+        self._plan, self._store, self._frames = plan, store, frames
+
+    def __len__(self) -> int:
+        return sum(self._store.finished(self._plan))
+
+    def __iter__(self) -> Iterator[Job]:
+        for job in filter(self._store.done, self._plan):
+            folder = self._store.jobs / job.name
+            shots = (read_json(folder / "report.json") or {}).get("shots", [])
+            blends = list(dict.fromkeys(shot["blend"] for shot in shots)) or ["vibed.blend"]
+            first, *more = (folder / name for name in blends)
+            takes_of_job = takes(shots, blends, self._frames)
+            yield replace(job, source=first, more=tuple(more), frames=self._frames, takes=takes_of_job)
+
+
+def takes(shots: list[dict[str, Any]], blends: list[str], frames: str) -> tuple[Take, ...]:
+    """The renders of a vibe's shots: each .blend through each of its cameras, once."""
+    if not shots:
+        return (Take(0, frames=frames),)
+    grouped: dict[tuple[str, str], list[dict[str, Any]]] = {}
+    for shot in shots:
+        grouped.setdefault((shot["blend"], shot["camera"]), []).append(shot)
+    keys = ("scene", "camera") if len({shot["scene"] for shot in shots}) > 1 else ("camera",)
+    labels = [_label(*(some[0][key] for key in keys)) for some in grouped.values()]
+    grouped_takes = []
+    for ((blend, camera), some), label in zip(grouped.items(), labels, strict=True):
+        own = [str(shot["frame"]) for shot in some if shot["frame"] is not None]
+        if labels.count(label) > 1:  # each frame has a grade, and so a .blend, of its own
+            label = _label(label, *own[:1])
+        folder = label if len(grouped) > 1 else ""
+        grouped_takes.append(Take(blends.index(blend), camera, frames or ",".join(own), folder))
+    return tuple(grouped_takes)
+
+
+def _label(*parts: str) -> str:
+    """Scene and camera as the name of a folder."""
+    return "-".join(re.sub(r"[^\w.-]+", "_", part) for part in parts if part)

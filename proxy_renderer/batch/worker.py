@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A warm Blender that carries out one job after another, each within its limits.
-
-It is a process that runs `batch.py serve`, with the engine as its child. Whatever goes wrong in a job is recorded;
-after a crash, or when a limit has been hit, the next job gets a fresh process.
-"""
+"""A warm Blender that carries out jobs, and the files of a finished job for the sheet."""
 
 from __future__ import annotations
 
 import contextlib
+import io
 import json
 import os
 import queue
@@ -21,34 +18,111 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TextIO
 
-from ..blender import process_tree
+from PIL import Image
+
+from ..blender import crashes
 from ..blender.crashes import temporary
 from ..blender.launch import blender_side, environment
 from ..blender.meshes import prepared
-from ..schema import VibeError
-from .manifest.manifest import Limits
-from .outcome import leave, leave_frames
+from ..schema import VibeError, labels
+from .manifest import Limits
 from .plan import Job
-from .store import FRAMES, LOG, JobRow, head, tidy
+from .store import DONE, FINAL, FRAMES, LOG, JobRow, head, read_json, tidy, write_bytes, write_json
+
+_THUMB = 480  # pixels, the longer side
+_PICTURES = ("before", "after")
+_ENGINE, _CYCLES = "engine: loop", ("render before", "render after")
+
+
+def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
+    """Completes a job's folder after Blender has written its files; `done.json` is written last."""
+    report = read_json(folder / "report.json")
+    if report is None:
+        raise VibeError(f"{folder.name} holds no report.", "See the job's log.")
+    shots = report.get("shots", [])
+    for name in [Path(shot[kind]).stem for shot in shots for kind in ("before", "after")] or _PICTURES:
+        _thumb(folder, name)
+    write_bytes(folder / "details.js", _details(job, report))
+    laps = report.get("timings", {})
+    row = head(job) | {
+        "status": "done",
+        "similarity": report["similarity"]["after"],
+        "similarity_before": report["similarity"]["before"],
+        "delta_e": report["delta_e"],
+        "seconds": round(seconds, 2),
+        "seconds_loop": laps.get(_ENGINE, 0.0),
+        "seconds_cycles": round(sum(laps.get(name, 0.0) for name in _CYCLES), 2),
+        "memory_gb": memory_gb,
+    }
+    row |= {"shots": [shot["name"] for shot in shots]} if shots else {}
+    row |= {"variants": len(report["variants"])} if report.get("variants") else {}
+    write_json(folder / DONE, row)
+    return row
+
+
+def leave_frames(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
+    """Completes a job's folder after its final frames have been rendered."""
+    count = sum(1 for _ in (folder / FRAMES).rglob("*.png"))
+    row = head(job) | {"status": "done", "wanted": job.frames, "frames": count}
+    row |= {"seconds": round(seconds, 2), "memory_gb": memory_gb}
+    write_json(folder / FINAL, row)
+    return row
+
+
+def _thumb(folder: Path, name: str) -> None:
+    """A small JPEG of a picture."""
+    content = io.BytesIO()
+    try:
+        with Image.open(folder / f"{name}.png") as picture:
+            flat = picture.convert("RGB")
+    except OSError as error:
+        raise VibeError(f"{name}.png cannot be read: {error}.", "See the job's log.") from error
+    flat.thumbnail((_THUMB, _THUMB), Image.Resampling.LANCZOS)
+    flat.save(content, "JPEG", quality=88)
+    write_bytes(folder / f"{name}.jpg", content.getvalue())
+
+
+def _details(job: Job, report: dict[str, Any]) -> bytes:
+    """The details of a job for the sheet: a script, because pages from disk may load nothing else."""
+    parameters = report.get("parameters", {})
+    largest_first = sorted(parameters.items(), key=lambda item: -item[1].get("moved", 0.0))
+    rows = [row for key, change in largest_first if (row := _changed(key, change))]
+    understood = report.get("understood", {})
+    content = {
+        "parameters": rows,
+        "left": len(parameters) - len(rows),
+        "warnings": report.get("warnings", []),
+        "understood": {
+            k: understood[k] for k in ("whole", "ignored", "guesses", "notes") if understood.get(k)
+        },
+        "timings": report.get("timings", {}),
+        "versions": report.get("versions", {}),
+    }
+    return f"vibeDetails({json.dumps(job.name)}, {json.dumps(content, ensure_ascii=False)});\n".encode()
+
+
+def _changed(key: str, change: dict[str, Any]) -> list[Any] | None:
+    """A parameter's name, old value, new value and reason, for people; None if the values read the same."""
+    before, after = (tuple(v) if isinstance(v, list) else (v,) for v in (change["before"], change["after"]))
+    if labels.same(key, before, after):
+        return None
+    if len(after) == 1:
+        return [labels.title(key), labels.bare(key, before), labels.text(key, after), change["reason"]]
+    return [labels.title(key), before, after, change["reason"]]
+
 
 _MARK = "VIBE "
-_TICK = 0.5
-"""Seconds between two looks at the clock and at the memory."""
+_TICK = 0.5  # seconds between two looks at the clock and at the memory
 
 
 @dataclass(frozen=True)
 class Setup:
-    """How workers are started.
+    """Limits, environment and program of workers."""
 
-    Attributes:
-        limits: Of each job.
-        variables: Of the environment, besides those that are there.
-        command: The program that carries out jobs; empty for Blender.
-    """
-
-    limits: Limits = field(default_factory=Limits)
+    limits: Limits = field(default_factory=Limits)  # of each job
+    # of the environment, besides those that are there
     variables: dict[str, str] = field(default_factory=dict)
-    command: tuple[str, ...] = ()
+    command: tuple[str, ...] = ()  # the program that carries out jobs; empty for Blender
 
 
 class Interrupted(Exception):
@@ -56,11 +130,7 @@ class Interrupted(Exception):
 
 
 class Worker:
-    """One process at a time, started when it is needed.
-
-    Args:
-        cores: Numbers of the cores that it keeps to; empty for all.
-    """
+    """One process at a time, on some cores or on all, started when it is needed."""
 
     def __init__(self, setup: Setup, cores: Sequence[int] = ()) -> None:
         self._setup, self._cores = setup, list(cores)
@@ -69,17 +139,7 @@ class Worker:
         self._closed = False
 
     def run(self, job: Job, folder: Path) -> JobRow:
-        """Carries out a job; its files go to the folder, `done.json` last.
-
-        Args:
-            folder: Of the job; what an earlier attempt left there is removed.
-
-        Returns:
-            The job's row, of status "done" or "failed".
-
-        Raises:
-            Interrupted: The worker was closed meanwhile.
-        """
+        """Carries out a job; its `done.json` is written last. Raises Interrupted if the worker was closed."""
         start = time.monotonic()
         tidy(folder)
         watch = _Watch(self._setup.limits)
@@ -118,8 +178,8 @@ class Worker:
             if line is None:
                 code = process.wait()
                 self._kill()
-                said = f' Its last words: "{last[:200]}".' if last else ""
-                raise VibeError(f"Blender crashed (exit code {code}).{said}", "See the job's log.")
+                words = f' Its last words: "{last[:200]}".' if last else ""
+                raise VibeError(f"Blender crashed (exit code {code}).{words}", "See the job's log.")
             event = _event(line)
             if event.get("type") != "progress" and line:
                 log.write(line)
@@ -165,7 +225,7 @@ class Worker:
         process, self._process = self._process, None
         if process is None:
             return
-        process_tree.kill(process.pid)
+        crashes.kill(process.pid)
         process.wait()
         assert process.stdin is not None
         with contextlib.suppress(OSError):
@@ -209,7 +269,7 @@ class _Watch:
         if now < self._next:
             return
         self._next = now + _TICK
-        used = process_tree.memory(pid)
+        used = crashes.memory(pid)
         self.peak_gb = max(self.peak_gb, round(used / 1e9, 3))
         if used > self._limits.memory_gb * 1e9:
             raise VibeError(
@@ -227,7 +287,7 @@ def _read(process: subprocess.Popen[str], lines: queue.SimpleQueue[str | None]) 
 
 
 def _event(line: str) -> dict[str, Any]:
-    """What a line of Blender's side says, if it is one of those."""
+    """The event in a line of Blender's side; {} in other lines."""
     if not line.startswith(_MARK):
         return {}
     try:

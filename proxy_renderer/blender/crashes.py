@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is said, and what is left, when Blender ends by itself."""
+"""Blender's processes: their memory, their end, and the error for one that crashed."""
 
 from __future__ import annotations
 
+import contextlib
 import re
 import signal
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..schema import atomic, faults
+import psutil
+
+from ..schema import atomic, errors
 
 _TRACE = re.compile(
     r"(Fatal Python error|Current thread|Thread 0x|Extension modules|\s+File |EGL Error|VIBE )"
@@ -28,19 +31,14 @@ def tidy(out: Path, process: int) -> None:
         part.unlink(missing_ok=True)
 
 
-def crash(code: int, doing: str, output: Sequence[str]) -> faults.UnexpectedError:
-    """The error for a Blender that ended by itself; its output goes to a log.
-
-    Args:
-        code: Its exit code; a negative one is the number of a signal.
-        doing: What it was doing: "reading the scene".
-    """
-    log = faults.write_log(f"Blender ended while {doing}, exit code {code}\n\n" + "".join(output))
+def crash(code: int, doing: str, output: Sequence[str]) -> errors.UnexpectedError:
+    """The error for a Blender that ended with an exit code, or a signal (negative); its output goes to a log."""
+    log = errors.write_log(f"Blender ended while {doing}, exit code {code}\n\n" + "".join(output))
     kind = signal.strsignal(-code) if code < 0 else None
-    words = last_words(output)
-    said = f' Its last words: "{words}".' if words else ""
-    return faults.UnexpectedError(
-        f"Blender crashed while {doing} ({kind or f'exit code {code}'}).{said}",
+    last = last_words(output)
+    words = f' Its last words: "{last}".' if last else ""
+    return errors.UnexpectedError(
+        f"Blender crashed while {doing} ({kind or f'exit code {code}'}).{words}",
         "Render the file in Blender: if that crashes too, find out there which object or modifier does it. "
         f"If not, please report it with {log}.",
     )
@@ -51,3 +49,27 @@ def last_words(output: Sequence[str]) -> str:
     lines = [line.strip() for line in output if line.strip() and not _TRACE.match(line)][-_LAST:]
     telling = [line for line in lines if _TELLING.search(line)]
     return (telling or lines or [""])[-1][:200].rstrip(".")
+
+
+def memory(number: int) -> int:
+    """Bytes that a process and all it has started hold together; 0 if it is gone."""
+    total = 0
+    for process in _family(number):
+        with contextlib.suppress(psutil.Error):
+            total += process.memory_info().rss
+    return total
+
+
+def kill(number: int) -> None:
+    """Ends a process and all it has started, the youngest first."""
+    for process in reversed(_family(number)):
+        with contextlib.suppress(psutil.Error):
+            process.kill()
+
+
+def _family(number: int) -> list[psutil.Process]:
+    try:
+        first = psutil.Process(number)
+        return [first, *first.children(recursive=True)]
+    except psutil.Error:
+        return []

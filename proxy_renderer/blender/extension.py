@@ -17,24 +17,20 @@ from importlib import metadata
 from pathlib import Path
 
 from ..schema import VibeError, atomic
+from .launch import blender_side
 
 _LEFTOVERS = ("__pycache__", "*.pyc", "*.md")
 _OF_THE_COMMAND = (
     *("cli", "batch", "blender"),
-    *("command_line.py", "explanation.py", "own_entry.py", "plain.py", "preset.py", "trial.py", "why.py"),
+    *("command_line.py", "explanation.py", "own_entry.py", "plain.py", "preset.py", "why.py"),
 )
 """Folders and modules of the engine's package that the command `vibe` alone runs."""
 
 
 def build(out: Path) -> Path:
-    """Builds and validates the extension for Blender's "Install from Disk".
+    """Builds and validates the extension for Blender's "Install from Disk": OUT/vibe_render-VERSION.zip.
 
-    Args:
-        out: The folder for the zip; made if it does not exist.
-
-    Returns:
-        The zip, OUT/vibe_render-VERSION.zip. It remembers which Python built it, so that on this
-        computer Blender finds the engine by itself.
+    It remembers which Python built it, so that on this computer Blender finds the engine.
 
     Raises:
         VibeError: If Blender's tool is not installed or refuses, or the folder cannot be written.
@@ -50,17 +46,7 @@ def build(out: Path) -> Path:
 
 
 def install(blender: str = "") -> str:
-    """Builds the extension and installs it, enabled, into a Blender of this computer.
-
-    Args:
-        blender: The program, or the folder that it is in; "" for the one on the PATH.
-
-    Returns:
-        What has been installed where, in words.
-
-    Raises:
-        VibeError: If there is no Blender, or it refuses.
-    """
+    """Builds the extension and installs it, enabled, into a Blender: the program, its folder, or "" for the PATH's."""
     program = _blender(blender)
     with tempfile.TemporaryDirectory() as scratch:
         archive = build(Path(scratch))
@@ -80,7 +66,7 @@ def install(blender: str = "") -> str:
             raise VibeError(
                 f"{program} does not start: {error.strerror}.", "Choose another --blender."
             ) from error
-    output = (done.stdout + done.stderr).strip()
+    output = (done.stdout + done.stderr).strip()  # Blender may report errors and still exit with 0
     if done.returncode or "Error" in output:
         line = next((line for line in output.splitlines() if "rror" in line), output.rpartition("\n")[2])
         raise VibeError(
@@ -107,9 +93,8 @@ def _assemble(package: Path) -> None:
     """Puts the add-on, the schema, the engine's code and the note about this Python together."""
     here = Path(__file__).parents[1]
     leftovers = shutil.ignore_patterns(*_LEFTOVERS)
-    shutil.copytree(_addon(), package, ignore=leftovers)
-    schema = shutil.ignore_patterns(*_LEFTOVERS, "means.py")  # the planner's alone
-    shutil.copytree(here / "schema", package / "schema", ignore=schema)
+    shutil.copytree(blender_side().parent, package, ignore=leftovers)
+    shutil.copytree(here / "schema", package / "schema", ignore=leftovers)
     engine = shutil.ignore_patterns(*_LEFTOVERS, *_OF_THE_COMMAND)
     shutil.copytree(here, package / "carried" / here.name, ignore=engine)
     (package / "carried" / "requirements.txt").write_text("\n".join(_requirements()), encoding="utf-8")
@@ -117,24 +102,13 @@ def _assemble(package: Path) -> None:
 
 
 def _requirements() -> list[str]:
-    """What the engine needs from pip: all that this package does, but Blender."""
+    """The engine's requirements for pip: those of this package without Blender."""
     project = Path(__file__).resolve().parents[2] / "pyproject.toml"
     if project.is_file():
         needed = tomllib.loads(project.read_text(encoding="utf-8"))["project"]["dependencies"]
     else:
         needed = [line for line in metadata.requires("vibe-render") or [] if "extra ==" not in line]
     return [line for line in needed if not line.startswith("bpy")]
-
-
-def _addon() -> Path:
-    """The add-on's folder: importable beside this package, or in the clone that this is part of."""
-    spec = importlib.util.find_spec("vibe_render")
-    places = [Path(p) for p in (spec.submodule_search_locations or [])] if spec else []
-    places.append(Path(__file__).resolve().parents[2] / "addon" / "vibe_render")
-    for place in places:
-        if (place / "blender_manifest.toml").is_file():
-            return place
-    raise VibeError("The add-on's files are missing.", "Reinstall vibe-render, or run it from a clone.")
 
 
 def _blender_tool() -> Path:

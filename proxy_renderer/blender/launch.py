@@ -16,10 +16,11 @@ import sys
 import tempfile
 from collections import deque
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from ..schema import VibeError, faults
+from ..schema import VibeError, errors
 from .crashes import crash, temporary, tidy
 from .progress import VibeProgress
 
@@ -51,15 +52,15 @@ def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None
     scratch = tempfile.TemporaryDirectory(prefix="vibe-", ignore_cleanup_errors=True)
     with scratch as folder, progress:
         process = start([str(blender_side()), "--events", *arguments], Path(folder), **_own_group())
-        presses = _forward_interrupts(process, progress)
-        for event in events(process, tail):
-            doing = event["name"] if event.get("type") == "stage" else doing
-            if event.get("type") == "error":
-                kind = faults.UnexpectedError if event.get("unexpected") else VibeError
-                failure = kind(event.get("message", "It failed."), event.get("remedy", ""))
-            else:
-                progress.show(event)
-        code = process.wait()
+        with _forwarded_interrupts(process, progress) as presses:
+            for event in events(process, tail):
+                doing = event["name"] if event.get("type") == "stage" else doing
+                if event.get("type") == "error":
+                    kind = errors.UnexpectedError if event.get("unexpected") else VibeError
+                    failure = kind(event.get("message", "It failed."), event.get("remedy", ""))
+                else:
+                    progress.show(event)
+            code = process.wait()
     tidy(out if out.is_dir() else out.parent, process.pid)
     if failure:
         raise failure
@@ -109,8 +110,9 @@ def events(process: subprocess.Popen[str], tail: deque[str]) -> Iterator[dict[st
         tail.append(line)
 
 
-def _forward_interrupts(process: subprocess.Popen[str], progress: VibeProgress) -> list[int]:
-    """Lets Ctrl-C and termination reach Blender's side; returns the list of presses, as it grows."""
+@contextmanager
+def _forwarded_interrupts(process: subprocess.Popen[str], progress: VibeProgress) -> Iterator[list[int]]:
+    """Lets Ctrl-C and termination reach Blender's side inside the block; yields the list of presses, as it grows."""
     presses: list[int] = []
 
     def on_signal(number: int, frame: Any) -> None:
@@ -121,9 +123,12 @@ def _forward_interrupts(process: subprocess.Popen[str], progress: VibeProgress) 
         else:
             process.kill()
 
-    signal.signal(signal.SIGINT, on_signal)
-    signal.signal(signal.SIGTERM, on_signal)
-    return presses
+    before = {number: signal.signal(number, on_signal) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield presses
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler or signal.SIG_DFL)  # None: it was not set from Python
 
 
 def _send(process: subprocess.Popen[str], number: int) -> None:

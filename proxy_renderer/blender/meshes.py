@@ -1,56 +1,203 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks bare meshes before Blender is started, and unpacks Draco.
-
-Blender's side checks again what it imports: it also runs without this package.
-"""
+"""Checks bare meshes before Blender is started, and unpacks Draco. Blender's side checks again what it imports."""
 
 from __future__ import annotations
 
+import base64
+import json
+import struct
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
+from urllib.parse import quote, unquote
+
+import numpy as np
 
 from ..schema import VibeError
+
+MAGIC, JSON, BIN = b"glTF", 0x4E4F534A, 0x004E4942
+_MATERIALS = (
+    "anisotropy clearcoat dispersion emissive_strength ior iridescence pbrSpecularGlossiness sheen specular "
+    "transmission unlit variants volume"
+)
+_READ = {f"KHR_materials_{name}" for name in _MATERIALS.split()} | {
+    "KHR_animation_pointer",
+    "KHR_draco_mesh_compression",
+    "KHR_lights_punctual",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+    "KHR_xmp_json_ld",
+    "EXT_mesh_gpu_instancing",
+    "EXT_texture_webp",
+}
+"""Extensions that Blender 4.5 and 5 read, or pass over without harm; Draco is unpacked here."""
+_BASISU = "KHR_texture_basisu"
+_UNCOMPRESSED = "Export it again without compression."
+_REMEDIES = {
+    _BASISU: "Export it again with PNG or JPEG textures.",
+    "EXT_meshopt_compression": _UNCOMPRESSED,
+    "KHR_meshopt_compression": _UNCOMPRESSED,
+}
+
+
+def read_gltf(path: Path) -> tuple[dict[str, Any], bytes]:
+    """The document and the binary chunk of a .glb or .gltf; b"" where it has none."""
+    raw = path.read_bytes()
+    if raw[:4] != MAGIC:
+        return json.loads(raw), b""
+    document, binary, start = {}, b"", 12
+    while start + 8 <= len(raw):
+        length, kind = struct.unpack_from("<II", raw, start)
+        chunk = raw[start + 8 : start + 8 + length]
+        if kind == JSON:
+            document = json.loads(chunk)
+        elif kind == BIN:
+            binary = chunk
+        start += 8 + length
+    return document, binary
+
+
+def refuse_unread_extensions(path: Path) -> None:
+    """Refuses a glTF file that requires what Blender's importer cannot do; a broken one is left to others."""
+    try:
+        document, _ = read_gltf(path)
+        required = set(document.get("extensionsRequired", ()))
+        textures = [dict(texture) for texture in document.get("textures", ())]
+    except (ValueError, OSError, struct.error, AttributeError, TypeError):
+        return
+    if any(_BASISU in t.get("extensions", {}) and "source" not in t for t in textures):
+        required.add(_BASISU)
+    for name in sorted(required - _READ):
+        remedy = _REMEDIES.get(name, "Export it again without this extension.")
+        raise VibeError(f"{path.name} needs the glTF extension {name}, which Blender cannot read.", remedy)
+
+
+_NAME = "KHR_draco_mesh_compression"
+_NUMBERS = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
+"""glTF's `componentType` -> type of a component."""
+_INDICES = 5125
+
+
+def is_packed(path: Path) -> bool:
+    """True for a glTF with Draco-compressed geometry, and not for a broken file."""
+    try:
+        return path.suffix.lower() in (".glb", ".gltf") and _NAME in read_gltf(path)[0]["extensionsUsed"]
+    except (ValueError, OSError, struct.error, TypeError, KeyError):
+        return False
+
+
+def unpacked(path: Path, folder: Path) -> Path:
+    """Writes an uncompressed .glb of the same name. Raises VibeError if its geometry cannot be decoded."""
+    try:
+        document, binary = read_gltf(path)
+        data = _joined(document, binary, path.parent)
+        for primitive in (p for mesh in document["meshes"] for p in mesh["primitives"]):
+            packed = primitive.get("extensions", {}).pop(_NAME, None)
+            if packed:
+                _unpack(document, data, primitive, packed)
+    except Exception as error:
+        reason = (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
+        raise VibeError(
+            f"The Draco compression of {path.name} cannot be decoded: {reason[:120]}.",
+            "Export it again without compression.",
+        ) from error
+    for key in ("extensionsUsed", "extensionsRequired"):
+        names = [name for name in document.pop(key, ()) if name != _NAME]
+        document |= {key: names} if names else {}
+    target = folder / f"{path.stem}.glb"
+    _write(target, document, data)
+    return target
+
+
+def _joined(document: dict[str, Any], binary: bytes, folder: Path) -> bytearray:
+    """All buffers as one, to which the views then refer; pictures keep their files, by whole paths."""
+    data, starts = bytearray(), []
+    for buffer in document.pop("buffers", ()):
+        data += bytes(-len(data) % 4)
+        starts.append(len(data))
+        uri = buffer.get("uri")
+        if uri is None:
+            data += binary
+        elif uri.startswith("data:"):
+            data += base64.b64decode(uri.partition(",")[2])
+        else:
+            data += (folder / unquote(uri)).read_bytes()
+    for view in document.get("bufferViews", ()):
+        view["byteOffset"] = view.get("byteOffset", 0) + starts[view.pop("buffer")]
+        view["buffer"] = 0
+    for image in document.get("images", ()):
+        if "uri" in image and not image["uri"].startswith("data:"):
+            image["uri"] = quote((folder / unquote(image["uri"])).resolve().as_posix())
+    return data
+
+
+def _unpack(document: dict[str, Any], data: bytearray, primitive: dict[str, Any], packed: Any) -> None:
+    """Decodes a primitive's attributes and indices into views of their own."""
+    import DracoPy
+
+    view = document["bufferViews"][packed["bufferView"]]
+    start = view["byteOffset"]
+    decoded = DracoPy.decode(bytes(data[start : start + view["byteLength"]]))
+    values = {attribute["unique_id"]: attribute["data"] for attribute in decoded.attributes}
+    accessors = document["accessors"]
+    for name, number in packed["attributes"].items():
+        accessor = accessors[primitive["attributes"][name]]
+        _store(document, data, accessor, values[number].astype(_NUMBERS[accessor["componentType"]]))
+    if "indices" in primitive:
+        accessor = accessors[primitive["indices"]]
+        accessor["componentType"] = _INDICES
+        _store(document, data, accessor, decoded.faces.astype(np.uint32).reshape(-1))
+
+
+def _store(document: dict[str, Any], data: bytearray, accessor: dict[str, Any], values: np.ndarray) -> None:
+    """Appends an accessor's values, each row at a multiple of four bytes as glTF wants them."""
+    data += bytes(-len(data) % 4)
+    rows = values.reshape(len(values), -1)
+    size = rows.shape[1] * rows.itemsize
+    stride = size + -size % 4 if values.ndim > 1 else size
+    raw = np.zeros((len(rows), stride), np.uint8)
+    raw[:, :size] = np.ascontiguousarray(rows).view(np.uint8).reshape(len(rows), size)
+    document["bufferViews"].append({"buffer": 0, "byteOffset": len(data), "byteLength": raw.size})
+    document["bufferViews"][-1] |= {"byteStride": stride} if values.ndim > 1 else {}
+    accessor |= {"bufferView": len(document["bufferViews"]) - 1, "byteOffset": 0, "count": len(rows)}
+    data += raw.tobytes()
+
+
+def _write(path: Path, document: dict[str, Any], data: bytearray) -> None:
+    data += bytes(-len(data) % 4)
+    document["buffers"] = [{"byteLength": len(data)}]
+    text = json.dumps(document, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    head = struct.pack("<4sII", MAGIC, 2, 12 + 8 + len(text) + 8 + len(data))
+    chunks = struct.pack("<II", len(text), JSON) + text + struct.pack("<II", len(data), BIN) + data
+    path.write_bytes(head + chunks)
+
 
 _LONGEST_TEXT = 16_000_000  # bytes; reading more of a text format would take longer than Blender's start
 
 
 @contextmanager
 def prepared(scene: Path) -> Iterator[Path]:
-    """The file that Blender is to open for a scene: itself, or an unpacked copy that lives as long as the block.
-
-    Args:
-        scene: A .blend, which is left to Blender, or a mesh.
-
-    Raises:
-        VibeError: The mesh cannot be read, needs what Blender cannot do, or has no faces or no size.
-    """
+    """The file for Blender: the scene, or an unpacked copy that lives as long as the block. Refuses bad meshes."""
     if scene.suffix.lower() == ".blend":
         yield scene
         return
-    from . import draco, gltf
-
     if scene.suffix.lower() in (".glb", ".gltf"):
-        gltf.check(scene)
+        refuse_unread_extensions(scene)
     with tempfile.TemporaryDirectory(prefix="vibe-mesh-") as folder:
-        path = draco.unpacked(scene, Path(folder)) if draco.is_packed(scene) else scene
+        path = unpacked(scene, Path(folder)) if is_packed(scene) else scene
         check(path)
         yield path
 
 
 def check(path: Path) -> None:
-    """Refuses a mesh that cannot be rendered; long texts go unchecked.
-
-    Args:
-        path: A mesh of one of the formats in `options.check.SCENES`.
-
-    Raises:
-        VibeError: It is broken, or has no faces, no size, or coordinates that are not finite.
-    """
-    if _is_text(path) and path.stat().st_size > _LONGEST_TEXT:
+    """Refuses a mesh without faces or size, with infinite coordinates, or that is broken; long texts go unchecked."""
+    with path.open("rb") as file:
+        is_text = b"\0" not in file.read(1024)
+    if is_text and path.stat().st_size > _LONGEST_TEXT:
         return
-    import numpy as np
     import trimesh
 
     try:
@@ -69,8 +216,3 @@ def check(path: Path) -> None:
         raise VibeError(f"{path.name} has coordinates that are not finite numbers.", "Export it again.")
     if not np.ptp(np.stack([b for m in meshes for b in m.bounds]), axis=0).any():
         raise VibeError(f"The mesh in {path.name} has no size.", "Check that it is a model.")
-
-
-def _is_text(path: Path) -> bool:
-    with path.open("rb") as file:
-        return b"\0" not in file.read(1024)

@@ -5,30 +5,54 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import Any, TextIO
 
 
-class VibeProgress:
-    """Shows events as they come. Use it as a context manager around them.
-
-    Args:
-        stream: Where to; standard output if None.
-    """
+class TerminalBar:
+    """A bar in a terminal, plain lines elsewhere. Use it as a context manager; standard output if there is no stream."""
 
     def __init__(self, stream: TextIO | None = None) -> None:
         self._stream = stream or sys.stdout
         self._start = time.monotonic()
-        self._round = 0
         self._bar: Any = None
         self._task: Any = None
+
+    def _open(self, columns: Sequence[Any], description: str, **task: Any) -> None:
+        """Starts a bar with one task."""
+        from rich.console import Console
+        from rich.progress import Progress
+
+        transient = task.pop("transient", False)
+        self._bar = Progress(*columns, transient=transient, console=Console(file=self._stream))
+        self._task = self._bar.add_task(description, **task)
+        self._bar.start()
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+            self._bar = None
+
+    def note(self, text: str) -> None:
+        """A line that stays."""
+        if self._bar is not None:
+            self._bar.console.print(text, markup=False, highlight=False)
+        else:
+            print(text, file=self._stream, flush=True)
+
+
+class VibeProgress(TerminalBar):
+    """Shows events as they come."""
+
+    def __init__(self, stream: TextIO | None = None) -> None:
+        super().__init__(stream)
+        self._round = 0
         self._result: dict[str, Any] = {}
 
     def __enter__(self) -> VibeProgress:
         if self._stream.isatty():
-            from rich.console import Console
-            from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+            from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
 
             columns = (
                 SpinnerColumn(),
@@ -37,24 +61,11 @@ class VibeProgress:
                 TextColumn("{task.fields[detail]}"),
                 TimeElapsedColumn(),
             )
-            self._bar = Progress(*columns, transient=True, console=Console(file=self._stream))
-            self._task = self._bar.add_task("starting Blender", total=None, detail="")
-            self._bar.start()
+            self._open(columns, "starting Blender", total=None, detail="", transient=True)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._bar is not None:
-            self._bar.stop()
-            self._bar = None
-
     def show(self, event: dict[str, Any]) -> None:
-        """Shows one event.
-
-        Args:
-            event: What Blender's side has printed; unknown kinds are left out.
-        """
+        """Shows one event."""
         kind = event.get("type")
         if kind == "stage":
             self.stage(event["name"])
@@ -72,13 +83,6 @@ class VibeProgress:
         else:
             self.note(f"{time.monotonic() - self._start:5.1f} s  {name}")
 
-    def note(self, text: str) -> None:
-        """A line that stays."""
-        if self._bar is not None:
-            self._bar.console.print(text, markup=False, highlight=False)
-        else:
-            print(text, file=self._stream, flush=True)
-
     def end(self, out: Path) -> None:
         """Prints the outcome, and the file or the comparison picture to open."""
         seconds = time.monotonic() - self._start
@@ -93,7 +97,8 @@ class VibeProgress:
 
     def _progress(self, event: dict[str, Any]) -> None:
         number, rounds, steps = event["round"], event["rounds"], event["steps"]
-        detail = f"loss {event['loss']:.3f}   {_minutes(event['seconds_left'])} left"
+        left = int(event["seconds_left"])
+        detail = f"loss {event['loss']:.3f}   {left // 60}:{left % 60:02d} left"
         if self._bar is not None:
             done = (number - 1) * steps + event["step"]
             title = f"round {number} of {rounds}"
@@ -103,7 +108,3 @@ class VibeProgress:
         elif number != self._round:
             self._round = number
             self.stage(f"round {number} of {rounds}: {detail}")
-
-
-def _minutes(seconds: float) -> str:
-    return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"

@@ -1,22 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A claim: what one word says that one part of the picture has to look like."""
+"""Claims about the image: a measure of a part of it, the interval that it is to be in, and the verdicts on them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import torch
 from torch import Tensor
 
-from ..color.floats import chroma, lab_from_srgb
+from ..color.floats import chroma, hex_from_srgb, lab_from_srgb, srgb_from_oklab
 from ..render.gbuffer import GBuffer
 from ..schema import Values
-from .measures.flat import RegionMeans
+from .measures import MEASURES
+from .measures.color import RegionMeans
 from .measures.picture import MeasuredPicture, Part, region_of
-from .measures.registry import MEASURES
 
 _FEW = 16  # pixels of which nothing can be said
 _SEEN = 0.05  # share of a region that is left, at least, when what words color is left out
@@ -33,8 +34,7 @@ _INSIDE, _INSIDE_COLOR = 0.5, 0.85
 """Share of half an interval's width that is left at its ends when values are sought; the latter for colors: what only just
 passes as navy is another blue to some who look at the picture."""
 
-_MARGIN = 2.0
-"""The same for an interval with one end, in noticeable steps."""
+_MARGIN = 2.0  # the same for an interval with one end, in noticeable steps
 
 _SATURATED, _WIDENED = 40.0, 0.045
 """C* of a color from which the measure's own step counts for its chroma and hue. Between paler colors smaller differences are
@@ -43,34 +43,35 @@ seen, in the proportions of CIEDE2000's weights of chroma, 1 + 0.045 C* (Sharma,
 _MANY = 8  # claims about mean colors that are worth being measured together
 _HARDEST = 100.0  # a miss, in noticeable steps, that nothing is worse than
 
+_COLORS = ("color", "mean")  # measures in OKLab
+_BLACK = 0.02  # of white, as a picture is stored: what is darker everywhere shows nothing
+
 
 @dataclass(frozen=True)
 class Claim:
-    """What a measure of a part of the picture has to be.
+    """An interval that a measure of a part of the image is to be in.
 
-    The measure is to lie between `lower` and `upper`. Where `change` is given, it is also enough if the measure has
-    risen (or fallen, below 0) by so much since the artist's picture and, with `near`, is not far from the interval; what is
-    too much there already may stay, and all of it where `change` is 0.
+    Where `change` is given, it is also enough if the measure has risen (or fallen, below 0) by so much since the artist's image and,
+    with `near`, is not far from the interval; an excess that is there already may stay, and all of it where `change` is 0.
 
     Attributes:
-        word: As the prompt says it; "" for what holds without words, as that the subject can be seen.
-        thing: What the prompt calls the thing: "teapot", "background", "picture".
+        word: As the prompt has it; "" for claims without words, as that the subject can be seen.
+        thing: The prompt's name for the target: "teapot", "background", "picture".
         measure: A key of `MEASURES`.
-        part: Of the picture.
-        materials: Names of the materials that are meant; none for the whole part.
+        part: Of the image.
+        materials: Names of the target's materials; none for the whole part.
         lower: One number for each that the measure gives, after `direction`.
         upper: Likewise.
-        change: What is enough of a change; None if only the interval counts.
+        change: A sufficient change; None if only the interval counts.
         direction: Unit vector along which a tint counts, or the hue of a color, whose numbers are then lightness, how far it
             lies along the hue and how far across; none for the measure's own numbers.
         color: The color that is asked for, sRGB; None for other claims.
-        box: Where in the frame the part is meant: left, upper, right and lower end, as shares of its width and height;
-            None for all of it.
-        reason: Why it is claimed, in words; "" where the word says it.
-        apart: Parts, each with its materials, that are left out: those that words color, where light is spoken of.
-        weight: How much a step counts while values are sought: less, where a mood only usually stands for it.
-        compares: Whether the word only compares, as "colder" does: beside a picture it is meant relative to that.
-        near: Whether a change is enough near the interval only: what words that only compare ask for is enough anywhere.
+        box: Left, upper, right and lower end of the part in the frame, as shares of its width and height; None for all of it.
+        reason: Why it is claimed; "" where the word says it.
+        apart: Parts, each with its materials, that are left out: those that words color, in a claim about light.
+        weight: Of a step while values are sought: less, where a mood only usually stands for it.
+        compares: Whether the word only compares, as "colder" does: next to a reference image it is relative to that.
+        near: Whether a change is enough near the interval only; for words that only compare it is enough anywhere.
     """
 
     word: str
@@ -92,29 +93,27 @@ class Claim:
 
     @classmethod
     def unsaid(cls, part: Part, measure: str, lower: float = -math.inf, upper: float = math.inf) -> Claim:
-        """What holds without words: that a part of the picture is in an interval, or no farther from it than before."""
+        """A claim without words: a part of the image is in an interval, or no farther from it than before."""
         return cls("", part, measure, part, (lower,), (upper,), change=0.0)
 
     def region(self, seen: GBuffer) -> Tensor | None:
-        """The pixels (H, W) bool that it speaks of; None where the thing is hardly seen."""
+        """The pixels (H, W) bool of its target; None where that is hardly seen."""
         where = region_of(seen, self.part, self.materials)
         if self.part == "surroundings" and not self.materials and self.measure in _AIR and where.sum() < _FEW:
             where = torch.ones_like(where)
         if self.box:
             where = where & _inside(self.box, where)
-        rest = where.clone()
-        for part, materials in (*self.apart, *self._unpainted(seen)):
+        apart, rest = self.apart, where.clone()
+        if self.part == "subject" and self.measure == "color" and not self.materials and seen.surrounding:
+            # A color of the subject is not painted on materials of its surroundings, though it wears them.
+            apart = (*apart, ("picture", seen.surrounding))
+        for part, materials in apart:
             rest &= ~region_of(seen, part, materials)
         where = rest if rest.sum() > _SEEN * where.sum() else where
         return where if where.sum() >= _FEW else None
 
-    def _unpainted(self, seen: GBuffer) -> Iterator[tuple[Part, tuple[str, ...]]]:
-        """Materials that a color of the subject is not painted on, though it wears them: those of its surroundings."""
-        if self.part == "subject" and self.measure == "color" and not self.materials and seen.surrounding:
-            yield "picture", seen.surrounding
-
     def value(self, picture: MeasuredPicture, where: Tensor) -> Tensor:
-        """What a picture has in the region `where`: (n,), differentiable in it."""
+        """Its value (n,) in the region `where` of an image, differentiable in it."""
         measure = MEASURES[self.measure]
         if measure.directed:
             return measure.take(picture, where, picture.display.new_tensor(self.direction))
@@ -133,11 +132,7 @@ class Claim:
         return light, x * along - y * across, y * along + x * across
 
     def interval(self, before: Tensor | None) -> tuple[Values, Values]:
-        """The lower and the upper end, the change since the artist's picture considered.
-
-        Args:
-            before: (n,) what the artist's picture has; None if that is not known.
-        """
+        """The lower and the upper end, the change considered since `before` (n,), of the artist's image; None if that is not known."""
         if self.change is None or before is None:
             return self.lower, self.upper
         if not self.change:
@@ -163,11 +158,11 @@ class Claim:
         return step, aside, aside
 
     def residual(self, value: Tensor, before: Tensor | None) -> Tensor:
-        """How far a value (n,) lies outside of the interval: (n,) in steps that people notice, 0 inside."""
+        """Distance of a value (n,) from the interval: (n,) in noticeable steps, 0 inside."""
         return outside(*self.in_steps(value, before))
 
     def in_steps(self, value: Tensor, before: Tensor | None) -> tuple[Tensor, Tensor, Tensor]:
-        """A value (n,), and the lower and the upper end of what is wanted, in steps that people notice."""
+        """A value (n,), and the lower and the upper end of its interval, in noticeable steps."""
         notice = value.new_tensor(self.notice)
         lower, upper = (value.new_tensor(end) / notice for end in self.interval(before))
         return value / notice, lower, upper
@@ -175,10 +170,9 @@ class Claim:
     def aim(
         self, value: Tensor, before: Tensor | None, ends: tuple[Tensor, Tensor] | None = None
     ) -> tuple[Tensor, Tensor, Tensor]:
-        """As `in_steps`, by weight, with ends that lie inside of what holds: what values are sought for.
+        """As `in_steps`, by weight, with ends that lie inside of what satisfies it: the interval that is sought.
 
         Args:
-            value: (n,) what a picture has.
             ends: As it has returned them before: they are the same for every value of a type.
         """
         lower, upper = ends or self._sought(value.detach(), before)
@@ -200,12 +194,12 @@ class Claim:
 
 @dataclass(frozen=True)
 class ClaimSet:
-    """The claims of a prompt about a scene, and what the artist's picture has of each.
+    """The claims of a prompt about a scene.
 
     Attributes:
         claims: In the order of the words.
-        before: Of each, what the artist's picture has; None where the thing is hardly seen.
-        regions: Of each, its pixels (H, W) bool in the pictures that are measured; None likewise.
+        before: Of each, the artist's image's value; None where the target is hardly seen.
+        regions: Of each, its pixels (H, W) bool in the images that are measured; None likewise.
     """
 
     claims: tuple[Claim, ...]
@@ -214,7 +208,7 @@ class ClaimSet:
 
     @classmethod
     def about(cls, claims: tuple[Claim, ...], picture: MeasuredPicture) -> ClaimSet:
-        """Claims about a scene whose artist's picture is this one."""
+        """Claims about a scene whose artist's image is this one."""
         regions = tuple(claim.region(picture.seen) for claim in claims)
         with torch.no_grad():
             before = tuple(
@@ -230,11 +224,11 @@ class ClaimSet:
         return {claim.word for claim, where in pairs if claim.word and where is not None}
 
     def in_view(self, seen: GBuffer) -> ClaimSet:
-        """The same claims about pictures that see this."""
+        """The same claims about images with this view."""
         return replace(self, regions=tuple(claim.region(seen) for claim in self.claims))
 
     def values(self, picture: MeasuredPicture) -> list[Tensor | None]:
-        """What a picture has of each claim: (n,), differentiable in it; None where the thing is hardly seen."""
+        """An image's value of each claim: (n,), differentiable in it; None where the target is hardly seen."""
         means = self._means.of(picture) if self._means else {}
         return [
             None if where is None else means[i] if i in means else claim.value(picture, where)
@@ -257,11 +251,7 @@ class ClaimSet:
         return {}
 
     def aims(self, picture: MeasuredPicture) -> list[tuple[Tensor, Tensor, Tensor]]:
-        """Of each claim that can be measured: its value, and the lower and the upper end of what is sought, see `Claim.aim`.
-
-        Returns:
-            Each (n,), in steps that people notice; the values are differentiable in the picture.
-        """
+        """Of each claim that can be measured: its value (n,), differentiable in the image, and the interval that is sought, see `Claim.aim`."""
         found = []
         for i, (claim, value, before) in enumerate(
             zip(self.claims, self.values(picture), self.before, strict=True)
@@ -274,7 +264,7 @@ class ClaimSet:
         return found
 
     def residuals(self, picture: MeasuredPicture) -> list[Tensor]:
-        """How far a picture is from each claim that can be measured: (n,) each, see `Claim.residual`."""
+        """Distance of an image from each claim that can be measured: (n,) each, see `Claim.residual`."""
         rows = zip(self.claims, self.values(picture), self.before, strict=True)
         return [claim.residual(value, before) for claim, value, before in rows if value is not None]
 
@@ -289,5 +279,81 @@ def _inside(box: tuple[float, float, float, float], like: Tensor) -> Tensor:
 
 
 def outside(values: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
-    """How far values lie outside of [lower, upper], all of one shape; below it less than 0, inside 0."""
+    """Distance of values from [lower, upper], all of one shape; below it less than 0, inside 0."""
     return (values - upper).clamp_min(0.0) - (lower - values).clamp_min(0.0)
+
+
+@dataclass(frozen=True)
+class ShotClaims:
+    """The claims about one shot, and the camera's view at the artist's values and at the result's."""
+
+    claims: tuple[Claim, ...]
+    before: GBuffer
+    after: GBuffer
+
+    def verdicts(self, before: Tensor, predicted: Tensor, after: Tensor) -> list[dict[str, Any]]:
+        """The rows of `report.json` on every claim, of images (H, W, 3) of any one size.
+
+        Returns:
+            For each claim: word, thing, measure, says, unit, wanted, before, predicted, after, holds, miss, and the
+            `reason` where there is one. `holds` is None where the target is hardly seen; `miss` is the image's distance
+            from the interval in noticeable steps.
+        """
+        with torch.no_grad():
+            judged = ClaimSet.about(self.claims, MeasuredPicture.of(before, self.before)).in_view(self.after)
+            guesses, values = (self._values(judged, picture) for picture in (predicted, after))
+        rows = zip(judged.claims, judged.before, guesses, values, strict=True)
+        return [_verdict(*row) for row in rows]
+
+    def _values(self, judged: ClaimSet, picture: Tensor) -> list[Tensor | None]:
+        """An image's value of each claim: nothing, where all of it is black."""
+        if picture.max() < _BLACK:
+            return [None] * len(judged.claims)
+        return judged.values(MeasuredPicture.of(picture, self.after))
+
+
+def _verdict(
+    claim: Claim, before: Tensor | None, predicted: Tensor | None, after: Tensor | None
+) -> dict[str, Any]:
+    miss = None if after is None else claim.miss(after, before)
+    return {
+        "word": claim.word,
+        "thing": claim.thing,
+        "measure": claim.measure,
+        "says": MEASURES[claim.measure].says,
+        "unit": MEASURES[claim.measure].unit,
+        "wanted": wanted(claim, before),
+        "before": _shown(claim, before),
+        "predicted": _shown(claim, predicted),
+        "after": _shown(claim, after),
+        "holds": None if miss is None else miss <= HOLDS,
+        "miss": None if miss is None else round(miss, 2),
+        **({"reason": claim.reason} if claim.reason else {}),
+    }
+
+
+def wanted(claim: Claim, before: Tensor | None) -> str:
+    """The interval of a claim in a few words: "at least 8", "#1fb5b5"."""
+    if claim.measure in _COLORS:
+        return _hex(claim.oklab(tuple((a + b) / 2 for a, b in zip(claim.lower, claim.upper, strict=True))))
+    if len(claim.lower) > 1:
+        return ", ".join(_range(*ends) for ends in zip(claim.lower, claim.upper, strict=True))
+    return _range(*(end[0] for end in claim.interval(before)))
+
+
+def _range(lower: float, upper: float) -> str:
+    if math.isinf(upper):
+        return f"at least {lower:.3g}"
+    return f"at most {upper:.3g}" if math.isinf(lower) else f"{lower:.3g} to {upper:.3g}"
+
+
+def _shown(claim: Claim, value: Tensor | None) -> float | str | None:
+    if value is None:
+        return None
+    if claim.measure in _COLORS:
+        return _hex(claim.oklab(tuple(value.tolist())))
+    return round(float(value[0]), 3) if len(value) == 1 else ", ".join(f"{v:.3g}" for v in value.tolist())
+
+
+def _hex(oklab: Sequence[float]) -> str:
+    return hex_from_srgb(srgb_from_oklab((oklab[0] / 100, oklab[1] / 100, oklab[2] / 100)))

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import importlib
+import json
 import platform
 import subprocess
 import sys
@@ -10,14 +12,26 @@ import tempfile
 from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 from .. import __version__
 from ..schema import VibeError
+
+if TYPE_CHECKING:
+    from ..vlm.endpoint import Endpoint
 
 _BLENDER = (
     "import bpy, json, os; print('BLENDER ' + json.dumps([bpy.app.version_string, "
     "os.path.join(bpy.utils.system_resource('DATAFILES'), 'colormanagement', 'config.ocio')]))"
 )
+_COLOR_SCHEMA = {
+    "type": "object",
+    "properties": {"color": {"type": "string"}},
+    "required": ["color"],
+    "additionalProperties": False,
+}
+_FORMATS = {"json_schema": "strict JSON", "json_object": "plain JSON", "text": "JSON in plain text"}
 _AGAIN = "Install it again: `pip install .` in a clone of Vibe Render."
 
 
@@ -70,18 +84,21 @@ def _blender(config: list[str]) -> str:
             "If a lib*.so is missing, install it with your system's package manager; otherwise "
             "Install it again: `pip install .` in a clone of Vibe Render.",
         )
-    import json
-
     version, path = json.loads(lines[0].removeprefix("BLENDER "))
     config.append(path)
     return f"{version} (the bpy module)"
 
 
-def _torch() -> str:
+def _imported(what: str, remedy: str, *names: str) -> ModuleType:
+    """The last of some modules; VibeError where one cannot be imported."""
     try:
-        import torch
+        return [importlib.import_module(name) for name in names][-1]
     except (ImportError, OSError) as error:
-        raise VibeError(f"torch cannot be imported: {error}", _AGAIN) from error
+        raise VibeError(f"{what} cannot be imported: {error}", remedy) from error
+
+
+def _torch() -> str:
+    torch = _imported("torch", _AGAIN, "torch")
     cards = [torch.cuda.get_device_name(i) for i in range(torch.cuda.device_count())]
     return f"{torch.__version__}, {torch.get_num_threads()} threads, " + (
         ", ".join(f"cuda:{i} {card}" for i, card in enumerate(cards)) or "no graphics card (the CPU is fine)"
@@ -89,22 +106,13 @@ def _torch() -> str:
 
 
 def _rays() -> str:
-    try:
-        import DracoPy  # noqa: F401
-        import embreex  # noqa: F401
-        import trimesh  # noqa: F401
-    except (ImportError, OSError) as error:
-        raise VibeError(
-            f"What reads meshes cannot be imported: {error}", "pip install embreex trimesh dracopy"
-        ) from error
+    remedy = "pip install embreex trimesh dracopy"
+    _imported("What reads meshes", remedy, "DracoPy", "embreex", "trimesh")
     return ", ".join(f"{name} {metadata.version(name)}" for name in ("embreex", "trimesh", "dracopy"))
 
 
 def _ocio(config: list[str]) -> str:
-    try:
-        import PyOpenColorIO as ocio
-    except (ImportError, OSError) as error:
-        raise VibeError(f"OpenColorIO cannot be imported: {error}", "pip install opencolorio") from error
+    ocio = _imported("OpenColorIO", "pip install opencolorio", "PyOpenColorIO")
     if not config:
         return f"OpenColorIO {ocio.__version__}"
     views = list(ocio.Config.CreateFromFile(config[0]).getViews("sRGB"))
@@ -126,9 +134,29 @@ def _model() -> str:
     endpoint = find_endpoint(Options())
     if endpoint is None:
         return "none, the offline planner does without (VIBE_VLM_MODEL names one)"
-    from ..vlm.trial import try_model
-
     return try_model(endpoint)
+
+
+def try_model(endpoint: Endpoint) -> str:
+    """Shows the model a red square and returns what it says, what its server understands, and the time."""
+    from PIL import Image
+
+    from ..vlm.client import Client, Question, jpeg_of
+    from ..vlm.transport import clean
+
+    client = Client(endpoint)
+    square = jpeg_of(Image.new("RGB", (64, 64), (220, 20, 20)))
+    system = (
+        'Name the color of the square in one word, as {"color": "..."}. Say "unseen" if there is no picture.'
+    )
+    answer = client.ask(Question(system, "What color is it?", square, _COLOR_SCHEMA), fresh=True)
+    color = clean(answer.get("color"), 40)
+    sees = "red" in color.lower() and client.dialect.pictures
+    eyesight = "sees pictures" if sees else "does NOT see pictures: it plans from numbers, and cannot judge"
+    return (
+        f"{endpoint.model} at {endpoint.place} answers {color!r} to a red square in {client.usage.seconds:.1f} s: "
+        f"{eyesight}; {_FORMATS[client.dialect.format]}"
+    )
 
 
 def _folders() -> str:

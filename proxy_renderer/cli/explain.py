@@ -3,37 +3,35 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import sys
 import tempfile
+import threading
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..goals import written
 from ..goals.resolve import Goals, goals_or_why
-from ..planning.advice import OfflineAdvisor
-from ..planning.explanation import as_dict, explain
-from ..planning.types import PlanContext
-from ..prompt.binding.reader import PromptReader
-from ..prompt.binding.why import why
-from ..prompt.lexicon.rigs import rig_table
-from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.parser import prepared
-from ..prompt.types import SceneWords
-from ..prompt.understood import Understood
+from ..planning.advice import OfflineAdvisor, as_dict, explain
 from ..rigs.chosen import chosen_rig
-from ..scene.plain import plain_instances
+from ..scene.data import plain_instances
 from ..schema import Instance, VibeError
 from ..schema.options import checks
-from ..schema.spec import Region
+from ..schema.parameters import Region
+from ..words.lexicon.rigs import rig_table
+from ..words.lexicon.user_words import default_vocabulary
+from ..words.parser import Understood, prepared, why
+from ..words.reader import read_words
+from ..words.types import SceneDescription
 
 if TYPE_CHECKING:
-    from ..engine.additions import Addition
+    from ..optimize.stage import StagedScenes
 
 _LIGHTS = (("Key", "AREA", "key"), ("Fill", "AREA", "fill"), ("Rim", "AREA", "rim"))
 _MATERIALS: dict[str, Region] = {"Subject": "subject", "Surroundings": "surroundings"}
-_LOOK = 96  # longer side of the picture that is looked at, in pixels
+_SIZE = 96  # pixels of the longer side: no picture is drawn, rays only find what the camera sees
 
 
 def account(
@@ -45,38 +43,40 @@ def account(
     target: Sequence[str] = (),
     as_goals: bool = False,
 ) -> str:
-    """What the words mean, readable or as JSON.
+    """The meaning of the words, readable or as JSON.
 
     Args:
-        as_json: For programs.
         scene: A .blend or a mesh, which Blender reads; None for a subject, its surroundings and three lights.
         subject: Arguments that say what in the scene is the subject: "--subject=Cup".
         with_reasons: Say why each look word is bound as it is, and nothing else.
         target: "copper=Cup": what words describe, where they are taken for something else.
         as_goals: Give the goals alone, as `vibe run --goals` reads them.
     """
-    words, instances, context, addition = (
-        _read(prompt, scene, subject, target) if scene else (*_plain(), None)
-    )
+    if scene:
+        stage, instances, known = _read(prompt, scene, subject, target)
+        goals, plan = stage.goals, stage.plan
+    else:
+        known = SceneDescription(materials=dict(_MATERIALS))
+        stage, instances, plan = None, plain_instances(_LIGHTS, _MATERIALS.items()), None
+        goals = goals_or_why(Understood(prompt, known, target))
     if with_reasons:
-        return _reasons(prompt, words, target)
-    goals = addition.goals if addition else goals_or_why(Understood(prompt, words, target))
+        return _reasons(prompt, known, target)
     if as_goals:
         if isinstance(goals, VibeError):
             raise goals
         return json.dumps(written.as_json(goals), indent=2, ensure_ascii=False)
-    advice = OfflineAdvisor(goals, addition.plan if addition else None).advise(None, instances, context)
+    advice = OfflineAdvisor(goals, plan).advise(None, instances, known)
     decided = advice.goals, advice.prompts, advice.plan
-    light = _light(advice.goals, addition)
+    light = _light(advice.goals, stage)
     if as_json:
         return json.dumps({**as_dict(*decided), "light": light}, indent=2, ensure_ascii=False)
     return "\n".join([explain(*decided), *(["", "Light", *(f"  {line}" for line in light)] if light else [])])
 
 
-def _light(goals: Goals, addition: Addition | None) -> list[str]:
+def _light(goals: Goals, stage: StagedScenes | None) -> list[str]:
     """The rig that the words ask for, and who plays its parts in the scene; without one, what each of its lights is."""
-    if addition:
-        return list(addition.lighting.notes) if addition.lighting else []
+    if stage:
+        return list(stage.lighting.notes) if stage.lighting else []
     chosen = chosen_rig(goals, rig_table(), default_vocabulary())
     if chosen is None:
         return []
@@ -88,42 +88,37 @@ def _light(goals: Goals, addition: Addition | None) -> list[str]:
     return [f"Light: {chosen.rig.says}", *lights]
 
 
-def _reasons(prompt: str, words: SceneWords, target: Sequence[str]) -> str:
-    """What the reader chose among, and why."""
+def _reasons(prompt: str, known: SceneDescription, target: Sequence[str]) -> str:
+    """The reader's candidates, and why it chose among them as it did."""
     vocabulary = default_vocabulary()
-    reader = PromptReader(vocabulary, words, told=checks.targets(target))
-    reader.read(prepared(prompt, words, vocabulary))
-    return why(reader)
+    text = prepared(prompt, known, vocabulary)
+    return why(read_words(text, known, vocabulary, targets=checks.targets(target)))
 
 
 def _read(
     prompt: str, scene: Path, subject: Sequence[str], target: Sequence[str]
-) -> tuple[SceneWords, dict[str, Instance], PlanContext, Addition]:
-    """A scene as the first round of a vibe sees it: its names, its parameters, and the picture that they give."""
+) -> tuple[StagedScenes, dict[str, Instance], SceneDescription]:
+    """A scene before the first round of a vibe: its names, its places and its parameters. Nothing is rendered."""
     from ..blender.launch import launch
     from ..blender.meshes import prepared
     from ..blender.progress import VibeProgress
 
     with tempfile.TemporaryDirectory(prefix="vibe-explain-") as folder, prepared(scene) as place:
-        launch(["export", str(place), f"--out={folder}", *subject], scene, VibeProgress(sys.stderr))
-        from ..engine.additions import with_additions
-        from ..optimize import context
-        from ..optimize.drawing import draw
-        from ..optimize.plan import lock
+        # The engine takes as long to import as Blender takes to read the scene: both at the same time. No daemon:
+        # torch must not be left half imported when this process ends.
+        threading.Thread(target=importlib.import_module, args=("proxy_renderer.render.proxy",)).start()
+        arguments = ["export", str(place), f"--out={folder}", "--names-only", *subject]
+        launch(arguments, scene, VibeProgress(sys.stderr))
+        from ..optimize.scene_facts import described_now
+        from ..optimize.shots import lock, picture_size
+        from ..optimize.stage import set_stage
         from ..optimize.vector import ParameterVector
         from ..render.proxy import Proxy
         from ..scene import load_scene
 
-        addition = with_additions([load_scene(Path(folder))], prompt, told=target)
-        data = addition.scenes[0]
+        stage = set_stage([load_scene(Path(folder))], prompt, target=target)
+        data = stage.scenes[0]
         vector = ParameterVector(lock(data.instances, (), (), scene.suffix.lower() != ".blend"))
-        proxy = Proxy(data, context.picture_size(data.resolution, _LOOK), device="cpu", seed=0)
-        u = vector.encode({})
-        now = context.plan_context(proxy, vector.values(u), draw(proxy, vector, u))
-        return addition.understood.scene, dict(vector.instances), now, addition
-
-
-def _plain() -> tuple[SceneWords, dict[str, Instance], PlanContext]:
-    instances = plain_instances(_LIGHTS, _MATERIALS.items())
-    context = PlanContext(light_types={name: kind for name, kind, _ in _LIGHTS})
-    return SceneWords(materials=dict(_MATERIALS)), instances, context
+        proxy = Proxy(data, picture_size(data.resolution, _SIZE), device="cpu", seed=0)
+        now = described_now(stage.understood.scene, proxy, vector.values(vector.encode({})), None)
+        return stage, dict(vector.instances), now

@@ -6,26 +6,28 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-from types import ModuleType
+from typing import NoReturn
 
 from .. import __version__
-from ..schema import VibeError, faults
-from .commands import apply, batch, demo, doctor, explain, extension, flamenco, revert, run, vocabulary
-from .parser import Help, Parser
+from ..schema import VibeError, errors
+from .commands import COMMANDS
 
-COMMANDS: dict[str, ModuleType] = {
-    "run": run,
-    "demo": demo,
-    "batch": batch,
-    "flamenco": flamenco,
-    "apply": apply,
-    "revert": revert,
-    "explain": explain,
-    "vocabulary": vocabulary,
-    "doctor": doctor,
-    "extension": extension,
-}
-"""In the order of the help."""
+
+class Parser(argparse.ArgumentParser):
+    """Argument mistakes in one line, like every other mistake."""
+
+    program = "vibe"
+
+    def error(self, message: str) -> NoReturn:
+        """Exits with code 2."""
+        self.exit(2, f"{self.program}: {message[:1].upper()}{message[1:]}. See `{self.prog} --help`.\n")
+
+
+class Help(argparse.HelpFormatter):
+    """Help texts in a column wide enough for the option names."""
+
+    def __init__(self, prog: str) -> None:
+        super().__init__(prog, max_help_position=28, width=100)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -38,7 +40,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return arguments.act(arguments)
     except VibeError as error:
         print(f"vibe: {error}", file=sys.stderr)
-        return 1 if isinstance(error, faults.UnexpectedError) else 2
+        return 1 if isinstance(error, errors.UnexpectedError) else 2
     except KeyboardInterrupt:
         print("vibe: stopped.", file=sys.stderr)
         return 130
@@ -46,7 +48,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stderr.close()
         return 1
     except Exception as error:
-        print(f"vibe: {faults.unexpected(error, 'carrying out the command')}", file=sys.stderr)
+        print(f"vibe: {errors.unexpected(error, 'carrying out the command')}", file=sys.stderr)
         return 1
 
 
@@ -72,7 +74,7 @@ def parser() -> argparse.ArgumentParser:
     commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True, parser_class=Parser)
     for name, command in COMMANDS.items():
         sub = commands.add_parser(
-            name, help=command.SUMMARY, description=command.SUMMARY, formatter_class=Help
+            name, help=command.summary, description=command.summary, formatter_class=Help
         )
         sub.set_defaults(act=command.act)
         command.add_options(sub)

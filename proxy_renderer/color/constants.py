@@ -14,7 +14,7 @@ LUMINANCE_WEIGHTS = (0.2126, 0.7152, 0.0722)
 # The sRGB curve (IEC 61966-2-1): a line near black, a power above.
 SRGB_SLOPE = 12.92
 SRGB_LINEAR_END, SRGB_ENCODED_END = 0.0031308, 0.04045
-"""Where the line ends, in linear light and encoded."""
+"""End of the line, in linear light and encoded."""
 SRGB_SCALE, SRGB_OFFSET, SRGB_EXPONENT = 1.055, 0.055, 2.4
 
 XYZ_FROM_REC709: ColorMatrix = (
@@ -32,7 +32,7 @@ WHITE: Lab = (0.95047, 1.0, 1.08883)
 
 # The curve of CIE Lab: a line near black, a cube root above.
 LAB_DELTA = 6 / 29
-"""Where the line ends on the curve; in relative XYZ its third power."""
+"""End of the line on the curve; in relative XYZ its third power."""
 LAB_RISE, LAB_RUN = 841, 108
 """The line's slope 1 / (3 δ²), as a fraction: multiplied first, divided then, it rounds as it always has."""
 LAB_OFFSET = 4 / 29

@@ -18,7 +18,7 @@ _HEX = re.compile("#[0-9a-fA-F]{6}")
 
 
 def is_hex(text: str) -> bool:
-    """Whether a text is a color as "#rrggbb"."""
+    """True if a text is a color as "#rrggbb"."""
     return bool(_HEX.fullmatch(text))
 
 

@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Colors as people speak of them: shades and mixtures of a color, and the basic color that it belongs to."""
+"""Colors as people speak of them: shades, tinges and mixtures of a color, and the basic color that it belongs to."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 from ..schema import Values
 from .floats import chroma, lab_from_srgb, oklab_from_srgb, srgb_from_hex, srgb_from_oklab
 
 WARM = (0.5, 1.0)
-"""What counts as warm of a* and b*, see `claims.measures.color.warmth`."""
+"""Weights of a* and b* in warmth, see `claims.measures.color.warmth`."""
 
-_GRAYISH = 20.0  # chroma below which a hue says little
+_GRAYISH_LAB = 20.0  # chroma below which a hue says little
 
 # Several typical shades for each basic color: the nearest one decides.
 _SHADES = {
@@ -29,18 +30,23 @@ _SHADES = {
     "purple": ("#7e1e9c", "#9a0eea", "#c8a0f0", "#40085a", "#580f41"),
     "pink": ("#ff7eb6", "#e6007e", "#ffc0d0", "#fc8eac"),
 }
+_UNIQUE = ("#c40233", "#ffd300", "#009f6b", "#0087bd")
+"""Red, yellow, green and blue that have nothing of each other: the elementary colors of the Natural Color System."""
+_GRAYISH_OKLAB = 0.04
+"""OKLab chroma below which a color has no hue to give or to keep."""
+_WIDEST, _MOST = 124.0, 1.5
+"""Degrees, and steps between elementary colors, by which two hues differ at most that mix: green and blue do, by 122 and 1.45."""
+_TO_GRAY, _FROM_GRAY = 0.75, 0.2
+"""Share of its chroma that a color loses to a gray tinge, and that a gray takes from its tinge."""
 
 
 def shade(
     srgb: Values, lightness: float = 1.0, chroma: float = 1.0, towards: float = 60.0, warmth: float = 0.0
 ) -> Values:
-    """A shade of a color.
+    """A shade of an sRGB color.
 
-    Args:
-        srgb: In [0, 1].
-        lightness: 1 keeps the lightness, 0 moves it to `towards`.
-        towards: L* in [0, 100].
-        warmth: Moves the hue of grayish colors to orange (+) or blue (-); in units of b*.
+    A lightness of 0 moves it to L* `towards` in [0, 100], 1 keeps it. Warmth, in units of b*, moves the hue of grayish
+    colors to orange (+) or blue (-).
     """
     light, a, b = oklab_from_srgb(srgb)
     warmth *= max(0.0, 1 - math.hypot(a, b) / 0.15)
@@ -53,7 +59,7 @@ def shade(
 def hue_apart(one: Values, other: Values) -> float:
     """Degrees between the Lab hues of two sRGB colors; 0 where one of them is grayish."""
     labs = lab_from_srgb(one), lab_from_srgb(other)
-    if min(map(chroma, labs)) < _GRAYISH:
+    if min(map(chroma, labs)) < _GRAYISH_LAB:
         return 0.0
     hues = [math.degrees(math.atan2(b, a)) for _, a, b in labs]
     return abs((hues[0] - hues[1] + 180) % 360 - 180)
@@ -65,12 +71,9 @@ def warm(a: float, b: float) -> float:
 
 
 def relative_shade(srgb: Values, lighter: float, chroma: float, strength: float = 1.0) -> Values:
-    """A color some of the way to white, or, below 0, to black, and more or less of a color.
+    """A color a share `lighter` in [-1, 1] of the way to white, or, below 0, to black, and more or less of a color.
 
-    Args:
-        srgb: In [0, 1].
-        lighter: Share of the way, in [-1, 1].
-        strength: Of the word that asks for it: above 1 for "very", below for "slightly".
+    The strength is that of the word that asks for it: above 1 for "very", below for "slightly".
     """
     way = min(abs(lighter * strength), 1.0)
     return shade(srgb, 1.0 - way, chroma**strength, 100.0 * (lighter > 0))
@@ -90,3 +93,65 @@ def basic(srgb: Sequence[float]) -> str:
         for name, shades in _SHADES.items()
     }
     return min(distances, key=distances.__getitem__)
+
+
+def tinged(base: Values, tinge: Values, share: float) -> Values:
+    """An sRGB color that has a share in [0, 1] of another.
+
+    Hues turn the shorter way, by equal parts of the way from one elementary color to the next, because names do: half
+    way from green to blue is a teal, although OKLab's blues fill half of that way.
+    """
+    (light, chroma, hue), (light2, chroma2, hue2) = _polar(base), _polar(tinge)
+    if chroma < _GRAYISH_OKLAB <= chroma2:
+        return _srgb(light, chroma + _FROM_GRAY * (chroma2 - chroma), hue2)
+    light += share * (light2 - light)
+    if chroma2 < _GRAYISH_OKLAB:
+        return _srgb(light, chroma + _TO_GRAY * (chroma2 - chroma), hue)
+    step, step2 = _step(hue), _step(hue2)
+    turned = step + share * ((step2 - step + 2) % 4 - 2)
+    return _srgb(light, _sum(chroma, chroma2, hue2 - hue, share), _hue(turned))
+
+
+def mixable(one: Values, other: Values) -> bool:
+    """True if one color can have something of both sRGB colors: a teal can, nothing is both red and green."""
+    (_, chroma, hue), (_, chroma2, hue2) = _polar(one), _polar(other)
+    if min(chroma, chroma2) < _GRAYISH_OKLAB:
+        return True
+    apart, steps = abs((hue - hue2 + 180) % 360 - 180), abs((_step(hue) - _step(hue2) + 2) % 4 - 2)
+    return apart < _WIDEST and steps < _MOST
+
+
+def _sum(chroma: float, chroma2: float, turn: float, share: float) -> float:
+    """Chroma of the sum of two colors, which is the less, the farther apart their hues are (degrees)."""
+    along = math.cos(math.radians(turn))
+    own, added = (1 - share) * chroma, share * chroma2
+    return math.sqrt(own**2 + added**2 + 2 * own * added * along)
+
+
+def _polar(srgb: Values) -> tuple[float, float, float]:
+    """OKLab lightness, chroma, and hue in degrees."""
+    light, a, b = oklab_from_srgb(srgb)
+    return light, math.hypot(a, b), math.degrees(math.atan2(b, a)) % 360
+
+
+def _srgb(light: float, chroma: float, hue: float) -> Values:
+    turn = math.radians(hue)
+    return srgb_from_oklab((light, chroma * math.cos(turn), chroma * math.sin(turn)))
+
+
+_HUES = [_polar(srgb_from_hex(code))[2] for code in _UNIQUE]
+_CIRCLE = [*_HUES, _HUES[0] + 360]
+
+
+def _step(hue: float) -> float:
+    """Place of a hue (degrees) on the circle of elementary colors: 0 red, 1 yellow, 2 green, 3 blue, 4 red again."""
+    hue = (hue - _CIRCLE[0]) % 360 + _CIRCLE[0]
+    arc = next(i for i in range(4) if hue <= _CIRCLE[i + 1])
+    return arc + (hue - _CIRCLE[arc]) / (_CIRCLE[arc + 1] - _CIRCLE[arc])
+
+
+def _hue(step: float) -> float:
+    """The inverse of `_step`, for any number of turns."""
+    arc, part = divmod(step % 4, 1)
+    low, high = list(pairwise(_CIRCLE))[int(arc)]
+    return low + part * (high - low)

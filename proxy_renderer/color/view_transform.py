@@ -13,7 +13,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from ..schema import VibeError
-from .lookup_table import trilinear
+from .tensors import trilinear
 
 SIZE = 65
 BRIGHTEST = 2.0**6
@@ -22,19 +22,10 @@ _STOPS = math.log2(1 + BRIGHTEST / _TOE)
 
 
 class ViewTransform:
-    """Scene-linear Rec.709 to display, as Blender's color management does it.
+    """Scene-linear Rec.709 to display, as Blender's color management does it; arguments and errors: see `apply_ocio`.
 
     The OCIO transform is sampled once, at 65³ colors that reach from black to 2⁶, about evenly spaced in stops;
     brighter light looks like 2⁶. Against OCIO itself the mean error is below 0.2/255 for every view that Blender has.
-
-    Args:
-        ocio: Path of `config.ocio`.
-        display: For example "sRGB".
-        view: For example "AgX".
-        look: For example "AgX - Punchy"; "" or "None" for none.
-
-    Raises:
-        VibeError: The config cannot be read, or has no such display, view or look.
     """
 
     def __init__(
@@ -63,20 +54,16 @@ def _bake(ocio: str, display: str, view: str, look: str) -> Tensor:
 def apply_ocio(
     colors: Float[np.ndarray, "*pixels 3"], ocio: str, display: str, view: str, look: str = ""
 ) -> Float[np.ndarray, "*pixels 3"]:
-    """Exact transform of scene-linear Rec.709 colors (..., 3), composed as Blender composes it.
+    """Exact transform of scene-linear Rec.709 (..., 3) to float32 display values (..., 3), composed as Blender composes it.
 
     A look chosen by the artist replaces those that the view has of its own
     (Blender: imbuf/opencolorio, create_ocio_display_transform).
 
     Args:
-        colors: (..., 3) scene-linear Rec.709.
         ocio: Path of `config.ocio`.
         display: For example "sRGB".
         view: For example "AgX".
         look: For example "AgX - Punchy"; "" or "None" for the view's own.
-
-    Returns:
-        (..., 3) float32 display values.
 
     Raises:
         VibeError: The config cannot be read, or has no such display, view or look.

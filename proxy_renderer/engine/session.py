@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One vibe in the engine: from a job folder to values, and, once Cycles has rendered, to its measure."""
+"""One vibe in the engine: from job folders to values, and the measure of what Cycles made of them."""
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -14,17 +13,16 @@ import numpy as np
 import torch
 from PIL import Image
 
-from ..claims.verdict import ShotClaims
-from ..goals.written import as_json, read
-from ..guidance import augment
+from ..claims.claim import ShotClaims
+from ..goals.written import read
+from ..guidance import regions
 from ..guidance.encoder import Encoder, load_encoder
-from ..optimize import context, pipeline
+from ..optimize import pipeline
 from ..optimize.anchoring import BlenderPictures
 from ..optimize.progress import Observer
-from ..optimize.rounds.method import VARIABLE, load_method
-from ..optimize.shots import ShotInput
-from ..prompt.understood import Understood
-from ..reference.like import Reference
+from ..optimize.rounds.method import load_method
+from ..optimize.shots import ShotInput, picture_size
+from ..optimize.stage import StagedScenes, set_stage
 from ..render.proxy import Proxy
 from ..scene import load_scene
 from ..schema import VibeError, messages
@@ -32,17 +30,30 @@ from ..vlm import judge
 from ..vlm.advisor import ModelAdvisor
 from ..vlm.client import Client
 from ..vlm.endpoint import find_endpoint
-from . import predictions, report
-from .additions import Addition, with_additions
-from .claimed import claims_about, foreseen
-from .device import pick_device
+from . import pictures, report
+
+
+def pick_device(name: str) -> str:
+    """The torch device for a name; "auto" is a CUDA card where there is one.
+
+    Raises:
+        VibeError: If torch does not have it here.
+    """
+    if name in ("", "auto"):
+        return "cuda" if torch.cuda.is_available() else "cpu"
+    try:
+        torch.zeros(1, device=name)
+    except (RuntimeError, AssertionError) as error:
+        raise VibeError(
+            f"There is no device {name!r} here.", "Use --device cpu, or run `vibe doctor`."
+        ) from error
+    return name
 
 
 class EngineSession:
-    """A vibe's state between its result and its measure.
+    """A vibe's state between its result and its measure; images are written to the job folders of its shots.
 
     Args:
-        shots: The job folders that the scene was exported to, one or several; pictures are written there too.
         vlm_key: The vision-language model's key from the preferences; "" for the environment's.
     """
 
@@ -56,104 +67,90 @@ class EngineSession:
     ) -> None:
         self.shots, self.prompt, self.options, self._observer = shots, prompt, options, observer
         self._method = load_method()
-        self._caption = prompt
-        self._understood: Understood | None = None
         self._encoder: Encoder | None = None
         self._outcome: pipeline.Outcome | None = None
         endpoint = find_endpoint(options, vlm_key)
         self._model = Client(endpoint, observer.stopped) if endpoint else None
-        self._predicted: list[predictions.Predicted] = []  # of each shot
-        self._reference: Reference | None = None
-        self._claims: list[ShotClaims] = []  # one for each shot
+        self._predicted: list[tuple[list[str], Image.Image]] = []  # of each shot, see `pictures.predict`
+        self._claims: list[ShotClaims] = []  # of each shot
         self._rows: list[list[tuple[str, Image.Image]]] = []  # of compare.png: one for each shot
 
     def run(self) -> messages.Result:
-        """Finds the values and says how it went; the pictures that it names are there after `draw`.
+        """Finds the values and reports how; the images that the result names are there after `draw`.
 
         Raises:
             VibeError: The job cannot be read, the words name no look, or the encoder cannot be loaded.
         """
-        clock = _Laps()
-        self._observer.stage("loading the encoder")
-        device = pick_device(self.options.device)
-        encoder = self._encoder = load_encoder(self.options.encoder or None, device)
+        options, observer, clock = self.options, self._observer, _Stopwatch()
+        observer.stage("loading the encoder")
+        device = pick_device(options.device)
+        encoder = self._encoder = load_encoder(options.encoder or None, device)
         clock.lap("load encoder")
-        self._observer.stage("loading the scene")
-        found = [load_scene(Path(shot.job)) for shot in self.shots]
-        self._observer.stage("setting the light")
-        written = read(Path(self.options.goals)) if self.options.goals else None
+
+        observer.stage("loading the scene")
+        scenes = [load_scene(Path(shot.job)) for shot in self.shots]
+        observer.stage("setting the light")
+        written = read(Path(options.goals)) if options.goals else None
         self.prompt = written.prompt if written else self.prompt
-        addition = with_additions(found, self.prompt, self.options.new_lights, self.options.target, written)
-        scenes, self._understood = addition.scenes, addition.understood
+        stage = set_stage(scenes, self.prompt, options.new_lights, options.target, written)
         clock.lap("load scene")
-        advisor = self._advisor(addition)
-        ask, seed = self._observer.ask, self.options.seed
-        blenders = [BlenderPictures(scene, ask, seed, number) for number, scene in enumerate(scenes)]
-        views = [
-            ShotInput(scene, blender if self.options.anchor else None, shot.file)
-            for scene, blender, shot in zip(scenes, blenders, self.shots, strict=True)
+
+        advisor = self._advisor(stage)
+        blenders = [
+            BlenderPictures(scene, observer.ask, options.seed, number)
+            for number, scene in enumerate(stage.scenes)
         ]
-        outcome = pipeline.run(
-            views, self.prompt, self.options, encoder, self._observer, advisor, addition, self._method
+        views = [
+            ShotInput(scene, blender if options.anchor else None, shot.file)
+            for scene, blender, shot in zip(stage.scenes, blenders, self.shots, strict=True)
+        ]
+        outcome = self._outcome = pipeline.run(
+            views, self.prompt, options, encoder, observer, advisor, stage, self._method
         )
         clock.lap("loop", {"wait for Blender": sum(blender.waited for blender in blenders)})
-        self._outcome = outcome
-        variants = _variants(outcome)
-        self._claims, self._reference = claims_about(outcome), outcome.reference
-        self._caption = outcome.prompts.whole or self.prompt
+
+        self._claims = report.claims_about(outcome)
         values = [report.changed_values(outcome, shot) for shot in outcome.shots]
+        variants = [_variant(look, number) for number, look in enumerate(outcome.variants, start=1)]
+        rows: dict[str, Any] = {
+            "prompt": self.prompt,
+            "encoder": encoder.name,
+            "seed": options.seed,
+            **report.search_facts(outcome, stage.understood.words),
+        }
+        if stage.lighting:
+            rows["light"] = list(stage.lighting.notes)
+        if advisor:
+            rows["vlm"] = advisor.account()
+        if options.anchor:
+            rows |= report.anchored(outcome, blenders)
+        if variants:
+            rows["variants"] = [{"score": v.score, "values": v.values} for v in variants]
+        rows |= {"claims": report.foreseen(outcome, self._claims), "timings": clock.laps}
         return messages.Result(
             values=values[0],
-            report={
-                **self._facts(outcome, encoder),
-                **({"light": list(addition.lighting.notes)} if addition.lighting else {}),
-                **({"vlm": advisor.account()} if advisor else {}),
-                **(report.anchored(outcome, blenders) if self.options.anchor else {}),
-                **(
-                    {"variants": [{"score": v.score, "values": v.values} for v in variants]}
-                    if variants
-                    else {}
-                ),
-                "claims": foreseen(outcome, self._claims),
-                "timings": clock.laps,
-            },
-            prediction=predictions.PREDICTION,
+            report=rows,
+            prediction=pictures.PREDICTION,
             stopped=outcome.stopped,
             variants=variants,
             shots=values if len(values) > 1 else [],
         )
 
     def draw(self) -> None:
-        """Draws the prediction and the variants of every shot.
-
-        Raises:
-            VibeError: There was no `run` before.
-        """
+        """Draws the prediction and the variants of every shot; raises VibeError if there was no `run` before."""
         outcome, encoder = self._outcome, self._encoder
         if outcome is None or encoder is None:
             raise VibeError("There is nothing to draw.", "Send a vibe first.")
         rows: list[list[tuple[str, Image.Image]]] = []  # a column for each variant
-        for number, (shot, seen) in enumerate(zip(self.shots, outcome.shots, strict=True)):
-            size = context.picture_size(seen.scene.resolution, self.options.size)
-            proxy = Proxy(seen.scene, size, str(encoder.device), self.options.seed, fine=True)
-            self._predicted.append(
-                predictions.predict(proxy, outcome, number, Path(shot.job), self.options.figures)
-            )
-            pictures = predictions.variants(proxy, outcome, number, Path(shot.job))
-            rows.append(
-                [
-                    (f"{place} · {shot.name}" if shot.name else f"{place}", p)
-                    for place, p in enumerate(pictures, 1)
-                ]
-            )
+        for number, (shot, state) in enumerate(zip(self.shots, outcome.shots, strict=True)):
+            size, job = picture_size(state.scene.resolution, self.options.size), Path(shot.job)
+            proxy = Proxy(state.scene, size, str(encoder.device), self.options.seed, fine=True)
+            self._predicted.append(pictures.predict(proxy, outcome, number, job, self.options.figures))
+            drawn = pictures.predict_variants(proxy, outcome, number, job)
+            rows.append([(_label(str(place), shot), image) for place, image in enumerate(drawn, 1)])
         if outcome.variants:
-            sheet = report.compare(rows, self.prompt, self._fonts())
-            report.save_image(sheet, Path(self.shots[0].job) / messages.VARIANTS)
-
-    def _fonts(self) -> Path:
-        """The folder of Blender's fonts."""
-        assert self._outcome
-        return Path(self._outcome.shots[0].scene.film.fonts)
+            sheet = pictures.compare(rows, self.prompt, Path(outcome.shots[0].scene.film.fonts))
+            pictures.save_image(sheet, Path(self.shots[0].job) / messages.VARIANTS)
 
     def finish(self, request: messages.Finish) -> messages.Finished:
         """Measures Cycles' pictures against the prediction and the words, and composes them.
@@ -164,41 +161,43 @@ class EngineSession:
         Raises:
             VibeError: There was no `run` before.
         """
-        if self._encoder is None:
+        outcome, encoder = self._outcome, self._encoder
+        if outcome is None or encoder is None:
             raise VibeError("There is nothing to finish.", "Send a vibe first.")
-        before, after = (report.load_picture(Path(p)) for p in (request.before, request.after))
+        before, after = (pictures.load_picture(Path(p)) for p in (request.before, request.after))
         shape, shot = (after.shape[1], after.shape[0]), self.shots[request.shot]
-        job = Path(shot.job)
-        found = self._predicted[request.shot]
-        drawn = {n: _drawn(job / predictions.PICTURES[n], shape) for n in found.names}
-        predicted = drawn["shown"]
-        panels = [("before", before), ("the proxy's prediction", predicted), ("after (Cycles)", after)]
-        if reference := self._reference:
-            panels.insert(1, (reference.name, reference.picture.display))
-        images = [
-            (
-                f"{label} · {shot.name}" if shot.name else label,
-                Image.fromarray((p * 255.0 + 0.5).astype(np.uint8)),
-            )
-            for label, p in panels
+        names, mask = self._predicted[request.shot]
+        predictions = {n: pictures.load_picture(Path(shot.job) / pictures.PICTURES[n], shape) for n in names}
+        shown = predictions["shown"]
+
+        panels = [("before", before), ("the proxy's prediction", shown), ("after (Cycles)", after)]
+        if outcome.reference:
+            panels.insert(1, (outcome.reference.name, outcome.reference.picture.display))
+        row = [
+            (_label(name, shot), Image.fromarray((p * 255.0 + 0.5).astype(np.uint8))) for name, p in panels
         ]
-        self._rows = [*self._rows[: request.shot], images]
-        report.save_image(report.compare(self._rows, self.prompt, self._fonts()), Path(request.compare_out))
-        subject = np.asarray(found.mask.resize(shape, Image.Resampling.LANCZOS), np.float32) / 255.0
+        self._rows = [*self._rows[: request.shot], row]
+        sheet = pictures.compare(self._rows, self.prompt, Path(outcome.shots[0].scene.film.fonts))
+        pictures.save_image(sheet, Path(request.compare_out))
+
+        subject = np.asarray(mask.resize(shape, Image.Resampling.LANCZOS), np.float32) / 255.0
+        caption = outcome.prompts.whole or self.prompt
+        claims = self._claims[request.shot]
         return messages.Finished(
-            prediction={name: predictions.apart(each, after, subject) for name, each in drawn.items()},
-            similarity={"before": self._similarity(before), "after": self._similarity(after)},
-            judge=self._judge(images[0][1], images[-1][1]),
-            claims=self._claims[request.shot].verdicts(*map(torch.from_numpy, (before, predicted, after))),
+            prediction={n: pictures.difference(p, after, subject) for n, p in predictions.items()},
+            similarity={
+                "before": _similarity(encoder, before, caption),
+                "after": _similarity(encoder, after, caption),
+            },
+            judge=self._judge(row[0][1], row[-1][1]),
+            claims=claims.verdicts(*map(torch.from_numpy, (before, shown, after))),
         )
 
-    def _advisor(self, addition: Addition) -> ModelAdvisor | None:
+    def _advisor(self, stage: StagedScenes) -> ModelAdvisor | None:
         """The model as parser and confiner; None for the offline planner."""
         if self._model is None or not self.prompt.strip():
             return None
-        return ModelAdvisor(
-            addition.understood, addition.goals, self._model, self._observer.stage, addition.plan
-        )
+        return ModelAdvisor(stage.understood, stage.goals, self._model, self._observer.stage, stage.plan)
 
     def _judge(self, before: Image.Image, after: Image.Image) -> dict[str, Any]:
         """The model's verdict on Cycles' two pictures, or why there is none."""
@@ -213,60 +212,27 @@ class EngineSession:
             verdict = {"error": str(error)}
         return {"model": model.endpoint.model, **verdict, **model.usage.account()}
 
-    def _similarity(self, picture: np.ndarray) -> float:
-        """Cosine of a picture (H, W, 3) and the caption of the whole (equation 2)."""
-        encoder = self._encoder
-        assert encoder is not None
-        with torch.no_grad():
-            batch = torch.from_numpy(picture).permute(2, 0, 1)[None].to(encoder.device)
-            features = encoder.encode_images(augment.whole(batch, encoder.size))
-            return round(float((features @ encoder.encode_texts([self._caption]).T).item()), 4)
 
-    def _facts(self, outcome: pipeline.Outcome, encoder: Encoder) -> dict[str, Any]:
-        """The fields of report.json that the engine knows."""
-        goals, prompts = outcome.goals, outcome.prompts
-        return {
-            "prompt": self.prompt,
-            "encoder": encoder.name,
-            "seed": self.options.seed,
-            "method": os.environ.get(VARIABLE, ""),
-            "goals": as_json(goals),
-            "parameters": report.parameter_records(outcome),
-            "rounds": outcome.rounds,
-            "understood": {
-                "subject": prompts.subject,
-                "surroundings": prompts.surroundings,
-                "whole": prompts.whole,
-                "classes": goals.classes,
-                "ignored": goals.parsed.ignored,
-                "guesses": goals.parsed.guesses,
-                "words": [word.row() for word in self._understood.words] if self._understood else [],
-                "notes": list(dict.fromkeys([*goals.parsed.notes, *outcome.plan.notes])),
-            },
-            "versions": report.versions(),
-        }
-
-
-def _variants(outcome: pipeline.Outcome) -> list[messages.Variant]:
-    """The looks to choose from."""
-    return [_variant(look, number) for number, look in enumerate(outcome.variants, start=1)]
+def _label(name: str, shot: messages.Shot) -> str:
+    return f"{name} · {shot.name}" if shot.name else name
 
 
 def _variant(look: pipeline.Outcome, number: int) -> messages.Variant:
     values = report.changed_values(look, look.shots[0])
     reasons = {key: look.plan[key].reason for key in values if key in look.plan}
-    return messages.Variant(values, predictions.variant(number), round(look.loss, 4), reasons)
+    return messages.Variant(values, pictures.variant_file(number), round(look.loss, 4), reasons)
 
 
-def _drawn(path: Path, shape: tuple[int, int]) -> np.ndarray:
-    """A prediction (H, W, 3) at another width and height."""
-    with Image.open(path) as image:
-        resized = image.convert("RGB").resize(shape, Image.Resampling.LANCZOS)
-    return np.asarray(resized, np.float32) / 255.0
+@torch.no_grad()
+def _similarity(encoder: Encoder, picture: np.ndarray, caption: str) -> float:
+    """Cosine of an image (H, W, 3) and a caption (equation 2)."""
+    batch = torch.from_numpy(picture).permute(2, 0, 1)[None].to(encoder.device)
+    features = encoder.encode_images(regions.whole(batch, encoder.size))
+    return round(float((features @ encoder.encode_texts([caption]).T).item()), 4)
 
 
-class _Laps:
-    """A stopwatch."""
+class _Stopwatch:
+    """Seconds by the names of laps."""
 
     def __init__(self) -> None:
         self.laps: dict[str, float] = {}

@@ -1,14 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The engine's end of the conversation with Blender, whose requests a thread hears while the loop runs."""
+"""The engine's side of the conversation with Blender: messages in and out, and the observer of the loop that sends them."""
 
 from __future__ import annotations
 
 import queue
 import threading
-from typing import BinaryIO
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO, TypeVar
 
+from ..optimize.progress import BEFORE, PREVIEW
 from ..schema import VibeError, messages
-from ..schema.wire import encode, read
+from ..schema.messages import encode, read
+
+if TYPE_CHECKING:
+    from torch import Tensor
+
+    from ..optimize.looks import EarlyLook
+_PREVIEW_SECONDS = 1.0
+_PROGRESS_SECONDS = 0.1
+_ANSWER_SECONDS = 600.0  # most that Blender may take to answer: it may be rendering something else first
+_Look = TypeVar("_Look", bound=messages.LookSoFar)
 
 
 class Wire:
@@ -61,3 +73,77 @@ class Wire:
             self.inbox.put(error)
         self.stop.set()
         self.inbox.put(None)
+
+
+class RemoteObserver:
+    """Tells the other side how the loop goes, and the loop when to end.
+
+    Args:
+        wants_looks: Whether the other side shows looks before the end.
+    """
+
+    def __init__(self, wire: Wire, job: Path, wants_looks: bool = False) -> None:
+        self._wire, self._job, self.wants_looks = wire, job, wants_looks
+        self._previewed = self._reported = 0.0
+
+    def stage(self, name: str) -> None:
+        """Reports what is going on outside of the loop."""
+        self._wire.send(messages.Stage(name))
+
+    def begin(self, display: Tensor) -> None:
+        """Shows the image (H, W, 3) of the artist's own values."""
+        from .pictures import save_picture
+
+        save_picture(display, self._job / BEFORE)
+        self._wire.send(messages.Stage("looking for the look", BEFORE))
+
+    def look(self, look: EarlyLook) -> None:
+        """Hands a look over; one whose image is not drawn yet leaves the last image as it is."""
+        self._wire.send(look_message(messages.LookSoFar, look, self._job))
+
+    def step(self, progress: messages.Progress, display: Tensor) -> bool:
+        """Reports a step, with its image (H, W, 3) about once a second; returns whether the loop should end."""
+        from .pictures import save_picture
+
+        now = time.monotonic()
+        if now - self._previewed > _PREVIEW_SECONDS:
+            save_picture(display, self._job / progress.preview)
+            self._previewed = now
+        if now - self._reported > _PROGRESS_SECONDS or progress.step == progress.steps:
+            self._wire.send(progress)
+            self._reported = now
+        return self.stopped()
+
+    def stopped(self) -> bool:
+        """True to end the loop."""
+        return self._wire.stop.is_set()
+
+    def ask(self, request: messages.Anchor) -> messages.Anchored | None:
+        """Has Blender render, and waits until it has.
+
+        Returns:
+            Its answer, which holds the error if it has failed or is overdue; None if the loop is to end.
+        """
+        if not self._wire.stop.is_set():
+            self._wire.send(request)
+        end = time.monotonic() + _ANSWER_SECONDS
+        while not self._wire.stop.is_set() and time.monotonic() < end:
+            try:
+                answer = self._wire.anchored.get(timeout=0.1)
+            except queue.Empty:
+                continue
+            if answer.number == request.number:
+                return answer
+        if self._wire.stop.is_set():
+            return None
+        return messages.Anchored(request.number, error=f"no answer within {_ANSWER_SECONDS:.0f} s")
+
+
+def look_message(kind: type[_Look], look: EarlyLook, job: Path) -> _Look:
+    """The message of a look, whose image is written into the job folder."""
+    from .pictures import save_picture
+
+    if look.display is not None:
+        save_picture(look.display, job / PREVIEW)
+    values = {key: list(value) for key, value in look.values.items()}
+    return kind(values, "" if look.display is None else PREVIEW, dict(look.words))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The engine as a process: NUL-delimited JSON on stdin and stdout, see `schema.messages`.
+"""The engine's process: answers requests on its standard streams.
 
 Start it with `python -m proxy_renderer.engine.worker`. It says "ready" before it imports anything heavy,
 then warms up while the other side exports the scene, and stays warm between vibes.
@@ -7,6 +7,7 @@ then warms up while the other side exports the scene, and stays warm between vib
 
 from __future__ import annotations
 
+import ctypes
 import errno
 import os
 import sys
@@ -18,25 +19,22 @@ from typing import TYPE_CHECKING, BinaryIO
 from .. import __version__
 from ..folders import cache_folder
 from ..optimize.progress import BEFORE
-from ..schema import VibeError, faults, messages, schema_hash
-from ..schema.wire import check_schema
-from .allocator import keep_freed_memory
-from .remote_observer import RemoteObserver, look_message
-from .wire import Wire
+from ..schema import VibeError, errors, messages, schema_hash
+from ..schema.messages import check_schema
+from .wire import RemoteObserver, Wire, look_message
 
 if TYPE_CHECKING:
-    from .glances import Glances
+    from .live import Glances
     from .session import EngineSession
 
+
+_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of mallopt(3)
+_KEPT = 2**30  # bytes
 _LOW_PRIORITY = 5  # of 19, as `nice` counts: at 10 an engine on a busy machine took a minute to be warm
 
 
 def serve(source: BinaryIO, sink: BinaryIO) -> None:
-    """Answers requests until the other side quits or goes. Whatever fails in one becomes an `Error` message.
-
-    Args:
-        source: Binary stream of requests, see `schema.wire`.
-    """
+    """Answers requests, see `schema.wire`, until the other side quits or goes. A failure becomes an `Error` message."""
     wire = Wire(source, sink)
     wire.send(messages.Ready(schema_hash(), __version__))
     warming = threading.Thread(target=_warm_up, daemon=True)
@@ -56,7 +54,9 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
                 session = None
                 session = _vibe(wire, request)
             elif isinstance(request, messages.Glance):
-                glances = glances or _no_glances()
+                from .live import Glances
+
+                glances = glances or Glances()
                 wire.send(_glance(wire, request, glances))
             elif isinstance(request, messages.Finish):
                 if session is None:
@@ -75,13 +75,13 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
 
 
 def _fault(error: Exception) -> messages.Error:
-    """What to say of an error that nobody expected."""
-    fault = faults.unexpected(error, "the engine was at work")
+    """The message of an error that nobody expected."""
+    fault = errors.unexpected(error, "the engine was at work")
     return messages.Error(fault.message, fault.remedy, unexpected=True)
 
 
 def _file_trouble(request: object, error: OSError) -> messages.Error:
-    """What to say where files cannot be read or written."""
+    """The message of a file that cannot be read or written."""
     if error.errno not in (errno.ENOSPC, errno.EDQUOT):
         return _fault(error)
     folder = Path(request.compare_out).parent if isinstance(request, messages.Finish) else None
@@ -94,7 +94,7 @@ def _file_trouble(request: object, error: OSError) -> messages.Error:
 def _vibe(wire: Wire, request: messages.Vibe) -> EngineSession:
     """Carries out one vibe and sends its result.
 
-    Its pictures are drawn before that if they are waited for, as in the panel. Otherwise Blender renders meanwhile.
+    Its images are drawn before that if they are waited for, as in the panel. Otherwise Blender renders meanwhile.
     """
     check_schema(request.schema, "add-on")
     options = messages.Options.from_dict(request.options)
@@ -115,12 +115,6 @@ def _vibe(wire: Wire, request: messages.Vibe) -> EngineSession:
     return session
 
 
-def _no_glances() -> Glances:
-    from .glances import Glances
-
-    return Glances()
-
-
 def _glance(wire: Wire, request: messages.Glance, glances: Glances) -> messages.Glanced:
     """Carries out one glance; empty where no word is known yet, or it was stopped."""
     check_schema(request.schema, "add-on")
@@ -130,7 +124,7 @@ def _glance(wire: Wire, request: messages.Glance, glances: Glances) -> messages.
 
 def _read_words(wire: Wire) -> None:
     """Says how words are understood, without end; of several that wait, only the newest."""
-    from .readings import WordReader
+    from .live import WordReader
 
     reader = WordReader()
     while True:
@@ -154,13 +148,27 @@ def _warm_up() -> None:
         os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _LOW_PRIORITY)
     try:
         from ..guidance.encoder import load_encoder
-        from ..prompt.lexicon.user_words import default_vocabulary
-        from . import glances, session  # noqa: F401
+        from ..words.lexicon.user_words import default_vocabulary
+        from . import live, session  # noqa: F401
 
         load_encoder(None, "cpu")
         default_vocabulary()
     except VibeError:
         pass
+
+
+def keep_freed_memory() -> None:
+    """Has glibc keep up to a gigabyte of what is freed; elsewhere nothing changes.
+
+    An array over 32 MB is else the system's again as soon as it is freed, and the next one is cleared page by page: a step
+    of a picture of 2048² took twice as long for that.
+    """
+    if sys.platform != "linux":
+        return
+    library = ctypes.CDLL(None)
+    if hasattr(library, "mallopt"):
+        library.mallopt(_MMAP_THRESHOLD, _KEPT)
+        library.mallopt(_TRIM_THRESHOLD, _KEPT)
 
 
 def main() -> None:

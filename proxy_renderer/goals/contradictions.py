@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether two wishes contradict each other: both cannot be had in one image."""
+"""Which wishes cannot be had together."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from collections.abc import Iterator, Sequence
 from ..color.constants import Lab
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
 from ..color.shades import hue_apart, warm
-from ..prompt.lexicon.claim_text import ClaimText, warmth_asked
-from ..prompt.lexicon.entries import Effect
 from ..schema import Values
+from ..words.lexicon.entries import Effect
+from ..words.lexicon.quantities import ClaimText, warmth_asked
 from .wish import PAINTED, Wish
 
 _DARK, _LIGHT = 38.0, 72.0
@@ -25,38 +25,42 @@ _OPPOSED = 0.5
 _WHITE_LIGHT = (5500.0, 7500.0)
 """Kelvins between which light is neither warm nor cool."""
 _AIR = ("light", "fog", "tone", "ambience", "sky")
-"""Kinds of things whose color all that is seen takes on."""
+"""Kinds of targets whose color everything in the image takes on."""
 _FIXED = ("warmth", "tint", "accent", "chroma")
-"""Measures of what lies around that a color word for it fixes."""
+"""Measures of the surroundings that a color word for them fixes."""
 _ALL_LIGHT = ("light", "tone", "ambience")
-"""Kinds of things whose color is that of the light as a whole."""
+"""Kinds of targets whose color is that of the light as a whole."""
 _ANOTHER_HUE = 40.0
-"""Degrees between the hues of a named color and of a material from which a thing cannot have both."""
+"""Degrees between the hues of a named color and of a material from which an object cannot have both."""
+_NONE = "none"
+"""The class of an image that has nothing of a quantity."""
 _MATTER = ("color", "finish", "substance", "glow")
 
 
 def contradicts(first: Wish, later: Wish) -> bool:
-    """Whether a wish cannot be had beside one that ranks before it."""
-    if first.attribute is later.attribute or first.word == later.word:
+    """Whether a wish cannot be had together with one that ranks before it."""
+    a, b = first.attribute, later.attribute
+    if a is b or first.word == later.word:
         return False
-    if first.attribute.color and not first.implied and _ruled_out(first, later):
+    if a.color and not first.implied and _ruled_out(first, later):
         return True
-    if _is_tinted(first) and _grays(later):
+    # colored light colors gray surroundings too: a gallery is not gray at sunset
+    if _is_tinted(first) and any((c.part, c.measure) == ("surroundings", "chroma") for c in later.claims):
         return True
     if not _same_target(first, later):
         return False
-    if _disjoint_claims(first, later):
+    if _disjoint_claims(first, later) or _is_recolored(first, later):
         return True
     if first.quantity != later.quantity:
         return False
     if _is_gray(first) and any(c.measure == "chroma" and c.lower > 0.0 for c in later.claims):
         return True
-    if later.attribute.kind == "ambience" and later.attribute.color and not first.attribute.color:
-        return _opposed(first, lab_from_srgb(later.attribute.color))
-    if first.attribute.color and first.quantity == "color" and (own := _own_color(later, weak=False)):
-        return hue_apart(first.attribute.color, own) > _ANOTHER_HUE  # no copper is blue
-    if first.attribute.color and later.attribute.color:
+    if b.kind == "ambience" and b.color and not a.color:
+        return _opposed(first, lab_from_srgb(b.color))
+    if a.color and b.color:
         return first.quantity != "light_color" or later.implied
+    if first.named != later.named and _NONE in (first.named, later.named) and first.named and later.named:
+        return True  # no fog is not a little fog, though measures of both overlap
     if _overlapping(first.claims, later.claims):
         return False  # the image can be as both want it: parameters are shared out by rank
     if _other_class(first, later) or _disjoint_effects(first, later):
@@ -67,20 +71,16 @@ def contradicts(first: Wish, later: Wish) -> bool:
 
 
 def _same_target(first: Wish, later: Wish) -> bool:
-    """Whether two wishes are about the same light, thing or image."""
+    """Whether two wishes are about the same light, object or image."""
     a, b = first.attribute, later.attribute
-    if (a.lamp, a.lights, _lit_role(a.role)) != (b.lamp, b.lights, _lit_role(b.role)):
+    roles = ["" if each.role == "key" else each.role for each in (a, b)]  # words without a role mean the key
+    if (a.lamp, a.lights, roles[0]) != (b.lamp, b.lights, roles[1]):
         return False
     if a.owners and b.owners:
         return not {*a.owners}.isdisjoint(b.owners)
     if a.color and b.color:
         return a.kind == b.kind and bool(a.owners) == bool(b.owners)
     return a.region == b.region if first.quantity in _MATTER or later.quantity in _MATTER else True
-
-
-def _lit_role(role: str) -> str:
-    """A role among lights; the key is the light that words mean where they say nothing of others."""
-    return "" if role == "key" else role
 
 
 def _other_class(first: Wish, later: Wish) -> bool:
@@ -105,7 +105,7 @@ def _axis(claim: ClaimText) -> tuple[str, str, str]:
 def _disjoint_claims(first: Wish, later: Wish) -> bool:
     """Whether two wishes claim intervals of one measure that have nothing in common.
 
-    What lies around is a part of the image: what is usual of it, or implied, gives way to what is said of all of the image.
+    Surroundings are a part of the image: what is usual of them, or implied, gives way to a word for all of the image.
     """
     yields = later.implied or later.usual > 0
     return any(
@@ -119,17 +119,14 @@ def _disjoint_claims(first: Wish, later: Wish) -> bool:
 
 def _disjoint_effects(first: Wish, later: Wish) -> bool:
     """Whether two wishes want ranges of one parameter that have nothing in common; defaults want none."""
-    pairs = (
-        (a, b)
-        for a in first.effects
-        for b in later.effects
-        if (a.owner, a.name, a.mode) == (b.owner, b.name, b.mode) and not (a.weak or b.weak)
-    )
-    return any(
-        any(max(x, y) > min(v, w) for x, v, y, w in zip(*_ends(a, b), *_ends(b, a), strict=True))
-        for a, b in pairs
-        if a.lower and b.lower
-    )
+    for a in first.effects:
+        for b in later.effects:
+            same = (a.owner, a.name, a.mode) == (b.owner, b.name, b.mode) and not (a.weak or b.weak)
+            if same and a.lower and b.lower:
+                ends = zip(*_ends(a, b), *_ends(b, a), strict=True)
+                if any(max(x, y) > min(v, w) for x, v, y, w in ends):
+                    return True
+    return False
 
 
 def _ends(effect: Effect, other: Effect) -> tuple[Values, Values]:
@@ -139,11 +136,9 @@ def _ends(effect: Effect, other: Effect) -> tuple[Values, Values]:
 
 
 def _share_an_axis(first: Wish, later: Wish) -> bool:
-    """Whether two wishes are about one measure, or about one parameter."""
     measures = {_axis(c) for c in first.claims} & {_axis(c) for c in later.claims}
-    strong = [{(e.owner, e.name) for e in wish.effects if not e.weak} for wish in (first, later)]
-    parameters = strong[0] & strong[1]
-    return bool(measures or parameters)
+    ours, theirs = ({(e.owner, e.name) for e in wish.effects if not e.weak} for wish in (first, later))
+    return bool(measures or ours & theirs)
 
 
 def _other_light(first: Wish, later: Wish) -> bool:
@@ -154,28 +149,32 @@ def _other_light(first: Wish, later: Wish) -> bool:
 
 def _warmth(wish: Wish) -> int:
     """1 for a wish for warm light, -1 for cool light, else 0."""
-    signs = [*map(_asks, wish.claims), *(_kelvins(e) for e in wish.effects if not e.weak)]
+    signs = [*map(_warmth_of_claim, wish.claims), *(_kelvins(e) for e in wish.effects if not e.weak)]
     return next((sign for sign in signs if sign), 0)
 
 
+def _warmth_of_claim(claim: ClaimText) -> int:
+    return warmth_asked(claim.measure, claim.lower, claim.upper)
+
+
 def _ruled_out(color: Wish, wish: Wish) -> bool:
-    """Whether a named color leaves no room for a wish: a forest before a purple background is not green."""
+    """Whether a named color leaves no room for a wish: a forest in front of a purple background is not green."""
     lab = lab_from_srgb(color.attribute.color or ())
-    if wish.implied and (wish.quantity, wish.toward) in set(_impossible(color, lab)):
+    if (wish.implied or wish.usual) and (wish.quantity, wish.toward) in set(_impossible(color, lab)):
         return True
-    if wish.implied and wish.attribute.color:
-        return color.attribute.kind == wish.attribute.kind
     if wish.attribute.color:
-        return False
+        return wish.implied and color.attribute.kind == wish.attribute.kind
     if wish.quantity == "light_color" and color.attribute.kind in _ALL_LIGHT:
         return not (color.attribute.of_one_light or wish.attribute.of_one_light) and _opposed(wish, lab)
-    if wish.quantity == "surroundings_color":
-        return _fixed(color, wish)
-    return False
+    # the color that a place or a sky usually has
+    kind = color.attribute.kind
+    seen = wish.quantity == "surroundings_color" and kind in ("surroundings", "sky")
+    fixed = any(c.measure in _FIXED and c.part == kind for c in wish.claims)
+    return seen and fixed and not color.attribute.owners
 
 
 def _impossible(color: Wish, lab: Lab) -> Iterator[tuple[str, str]]:
-    """What an image cannot be where something has a color by name: quantity, and class."""
+    """Quantities with the class that an image cannot be of where a target has a color by name."""
     light, a, b = lab
     attribute, strong = color.attribute, chroma(lab)
     around = attribute.kind == "surroundings" and not attribute.owners
@@ -193,7 +192,7 @@ def _impossible(color: Wish, lab: Lab) -> Iterator[tuple[str, str]]:
 
 
 def _opposed(wish: Wish, lab: Lab) -> bool:
-    """Whether a wish asks for light of the other side than a color's: for warm light, where it is said to be blue."""
+    """Whether a wish asks for light of the other side than a color's: for warm light, where it is named blue."""
     strong = chroma(lab)
     if strong <= _GRAY:
         return False
@@ -215,48 +214,35 @@ def _against(claim: ClaimText, direction: Values) -> bool:
     """Whether a color lies on the other side of what a claim about warmth or a tint asks for."""
     if claim.color:
         _, a, b = lab_from_srgb(srgb_from_hex(claim.color))
-        own = math.hypot(a, b)
-        return (a * direction[0] + b * direction[1]) / own < -_OPPOSED
-    return _asks(claim) * warm(*direction) < -_OPPOSED
-
-
-def _asks(claim: ClaimText) -> int:
-    return warmth_asked(claim.measure, claim.lower, claim.upper)
-
-
-def _fixed(color: Wish, wish: Wish) -> bool:
-    """Whether a color leaves nothing of the color that a place or a sky usually has."""
-    kind = color.attribute.kind
-    if kind not in ("surroundings", "sky") or color.attribute.owners:
-        return False
-    return any(c.measure in _FIXED and c.part == kind for c in wish.claims)
+        return (a * direction[0] + b * direction[1]) / math.hypot(a, b) < -_OPPOSED
+    return _warmth_of_claim(claim) * warm(*direction) < -_OPPOSED
 
 
 def _is_tinted(wish: Wish) -> bool:
     """Whether a wish colors all of the light."""
     color = wish.attribute.color
-    tinted = (
-        bool(color) and wish.attribute.kind in _ALL_LIGHT and chroma(lab_from_srgb(color or ())) >= _COLORED
-    )
-    return tinted or (wish.quantity == "light_color" and _warmth(wish) != 0)
+    if color and wish.attribute.kind in _ALL_LIGHT and chroma(lab_from_srgb(color)) >= _COLORED:
+        return True
+    return wish.quantity == "light_color" and _warmth(wish) != 0
 
 
-def _grays(wish: Wish) -> bool:
-    """Whether a wish takes the color from what lies around: galleries are gray, but not at sunset."""
-    return any((c.part, c.measure) == ("surroundings", "chroma") for c in wish.claims)
+def _is_recolored(color: Wish, material: Wish) -> bool:
+    """Whether an object gets another hue than its material: no copper is blue, and oak is blue only as a stain."""
+    if not color.attribute.color or color.quantity not in PAINTED or material.quantity != "color":
+        return False
+    own = _own_color(material, weak=color.attribute.thing == material.attribute.thing)
+    return own is not None and hue_apart(color.attribute.color, own) > _ANOTHER_HUE
 
 
 def _own_color(wish: Wish, weak: bool) -> Values | None:
-    """The color of the material that a wish is about, sRGB; None where it has none, or, unless `weak`, may have any."""
-    codes = (
-        e.color
-        for e in wish.effects
-        if e.family == "material/tint" and e.color[:1] == "#" and (weak or not e.weak)
-    )
-    return next(map(srgb_from_hex, codes), None)
+    """The color, sRGB, of a wish's material; None where it has none, or, unless `weak`, may have any."""
+    for e in wish.effects:
+        if e.family == "material/tint" and e.color[:1] == "#" and (weak or not e.weak):
+            return srgb_from_hex(e.color)
+    return None
 
 
 def _is_gray(wish: Wish) -> bool:
-    """Whether a wish is the color of a thing, and a gray one: that of asphalt."""
+    """Whether a wish is the color of an object, and a gray one: that of asphalt."""
     color = wish.attribute.color or _own_color(wish, weak=True)
     return color is not None and chroma(lab_from_srgb(color)) < _COLORED

@@ -7,25 +7,19 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.types import Attribute, Parsed
-from ..prompt.understood import Understood
 from ..schema import VibeError
-from ..schema.means import SURFACES
+from ..schema.parameters import SURFACES
+from ..words.lexicon.user_words import default_vocabulary
+from ..words.lexicon.vocabulary import Vocabulary
+from ..words.parser import Understood
+from ..words.types import Attribute, Parsed
 from .contradictions import contradicts
-from .meaning import wishes_of
-from .wish import Wish
+from .wish import Wish, wishes_of
 
 
 @dataclass(frozen=True)
 class Lost:
-    """A wish that gave way.
-
-    Attributes:
-        wish: What is not sought.
-        winner: What it contradicts, and that ranks before it.
-    """
+    """A wish that is not sought, and the winner: one that it contradicts and that ranks before it."""
 
     wish: Wish
     winner: Wish
@@ -41,13 +35,7 @@ class Lost:
 
 @dataclass(frozen=True)
 class Goals:
-    """What the image must look like.
-
-    Attributes:
-        parsed: The prompt, bound.
-        wishes: Those that are sought, in the order of the prompt.
-        lost: Those that gave way, each with the winner.
-    """
+    """What the image must look like: the bound prompt, the wishes that are sought, in its order, and those that gave way."""
 
     parsed: Parsed
     wishes: tuple[Wish, ...] = ()
@@ -64,13 +52,9 @@ class Goals:
         """The words of which nothing is sought, or none of the classes that they name."""
         named = [wish.attribute for wish in self.wishes if wish.named]
         sought = [wish.attribute for wish in self.wishes]
-        return tuple(
-            dict.fromkeys(
-                each.wish.attribute
-                for each in self.lost
-                if each.wish.attribute not in (named if each.wish.named else sought)
-            )
-        )
+        lost = (each.wish for each in self.lost)
+        out = (w.attribute for w in lost if w.attribute not in (named if w.named else sought))
+        return tuple(dict.fromkeys(out))
 
     def notes(self) -> Iterator[str]:
         """Which words gave way to which, one sentence each."""
@@ -83,11 +67,7 @@ def goals_or_why(understood: Understood) -> Goals | VibeError:
 
 
 def goals_of(parsed: Parsed, vocabulary: Vocabulary | None = None) -> Goals:
-    """What a prompt asks for, its contradictions resolved.
-
-    Args:
-        vocabulary: What words mean; the artist's own if None.
-    """
+    """What a prompt asks for, its contradictions resolved."""
     wishes = wishes_of(parsed.attributes, vocabulary or default_vocabulary())
     return resolved(parsed, wishes)
 

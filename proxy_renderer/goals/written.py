@@ -1,35 +1,144 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Goals as JSON, see docs/reference/goals.md: `vibe explain --goals` writes them, `vibe run --goals` reads them."""
+"""Goals as JSON, written and read: the format of docs/reference/goals.md."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+import math
+import sys
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, TypeVar, get_args
 
-from ..color.floats import hex_from_srgb
-from ..prompt.lexicon.claim_text import ClaimText, read_claim
-from ..prompt.lexicon.entries import OWNERS, SLOTS, parse_effect
-from ..prompt.lexicon.quantities import quantities
-from ..prompt.types import GLOW, STRONGEST, Attribute, Parsed, PromptObject, SceneWords
+from ..color.floats import hex_from_srgb, is_hex, srgb_from_hex
 from ..schema import VibeError
-from ..schema.means import may_serve
-from ..schema.spec import Region
-from .json_fields import JsonFields
+from ..schema.errors import quoted
+from ..schema.parameters import Region, may_serve
+from ..words.lexicon.entries import OWNERS, SLOTS, parse_effect
+from ..words.lexicon.quantities import ClaimText, quantities, read_claim
+from ..words.lexicon.vocabulary import shipped_vocabulary
+from ..words.targets import ROLES as NAMED_ROLES
+from ..words.types import GLOW, STRONGEST, Attribute, Parsed, PromptObject, SceneDescription
 from .resolve import Goals, resolved
 from .wish import Wish, breadth_of
+
+T = TypeVar("T")
+_SHOWN = 60  # characters of what is quoted
+_MOST_OF_SHADES = 200.0
+_TYPES = {
+    str: "a text in quotes",
+    float: "a finite number",
+    bool: "true or false",
+    list: "a list",
+    dict: "an object {...}",
+}
+
+
+class JsonFields:
+    """The fields of a JSON object, each taken once and checked; messages name its place: "goals.words[2]"."""
+
+    def __init__(self, raw: Any, place: str) -> None:
+        if not isinstance(raw, dict):
+            raise VibeError(f"{place} is no object.", "Write {...} there.")
+        self.raw, self.place = raw, place
+        self._taken: set[str] = set()
+
+    def take(self, name: str, kind: type, default: Any = None) -> Any:
+        """A field of a type; VibeError where it is of another, or missing and has no default."""
+        self._taken.add(name)
+        value = self.raw.get(name, default)
+        if value is None:
+            raise VibeError(f"{self.place} has no '{name}'.", f"Add it: {_TYPES[kind]}.")
+        if kind is float and _is_number(value):
+            return float(value)
+        if not isinstance(value, kind):
+            raise VibeError(f"{self.place}.{name} is of the wrong type.", f"Write {_TYPES[kind]}.")
+        return value
+
+    def named(self, name: str) -> str:
+        """A text that is not empty."""
+        value: str = self.take(name, str)
+        if not value.strip():
+            raise VibeError(f"{self.place}.{name} is empty.", "Write a word.")
+        return value
+
+    def number(self, name: str, default: float, least: float = -math.inf, most: float = math.inf) -> float:
+        """A finite number between two others."""
+        value: float = self.take(name, float, default)
+        if not least <= value <= most:
+            remedy = f"Write a number from {least:g} to {most:g}."
+            raise VibeError(f"{self.place}.{name} is {value:g}.", remedy)
+        return value
+
+    def choice(self, name: str, known: tuple[str, ...], default: str | None = None) -> str:
+        """One of several texts."""
+        value: str = self.take(name, str, default)
+        if value not in known:
+            remedy = f"Choose from: {', '.join(known)}."
+            raise VibeError(f"{self.place}.{name} is {quoted(value, _SHOWN)}.", remedy)
+        return value
+
+    def texts(self, name: str) -> list[str]:
+        """A list of texts; empty where it is missing."""
+        values: list[Any] = self.take(name, list, [])
+        if not all(isinstance(value, str) for value in values):
+            raise VibeError(f"{self.place}.{name} holds something else than texts.", 'Write ["...", "..."].')
+        return values
+
+    def numbers(self, name: str) -> tuple[int, ...]:
+        """A list of whole numbers; empty where it is missing."""
+        values: list[Any] = self.take(name, list, [])
+        if not all(isinstance(value, int) and not isinstance(value, bool) for value in values):
+            raise VibeError(f"{self.place}.{name} holds something else than whole numbers.", "Write [1, 2].")
+        return tuple(values)
+
+    def color(self, code: str) -> tuple[float, ...]:
+        """A color of "#rrggbb"."""
+        if not is_hex(code):
+            raise VibeError(f"{self.place}.color is {quoted(code, _SHOWN)}.", 'Write it as "#rrggbb".')
+        return srgb_from_hex(code)
+
+    def shades(self) -> tuple[tuple[float, float, float, float], ...]:
+        """Changes of a material's own color: lists of four numbers; none where they are missing."""
+        rows: list[Any] = self.take("shades", list, [])
+        if not all(
+            isinstance(row, list)
+            and len(row) == 4
+            and all(_is_number(v) and abs(v) <= _MOST_OF_SHADES for v in row)
+            for row in rows
+        ):
+            problem = f"{self.place}.shades holds something else than lists of four small numbers."
+            raise VibeError(problem, "Write lightness, chroma, L* and warmth of each: [[0.6, 1, 20, 0]].")
+        return tuple((float(a), float(b), float(c), float(d)) for a, b, c, d in rows)
+
+    def each(self, name: str, read_text: Callable[[str], T]) -> tuple[T, ...]:
+        """Texts that are read; what is wrong with one of them is said with its place."""
+        try:
+            return tuple(map(read_text, self.texts(name)))
+        except VibeError as error:
+            message = " ".join(error.message.removeprefix("Vocabulary: ").split())
+            raise VibeError(f"{self.place}.{name}: {message}", error.remedy) from error
+
+    def end(self) -> None:
+        """VibeError where there are fields that nobody has taken: they would be ignored."""
+        if unknown := sorted(self.raw.keys() - self._taken):
+            problem = f"{self.place} has an unknown field {quoted(unknown[0], _SHOWN)}."
+            raise VibeError(problem, f"Known are: {', '.join(sorted(self._taken))}.")
+
+
+def _is_number(value: Any) -> bool:
+    """Whether a value is a finite number; an integer may have hundreds of digits."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
+
 
 VERSION = 1
 """Of the format."""
 _LARGEST, _MOST = 2_000_000, 500  # bytes of a file, and words in it
 _REGIONS: tuple[str, ...] = get_args(Region)
-KINDS = (
-    "subject", "surroundings", "sky", "world", "light", "fill", "rim", "fog", "shadow", "highlight", "glow", "tone", "ambience", "whole",
-)  # fmt: skip
-"""What a word may describe."""
-ROLES = ("", "key", "fill", "rim", "others")
+KINDS = (*(kind for kind in shipped_vocabulary().painted if not kind.startswith("hidden")), "whole")
+"""What a word may describe: all that a color may be said of, and the image as a whole."""
+ROLES = ("", *NAMED_ROLES, "others")
 """Lights that may be meant."""
 _HELP = "Write a new file with `vibe explain PROMPT --goals`, and change that; docs/reference/goals.md has all fields."
 
@@ -97,11 +206,9 @@ class WrittenGoals:
     """Goals that were read, and are about no scene yet.
 
     Attributes:
-        prompt: That they were made of; "" for none.
         objects: That the prompt names; the scene's subject for none.
         stays: Owners of parameters that stay as they are.
-        wishes: In the order of the file.
-        attributes: Its words, those among them that wish for nothing themselves, as names of rigs do.
+        attributes: All words, also those that wish for nothing themselves, as names of rigs do.
     """
 
     prompt: str
@@ -110,7 +217,7 @@ class WrittenGoals:
     wishes: tuple[Wish, ...]
     attributes: tuple[Attribute, ...]
 
-    def within(self, words: SceneWords) -> Goals:
+    def within(self, words: SceneDescription) -> Goals:
         """The goals in a scene: what describes a material or a light that is not there describes all of its region."""
         bound = {id(a): _bound(a, words) for a in self.attributes}
         notes = [
@@ -124,16 +231,13 @@ class WrittenGoals:
         return resolved(parsed, wishes)
 
 
-def _bound(attribute: Attribute, words: SceneWords) -> Attribute:
+def _bound(attribute: Attribute, words: SceneDescription) -> Attribute:
     gone = _lacking(attribute.lights, words)
-    return replace(
-        attribute,
-        owners=tuple(name for name in attribute.owners if name in words.materials),
-        lights=tuple(name for name in attribute.lights if name not in gone),
-    )
+    owners = tuple(name for name in attribute.owners if name in words.materials)
+    return replace(attribute, owners=owners, lights=tuple(n for n in attribute.lights if n not in gone))
 
 
-def _lacking(lights: Iterable[str], words: SceneWords) -> list[str]:
+def _lacking(lights: Iterable[str], words: SceneDescription) -> list[str]:
     known = {*words.lights, *(f"{GLOW}{name}" for name in words.glows)}
     return [name for name in lights if name not in known]
 
@@ -241,7 +345,6 @@ def _read_wish(row: JsonFields, attribute: Attribute) -> Wish:
 
 
 def _read_claim(text: str) -> ClaimText:
-    """A claim whose measure exists."""
     claim = read_claim(text)
-    quantities().of_claim(claim)
+    quantities().of_claim(claim)  # refuses a measure that does not exist
     return claim

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The paper's CLIP objective (equations 2 to 4, and 9 without its colors, which claims measure): one region, one phrase, one loss."""
+"""The paper's objective: similarities of regions to the words (equation 9), and the other terms of the loss."""
 
 from __future__ import annotations
 
@@ -7,17 +7,89 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import torch
+import torch.nn.functional as F
 from torch import Tensor
 
-from ..prompt.types import Prompts
+from ..planning.captions import Prompts
 from . import regions
-from .losses import direction_loss, negative_loss, positive_loss
 
 if TYPE_CHECKING:
     from .encoder import Encoder
 
+
 _REGIONS = ("subject", "surroundings", "whole")
 _PLAIN = "a picture of an object"  # says nothing of its look
+
+
+def positive_loss(features: Tensor, text: Tensor) -> Tensor:
+    """Equation 3: 1 − s(I, p), a mean over views in [0, 2]; of unit features (views, D) of an image and (1, D) of a phrase."""
+    return 1.0 - (features @ text.T).mean()
+
+
+def negative_loss(features: Tensor, texts: Tensor, margin: float) -> Tensor:
+    """Equation 4: max(0, s(I, p⁻) − m), mean over views, of the phrase that fits most.
+
+    Args:
+        features: (views, D) unit features of an image.
+        texts: (phrases, D) unit features of what it must not look like.
+        margin: m, the similarity that is allowed.
+    """
+    return F.relu((features @ texts.T).mean(0) - margin).max()
+
+
+def direction_loss(
+    features: Tensor, start: Tensor, text: Tensor, plain: Tensor, least: float = 0.1
+) -> Tensor:
+    """1 − cos(ΔI, ΔT): the image should change in the direction in which the words differ from a plain caption.
+
+    What makes the image like the words by making it unlike any image goes another way (StyleGAN-NADA).
+
+    Args:
+        features: (views, D) unit features of the image.
+        start: (D,) mean unit features of the starting image.
+        text: (1, D) unit features of the words.
+        plain: (1, D) unit features of a caption without any look.
+        least: Length of ΔI below which its direction says little.
+    """
+    moved = features.mean(0) - start
+    length = (moved.square().sum() + 1e-8).sqrt()
+    return 1.0 - (moved @ F.normalize(text - plain, dim=1)[0]) / (length + least)
+
+
+def border_loss(mask: Tensor) -> Tensor:
+    """Mean subject coverage (H, W) along the picture's border: a subject should not be cut off."""
+    edges = torch.cat([mask[0], mask[-1], mask[1:-1, 0], mask[1:-1, -1]])
+    return edges.mean()
+
+
+def claims_loss(residuals: list[Tensor]) -> Tensor:
+    """Sum over claims of how far each is missed, quadratic up to one noticeable step and linear beyond (Huber 1964).
+
+    Args:
+        residuals: Of each claim, (n,) in noticeable steps.
+    """
+    missed = torch.stack([(r.square().sum() + 1e-8).sqrt() for r in residuals])
+    return F.huber_loss(missed, torch.zeros_like(missed), reduction="sum")
+
+
+def hue_consistency_loss(where: Tensor, colors: Tensor, weights: Tensor) -> Tensor:
+    """Keeps a color's hue: its components should stand at the same place in their ranges.
+
+    A range is a box around the named color; its corners are other hues.
+
+    Args:
+        where: (N,) position of each component within its feasible range, in [0, 1].
+        colors: (M, 3) indices of the components of each color.
+        weights: (N,) how much it counts; 0 for components that are fixed.
+    """
+    place, weight = where[colors], weights[colors]
+    middle = (place * weight).sum(1, keepdim=True) / weight.sum(1, keepdim=True).clamp_min(1.0)
+    return (weight * (place - middle).square()).sum()
+
+
+def prior_loss(where: Tensor, home: Tensor, weight: Tensor) -> Tensor:
+    """Pull to the artist's values: squared distance from home of places (N,) in their ranges, weighted by (N,) in [0, 1]."""
+    return (weight * (where - home).square()).sum()
 
 
 @dataclass(frozen=True)
@@ -28,10 +100,10 @@ class Weights:
         subject: λ_fg.
         surroundings: λ_bg.
         whole: λ_full.
-        direction: Change of the whole picture in the direction of the words.
+        direction: Change of the whole image in the direction of the words.
         negative: λ_neg.
-        border: Subject on the picture's border.
-        claims: What the words claim of the picture, see `claims.claim`.
+        border: Subject on the image's border.
+        claims: Of claims, in noticeable steps.
         prior: Pull of what no word names to the artist's value.
         hue: Pull of a color's components to one place in their ranges.
     """
@@ -48,21 +120,16 @@ class Weights:
 
 
 class Guidance(Protocol):
-    """What judges a picture: `PromptGuidance`, or a plug-in's.
+    """Judges an image: `PromptGuidance`, or a plug-in's.
 
     Attributes:
-        views: How many crops of each region it looks at.
+        views: Number of crops of each region.
     """
 
     views: regions.Views
 
     def __call__(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
-        """The weighted loss terms of a picture, whose sum is the loss.
-
-        Args:
-            display: (H, W, 3) in [0, 1].
-            mask: (H, W) soft subject coverage.
-        """
+        """The weighted loss terms of an image (H, W, 3) in [0, 1] with a soft subject mask (H, W); their sum is the loss."""
 
 
 class NoGuidance:
@@ -79,9 +146,8 @@ class PromptGuidance:
     """The objective for one prompt.
 
     Args:
-        start: Display picture (H, W, 3) and mask (H, W) of the artist's scene: hinge margins are
-            calibrated on it, because encoders differ in how alike they find everything.
-        views: How many crops of each region.
+        start: Image (H, W, 3) and mask (H, W) of the artist's scene: hinge margins are calibrated on it, because encoders
+            differ in how alike they find everything.
     """
 
     def __init__(
@@ -108,12 +174,7 @@ class PromptGuidance:
         self.margins = {r: self._margin(features[r], r) for r in _REGIONS}
 
     def __call__(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
-        """The weighted terms, whose sum is the loss.
-
-        Args:
-            display: (H, W, 3) in [0, 1].
-            mask: (H, W) soft subject coverage.
-        """
+        """The weighted terms. Arguments as for `Guidance`."""
         w = self.weights
         terms: dict[str, Tensor] = {}
         features = self._features(display, mask, generator)
@@ -140,7 +201,7 @@ class PromptGuidance:
         return dict(zip(batch, features.split([len(v) for v in batch.values()]), strict=True))
 
     def _margin(self, features: Tensor, region: str) -> float:
-        """How alike this encoder finds the starting picture and the region's phrases on average."""
+        """Mean similarity that this encoder finds between the starting image and the region's phrases."""
         phrases = torch.cat([self.positive[region], self.negative[region]])
         return float((features @ phrases.T).mean()) if len(phrases) else 0.0
 

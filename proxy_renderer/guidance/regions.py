@@ -1,22 +1,106 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The subject without its surroundings, and the reverse (equation 8): one region, one phrase."""
+"""Views of the regions of an image, as the encoder sees them: random large crops under a random perspective.
+
+text2mesh and CLIPasso do the same. Colors are never touched, because they are the signal.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import torch
+import torch.nn.functional as F
 from torch import Tensor
 
-from . import augment
+from . import regions
+
+_CORNERS = torch.tensor([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+_TRIES = 8
 
 _EVERY_PLAIN = 2
 """Step between the views of a subject that stand on the mean color of its surroundings; the first one does."""
 
 
+def quads(
+    count: int, generator: torch.Generator, scale: tuple[float, float] = (0.75, 1.0), distortion: float = 0.2
+) -> Tensor:
+    """Random quadrilaterals inside the image, each the source of one view: (count, 4, 2) corners in [-1, 1].
+
+    They run clockwise from the top left; x to the right, y down.
+
+    Args:
+        scale: Range of the crop's side relative to the image's.
+        distortion: How far a corner may move inwards, relative to half the crop's side.
+    """
+    side = scale[0] + (scale[1] - scale[0]) * torch.rand(count, 1, 1, generator=generator)
+    center = (2.0 * torch.rand(count, 1, 2, generator=generator) - 1.0) * (1.0 - side)
+    inwards = 1.0 - distortion * torch.rand(count, 4, 2, generator=generator)
+    return center + side * _CORNERS * inwards
+
+
+def keeping(mask: Tensor, count: int, generator: torch.Generator, share: float = 0.7) -> Tensor:
+    """Random quadrilaterals, as from `quads`, that hold at least a share of a region.
+
+    Crops that hold less are drawn again; after a few tries the one that holds most is taken.
+
+    Args:
+        mask: (H, W) soft membership of the region.
+    """
+    tries = quads(count * _TRIES, generator)
+    small = F.interpolate(mask.detach().cpu().float()[None, None], size=(32, 32), mode="area")[0, 0]
+    low, high = tries.amin(1), tries.amax(1)
+    grid = (torch.arange(32) + 0.5) / 16.0 - 1.0
+    inside_x = (grid >= low[:, :1]) & (grid <= high[:, :1])
+    inside_y = (grid >= low[:, 1:]) & (grid <= high[:, 1:])
+    held = torch.einsum("nh,hw,nw->n", inside_y.float(), small, inside_x.float())
+    held = (held / small.sum().clamp_min(1e-6)).view(count, _TRIES)
+    enough = (held >= share).float()
+    pick = torch.where(enough.any(1), enough.argmax(1), held.argmax(1))
+    return tries.view(count, _TRIES, 4, 2)[torch.arange(count), pick]
+
+
+def warp(pictures: Tensor, corners: Tensor, size: int) -> Tensor:
+    """The views (B, C, size, size) that quadrilaterals (B, 4, 2) cut out of images (B or 1, C, H, W), differentiable in them."""
+    pictures = _shrink(pictures, 2 * size)
+    count = len(corners)
+    axis = (torch.arange(size, dtype=torch.float64) + 0.5) * (2.0 / size) - 1.0
+    y, x = torch.meshgrid(axis, axis, indexing="ij")
+    points = torch.stack([x, y, torch.ones_like(x)], -1).view(-1, 3)
+    mapped = points @ _homographies(corners.double()).transpose(1, 2)
+    grid = (mapped[..., :2] / mapped[..., 2:]).view(count, size, size, 2).to(pictures)
+    return F.grid_sample(pictures.expand(count, -1, -1, -1), grid, padding_mode="border", align_corners=False)
+
+
+def whole(pictures: Tensor, size: int) -> Tensor:
+    """The uncropped images (B, C, H, W), squeezed to squares (B, C, size, size), differentiable in them."""
+    return F.interpolate(pictures, size=(size, size), mode="bilinear", antialias=True, align_corners=False)
+
+
+def _shrink(pictures: Tensor, most: int) -> Tensor:
+    """Halves pictures while they are far larger than what is sampled from them: no aliasing."""
+    while min(pictures.shape[-2:]) >= 2 * most:
+        pictures = F.avg_pool2d(pictures, 2)
+    return pictures
+
+
+def _homographies(corners: Tensor) -> Tensor:
+    """(B, 3, 3) maps of the square [-1, 1]² onto quadrilaterals (B, 4, 2).
+
+    The eight equations of the direct linear transform, with the ninth entry fixed to 1.
+    """
+    source = _CORNERS.to(corners).expand(len(corners), -1, -1)
+    x, y = source.unbind(-1)
+    u, v = corners.unbind(-1)
+    one, zero = torch.ones_like(x), torch.zeros_like(x)
+    rows_u = torch.stack([x, y, one, zero, zero, zero, -u * x, -u * y], -1)
+    rows_v = torch.stack([zero, zero, zero, x, y, one, -v * x, -v * y], -1)
+    solved = torch.linalg.solve(torch.cat([rows_u, rows_v], 1), torch.cat([u, v], 1))
+    return torch.cat([solved, torch.ones_like(solved[:, :1])], 1).view(-1, 3, 3)
+
+
 @dataclass(frozen=True)
 class Views:
-    """How many views of each region a step looks at."""
+    """Number of views of each region that a step looks at."""
 
     subject: int = 3
     surroundings: int = 2
@@ -24,21 +108,13 @@ class Views:
 
 
 def mean(values: Tensor, mask: Tensor) -> Tensor:
-    """Mean over a region.
-
-    Args:
-        values: (H, W, C).
-        mask: (H, W) soft membership of the region; all 0 gives 0.
-
-    Returns:
-        (C,).
-    """
+    """Mean (C,) of values (H, W, C) over a region with soft membership (H, W); an empty one gives 0."""
     weight = mask[..., None]
     return (values * weight).sum((0, 1)) / weight.sum((0, 1)).clamp_min(1e-6)
 
 
 def subject_views(display: Tensor, mask: Tensor, count: int, generator: torch.Generator, size: int) -> Tensor:
-    """I ⊙ M, framed by the subject, each view on another plain background.
+    """I ⊙ M, framed by the subject, each view on another plain background: (count, 3, size, size).
 
     Half of the backgrounds are random colors, so that nothing can be said about the subject by
     changing what is behind it (CLIP-Mesh); the others are the mean color of the surroundings, so
@@ -47,54 +123,33 @@ def subject_views(display: Tensor, mask: Tensor, count: int, generator: torch.Ge
     Args:
         display: (H, W, 3) in [0, 1].
         mask: (H, W) soft subject coverage.
-        size: Side of the views, pixels.
-
-    Returns:
-        (count, 3, size, size), differentiable in picture and mask.
     """
     box = _frame(mask)
     display, mask = display[box], mask[box]
     backgrounds = torch.rand(count, 3, generator=generator).to(display)
     backgrounds[::_EVERY_PLAIN] = mean(display, 1.0 - mask).detach()
     layers = torch.cat([display * mask[..., None], mask[..., None]], -1).permute(2, 0, 1)[None]
-    cut = augment.warp(layers, augment.keeping(mask, count, generator), size)
+    cut = regions.warp(layers, regions.keeping(mask, count, generator), size)
     return cut[:, :3] + (1.0 - cut[:, 3:]) * backgrounds[:, :, None, None]
 
 
 def surroundings_views(
     display: Tensor, mask: Tensor, count: int, generator: torch.Generator, size: int
 ) -> Tensor:
-    """I ⊙ (1 − M), the hole filled with the mean color of what remains.
-
-    Args:
-        display: As for `subject_views`.
-        mask: As for `subject_views`.
-        count: As for `subject_views`.
-        generator: As for `subject_views`.
-        size: As for `subject_views`.
-
-    Returns:
-        (count, 3, size, size), differentiable in picture and mask.
-    """
+    """I ⊙ (1 − M), the hole filled with the mean color of what remains. Arguments as for `subject_views`."""
     rest = (1.0 - mask)[..., None]
     filled = display * rest + mask[..., None] * mean(display, 1.0 - mask)
-    corners = augment.keeping(1.0 - mask, count, generator)
-    return augment.warp(filled.permute(2, 0, 1)[None], corners, size)
+    corners = regions.keeping(1.0 - mask, count, generator)
+    return regions.warp(filled.permute(2, 0, 1)[None], corners, size)
 
 
 def whole_views(display: Tensor, count: int, generator: torch.Generator, size: int) -> Tensor:
-    """The full frame first, then count - 1 random large crops of it: (count, 3, size, size).
-
-    Args:
-        display: (H, W, 3) in [0, 1].
-        count: How many views, at least 1.
-        size: Side of the views, pixels.
-    """
+    """The full frame of an image (H, W, 3) first, then count - 1 random large crops of it: (count, 3, size, size)."""
     picture = display.permute(2, 0, 1)[None]
-    full = augment.whole(picture, size)
+    full = regions.whole(picture, size)
     if count == 1:
         return full
-    return torch.cat([full, augment.warp(picture, augment.quads(count - 1, generator), size)])
+    return torch.cat([full, regions.warp(picture, regions.quads(count - 1, generator), size)])
 
 
 def _frame(mask: Tensor, margin: float = 0.15) -> tuple[slice, slice]:

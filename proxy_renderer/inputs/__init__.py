@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What people hand in: files, words, and how they are to be used; found good, or refused with the remedy."""
+"""Checks of files, words and options that people hand in; a mistake is refused with the remedy."""

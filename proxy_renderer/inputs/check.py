@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can be wrong with what a command is given, found before anything is started. Everything raises VibeError."""
+"""Checks of what a command is given, before anything is started. A mistake raises VibeError."""
 
 from __future__ import annotations
 
@@ -18,15 +18,7 @@ _DEVICE = re.compile(r"auto|cpu|(cuda|xpu)(:\d+)?")
 
 
 def file(name: str, what: str) -> Path:
-    """The absolute path of an existing file that can be read and is not empty.
-
-    Args:
-        name: As the artist wrote it; "~" is the home folder.
-        what: The kind of file, for the error: "scene".
-
-    Raises:
-        VibeError: There is no such file, or it is a folder, unreadable or empty.
-    """
+    """The absolute path of an existing file that can be read and is not empty."""
     path = Path(name).expanduser()
     if path.is_dir():
         raise VibeError(f"{name} is a folder, not a {what}.", f"Name the {what} file in it.")
@@ -40,11 +32,7 @@ def file(name: str, what: str) -> Path:
 
 
 def scene(name: str) -> Path:
-    """An existing .blend or mesh.
-
-    Raises:
-        VibeError: There is none, or it is of another format.
-    """
+    """An existing .blend or mesh. Raises VibeError if there is none, or it is of another format."""
     path = file(name, "scene")
     if path.suffix.lower() not in SCENES:
         raise VibeError(f"{name} is not a scene that can be opened.", f"Use one of: {' '.join(SCENES)}.")
@@ -52,15 +40,7 @@ def scene(name: str) -> Path:
 
 
 def shots(scenes: Sequence[Path], arguments: argparse.Namespace) -> list[Path]:
-    """The scenes of shots that can share a look, each once.
-
-    Args:
-        arguments: The options `frames`, `cameras`, `groups` and `grade_each`.
-
-    Raises:
-        VibeError: There are bare meshes among several scenes, frames that are no numbers, or a camera that would have
-            to move.
-    """
+    """The scenes of shots that can share a look, each once."""
     frames = frame_numbers(arguments.frames)
     cameras = [name for part in arguments.cameras for name in part.split(",") if name.strip()]
     several = max(len(scenes), len(frames), len(cameras)) > 1
@@ -74,11 +54,7 @@ def shots(scenes: Sequence[Path], arguments: argparse.Namespace) -> list[Path]:
 
 
 def preset(name: str) -> str:
-    """An existing preset file, or what may be a name in the library, which the Blender side knows.
-
-    Raises:
-        VibeError: It is empty, looks like an option, or names a file that is not there.
-    """
+    """An existing preset file, or what may be a name in the library, which the Blender side knows."""
     if name.endswith(".json") or "/" in name or os.sep in name or Path(name).exists():
         return str(file(name, "preset"))
     if not name.strip() or name.startswith("-"):
@@ -87,11 +63,7 @@ def preset(name: str) -> str:
 
 
 def goals(name: str) -> str:
-    """The path of a file of goals whose fields are all right; "" for none.
-
-    Raises:
-        VibeError: It is missing, or a field of it is wrong.
-    """
+    """The path of a file of goals whose fields are all right; "" for none."""
     if not name:
         return ""
     from ..goals.written import read
@@ -102,25 +74,14 @@ def goals(name: str) -> str:
 
 
 def words(prompt: str) -> None:
-    """Refuses a prompt that says nothing in any scene; what its words describe is read in Blender's scene alone.
-
-    Raises:
-        VibeError: It has no look word.
-    """
-    from ..prompt.parser import refuse_without_look
+    """Refuses a prompt that says nothing in any scene; what its words describe is read in Blender's scene alone."""
+    from ..words.parser import refuse_without_look
 
     refuse_without_look(prompt)
 
 
 def model(arguments: argparse.Namespace) -> bool:
-    """Whether a vision-language model is configured: it knows more words than we do.
-
-    Args:
-        arguments: The options `vlm_model` and `vlm_url`.
-
-    Raises:
-        VibeError: It is configured wrongly.
-    """
+    """True if a vision-language model is configured: it knows more words than the vocabulary."""
     from ..schema.messages import Options
     from ..vlm.endpoint import find_endpoint
 
@@ -129,15 +90,8 @@ def model(arguments: argparse.Namespace) -> bool:
 
 
 def vocabulary(name: str) -> None:
-    """Makes sure that the artist's own words can be used; this process and those that it starts will use them.
-
-    Args:
-        name: The .toml; "" for the one in the configuration folder, if there is one.
-
-    Raises:
-        VibeError: The file is missing, or a row in it is wrong.
-    """
-    from ..prompt.lexicon.user_words import VARIABLE, default_vocabulary
+    """Makes sure that the artist's own words can be used, here and in processes that follow; "" for the usual file."""
+    from ..words.lexicon.user_words import VARIABLE, default_vocabulary
 
     if name:
         os.environ[VARIABLE] = str(file(name, "vocabulary"))
@@ -145,11 +99,7 @@ def vocabulary(name: str) -> None:
 
 
 def device(name: str) -> None:
-    """Makes sure that torch could know a device.
-
-    Raises:
-        VibeError: It is no name of a device.
-    """
+    """Makes sure that torch could know a device. Raises VibeError if it is no name of a device."""
     if not _DEVICE.fullmatch(name):
         raise VibeError(
             f"Unknown device {name!r}.", "Use auto, cpu, cuda or cuda:1; `vibe doctor` lists yours."

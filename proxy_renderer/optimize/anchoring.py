@@ -1,33 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Keeps the loop's proxy near Cycles: asks for pictures of where the loop is, and corrects the proxy by them."""
+"""Pictures of Cycles that keep the loop's proxy near it, and the corrections that come of them."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import torch
-from torch import Tensor
-
-from ..color.differences import mean_difference
-from ..render.cycles.pictures import CyclesPicture
+from ..render.cycles import CyclesPicture
 from ..scene import SceneData
 from ..schema import VibeError, messages
-from .drawing import chosen_values, draw
-from .vector import ParameterVector
 
 if TYPE_CHECKING:
-    from ..render.cycles.correction import Correction
-    from ..render.proxy import Proxy
+    from torch import Tensor
+
+    from ..render.cycles import Correction
 
 SAMPLES = 16
 LONGEST = 30.0
 """Seconds that a picture may take; after a slower one no more are asked for."""
-_HERE = 0.01  # of a component's whole range: so near, the last correction is as good as a new one
-_NEAR = 0.25  # of a component's whole range: so far an old correction is better than none
 _FAILURES = 2  # in a row, after which no more pictures are asked for
 
 AnchorRequest = Callable[[messages.Anchor], messages.Anchored | None]
@@ -35,15 +28,12 @@ AnchorRequest = Callable[[messages.Anchor], messages.Anchored | None]
 
 
 class BlenderPictures:
-    """A source of Cycles' pictures of one scene. What goes wrong is noted, and the loop goes on without.
-
-    Args:
-        shot: Which of a vibe's shots it is.
+    """A source of Cycles' pictures of one of a vibe's shots. Failures are noted, and the loop goes on without.
 
     Attributes:
-        seconds: How long Blender took for each picture.
-        waited: Seconds that it was busy with something else, as the artist's own picture, when it was asked.
-        notes: What went wrong, in words for the artist.
+        seconds: Blender's time for each picture.
+        waited: Seconds that it was busy with something else, as the artist's own image, when it was asked.
+        notes: Failures, in words for the artist.
     """
 
     def __init__(self, scene: SceneData, ask: AnchorRequest, seed: int, shot: int = 0) -> None:
@@ -55,7 +45,7 @@ class BlenderPictures:
         self.notes: list[str] = []
 
     def __call__(self, values: dict[str, list[float]], size: tuple[int, int]) -> CyclesPicture | None:
-        """A picture of values, width and height as given; None where there is none to be had."""
+        """A picture of values, of a width and height; None where there is none to be had."""
         if self._over:
             return None
         self._number += 1
@@ -101,66 +91,20 @@ class BlenderPictures:
 PictureSource = Callable[[dict[str, list[float]], tuple[int, int]], CyclesPicture | None]
 
 
-AnchorState = tuple["Correction | None", "Correction | None", "Tensor | None"]
-"""The newest correction, the one before it, and where (N,) the newest is exact."""
-
-
-@dataclass
-class Anchoring:
-    """The corrections of one run.
+@dataclass(frozen=True)
+class AnchorState:
+    """A proxy's correction by a picture of Cycles.
 
     Attributes:
-        proxy: The loop's.
-        vector: The parameters of u.
-        source: Of Cycles' pictures; None to leave the proxy as it is.
-        earlier: The correction before the newest.
-        records: One per picture: the number of the round, and the mean CIEDE2000 between what the proxy had
-            predicted and what it says with the picture.
+        correction: None for the plain proxy.
+        u: (N,) the values of the picture, where the correction is exact; None where there is no picture of the current ones.
+        earlier: The correction before this one, to see what a prediction was worth without the last picture.
     """
 
-    proxy: Proxy
-    vector: ParameterVector
-    source: PictureSource | None
+    correction: Correction | None = None
+    u: Tensor | None = None
     earlier: Correction | None = None
-    records: list[dict[str, Any]] = field(default_factory=list)
-    _where: Tensor | None = None
 
-    def renew(self, u: Tensor, number: int, slack: float = _HERE) -> None:
-        """Corrects the proxy at u (N,), unless that has been done within `slack` of every component.
-
-        Args:
-            number: Of the round, from 0.
-            slack: Share of a component's whole range.
-        """
-        if self.source is None or self._distance(u) <= slack:
-            return
-        changed = {key: list(value) for key, value in self.vector.changes(u).items()}
-        picture = self.source(changed, self.proxy.size)
-        if picture is None:
-            if self._distance(u) > _NEAR:
-                self.earlier, self.proxy.correction, self._where = None, None, None
-            return
-        with torch.no_grad():
-            predicted = draw(self.proxy, self.vector, u).display
-            self.earlier = self.proxy.correction
-            self.proxy.anchor(chosen_values(self.vector, u, self.proxy.device), picture)
-            difference = mean_difference(predicted, draw(self.proxy, self.vector, u).display)
-        self._where = u.clone()
-        self.records.append({"round": number + 1, "delta_e": round(float(difference), 3)})
-
-    def expire(self) -> None:
-        """The newest picture shows other values than u says; another one is due."""
-        self._where = None
-
-    @property
-    def newest(self) -> AnchorState:
-        """What `recall` brings back."""
-        return self.proxy.correction, self.earlier, self._where
-
-    def recall(self, anchor: AnchorState) -> None:
-        """Corrects the proxy as it once was."""
-        self.proxy.correction, self.earlier, self._where = anchor
-
-    def _distance(self, u: Tensor) -> float:
-        """How far u is from the newest picture's, in its worst component; infinite before the first."""
-        return float((u - self._where).abs().max()) if self._where is not None else float("inf")
+    def distance(self, u: Tensor) -> float:
+        """Distance of u (N,) from the picture, in its worst component's whole range; infinite without one."""
+        return float((u - self.u).abs().max()) if self.u is not None else float("inf")

@@ -9,16 +9,12 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from ..claims.claim import Claim
-from ..claims.verdict import ShotClaims
+from ..claims.claim import Claim, ShotClaims
 from ..planning.advice import Advice, Advisor
-from ..render.gbuffer import GBuffer
-from ..schema import verdicts
-from . import context
-from .drawing import chosen_values
-from .plan import feasible_ranges
+from ..schema import messages
+from ..words.types import SceneDescription
 from .shots import ShotState
-from .vector import begun, project
+from .vector import begun, feasible_ranges, project
 
 
 @dataclass(frozen=True)
@@ -27,8 +23,8 @@ class EarlyLook:
 
     Attributes:
         values: Key to components, of what differs from the artist's scene.
-        display: (H, W, 3) their picture in [0, 1]; None where it has not been drawn yet.
-        words: Word to whether the picture shows it; words that claim nothing measurable are left out.
+        display: (H, W, 3) their image in [0, 1]; None where it has not been drawn yet.
+        words: Word to whether the image shows it; words that claim nothing measurable are left out.
     """
 
     values: Mapping[str, tuple[float, ...]]
@@ -37,20 +33,16 @@ class EarlyLook:
 
 
 class Looks:
-    """Looks of one shot. No anchor is asked for: pictures are corrected by those that were taken anyway.
+    """Looks of one shot, as loaded. No anchor is asked for: images are corrected by those that were taken anyway; `before` is the artist's."""
 
-    Args:
-        shot: Of a vibe that has no other.
-    """
-
-    def __init__(self, shot: ShotState) -> None:
-        self._shot, self._home = shot, shot.vector.encode({})
+    def __init__(self, shot: ShotState, described: SceneDescription) -> None:
+        self._shot, self._described, self._home = shot, described, shot.vector.encode({})
         with torch.no_grad():
-            self.before = shot.draw(self._home)
-        self._before_seen = self._seen(self._home)
+            self.before = shot.draw(self._home).display
+            self._seen = shot.gbuffer(self._home)
 
     def planned(self, advisor: Advisor) -> tuple[Tensor, Advice]:
-        """Lines 2 to 5 and 7 of Algorithm 1 on the artist's scene: what the words alone give.
+        """Lines 2 to 5 and 7 of Algorithm 1 on the artist's scene: the result of the words alone.
 
         Returns:
             (N,) the artist's point with the starts of what words name, projected into the plan's ranges; and the advice.
@@ -58,30 +50,25 @@ class Looks:
         Raises:
             VibeError: No word of the prompt is known.
         """
-        vector, proxy = self._shot.vector, self._shot.proxy
-        values = vector.values(self._home)
-        now = context.plan_context(proxy, values, self.before)
-        advice = advisor.advise(self.before.display, vector.instances, now)
-        ranges = feasible_ranges(advice.plan, vector.instances, values)
-        return project(begun(vector, advice.plan, self._home), *vector.bounds(ranges)), advice
+        vector, home = self._shot.vector, self._home
+        advice = self._shot.advised(advisor, home, self._described)
+        ranges = feasible_ranges(advice.plan, vector.instances, vector.values(home))
+        return project(begun(vector, advice.plan, home), *vector.bounds(ranges)), advice
 
     def values(self, u: Tensor) -> EarlyLook:
-        """The values of u (N,), without a picture."""
+        """The values of u (N,), without an image."""
         return EarlyLook(self._shot.vector.changes(u), None, {})
 
-    def drawn(self, u: Tensor, claims: tuple[Claim, ...]) -> EarlyLook:
-        """The values of u with their picture.
+    def drawn(self, u: Tensor, claims: tuple[Claim, ...], shot: ShotState | None = None) -> EarlyLook:
+        """The values of u (N,) with their image.
 
         Args:
-            u: (N,) the point.
+            shot: With its proxy corrected; None for the plain one.
         """
+        shot = shot or self._shot
         with torch.no_grad():
-            display = self._shot.draw(u).display
-        judged = ShotClaims(claims, self._before_seen, self._seen(u))
-        rows = judged.verdicts(self.before.display, display, display)
-        words = {word: not missing for word, missing in verdicts.missing_by_word(rows).items()}
-        return EarlyLook(self._shot.vector.changes(u), display, words)
-
-    def _seen(self, u: Tensor) -> GBuffer:
-        with torch.no_grad():
-            return self._shot.proxy.gbuffer(chosen_values(self._shot.vector, u, self._shot.proxy.device))
+            display = shot.draw(u).display
+            judged = ShotClaims(claims, self._seen, shot.gbuffer(u))
+        rows = judged.verdicts(self.before, display, display)
+        words = {word: not missing for word, missing in messages.missing_by_word(rows).items()}
+        return EarlyLook(shot.vector.changes(u), display, words)

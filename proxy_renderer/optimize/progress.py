@@ -20,7 +20,7 @@ BEFORE, PREVIEW = "before.png", "preview.png"
 
 
 class Observer(Protocol):
-    """Who follows the loop.
+    """Follows the loop.
 
     Attributes:
         wants_looks: Whether looks are shown before the end, see `looks`.
@@ -32,45 +32,23 @@ class Observer(Protocol):
         """Something other than a step begins."""
 
     def begin(self, display: Tensor) -> None:
-        """The loop begins.
-
-        Args:
-            display: (H, W, 3) what the artist's own values look like to it, in [0, 1].
-        """
+        """The loop begins; display (H, W, 3) in [0, 1] is its image of the artist's own values."""
 
     def look(self, look: EarlyLook) -> None:
-        """There is a look, or a better one.
-
-        Args:
-            look: Its values; with a picture a moment later.
-        """
+        """There is a look, or a better one; its image may come a moment later."""
 
     def step(self, progress: Progress, display: Tensor) -> bool:
-        """A step is done.
-
-        Args:
-            display: (H, W, 3) what the step's values look like, in [0, 1].
-
-        Returns:
-            True to end the loop with the best so far.
-        """
+        """A step is done, whose values look like display (H, W, 3) in [0, 1]; True ends the loop with the best so far."""
 
     def stopped(self) -> bool:
-        """Whether the loop should end with the best so far: what takes long outside of steps asks this."""
+        """True to end the loop with the best so far: work that takes long outside of steps asks this."""
 
     def ask(self, request: Anchor) -> Anchored | None:
         """Blender's answer; None if there is none, or the loop should end."""
 
 
 class Clock:
-    """Turns steps into progress messages.
-
-    Args:
-        rounds: How many there are at most.
-
-    Attributes:
-        stopped: Whether the observer asked for the end.
-    """
+    """Turns steps into progress messages; `stopped` once the observer has asked for the end."""
 
     def __init__(self, rounds: int, steps: int, observer: Observer) -> None:
         self._rounds, self._most, self._observer = rounds, steps, observer
@@ -78,14 +56,7 @@ class Clock:
         self.stopped = False
 
     def follow(self, number: int) -> Callable[[int, float, Render], bool]:
-        """The inner loop's callback for a round.
-
-        Args:
-            number: Of the round, from 0.
-
-        Returns:
-            Takes (step from 1, loss, picture), and returns whether the loop should end.
-        """
+        """The callback for the inner steps of a round, from 0: takes (step from 1, loss, picture), and returns whether the loop should end."""
         rounds, steps = self._rounds, self._most
         last = time.monotonic()
 

@@ -4,36 +4,48 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import torch
 from torch import Tensor
 
 from ..claims.claim import ClaimSet
 from ..claims.measures.picture import MeasuredPicture
+from ..color.tensors import mean_difference
 from ..planning.types import Plan
 from ..scene import SceneData
-from ..schema import Instance
+from ..schema import GROUPS, Instance, VibeError, labels, matches
 from ..schema.messages import Options
-from .anchoring import Anchoring, PictureSource
-from .drawing import chosen_values, draw
-from .plan import lock
+from .anchoring import AnchorState, PictureSource
+from .scene_facts import described_now
 from .vector import ParameterVector
 
 if TYPE_CHECKING:
+    from ..guidance.encoder import Encoder
     from ..guidance.guide import Guidance
-    from ..render.cycles.correction import Correction
+    from ..planning.advice import Advice, Advisor
     from ..render.gbuffer import GBuffer
     from ..render.proxy import Proxy, Render
+    from ..words.types import SceneDescription
 
 MOVES = "it changes from shot to shot in your scene"
+"""Why a value is locked that differs between shots of one .blend."""
+
+_HERE = 0.01  # of a component's whole range: so near to an anchor, its correction is as good as a new one
+_NEAR = 0.25  # of a component's whole range: so far an old correction is better than none
+
+_LARGEST, _LEAST = 256, 192
+"""Greatest longer side of the images inside the loop, in pixels, and the least however small the encoder's are."""
+_OF_A_PICTURE = (
+    128  # the greatest where a reference image says what to look like: nothing so fine is read off it
+)
 
 
 @dataclass(frozen=True)
 class ShotInput:
-    """What there is to know of a shot before the loop.
+    """A shot before the loop.
 
     Attributes:
         scene: As its camera sees it at its frame.
@@ -48,76 +60,108 @@ class ShotInput:
 
 @dataclass
 class ShotState:
-    """A shot in the loop.
+    """A shot in the loop. Its methods change nothing but what is cached: a new anchor, view or plan gives another state.
 
     Attributes:
         scene: As its camera sees it at its frame.
         names: Its keys -> the shared vector's.
         vector: The shared vector under its keys.
-        proxy: Renders the loop's pictures.
-        anchoring: The proxy's corrections.
-        guidance: Judges the pictures as the round's advice says; calibrated on the artist's picture.
-        claims: What the words say that its pictures have to look like; None before the loop.
-        seen: What its camera saw when the round began.
-        before: The artist's picture, with which the loop began, and what its camera saw.
+        proxy: Renders the loop's images; all states of a shot have the same one. Use `corrected`.
+        source: Of Cycles' pictures.
+        anchor: The proxy's correction.
+        records: One per picture of Cycles, for all states: the number of the round, and the mean CIEDE2000 between what the
+            proxy had predicted and what it says with the picture.
+        guidance: Judges the images as the round's advice says; calibrated on the artist's image.
+        claims: What the words say that its images have to look like; None before the loop.
+        seen: What its camera sees where the claims are measured.
+        before: The artist's image, with which the loop began, and what its camera saw.
     """
 
     scene: SceneData
     names: dict[str, str]
     vector: ParameterVector
     proxy: Proxy
-    anchoring: Anchoring
+    source: PictureSource | None = None
+    anchor: AnchorState = field(default_factory=AnchorState)
+    records: list[dict[str, Any]] = field(default_factory=list)
     guidance: Guidance | None = None
     claims: ClaimSet | None = None
     seen: GBuffer | None = None
     before: MeasuredPicture | None = None
-    _last: tuple[Tensor, Correction | None, Render] | None = None
-    """Where the last picture was drawn, how it was corrected, and it: rounds end and begin with the same one."""
+    _last: tuple[Tensor, Render] | None = None  # where the last image was drawn, and it
+
+    @property
+    def corrected(self) -> Proxy:
+        """The proxy, corrected by this state's anchor."""
+        self.proxy.correction = self.anchor.correction
+        return self.proxy
 
     def draw(self, u: Tensor, free: set[str] | frozenset[str] = frozenset()) -> Render:
-        """The proxy's picture of u.
+        """The proxy's image of u (N,).
 
         Args:
-            u: (N,) in [0, 1].
-            free: Keys of the shared vector in which the picture is differentiable.
+            free: Keys of the shared vector in which the image is differentiable.
         """
         if free and torch.is_grad_enabled():
-            return draw(self.proxy, self.vector, u, {own for own, key in self.names.items() if key in free})
-        correction = self.proxy.correction
-        if not (self._last and self._last[1] is correction and torch.equal(self._last[0], u)):
-            self._last = u.detach().clone(), correction, draw(self.proxy, self.vector, u.detach())
-        return self._last[2]
+            own = {own for own, key in self.names.items() if key in free}
+            return draw(self.corrected, self.vector, u, own)
+        if not (self._last and torch.equal(self._last[0], u)):
+            self._last = u.detach().clone(), draw(self.corrected, self.vector, u.detach())
+        return self._last[1]
 
-    def seen_now(self, u: Tensor) -> GBuffer:
-        """What its camera sees at u (N,)."""
+    def advised(self, advisor: Advisor, u: Tensor, described: SceneDescription) -> Advice:
+        """An advisor's advice on this shot at u (N,), by its scene and its image; raises VibeError where there is none."""
+        image = self.draw(u)
+        now = described_now(described, self.proxy, self.vector.values(u), image)
+        return advisor.advise(image.display, self.vector.instances, now)
+
+    def anchored(self, u: Tensor, number: int, slack: float = _HERE) -> ShotState:
+        """The shot with its proxy corrected at u (N,) by a picture of Cycles; itself where there is none, or one nearby.
+
+        Args:
+            number: Of the round, from 0.
+            slack: How near is near enough, as a share of a component's whole range.
+        """
+        distance = self.anchor.distance(u)
+        if self.source is None or distance <= slack:
+            return self
+        picture = self.source({k: list(v) for k, v in self.vector.changes(u).items()}, self.proxy.size)
+        if picture is None:
+            return self if distance <= _NEAR else replace(self, anchor=AnchorState(), _last=None)
+        with torch.no_grad():
+            predicted = self.draw(u).display
+            correction = self.proxy.anchor(chosen_values(self.vector, u, self.proxy.device), picture)
+            anchor = AnchorState(correction, u.clone(), self.anchor.correction)
+            shot = replace(self, anchor=anchor, _last=None)
+            difference = float(mean_difference(predicted, shot.draw(u).display))
+        self.records.append({"round": number + 1, "delta_e": round(difference, 3)})
+        return shot
+
+    def gbuffer(self, u: Tensor) -> GBuffer:
+        """The camera's view at u (N,)."""
         return self.proxy.gbuffer(chosen_values(self.vector, u, self.proxy.device))
 
-    def begin(self, u: Tensor, picture: Render) -> MeasuredPicture:
-        """Keeps the artist's picture, which was drawn at u (N,)."""
-        self.seen = self.seen_now(u)
-        self.before = MeasuredPicture(picture.display.detach(), self.seen)
-        return self.before
-
-    def look(self, u: Tensor) -> None:
-        """Sees again where in the picture the claims' things are, for the camera may have moved to u (N,)."""
-        if self.claims:
-            self.seen = self.seen_now(u)
-            self.claims = self.claims.in_view(self.seen)
+    def viewed(self, u: Tensor) -> ShotState:
+        """The shot with its claims measured where their objects are in the image of u (N,): the camera may have moved."""
+        if self.claims is None:
+            return self
+        seen = self.gbuffer(u)
+        return replace(self, seen=seen, claims=self.claims.in_view(seen))
 
     def residuals(self, picture: Render) -> list[Tensor]:
-        """How far a picture is from each claim: (n,) in steps that people notice, differentiable in it."""
+        """Distance of an image from each claim: (n,) in noticeable steps, differentiable in it."""
         return self.claims.residuals(self._measured(picture)) if self.claims else []
 
     def aims(self, picture: Render) -> list[tuple[Tensor, Tensor, Tensor]]:
-        """What a picture has of each claim, and what is wanted, see `ClaimSet.aims`."""
+        """An image's value for each claim, and the interval that is sought, see `ClaimSet.aims`."""
         return self.claims.aims(self._measured(picture)) if self.claims else []
 
     def _measured(self, picture: Render) -> MeasuredPicture:
         assert self.seen is not None
         return MeasuredPicture(picture.display, replace(self.seen, transmittance=picture.transmittance))
 
-    def take(self, plan: Plan) -> None:
-        """Has what the words name be the same here as in the first shot, if this scene has another value."""
+    def planned(self, plan: Plan) -> ShotState:
+        """The shot with what the words name being the same as in the first shot, if its own scene has another value."""
         named = {
             own
             for own, key in self.names.items()
@@ -125,24 +169,55 @@ class ShotState:
             and not self.vector.instances[own].locked
             and not _alike(self.scene.instances[own], self.vector.instances[own])
         }
-        if named - self.vector.taken:
-            self.vector.taken |= named
-            self._last = None
-            self.anchoring.expire()
+        if named <= self.vector.taken:
+            return self
+        # The last picture shows other values than u now says: another one is due.
+        anchor = replace(self.anchor, u=None)
+        return replace(self, vector=self.vector.taking(named), anchor=anchor, _last=None)
 
 
-def share(
+def draw(
+    proxy: Proxy, vector: ParameterVector, u: Tensor, free: set[str] | frozenset[str] = frozenset()
+) -> Render:
+    """The proxy's image of u (N,), I = R(θ), equation 1; values that are the artist's own are left to the scene as they are."""
+    return proxy.render(chosen_values(vector, u, proxy.device, free))
+
+
+def chosen_values(
+    vector: ParameterVector, u: Tensor, device: torch.device, free: set[str] | frozenset[str] = frozenset()
+) -> dict[str, Tensor]:
+    """Key -> (components,) float32 in schema units, of u (N,): values that are free, with gradients, or no longer the artist's."""
+    moved = (u.detach() - vector.encode({})).abs() > 1e-9
+    values = {}
+    for key, value in vector.decode(u).items():
+        if key in free:
+            values[key] = value.to(device)
+        elif key in vector.taken or moved[vector.slices[key]].any():
+            values[key] = value.detach().to(device)
+    return values
+
+
+def gathered(
+    views: Sequence[ShotInput], options: Options, proxy: Callable[[SceneData], Proxy]
+) -> tuple[ParameterVector, list[ShotState]]:
+    """The vector of what the shots of a vibe share, and the shots; raises VibeError if a group or a lock names nothing."""
+    instances, names = shared_parameters(views, ("camera", "film") if options.grade_each else ("camera",))
+    vector = ParameterVector(lock(instances, options.groups, options.lock, options.camera))
+    vector = vector.taking(added_values(views[0].scene))
+    shots = []
+    for view, mine in zip(views, names, strict=True):
+        own = vector.view(mine).taking(added_values(view.scene))
+        shots.append(ShotState(view.scene, mine, own, proxy(view.scene), view.source))
+    return vector, shots
+
+
+def shared_parameters(
     views: Sequence[ShotInput], own: Sequence[str] = ()
 ) -> tuple[dict[str, Instance], list[dict[str, str]]]:
-    """One set of parameters for all shots: those of one name are one, and have the first shot's value.
+    """One set of parameters for all shots, by name, and for each shot its keys -> theirs; values are the first shot's.
 
-    What is locked in one of them is locked in all, and so is what moves within a .blend.
-
-    Args:
-        own: Groups that every shot has to itself.
-
-    Returns:
-        The parameters, and for each shot its keys -> theirs.
+    A value that is locked in one of them is locked in all, and so is one that moves within a .blend. Every shot has the groups
+    in `own` to itself.
     """
     shared: dict[str, Instance] = {}
     files: dict[str, str] = {}
@@ -162,46 +237,6 @@ def share(
     return shared, names
 
 
-def enter(
-    views: Sequence[ShotInput],
-    names: Sequence[dict[str, str]],
-    vector: ParameterVector,
-    proxy: Callable[[SceneData], Proxy],
-) -> list[ShotState]:
-    """The shots of a vector.
-
-    Args:
-        names: Of each, its keys -> the vector's, as `share` returns them.
-        vector: The shared parameters.
-        proxy: Makes the proxy of a scene.
-    """
-    shots = []
-    for view, mine in zip(views, names, strict=True):
-        own_vector, renderer = vector.view(mine), proxy(view.scene)
-        own_vector.taken = added_values(view.scene)
-        shots.append(
-            ShotState(view.scene, mine, own_vector, renderer, Anchoring(renderer, own_vector, view.source))
-        )
-    return shots
-
-
-def gathered(
-    views: Sequence[ShotInput], options: Options, proxy: Callable[[SceneData], Proxy]
-) -> tuple[ParameterVector, list[ShotState]]:
-    """The shots of a vibe, and the vector of what they share.
-
-    Args:
-        proxy: Makes the proxy of a scene.
-
-    Raises:
-        VibeError: A group or a lock names nothing.
-    """
-    instances, names = share(views, ("camera", "film") if options.grade_each else ("camera",))
-    vector = ParameterVector(lock(instances, options.groups, options.lock, options.camera))
-    vector.taken = added_values(views[0].scene)
-    return vector, enter(views, names, vector, proxy)
-
-
 def added_values(scene: SceneData) -> set[str]:
     """Keys of the lights that the artist's scene lacks: writing them adds the lights."""
     added = {light.name for light in scene.lights if light.added}
@@ -210,3 +245,57 @@ def added_values(scene: SceneData) -> set[str]:
 
 def _alike(a: Instance, b: Instance) -> bool:
     return all(math.isclose(x, y, rel_tol=1e-4, abs_tol=1e-5) for x, y in zip(a.value, b.value, strict=True))
+
+
+def lock(
+    instances: Mapping[str, Instance], groups: Sequence[str], locks: Sequence[str], camera: bool
+) -> dict[str, Instance]:
+    """Instances with the artist's locks: what may not change says why.
+
+    Args:
+        groups: Groups that may change; empty for all but the camera.
+        locks: Patterns of what must stay, see `schema.matches`.
+        camera: Whether the camera may move though no group names it.
+
+    Raises:
+        VibeError: For a group that does not exist and a pattern that nothing matches.
+    """
+    if strange := [g for g in groups if g not in GROUPS]:
+        raise VibeError(f"Unknown group {strange[0]!r}.", f"Use some of: {', '.join(GROUPS)}.")
+    for pattern in locks:
+        if not any(matches(key, [pattern]) for key in instances):
+            owners = sorted({key.rpartition("/")[0] for key in instances if key.count("/") > 1})
+            raise VibeError(
+                f"The lock {pattern!r} matches nothing in this scene.",
+                f"Lock a group ({', '.join(GROUPS)}), one thing ({', '.join(owners[:4])}) or a glob (*/roughness).",
+            )
+
+    def reason(key: str, group: str) -> str:
+        if matches(key, list(locks)):
+            return "locked by you"
+        if group == "camera" and "camera" not in groups and not camera:
+            return "the camera stays as you framed it"
+        if groups and group not in groups and not (group == "camera" and camera):
+            return f"{labels.GROUP_TITLES[group]} may not change"
+        return ""
+
+    return {
+        key: replace(i, locked=i.locked or reason(key, i.parameter.group)) for key, i in instances.items()
+    }
+
+
+def picture_size(resolution: tuple[int, int], longest: int) -> tuple[int, int]:
+    """Width and height of the artist's image, pixels, scaled so that the longer side has `longest`."""
+    factor = longest / max(resolution)
+    width, height = (max(round(n * factor), 1) for n in resolution)
+    return width, height
+
+
+def inner_size(scene: SceneData, options: Options, encoder: Encoder) -> tuple[int, int]:
+    """Width and height of the images inside the loop, at most the options' `size`; the prediction has the full size.
+
+    Crops are at least three quarters of the image, so one and a half times what the encoder looks at is enough;
+    but highlights and shadows have to be there, however little it looks at.
+    """
+    enough = max(_LEAST, encoder.size * 3 // 2) if not options.like else _OF_A_PICTURE
+    return picture_size(scene.resolution, min(options.size, _LARGEST, enough))

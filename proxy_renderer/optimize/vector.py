@@ -31,7 +31,8 @@ class ParameterVector:
         instances: The instances by key, in the order of the vector.
         slices: Where each key's components are.
         size: N.
-        taken: Keys whose values are written though nothing has moved them: see `shots.ShotState`.
+        taken: Keys whose values are written though nothing has moved them: lights that are added, and in a further shot values
+            that the words name and the first shot has already.
     """
 
     def __init__(self, instances: Mapping[str, Instance]) -> None:
@@ -46,7 +47,7 @@ class ParameterVector:
         self._upper = _stack(i.upper for i in self.instances.values())
         self._log = torch.tensor([i.parameter.scale.name == "log" for i in each])
         self._exponent = torch.tensor([i.parameter.scale.exponent for i in each], dtype=torch.float64)
-        self.taken: set[str] = set()
+        self.taken: frozenset[str] = frozenset()
         self._home = torch.zeros(self.size, dtype=torch.float64)
         self._home = self.encode({key: instance.value for key, instance in self.instances.items()})
 
@@ -55,18 +56,17 @@ class ParameterVector:
         shown = copy(self)
         shown.instances = {own: self.instances[key] for own, key in names.items()}
         shown.slices = {own: self.slices[key] for own, key in names.items()}
-        shown.taken = set()
+        shown.taken = frozenset()
         return shown
 
+    def taking(self, keys: Iterable[str]) -> ParameterVector:
+        """The same u, with these keys among the taken."""
+        other = copy(self)
+        other.taken = self.taken.union(keys)
+        return other
+
     def encode(self, values: Mapping[str, Sequence[float]]) -> Tensor:
-        """u of values.
-
-        Args:
-            values: By key, in schema units; keys that are missing take the artist's value.
-
-        Returns:
-            (N,) float64 in [0, 1].
-        """
+        """u (N,) float64 in [0, 1] of values in schema units, by key; keys that are missing take the artist's value."""
         u = self._home.clone()
         for key in values.keys() & self.slices.keys():
             instance = self.instances[key]
@@ -77,21 +77,15 @@ class ParameterVector:
         return u
 
     def decode(self, u: Tensor) -> dict[str, Tensor]:
-        """Values in schema units, differentiable in u.
+        """Key -> (C,) float32 values of u (N,) in schema units, differentiable in u.
 
         A power scale is flat at its lower end, where a fog of density zero could never grow:
         there the gradient takes the slope of a twentieth of the way up.
-
-        Args:
-            u: (N,) in [0, 1].
-
-        Returns:
-            Key to (C,) float32.
         """
         return self.along(u, u - u.detach())
 
     def along(self, u: Tensor, move: Tensor) -> dict[str, Tensor]:
-        """Values that lie away from u by a move (N,), as the slopes at u have it; otherwise as `decode`."""
+        """Values at a move (N,) from u (N,), as the slopes at u have it; otherwise as `decode`."""
         x = u.detach().clamp(0.0, 1.0)
         span = self._upper - self._lower
         ratio = (self._upper / self._lower.clamp_min(1e-30)).clamp_min(1e-30)
@@ -109,14 +103,7 @@ class ParameterVector:
         return torch.where(flat, _FLAT_STRIDE, _STRIDE).to(u)
 
     def values(self, u: Tensor) -> dict[str, Values]:
-        """Plain values of u in schema units, to six digits.
-
-        Args:
-            u: (N,) in [0, 1].
-
-        Returns:
-            Key to components; what is where the artist had it keeps that very float.
-        """
+        """Key -> values of u (N,) in schema units, to six digits; values where the artist had them keep the same float."""
         original = self.encode({})
         moved = (u.detach() - original).abs() > 1e-9
         raw = self.plain(u)
@@ -133,12 +120,12 @@ class ParameterVector:
         return out
 
     def changes(self, u: Tensor) -> dict[str, Values]:
-        """Values of u that differ from the artist's, and those that are taken."""
+        """Values of u (N,) that differ from the artist's, and those that are taken."""
         values = self.values(u)
         return {k: v for k, v in values.items() if k in self.taken or v != self.instances[k].value}
 
     def plain(self, u: Tensor) -> dict[str, Values]:
-        """Values of u as plain numbers, without regard to the artist's."""
+        """Values of u (N,) as plain numbers, without regard to the artist's."""
         rows = {}
         for key, part in self.slices.items():
             i = self.instances[key]
@@ -154,12 +141,11 @@ class ParameterVector:
         return marked
 
     def bounds(self, ranges: Mapping[str, tuple[Values, Values]]) -> tuple[Tensor, Tensor]:
-        """The feasible box in u: plan ∩ hard bounds ∩ locks, each (N,).
+        """The feasible box in u: plan ∩ hard bounds ∩ locks, each corner (N,).
 
         Args:
-            ranges: Key to (lower, upper); a missing key may go anywhere within its hard bounds. A
-                locked instance stays at the artist's value whatever its range says. A range that
-                lies outside of the hard bounds becomes their nearest end.
+            ranges: Key to (lower, upper); a missing key may go anywhere within its hard bounds, and a locked one stays at the
+                artist's value. A range outside of the hard bounds becomes their nearest end.
         """
         lower, upper = {}, {}
         for key, instance in self.instances.items():
@@ -170,55 +156,29 @@ class ParameterVector:
 
 
 def project(u: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
-    """Π: the nearest point of the feasible box (Algorithm 1, steps 7 and 14).
-
-    Args:
-        u: (N,) any point.
-        lower: (N,) lower corner.
-        upper: (N,) upper corner.
-    """
+    """Π: the nearest point to u (N,) in the feasible box (Algorithm 1, lines 7 and 14)."""
     return torch.minimum(torch.maximum(u, lower), upper)
 
 
 def begun(vector: ParameterVector, plan: Plan, u: Tensor) -> Tensor:
-    """(N,) a point with what words name where its search begins, see `PlanEntry.start`.
-
-    Args:
-        u: (N,) the artist's point.
-    """
+    """The artist's point u (N,), with the values where words have the search begin, see `PlanEntry.start`."""
     starts = {key: entry.start for key, entry in plan.items() if entry.start is not None}
     return torch.where(vector.mark(starts), vector.encode(starts), u)
 
 
 def around(u: Tensor, lower: Tensor, upper: Tensor, share: float) -> tuple[Tensor, Tensor]:
-    """The part of a box around a point.
-
-    Args:
-        u: (N,) any point; what counts is the nearest one in the box.
-        lower: (N,) lower corner of the box.
-        upper: (N,) upper corner.
-        share: Of each component's range that is left on either side.
-
-    Returns:
-        The corners of the smaller box, each (N,).
-    """
+    """The corners, each (N,), of the part of a box around u's nearest point in it: a share of each range on either side."""
     middle, reach = project(u, lower, upper), share * (upper - lower)
     return torch.maximum(lower, middle - reach), torch.minimum(upper, middle + reach)
 
 
 def opened(lower: Tensor, upper: Tensor, share: Tensor, own: Tensor) -> tuple[Tensor, Tensor]:
-    """A box with wider ranges, within the hard bounds; a narrow range is widened as one of `_NARROW` is.
+    """The corners, each (N,), of a box with wider ranges within the hard bounds; a narrow range is widened as one of `_NARROW` is.
 
-    A range opens no farther than to the artist's value: more contrast never comes to less of it.
+    A range opens no farther than to the artist's value (N,): more contrast never comes to less of it.
 
     Args:
-        lower: (N,) lower corner of the box.
-        upper: (N,) upper corner.
         share: (N,) of each range, by which it is wider on either side; infinite for all that there is.
-        own: (N,) the artist's values.
-
-    Returns:
-        The corners of the larger box, each (N,).
     """
     margin = torch.where(share > 0.0, share * (upper - lower).clamp_min(_NARROW), 0.0)
     low = torch.where(own < lower, torch.maximum(lower - margin, own), lower - margin)
@@ -226,18 +186,20 @@ def opened(lower: Tensor, upper: Tensor, share: Tensor, own: Tensor) -> tuple[Te
     return low.clamp_min(0.0).minimum(lower), high.clamp_max(1.0).maximum(upper)
 
 
+def feasible_ranges(
+    plan: Plan, instances: Mapping[str, Instance], values: Mapping[str, Values]
+) -> dict[str, tuple[Values, Values]]:
+    """Key -> (lower, upper) of the plan, azimuths turned to where the values are now; the artist's where missing."""
+    return {
+        key: nearest_turn(instances[key], entry.lower, entry.upper, values.get(key, instances[key].value))
+        for key, entry in plan.items()
+    }
+
+
 def nearest_turn(instance: Instance, lower: Values, upper: Values, value: Values) -> tuple[Values, Values]:
-    """The range of an angle, turned by whole circles so that it lies nearest to the value.
+    """The range of an angle, turned by whole circles within the hard bounds so that it lies nearest to the value.
 
-    An azimuth of -170 is ten degrees from the range [180, 200], not 350. Other parameters' ranges
-    come back as they are.
-
-    Args:
-        instance: The parameter; a turn never leaves its hard bounds.
-        lower: Of the range, in schema units.
-
-    Returns:
-        The range's new ends.
+    An azimuth of -170 is ten degrees from the range [180, 200], not 350. Other parameters' ranges stay.
     """
     if instance.parameter.unit != "deg" or instance.parameter.upper - instance.parameter.lower < 2 * _TURN:
         return lower, upper

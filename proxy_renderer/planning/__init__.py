@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From bound words to ranges, priorities and reasons. Standard library only."""
+"""From bound words to ranges, priorities and reasons."""

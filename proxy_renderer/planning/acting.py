@@ -11,10 +11,10 @@ from ..color.shades import hue_apart
 from ..goals.contradictions import contradicts
 from ..goals.resolve import Goals, Lost
 from ..goals.wish import Wish
-from ..prompt.lexicon.entries import Effect
-from ..prompt.lexicon.quantities import quantities
-from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.types import Attribute
+from ..words.lexicon.entries import Effect
+from ..words.lexicon.quantities import quantities
+from ..words.lexicon.vocabulary import Vocabulary
+from ..words.types import Attribute
 from .owners import Owners
 from .types import LightPlan
 
@@ -33,11 +33,7 @@ Act = tuple[Wish, Effect]
 
 
 def acts(goals: Goals, vocabulary: Vocabulary, owners: Owners) -> list[Act]:
-    """The effects of all wishes, in the order of the prompt.
-
-    Args:
-        owners: The scene's materials, lights and world.
-    """
+    """The effects of all wishes, in the order of the prompt."""
     described = _redirected(goals, owners)
     wishes = (replace(w, attribute=described.get(id(w.attribute), w.attribute)) for w in goals.wishes)
     return [(wish, effect) for wish in wishes for effect in _effects(wish, vocabulary, owners)]
@@ -84,7 +80,7 @@ def _would_hide(gel: Attribute, wishes: Sequence[Wish], owners: Owners) -> bool:
     return all(c and hue_apart(c, gel.color) > _HIDDEN for c in colors)
 
 
-def beside_rig(goals: Goals, light: LightPlan) -> Goals:
+def goals_without_rig(goals: Goals, light: LightPlan) -> Goals:
     """Goals without what a rig stands for: it serves its words, and it alone sets the light of a mood.
 
     Of grade words what they do to the grade is left, and of moods half of that; the rig says what is to be seen of them.

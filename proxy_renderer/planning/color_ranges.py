@@ -5,12 +5,11 @@ from __future__ import annotations
 
 from ..color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from_hex
 from ..color.shades import shade
-from ..prompt.colors import fog_color
-from ..prompt.lexicon.entries import Effect
-from ..prompt.types import Attribute
 from ..schema import Instance, Values
-from .grays import radiance
-from .sources import Range, Sources
+from ..words.attributes import fog_color
+from ..words.lexicon.entries import Effect
+from ..words.types import Attribute
+from .light_levels import Range, Sources, radiance
 
 _BLACKEST, _WHITEST = 0.006, 0.85  # hardly a real surface reflects less, or more
 _BLACK = 0.02  # component below which a backdrop is black
@@ -33,10 +32,7 @@ _NEUTRAL_BOX = 0.02  # the same for white and gray: a little tint makes them ano
 
 
 def named_color(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Values | None:
-    """The linear color that a word gives to a surface, to a glow, or to what is seen of the world; None for all else.
-
-    Claims say how it looks in the end. The color of a material, as gold has it, is a value that its word names.
-    """
+    """The linear color that a word gives to a surface, to a glow, or to what is seen of the world; None for all else."""
     seen = effect.mode == "shown" and (effect.color in ("@", "own") or instance.parameter.group == "world")
     if instance.parameter.kind == "color" and (seen or (effect.mode == "color" and effect.color == "@")):
         return painted(effect, attribute, instance, sources)
@@ -45,9 +41,11 @@ def named_color(effect: Effect, attribute: Attribute, instance: Instance, source
 
 def color_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
     """The range that an effect with a color asks for; not clipped."""
-    named = named_color(effect, attribute, instance, sources)
-    if named:
-        return _wide(named)
+    if named := named_color(effect, attribute, instance, sources):
+        # all that may look like it in some light: darker and lighter, and purer or paler
+        shown = [max(v, 0.0) ** (1 / 2.2) for v in named]
+        lower, upper = (tuple(max(a * v + b, 0.0) ** 2.2 for v in shown) for a, b in (_LESS, _MORE))
+        return lower, tuple(min(u, max(v, _WHITEST)) for u, v in zip(upper, named, strict=True))
     srgb = _color_of(effect, attribute, sources)
     if effect.mode == "shown" and instance.parameter.kind == "scalar":
         return _shown_strength(srgb, instance, sources)
@@ -64,18 +62,23 @@ def painted(effect: Effect, attribute: Attribute, instance: Instance, sources: S
     """The linear color that an effect is about, as its parameter holds it."""
     srgb = _color_of(effect, attribute, sources)
     if effect.mode == "gel":
-        linear = _gel(
-            linear_from_srgb(srgb), 0.9 * (_MOOD * _purity(srgb) if attribute.kind == "ambience" else 1.0)
-        )
+        muted = 1.0 - min(srgb) / max(max(srgb), 1e-6)  # a muted color makes little of a tint
+        linear = _gel(linear_from_srgb(srgb), 0.9 * (_MOOD * muted if attribute.kind == "ambience" else 1.0))
     elif effect.mode == "albedo":
-        linear = _fog_albedo(srgb)
+        # fog scatters many times: it is paler and much brighter than the color it is named for; black fog is smoke
+        pale = linear_from_srgb(fog_color(srgb))
+        darkness = min(luminance(linear_from_srgb(srgb)) * 12 + 0.25, 0.95)
+        linear = tuple(v * darkness / max(pale) for v in pale)
     elif effect.mode == "shown":
         linear = linear_from_srgb(srgb)
         linear = tuple(v / max(linear) for v in linear) if max(linear) > _BLACK else linear
     else:
-        linear = _albedo(linear_from_srgb(srgb))
+        # no real surface reflects nothing, or all
+        linear = linear_from_srgb(srgb)
+        most = min(_WHITEST / max(*linear, 1e-6), 1.0)
+        linear = tuple(max(most * v, _BLACKEST) for v in linear)
     if instance.parameter.family == "material/tint":
-        texture = max(sources.context.texture_luminance.get(instance.owner, 0.4), 0.02)
+        texture = max(sources.scene.texture_luminance.get(instance.owner, 0.4), 0.02)
         linear = tuple(v / texture for v in linear)
     if attribute.strength < 0.8:
         linear = tuple(a + (b - a) * attribute.strength for a, b in zip(instance.value, linear, strict=True))
@@ -118,36 +121,10 @@ def _box(linear: Values) -> Range:
     return tuple(max(v - half, 0.0) ** 2.2 for v in shown), tuple((v + half) ** 2.2 for v in shown)
 
 
-def _albedo(linear: Values) -> Values:
-    """The color as real surfaces have it: none reflects nothing, or all."""
-    most = min(_WHITEST / max(*linear, 1e-6), 1.0)
-    return tuple(max(most * v, _BLACKEST) for v in linear)
-
-
-def _wide(linear: Values) -> Range:
-    """All that may look like a linear color in some light: darker and lighter, and purer or paler."""
-    shown = [max(v, 0.0) ** (1 / 2.2) for v in linear]
-    ends = (tuple(max(a * v + b, 0.0) ** 2.2 for v in shown) for a, b in (_LESS, _MORE))
-    lower, upper = ends
-    return lower, tuple(min(u, max(v, _WHITEST)) for u, v in zip(upper, linear, strict=True))
-
-
 def _gel(linear: Values, purity: float) -> Values:
     """The color with its largest component at 1, and not fully saturated: filters and fog never are."""
     top = max(linear)
     return tuple(1 - purity * (1 - v / top) for v in linear) if top > 0.01 else (1.0, 1.0, 1.0)
-
-
-def _purity(srgb: Values) -> float:
-    """How much of a tint a color makes, 0 to 1: a muted one little, though its linear components differ greatly."""
-    return 1.0 - min(srgb) / max(max(srgb), 1e-6)
-
-
-def _fog_albedo(srgb: Values) -> Values:
-    """Fog scatters many times: it is paler and much brighter than the color it is named for."""
-    pale = linear_from_srgb(fog_color(srgb))
-    darkness = min(luminance(linear_from_srgb(srgb)) * 12 + 0.25, 0.95)  # black fog is smoke
-    return tuple(v * darkness / max(pale) for v in pale)
 
 
 def _cast(linear: Values, amount: float) -> Values:
@@ -162,9 +139,9 @@ def _cast(linear: Values, amount: float) -> Values:
 
 def _shown_strength(srgb: Values, instance: Instance, sources: Sources) -> Range:
     """Strength at which a world of the "shown" color looks as named; white as white, not gray."""
-    context = sources.context
+    scene = sources.scene
     if lab_from_srgb(srgb)[0] > 93:
-        ends = tuple(radiance(goal, context.view) for goal in (88.0, 93.0))
+        ends = tuple(radiance(goal, scene.view) for goal in (88.0, 93.0))
     else:
         bright = max(linear_from_srgb(srgb))
         ends = tuple(share * bright for share in _SHOWN) if bright > _BLACK else (0.0, 1.0)

@@ -1,29 +1,140 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The confiner without a model: for every parameter a range, a priority and a reason (paper, section 3.6)."""
+"""The confiner without a model: from wishes to ranges, starts and priorities of a scene's parameters."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
 from ..color.floats import srgb_from_linear
 from ..goals.resolve import Goals
 from ..goals.wish import Wish
-from ..prompt.lexicon.entries import Effect
-from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.types import GLOW, Parsed
 from ..schema import Instance, Values, labels
-from .acting import STAGES, acts, beside_rig, grade_of, is_usual, stage_of
-from .agreement import Agreements, WishedRange, lacking, reason_of
+from ..words.lexicon.entries import OWNERS, Effect
+from ..words.lexicon.user_words import default_vocabulary
+from ..words.lexicon.vocabulary import Vocabulary
+from ..words.types import GLOW, Attribute, Parsed, SceneDescription
+from .acting import STAGES, acts, goals_without_rig, grade_of, is_usual, stage_of
 from .color_ranges import named_color, painted
-from .lights.facing import facing_radiance
+from .light_levels import Sources, WorldLook, facing_radiance
 from .owners import BACKDROP, SEEN, Owners
 from .ranges import clip, effect_range, within
-from .sources import Sources, WorldLook
 from .support import added_power, supports
-from .types import LightPlan, Plan, PlanContext, PlanEntry
+from .types import LightPlan, Plan, PlanEntry
+
+
+@dataclass(frozen=True)
+class WishedRange:
+    """A wish, projected on one parameter.
+
+    Attributes:
+        reason: For the artist; quotes the word.
+        weak: A default, which gives way silently.
+        usual: It is what a place usually has: it counts only where no other word is about the parameter.
+        aside: Words for what is seen of the world come first for this parameter.
+        start, any_hue: As in `PlanEntry`.
+    """
+
+    key: str
+    lower: Values
+    upper: Values
+    wish: Wish
+    reason: str
+    weak: bool
+    priority: int
+    usual: bool = False
+    aside: bool = False
+    start: Values | None = None
+    any_hue: bool = False
+
+    @property
+    def rank(self) -> tuple[bool | int, ...]:
+        """As `Wish.rank`, with what counts of this parameter alone."""
+        _, usual, implied, general, paint, vague, _, _ = self.wish.rank
+        return self.weak, usual, implied, paint, self.priority, general, vague or self.aside
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether it is said, and is no default."""
+        return not (self.weak or self.wish.implied or self.wish.usual)
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """The range that is left for one parameter, and the ranges that it comes from, the first in rank first."""
+
+    lower: Values
+    upper: Values
+    winners: list[WishedRange]
+
+
+class Agreements:
+    """The ranges that wishes leave each other; `of` has them by the parameter's key."""
+
+    def __init__(self) -> None:
+        self.of: dict[str, Agreement] = {}
+        self._ranges: dict[str, list[WishedRange]] = {}
+        self._lost: dict[tuple[str, str], dict[str, None]] = {}
+
+    def add(self, ranges: Iterable[WishedRange]) -> None:
+        """Takes more ranges, and finds anew what is left of their parameters."""
+        keys: dict[str, None] = {}  # a set would be in another order each time
+        for each in ranges:
+            self._ranges.setdefault(each.key, []).append(each)
+            keys[each.key] = None
+        for key in keys:
+            self.of[key] = self._agreement(sorted(self._ranges[key], key=lambda r: r.rank))
+
+    def value(self, instance: Instance) -> Values:
+        """The artist's value, projected into what is left so far."""
+        found = self.of.get(instance.key)
+        if found is None:
+            return instance.value
+        return within(found.winners[0].start or instance.value, found.lower, found.upper)
+
+    def notes(self) -> Iterator[str]:
+        """Says which words gave way to which on a parameter that both need."""
+        for (loser, winner), keys in self._lost.items():
+            yield f"'{loser}' gives way to '{winner}' on {labels.titles(list(keys))}: both need it."
+
+    def _agreement(self, ranked: list[WishedRange]) -> Agreement:
+        """The first range, narrowed by the others that have something in common with it."""
+        first, *others = ranked
+        lower, upper, winners = first.lower, first.upper, [first]
+        for each in others:
+            if each.usual and not first.usual:
+                continue
+            low, high = tuple(map(max, lower, each.lower)), tuple(map(min, upper, each.upper))
+            agrees = all(a <= b for a, b in zip(low, high, strict=True))
+            if agrees and not first.start:  # what is left of a named color's room would be another color
+                lower, upper, winners = low, high, [*winners, each]
+            elif (
+                first.is_plain
+                and each.is_plain
+                and each.reason != first.reason
+                and (each.start or not agrees)
+            ):
+                pair = each.wish.attribute.word, first.wish.attribute.word
+                self._lost.setdefault(pair, {})[each.key] = None
+        return Agreement(lower, upper, winners)
+
+
+def _missing_owner(owner: str) -> str:
+    """What a scene has not got, for an effect's owner."""
+    if owner in ("rim", "fill", "others"):
+        return f"the scene has no light that could be the {'second' if owner == 'others' else owner} light; add one"
+    return f"the scene has no {OWNERS[owner]} whose values may change so"
+
+
+def reason_of(attribute: Attribute, phrase: str) -> str:
+    """Quotes the word: "'glossy': glossy, with bright reflections", "'warm' in 'cosy'"."""
+    if attribute.cause:
+        return f"'{attribute.cause}' means '{attribute.word}'"
+    what = f" on the {attribute.thing}" if attribute.color and attribute.thing else ""
+    plain = phrase and phrase != attribute.word and not (attribute.negated or attribute.shades)
+    return f"'{attribute.word}'{what}" + (f" ({phrase})" if plain else "")
+
 
 _OF_SHADOWS = ("size", "angle")
 """Parameters that begin well inside of their ranges: edges of shadows have slopes that say little of where hardness is found."""
@@ -48,29 +159,24 @@ _SECOND = 6  # how much later a mood's own words come than the prompt's
 def plan(
     goals: Goals,
     instances: dict[str, Instance],
-    context: PlanContext,
+    scene: SceneDescription,
     vocabulary: Vocabulary | None = None,
     light: LightPlan | None = None,
 ) -> Plan:
-    """Decides what may happen to every parameter of a scene.
+    """Decides what may happen to every parameter of a scene, given by key.
 
-    What words name gets a range (projection moves the value inside) and a priority; a few others
-    may move a little to keep the subject visible; the rest keeps the artist's value.
-
-    Args:
-        instances: The scene's parameters by key.
-        context: What is known about the scene and its picture.
-        vocabulary: What words mean; the artist's own if None.
-        light: What a rig plans; None where the words ask for none.
+    What words name gets a range (projection moves the value inside) and a priority; a few others may move a little to
+    keep the subject visible; the rest keeps the artist's value. Without a vocabulary, the artist's own counts.
     """
     light = light or LightPlan()
-    planner = _Planner(goals, instances, context, vocabulary or default_vocabulary(), light)
+    planner = _Planner(goals, instances, scene, vocabulary or default_vocabulary(), light)
     entries = planner.entries()
     entries |= {key: entry for key, entry in light.entries.items() if not planner.instances[key].locked}
     support = supports(goals.parsed, planner.instances, planner.sources, entries, planner.owners)
-    if light.served:  # exposed as the rig wants it
+    if light.served:  # exposed as the rig wants it, and graded so that its light keeps contrast and colors
         support.pop("film/exposure", None)
-        entries |= {key: _mild(entries[key], *ends) for key, ends in _GRADES.items() if key in entries}
+        graded = {key: ends for key, ends in _GRADES.items() if key in entries and entries[key].is_named}
+        entries |= {key: _mild(entries[key], *ends) for key, ends in graded.items()}
     entries |= support
     return Plan({key: entries[key] for key in instances}, tuple(dict.fromkeys(planner.notes)))
 
@@ -80,20 +186,20 @@ class _Planner:
         self,
         goals: Goals,
         instances: dict[str, Instance],
-        context: PlanContext,
+        scene: SceneDescription,
         vocabulary: Vocabulary,
         light: LightPlan,
     ) -> None:
         parsed = self.parsed = goals.parsed
         self.vocabulary = vocabulary
         self.instances = {key: _protected(i, parsed) for key, i in instances.items()}
-        self.owners = Owners(parsed, self.instances, context, vocabulary)
+        self.owners = Owners(parsed, self.instances, scene, vocabulary)
         stops = [i.value[0] for i in instances.values() if i.parameter.name in ("exposure", "grade_exposure")]
-        self.sources = Sources(context, exposure=sum(stops))
+        self.sources = Sources(scene, exposure=sum(stops))
         self.notes = [*parsed.notes, *goals.notes()]
         self.agreed = Agreements()
         self.kept: dict[str, list[str]] = {}
-        self.acts = [*acts(beside_rig(goals, light), vocabulary, self.owners), *grade_of(light)]
+        self.acts = [*acts(goals_without_rig(goals, light), vocabulary, self.owners), *grade_of(light)]
         self.of_materials = self._of_materials()
 
     def entries(self) -> dict[str, PlanEntry]:
@@ -109,17 +215,15 @@ class _Planner:
         return entries
 
     def _of_materials(self) -> dict[str, Values]:
-        """The values that parameters have by the materials that words name."""
+        """Key -> the value that a parameter has by the material that a word names."""
         found = {}
         for wish, effect in self.acts:
-            attribute = wish.attribute
-            if attribute.slot == "material" and effect.mode in ("", "color"):
-                for instance in self.owners.of(effect, attribute):
-                    found[instance.key] = (
-                        painted(effect, attribute, instance, self.sources)
-                        if effect.color
-                        else within(instance.value, *effect_range(effect, attribute, instance, self.sources))
-                    )
+            if wish.attribute.slot != "material" or effect.mode not in ("", "color"):
+                continue
+            for instance in self.owners.of(effect, wish.attribute):
+                given = effect, wish.attribute, instance, self.sources
+                own = painted(*given) if effect.color else within(instance.value, *effect_range(*given))
+                found[instance.key] = own
         return found
 
     def _unmet(self) -> list[str]:
@@ -130,23 +234,20 @@ class _Planner:
             most = min((e.priority for e in strong), default=0)
             main = [e for e in strong if e.priority == most]
             if main and not any(self.owners.of(e, attribute) for e in main):
-                missing.setdefault(attribute.cause or attribute.word, lacking(main[0].owner))
+                missing.setdefault(attribute.cause or attribute.word, _missing_owner(main[0].owner))
         return [f"'{word}' is not fully possible here: {what}." for word, what in missing.items()]
 
     def _ranges(self, wish: Wish, effect: Effect) -> Iterator[WishedRange]:
         """A wish's ranges of the parameters that one of its effects is about."""
-        added = self.sources.context.added_lights
         for instance in self.owners.of(effect, wish.attribute):
-            if instance.owner in added and effect.mode == "times" and effect.name == "power":
-                if effect.lower[0] < 1.0:
-                    yield self._range(
-                        wish, effect, replace(instance, value=added_power(instance, self.sources))
-                    )
-                # else words ask for the light: it has nothing to be stronger than
+            is_added = instance.owner in self.sources.scene.added_lights
+            if is_added and effect.mode == "times" and effect.name == "power":
+                if effect.lower[0] >= 1.0:  # words ask for the light: it has nothing to be stronger than
+                    continue
+                instance = replace(instance, value=added_power(instance, self.sources))
             elif effect.mode in _RELATIVE and instance.key in self.of_materials:
-                yield self._range(wish, effect, replace(instance, value=self.of_materials[instance.key]))
-            else:
-                yield self._range(wish, effect, instance)
+                instance = replace(instance, value=self.of_materials[instance.key])
+            yield self._range(wish, effect, instance)
 
     def _range(self, wish: Wish, effect: Effect, instance: Instance) -> WishedRange:
         attribute = replace(wish.attribute, strength=wish.strength)
@@ -184,12 +285,12 @@ class _Planner:
         return effect.priority + late + (_SECOND if wish.implied else 0)
 
     def _note_sources(self) -> None:
-        context, key = self.sources.context, self.owners.lights.key
-        facing = facing_radiance(self.instances, context, self.agreed.value, key)
+        scene, key = self.sources.scene, self.owners.lights.key
+        facing = facing_radiance(self.instances, scene, self.agreed.value, key)
         self.sources = replace(self.sources, key=facing)
-        world = backdrop = self._world("", context.environment_luminance)
+        world = backdrop = self._world("", scene.environment_luminance)
         if BACKDROP in self.instances:
-            backdrop = self._world("backdrop_", context.backdrop_luminance)
+            backdrop = self._world("backdrop_", scene.backdrop_luminance)
         self.sources = replace(self.sources, world=world, backdrop=backdrop)
 
     def _world(self, part: str, level: float) -> WorldLook:
@@ -200,16 +301,16 @@ class _Planner:
         return WorldLook(tuple(v * level for v in self.agreed.value(tint)), level) if tint else WorldLook()
 
     def _own_color(self, owner: str) -> tuple[float, ...]:
-        """The color that a material gets, or has."""
         named = [a for a in self.parsed.attributes if a.kind == "subject" and a.color and not a.negated]
         if named and named[0].color:
             return named[0].color
+        # the color that a material has
         found = (self.instances.get(f"material/{owner}/{name}") for name in ("base_color", "tint"))
         return next((srgb_from_linear(self.agreed.value(i)) for i in found if i), (1.0, 1.0, 1.0))
 
     def _glows(self, owner: str) -> bool:
         """Whether a material is to glow, or does: many have a strength of 1 and a black emission color."""
-        asked = self.agreed.of(f"material/{owner}/emission")
+        asked = self.agreed.of.get(f"material/{owner}/emission")
         return max(asked.upper[0] if asked else 0.0, self._glow(owner)) > _SEEN_GLOW
 
     def _glow(self, owner: str) -> float:
@@ -220,17 +321,20 @@ class _Planner:
         return strength.value[0] * max(color.value) if strength and color else 0.0
 
     def _entry(self, instance: Instance) -> PlanEntry:
-        settled = self.agreed.of(instance.key)
+        settled = self.agreed.of.get(instance.key)
         if instance.locked:
             if settled:
                 self.kept.setdefault(instance.locked, []).append(instance.key)
             return PlanEntry(instance.value, instance.value, None, f"locked: {instance.locked}")
-        if not settled:
-            return PlanEntry(
-                instance.lower, instance.upper, None, "no word touches it: keeps the artist's value"
-            )
-        if instance.parameter.family == "material/emission_color" and not self._glows(instance.owner):
-            return PlanEntry(instance.lower, instance.upper, None, "does not glow: keeps the artist's value")
+        why = "" if settled else "no word touches it"
+        if (
+            settled
+            and instance.parameter.family == "material/emission_color"
+            and not self._glows(instance.owner)
+        ):
+            why = "does not glow"
+        if why or not settled:
+            return PlanEntry(instance.lower, instance.upper, None, f"{why}: keeps the artist's value")
         lower, upper = clip(settled.lower, settled.upper, instance)
         winners = settled.winners
         return PlanEntry(
@@ -246,10 +350,10 @@ class _Planner:
 
 
 def _mild(entry: PlanEntry, low: float, high: float) -> PlanEntry:
-    """A range within ends that leave the light its contrast and its colors; it does not open while claims are missed."""
+    """A named range within ends; it does not open while claims are missed."""
     lower, upper = (tuple(min(max(v, low), high) for v in end) for end in (entry.lower, entry.upper))
     start = entry.start and tuple(min(max(v, low), high) for v in entry.start)
-    return replace(entry, lower=lower, upper=upper, start=start, usual=True) if entry.is_named else entry
+    return replace(entry, lower=lower, upper=upper, start=start, usual=True)
 
 
 def _protected(instance: Instance, parsed: Parsed) -> Instance:

@@ -7,20 +7,22 @@ import math
 
 from ..color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from_lab, srgb_from_linear
 from ..color.shades import hue_apart, relative_shade
-from ..prompt.lexicon.entries import Effect
-from ..prompt.types import Attribute
 from ..schema import Instance, Values
+from ..words.lexicon.entries import Effect
+from ..words.types import Attribute
 from .color_ranges import OWN_COLOR, beyond_present, color_range, shaded
-from .grays import radiance
-from .lights.facing import kelvin_color, watts
-from .sources import Range, Sources
+from .light_levels import Range, Sources, kelvin_color, radiance, watts
 
 _MIDDLE = 45.0  # L* that neither brightens nor darkens; "slightly" moves towards it
 _IN_PLACE_OF_KEY = Effect("world", "strength", "lightness", (62.0,), (88.0,))
 _NEUTRAL, _KELVIN, _WARM_TO_COOL = 6500.0, (1200.0, 16000.0), (2700.0, 11000.0)
 _LEAST_COMPONENT = 0.25  # of a glow's greatest: what lacks a color cannot be tinted to have it
 _OFF_WHITE = 50.0  # degrees of hue from warm and from cool light
-_DIRECTIONS = ("azimuth", "elevation", "rotation")
+_AS_NAMED = (
+    "azimuth", "elevation", "rotation", "ior", "base_color", "color", "specular_tint", "tint", "backdrop_color",
+    "backdrop_tint",
+)  # fmt: skip
+"""Parameters of which there is no less and no more: directions and colors."""
 
 
 def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
@@ -37,18 +39,18 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
         shown = tuple(a * b for a, b in zip(instance.value, own, strict=True))
         low, high = _glow_color(effect, attribute.strength, shown)
     elif effect.name == "azimuth" and effect.mode in ("camera", "sides"):
-        low, high = _azimuth(effect, instance, sources.context.camera_azimuth)
+        low, high = _azimuth(effect, instance, sources.scene.camera_azimuth)
     else:
         low, high = _MODES.get(effect.mode, _plain)(effect, attribute.strength, instance, sources)
     if attribute.shades and effect.name in OWN_COLOR:
         low, high = beyond_present(low, high, attribute, instance)
     if effect.name == "elevation":
-        bottom, top = sources.context.light_elevations.get(instance.owner, (-90.0, 90.0))
+        bottom, top = sources.scene.light(instance.owner).elevations
         low, high = ((min(max(v[0], bottom), top),) for v in (low, high))
     if instance.parameter.name == "emission_color" and effect.family.startswith("light/"):
         low, high = _over_glow(low, high, _computed_glow(instance, sources))
-    if effect.family == "material/emission" and not effect.mode and instance.owner in sources.context.glows:
-        computed = max(sources.context.glows[instance.owner].strength, 1e-3)
+    if effect.family == "material/emission" and not effect.mode and instance.owner in sources.scene.emitters:
+        computed = max(sources.scene.emitters[instance.owner].strength, 1e-3)
         low, high = (low[0] / computed,), (high[0] / computed,)
     return clip(low, high, instance)
 
@@ -59,7 +61,7 @@ def within(values: Values, lower: Values, upper: Values) -> Values:
 
 
 def _computed_glow(instance: Instance, sources: Sources) -> Values:
-    glow = sources.context.glows.get(instance.owner)
+    glow = sources.scene.emitters.get(instance.owner)
     return glow.color if glow else (1.0, 1.0, 1.0)
 
 
@@ -85,10 +87,7 @@ def clip(low: Values, high: Values, instance: Instance) -> Range:
 def scaled(
     low: float, high: float, neutral: float, strength: float, bounds: tuple[float, float]
 ) -> tuple[float, float]:
-    """Moves a range towards the neutral value for "slightly", away from it for "very".
-
-    Monotone in `strength`; a range around the neutral value stays as it is.
-    """
+    """A range moved towards the neutral value for "slightly", away from it for "very"; one around it stays."""
     if strength == 1.0 or (low <= neutral <= high and not (low == neutral or high == neutral)):
         return low, high
     if strength < 1.0:
@@ -116,22 +115,12 @@ def _glow_color(effect: Effect, strength: float, color: Values) -> Range:
 
 def _plain(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
     parameter, unit = instance.parameter, instance.reference
-    if parameter.name in _DIRECTIONS or parameter.name in (
-        "ior",
-        "base_color",
-        "color",
-        "specular_tint",
-        "tint",
-        "backdrop_color",
-        "backdrop_tint",
-    ):
+    if parameter.name in _AS_NAMED:
         strength = 1.0
-    bounds = (parameter.lower, parameter.upper)
-    logs = parameter.scale.name == "log"
-    there, back = (math.log, math.exp) if logs else (float, float)
+    there, back = (math.log, math.exp) if parameter.scale.name == "log" else (float, float)
+    limits = there(parameter.lower), there(parameter.upper)
     pairs = []
     for low, high in zip(effect.lower, effect.upper, strict=True):
-        limits = there(bounds[0]), there(bounds[1])
         a, b = scaled(there(low), there(high), there(parameter.default), strength, limits)
         pairs.append((back(a) * unit, back(b) * unit))
     return tuple(a for a, _ in pairs), tuple(b for _, b in pairs)
@@ -148,9 +137,8 @@ def _times(effect: Effect, strength: float, instance: Instance, _: Sources) -> R
 
 
 def _plus(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
-    return (instance.value[0] + effect.lower[0] * strength,), (
-        instance.value[0] + effect.upper[0] * strength,
-    )
+    low, high = (instance.value[0] + end[0] * strength for end in (effect.lower, effect.upper))
+    return (low,), (high,)
 
 
 def _shade(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
@@ -173,13 +161,13 @@ def _lightness(effect: Effect, strength: float, instance: Instance, sources: Sou
             for goal in (low, high)
         ]
         return tuple(map(min, *shades)), tuple(map(max, *shades))
-    context = sources.context
+    scene = sources.scene
     if instance.parameter.group == "world":
         scale = 1 / max(luminance(sources.world.color), 1e-3)
     else:
-        scale = watts(instance, context) * instance.reference
+        scale = watts(instance, scene) * instance.reference
     scale /= 2**sources.exposure
-    return (radiance(low, context.view) * scale,), (radiance(high, context.view) * scale,)
+    return (radiance(low, scene.view) * scale,), (radiance(high, scene.view) * scale,)
 
 
 def _share(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
@@ -189,15 +177,14 @@ def _share(effect: Effect, strength: float, instance: Instance, sources: Sources
     if instance.parameter.group == "world":
         scale = sources.key / max(luminance(sources.world.color), 1e-3)
     else:
-        scale = sources.key * watts(instance, sources.context) * instance.reference
+        scale = sources.key * watts(instance, sources.scene) * instance.reference
     return (effect.lower[0] * scale,), (effect.upper[0] * scale,)
 
 
 def facing_white(instance: Instance, low: float, high: float, sources: Sources) -> Range:
     """Powers of a light at which a white surface that faces it is displayed with these L*."""
-    return clip(
-        *_lightness(Effect("light", "power", "lightness", (low,), (high,)), 1.0, instance, sources), instance
-    )
+    effect = Effect("light", "power", "lightness", (low,), (high,))
+    return clip(*_lightness(effect, 1.0, instance, sources), instance)
 
 
 def _fade(goal: float, light: float) -> float:

@@ -12,14 +12,12 @@ import math
 from collections.abc import Iterator
 
 from ..color.floats import linear_from_srgb, luminance, srgb_from_linear
-from ..prompt.lexicon.kelvins import temperature
-from ..prompt.types import Attribute, Parsed
 from ..schema import Instance, Values
-from .grays import radiance
-from .lights.facing import kelvin_color
+from ..words.lexicon.entries import temperature
+from ..words.types import Attribute, Parsed
+from .light_levels import Range, Sources, kelvin_color, radiance
 from .owners import BACKDROP, Owners
 from .ranges import clip, facing_white
-from .sources import Range, Sources
 from .types import PlanEntry
 
 _LATE = 12
@@ -34,9 +32,7 @@ _FAINT = 0.1  # the least multiple of the world's strength where light has a col
 _SEEN = ("subject", "surroundings", "sky", "fog")
 """Kinds of things that have a color of their own."""
 _AMBIENT = ("world/color", "world/tint")
-_SATURATION = (
-    1.4  # the most that named colors are strengthened: reflections and the view's shoulder bleach them
-)
+_SATURATION = 1.4  # the most that named colors are strengthened: reflections and the view bleach them
 _ADDED = (64.0, 80.0)  # L* of a white surface that faces a light that is added
 
 
@@ -75,48 +71,35 @@ def _reaches(
         for key in (f"light/{name}/power", f"light/{name}/strength", f"{name}/emission"):
             if key in instances:
                 yield key, (_times(instances[key].value, _KEY), 1, "the subject is readable")
-    gel = next((gel for a in parsed.attributes if _is_of_all_light(a) and (gel := _gel(a))), None)
+    of_all_light = [a for a in parsed.attributes if a.kind == "light" and not (a.negated or a.of_one_light)]
+    gel = next((gel for a in of_all_light if (gel := _gel(a))), None)
     if "world/strength" in instances:
         times = _WORLD if gel is None else (_FAINT, _WORLD[1])
         yield "world/strength", (_times(instances["world/strength"].value, times), 2, "shadows are readable")
     for key in _AMBIENT:
         if key in instances and gel is not None:
             yield key, (_tinges(instances[key].value, gel), 1, "the light's color is seen in shadows too")
-    if any(_is_seen(a) for a in parsed.attributes) and "film/saturation" in instances:
+    colored = any(a.color and not a.negated and a.kind in _SEEN for a in parsed.attributes)
+    if colored and "film/saturation" in instances:
         ends = _times(instances["film/saturation"].value, (1.0, _SATURATION))
         yield "film/saturation", (ends, 2, "the named colors are seen")
 
 
-def _is_seen(attribute: Attribute) -> bool:
-    """Whether a word names the color of a thing, of what is around it, or of the air."""
-    return bool(attribute.color) and not attribute.negated and attribute.kind in _SEEN
-
-
 def _exposures(exposure: Instance, sources: Sources) -> Range:
     """Some stops around the artist's, and as many as a picture that is all dark, or all light, lacks."""
-    (artist,), (now,) = exposure.value, sources.context.values.get(exposure.key, exposure.value)
+    (artist,), (now,) = exposure.value, sources.scene.values.get(exposure.key, exposure.value)
     lower, upper = artist - _STOPS, artist + _STOPS
-    if sources.context.picture and sources.context.picture.percentiles:
-        darkest, _, lightest = sources.context.picture.percentiles
-        lower = min(lower, now + min(_stops(darkest, _DARKEST, sources), 0.0))
-        upper = max(upper, now + max(_stops(lightest, _LIGHTEST, sources), 0.0))
+    if sources.scene.picture and sources.scene.picture.percentiles:
+        darkest, _, lightest = (radiance(v, sources.scene.view) for v in sources.scene.picture.percentiles)
+        dark, light = (radiance(v, sources.scene.view) for v in (_DARKEST, _LIGHTEST))
+        lower = min(lower, now + min(math.log2(dark / darkest), 0.0))
+        upper = max(upper, now + max(math.log2(light / lightest), 0.0))
     return (lower,), (upper,)
-
-
-def _stops(lightness: float, wanted: float, sources: Sources) -> float:
-    """From a gray of some L* to another."""
-    view = sources.context.view
-    return math.log2(radiance(wanted, view) / radiance(lightness, view))
 
 
 def _times(value: Values, multiples: tuple[float, float]) -> Range:
     low, high = multiples
     return tuple(v * low for v in value), tuple(v * high for v in value)
-
-
-def _is_of_all_light(attribute: Attribute) -> bool:
-    """Whether a word is about the light as a whole."""
-    return attribute.kind == "light" and not (attribute.negated or attribute.of_one_light)
 
 
 def _gel(attribute: Attribute) -> Values | None:
@@ -144,7 +127,7 @@ def _added_lights(
 ) -> dict[str, PlanEntry]:
     """A light that the words ask for has to show, whatever else they say of it."""
     why = "supports the words: they ask for a light that the scene lacks"
-    keys = (f"light/{name}/power" for name in sources.context.added_lights)
+    keys = (f"light/{name}/power" for name in sources.scene.added_lights)
     return {
         key: PlanEntry(*facing_white(instances[key], *_ADDED, sources), _LATE - 2, why, prior=0.0)
         for key in keys

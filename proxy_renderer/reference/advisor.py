@@ -7,31 +7,28 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
-from ..claims.wanted import claims_of
+from ..claims.from_goals import claims_of
 from ..goals.resolve import Goals
 from ..planning.advice import Advice, Advisor
-from ..planning.types import Plan, PlanContext, PlanEntry
-from ..prompt.lexicon.user_words import default_vocabulary
-from ..prompt.types import LightWords, Parsed, Prompts
+from ..planning.captions import Prompts
+from ..planning.types import Plan, PlanEntry
 from ..schema import Instance, VibeError
+from ..words.lexicon.user_words import default_vocabulary
+from ..words.types import LightDescription, Parsed, SceneDescription
 from . import light_probe, ranges
-from .light_colors import light_colors
 from .like import Reference
+from .ranges import light_colors
 
 _UNTOUCHED = "the picture does not speak of it: keeps the artist's value"
 
 
 class LikeAdvisor:
-    """Plans for a picture, and for the words beside it.
-
-    Args:
-        words: Plans for the words; None where there are none.
-    """
+    """Plans for a picture and, where there is an advisor for them, for words."""
 
     def __init__(self, reference: Reference, words: Advisor | None, keys: Collection[str]) -> None:
         self._reference, self._words, self._keys = reference, words, keys
 
-    def advise(self, display: Any, instances: Mapping[str, Instance], context: PlanContext) -> Advice:
+    def advise(self, display: Any, instances: Mapping[str, Instance], scene: SceneDescription) -> Advice:
         """As `Advisor.advise`: what words name is theirs, what the picture needs is its own.
 
         Raises:
@@ -39,7 +36,7 @@ class LikeAdvisor:
         """
         if self._words is None:  # beside words it is no goal, but where they start from
             self._reference.compare(display)
-        advice = self._words.advise(display, instances, context) if self._words else None
+        advice = self._words.advise(display, instances, scene) if self._words else None
         own = self._own(instances, advice)
         if advice is None:
             if not own:
@@ -50,17 +47,15 @@ class LikeAdvisor:
             plan = Plan({key: own.get(key) or _untouched(i) for key, i in instances.items()})
             advice = Advice(Goals(Parsed("")), Prompts("", "", ""), plan, source="the picture")
         else:
-            plan = Plan(
-                {key: own.get(key) or _alone(e) for key, e in advice.plan.items()} | _named(advice.plan)
-            )
-        notes = (*advice.plan.notes, self._found(), *ranges.kept(instances, own))
+            named = {key: entry for key, entry in advice.plan.items() if entry.is_named}
+            plan = Plan({key: own.get(key) or _alone(e) for key, e in advice.plan.items()} | named)
+        notes = (*advice.plan.notes, self._found(), *ranges.kept_values(instances, own))
         return replace(advice, plan=Plan(dict(plan), notes))
 
     def _own(self, instances: Mapping[str, Instance], advice: Advice | None) -> dict[str, PlanEntry]:
-        """What the picture lets change, by key."""
         reference = self._reference
         if reference.probe:
-            return light_probe.entries_of(reference.probe, instances, self._keys, reference.name)
+            return light_probe.probe_entries(reference.probe, instances, self._keys, reference.name)
         words = claims_of(advice.goals, default_vocabulary()) if advice else ()
         said = reference.of_any_scene(words)
         measures = {claim.measure for claim in said}
@@ -70,35 +65,25 @@ class LikeAdvisor:
     def _found(self) -> str:
         name, same = self._reference.name, self._reference.same
         if self._reference.probe:
-            return light_probe.told(self._reference.probe, name)
-        return (
-            f"{name} shows this very scene: it is compared place by place."
-            if same
-            else f"{name} shows something else: its look is taken over, not its content."
-        )
+            return light_probe.summary_of(self._reference.probe, name)
+        if same:
+            return f"{name} shows this very scene: it is compared place by place."
+        return f"{name} shows something else: its look is taken over, not its content."
 
 
-def beside(
-    reference: Reference | None, words: Advisor, has_words: bool, shots: int, lights: Mapping[str, LightWords]
+def advisor_with_picture(
+    reference: Reference | None,
+    words: Advisor,
+    has_words: bool,
+    shots: int,
+    lights: Mapping[str, LightDescription],
 ) -> Advisor:
-    """Who plans for words and a picture together.
-
-    Args:
-        reference: The picture; None for words alone.
-        words: Plans for the words.
-        has_words: Whether there are any, typed or as goals.
-        shots: How many there are: a picture shows one of several at most.
-    """
+    """The advisor for words (there are some where `has_words`) and a picture together; a picture shows one of several shots at most."""
     if reference is None:
         return words
     reference.same = False if shots > 1 else reference.same
     keys = [name for name, light in lights.items() if light.role == "key"]
     return LikeAdvisor(reference, words if has_words else None, keys)
-
-
-def _named(plan: Plan) -> dict[str, PlanEntry]:
-    """What words name, by key."""
-    return {key: entry for key, entry in plan.items() if entry.is_named}
 
 
 def _alone(entry: PlanEntry) -> PlanEntry:

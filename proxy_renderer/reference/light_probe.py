@@ -21,13 +21,11 @@ _SAME_COLOR = 0.03  # by which components of its color may be off
 
 @dataclass(frozen=True)
 class LightProbe:
-    """What a panorama says of light.
+    """The light of a panorama, if it were the world's.
 
     Attributes:
-        azimuth: Of the key, degrees as in `schema.orbit`, if the panorama were the world's; None if no part stands out.
-        elevation: Likewise.
-        key: Its color, linear, its greatest component 1.
-        around: Color of the rest, likewise.
+        azimuth, elevation: Of the key, degrees as in `schema.orbit`; None if no part stands out.
+        key, around: Colors of the key and of the rest, linear, the greatest component 1.
         ratio: Light of the key on a surface that faces it, in parts of what the rest gives.
     """
 
@@ -39,11 +37,7 @@ class LightProbe:
 
 
 def probe(linear: np.ndarray) -> LightProbe:
-    """Reads a panorama.
-
-    Args:
-        linear: (H, W, 3) linear, longitudes from left to right as Blender's environment textures have them.
-    """
+    """The light of a panorama (H, W, 3), linear, its longitudes as Blender's environment textures have them."""
     height, width = linear.shape[:2]
     up = np.pi / 2 - (np.arange(height) + 0.5) / height * np.pi
     turn = (0.5 - (np.arange(width) + 0.5) / width) * 2 * np.pi
@@ -64,15 +58,12 @@ def probe(linear: np.ndarray) -> LightProbe:
     return LightProbe(azimuth, elevation, key, around, float(np.linalg.norm(mean) / max(fill, 1e-12)))
 
 
-def entries_of(
+def probe_entries(
     found: LightProbe, instances: Mapping[str, Instance], keys: Collection[str], name: str
 ) -> dict[str, PlanEntry]:
     """The key light turned and colored as the panorama's, and the world colored as the rest; what is locked is left out.
 
     How bright either is stays as the artist has it.
-
-    Args:
-        instances: The scene's parameters by key.
     """
     wanted: dict[str, tuple[Values, float]] = {"world/color": (found.around, _SAME_COLOR)}
     wanted |= {f"light/{key}/color": (found.key, _SAME_COLOR) for key in keys}
@@ -91,7 +82,7 @@ def entries_of(
     return entries
 
 
-def told(found: LightProbe, name: str) -> str:
+def summary_of(found: LightProbe, name: str) -> str:
     """What is said of a panorama, in a sentence."""
     if found.azimuth is None or found.elevation is None:
         return f"In {name} light comes from all around: the key light keeps its direction."
@@ -102,5 +93,4 @@ def told(found: LightProbe, name: str) -> str:
 
 
 def _color(total: np.ndarray) -> Values:
-    """A color of light, its greatest component 1."""
     return tuple((total / max(float(total.max()), 1e-12)).tolist())

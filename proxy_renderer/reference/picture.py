@@ -11,7 +11,8 @@ import numpy as np
 from ..color.arrays import srgb_from_linear
 from ..inputs import check
 from ..schema import VibeError
-from .files import encoded, exr, radiance
+from .encoded_files import read_encoded
+from .linear_files import read_exr, read_radiance
 
 _SEAM = 2.5
 """How many times as much as neighbors the first and the last column of a panorama may differ."""
@@ -68,10 +69,10 @@ def _reader(path: Path):
     with path.open("rb") as file:
         head = file.read(10)
     if head.startswith(b"\x76\x2f\x31\x01"):
-        return exr.read
+        return read_exr
     if head.startswith((b"#?RADIANCE", b"#?RGBE")):
-        return radiance.read
-    return encoded.read
+        return read_radiance
+    return read_encoded
 
 
 def _wraps(display: np.ndarray) -> bool:

@@ -39,14 +39,17 @@ _EVEN, _LIGHTER, _OTHER = 2.5, 8.0, 15.0
 """A sky: L* per pixel that it may change by, how much lighter than the rest it is, and how far from the lower border's color."""
 
 
+Box = tuple[float, float, float, float]
+"""As `Claim.box`."""
+
+
 @dataclass(frozen=True)
-class Told:
-    """A flat picture with what can be told of its regions.
+class PictureRegions:
+    """A flat picture, ready to be measured, with its regions.
 
     Attributes:
-        picture: Ready to be measured.
-        subject: Whether a subject can be told.
-        sky: Whether a sky can be told.
+        subject: Whether a subject is found.
+        sky: Whether a sky is found.
         counts: (H, W) bool, the pixels that are seen: not those that are transparent.
     """
 
@@ -55,24 +58,17 @@ class Told:
     sky: bool
     counts: Tensor
 
-    def region(self, part: Part, box: tuple[float, float, float, float] | None = None) -> Tensor | None:
-        """The pixels (H, W) bool of a part that are seen; None where they are few.
-
-        Args:
-            box: As in `Claim.box`.
-        """
+    def region(self, part: Part, box: Box | None = None) -> Tensor | None:
+        """The pixels (H, W) bool of a part, or of a box in it, that are seen; None where they are few."""
         where = Claim("", part, "mean", part, (), (), box=box).region(self.picture.seen)
         where = None if where is None else where & self.counts
         return where if where is not None and where.sum() >= _FEW else None
 
 
-def tell(display: np.ndarray, alpha: np.ndarray | None = None) -> Told:
-    """Tells the regions of a picture.
+def regions_of(display: np.ndarray, alpha: np.ndarray | None = None) -> PictureRegions:
+    """The regions of a picture (H, W, 3), sRGB-encoded in [0, 1], whose pixels count as `alpha` (H, W) says.
 
-    Args:
-        display: (H, W, 3) float32, sRGB-encoded in [0, 1].
-        alpha: (H, W) in [0, 1], how much each pixel counts; None if all do. Of a cutout no subject is told: what was around it
-            is not known.
+    A cutout has no subject: what was around it is not known.
     """
     seen = np.ones(display.shape[:2], bool) if alpha is None else alpha > _TRANSPARENT
     planes = torch.from_numpy(_filled(display, seen)).permute(2, 0, 1)[None]
@@ -86,7 +82,7 @@ def tell(display: np.ndarray, alpha: np.ndarray | None = None) -> Told:
     masks = (_upsized(mask, (shape[0], shape[1])) for mask in (subject, sky))
     picture = MeasuredPicture(shown[0].permute(1, 2, 0).contiguous(), _flat(*masks))
     counts = _resized(torch.from_numpy(seen.astype(np.float32))[None, None], SIZE)[0, 0] > 0.5
-    return Told(picture, bool(subject.any()), bool(sky.any()), counts)
+    return PictureRegions(picture, bool(subject.any()), bool(sky.any()), counts)
 
 
 def _filled(display: np.ndarray, seen: np.ndarray) -> np.ndarray:

@@ -17,36 +17,25 @@ from .surface.view_cache import ViewCache
 
 @dataclass(frozen=True)
 class GBuffer:
-    """What the camera sees.
+    """Surfaces that the camera sees."""
 
-    Attributes:
-        subject: (H, W) share of each pixel that the subject covers.
-        material: (H, W) int64, number of the material in the pixel's middle; -1 for the world.
-        materials: Names of the materials by number.
-        normal: (H, W, 3) unit normals in the camera's space: x to the right, y up, z towards it; zero for the world.
-        transmittance: (H, W) share of light that fog lets through from what is seen.
-        pattern: (H, W) luminance of textured base colors relative to their material's mean; 1 where none is linked.
-        surrounding: Names of the materials of the surroundings, which the subject may wear too: words for it do not paint them.
-    """
-
-    subject: Tensor
-    material: Tensor
-    materials: tuple[str, ...]
+    subject: Tensor  # (H, W) share of each pixel that the subject covers
+    material: Tensor  # (H, W) int64, number of the material in the pixel's middle; -1 for the world
+    materials: tuple[str, ...]  # names of the materials by number
+    # (H, W, 3) unit normals in the camera's space: x to the right, y up, z towards it; zero for the world
     normal: Tensor
-    transmittance: Tensor
+    transmittance: Tensor  # (H, W) share of light that fog lets through from what is seen
+    # (H, W) luminance of textured base colors relative to their material's mean; 1 where none is linked
     pattern: Tensor
+    # names of the materials of the surroundings, which the subject may wear too: words for it do not paint
+    # them
     surrounding: tuple[str, ...] = ()
 
 
 def gbuffer_of(
     scene: SceneData, geometry: RayGeometry, view: View, cache: ViewCache, transmittance: Tensor
 ) -> GBuffer:
-    """The G-buffer of a traced view.
-
-    Args:
-        cache: What was traced for it.
-        transmittance: (H, W) of the fog before what is seen.
-    """
+    """The G-buffer of a traced view, with the transmittance (H, W) of the fog before what is seen."""
     hits, shape = cache.samples.center_hits, cache.depth.shape
     with torch.no_grad():
         still = view.detached()

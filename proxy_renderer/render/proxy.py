@@ -12,73 +12,62 @@ from torch import Tensor
 from ..scene import SceneData
 from ..scene.values import RenderValues
 from ..schema import FAMILIES, VibeError
-from .cycles.correction import Correction
-from .cycles.pictures import CyclesPicture
-from .film.film import Film
+from .cycles import Correction, CyclesPicture
+from .film import Film
 from .gbuffer import GBuffer, gbuffer_of
 from .geometry.camera import View, view_of
 from .lights.emitters import Emitters
 from .lights.environment import Environment, sky_of
-from .lights.types import light_sources
-from .lights.types.light_source import LightSource
+from .lights.light_source import LightSource
+from .lights.light_types import light_sources
 from .material.shading_inputs import ShadingInputs, shading_inputs_of
 from .material.textures import geometry_of
 from .surface import surfaces
-from .surface.frame import RenderState, glass_transmittance, mirror_weight, sharp
-from .surface.surfaces import direct_lights_of, table_of
+from .surface.surfaces import (
+    RenderState,
+    direct_lights_of,
+    glass_transmittance,
+    mirror_weight,
+    sharp,
+    table_of,
+)
 from .surface.view_cache import ViewCache
-from .transport.fog import FogMedium
+from .transport.fog import DIRECTIONS, FogMedium, SingleScattering
 from .transport.indirect import IndirectLight
 from .transport.radiance_table import RadianceTable
-from .transport.volume import DIRECTIONS, SingleScattering
 
 _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")
 
 
 @dataclass(frozen=True, kw_only=True)
 class LatentImage:
-    """What the film has received, before it is developed.
+    """Light on the film, before it is developed."""
 
-    Attributes:
-        linear: (H, W, 3) scene-linear Rec.709 before grade and view transform.
-        alpha: (H, W) coverage where the film is transparent, else None; `linear` is multiplied with it.
-        mask: (H, W) share of each pixel that the subject covers.
-        depth: (H, W) distance along the rays in meters; infinite where nothing is hit.
-        transmittance: (H, W) share of light that fog lets through from what is seen.
-    """
-
-    linear: Tensor
-    mask: Tensor
-    depth: Tensor
-    transmittance: Tensor
+    linear: Tensor  # (H, W, 3) scene-linear Rec.709 before grade and view transform
+    mask: Tensor  # (H, W) share of each pixel that the subject covers
+    depth: Tensor  # (H, W) distance along the rays in meters; infinite where nothing is hit
+    transmittance: Tensor  # (H, W) share of light that fog lets through from what is seen
+    # (H, W) coverage where the film is transparent, else None; `linear` is multiplied with it
     alpha: Tensor | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Render(LatentImage):
-    """One picture.
+    """One picture."""
 
-    Attributes:
-        display: (H, W, 3) as shown, sRGB-encoded in [0, 1]; on black where the film is transparent.
-    """
-
-    display: Tensor
+    display: Tensor  # (H, W, 3) as shown, sRGB-encoded in [0, 1]; on black where the film is transparent
 
 
 class Proxy:
-    """Renders one scene at one size, again and again.
+    """Renders one scene at one size (width, height), again and again.
 
-    Rays are traced only when the camera, or a lamp, has moved since the last render.
+    Geometry is traced, on the CPU, only when the camera, or a lamp, has moved since the last render.
+    `correction` is that of renders by a Cycles picture, see `anchor`; None for the plain proxy.
 
     Args:
-        size: Width and height in pixels.
-        device: Where to compute; rays are traced on the CPU.
         seed: For the jitter of shadow and bounce rays.
         fine: Whether reflections in smooth surfaces are antialiased, by the values that a camera is first
             rendered with. For pictures to look at; loops do without.
-
-    Attributes:
-        correction: Of renders by a Cycles picture, see `anchor`; None for the plain proxy.
     """
 
     def __init__(
@@ -96,60 +85,44 @@ class Proxy:
         self._undeveloped: tuple[LatentImage, Mapping[str, Tensor], Correction | None] | None = None
 
     def render(self, values: Mapping[str, Tensor]) -> Render:
-        """Renders the scene.
-
-        Args:
-            values: Parameters by key, each (C,); missing ones take the scene's value. The pictures are
-                differentiable in every one of them.
-        """
-        lit = {key: value for key, value in values.items() if key not in _FILM_KEYS}
-        latent = self._same_light(lit)
-        if latent is None:
-            latent = self.expose(values)
-            if not torch.is_grad_enabled():
-                self._undeveloped = latent, lit, self.correction
+        """Renders the scene, differentiable in all values (C,) by key; missing ones take the scene's."""
+        if torch.is_grad_enabled():
+            return self.develop(self.expose(values), values)
+        # The last latent image is developed again if only values of the film differ.
+        scene_values = {key: value for key, value in values.items() if key not in _FILM_KEYS}
+        if self._undeveloped is not None:
+            latent, earlier, correction = self._undeveloped
+            alike = scene_values.keys() == earlier.keys() and correction is self.correction
+            if alike and all(torch.equal(v, earlier[k]) for k, v in scene_values.items()):
+                return self.develop(latent, values)
+        latent = self.expose(values)
+        self._undeveloped = latent, scene_values, self.correction
         return self.develop(latent, values)
 
-    def _same_light(self, lit: Mapping[str, Tensor]) -> LatentImage | None:
-        """The last picture without gradients, undeveloped, if it had the very values (by key) that come before the film."""
-        if self._undeveloped is None or torch.is_grad_enabled():
-            return None
-        latent, earlier, correction = self._undeveloped
-        alike = lit.keys() == earlier.keys() and correction is self.correction
-        return latent if alike and all(torch.equal(v, earlier[k]) for k, v in lit.items()) else None
-
     def traced(self, values: Mapping[str, Tensor]) -> ViewCache:
-        """What rays find at these values; for `expose`, which takes it, or what is `aside` of it, for values nearby."""
-        return self._frame(values)[0].cache
+        """The hits of rays at these values; for `expose`, which takes it, or its copy by `aside`, for values nearby."""
+        return self._frame(values).cache
 
     def develop(self, latent: LatentImage, values: Mapping[str, Tensor]) -> Render:
-        """Grade and view transform.
-
-        Args:
-            latent: From `expose`.
-            values: As for `render`; those of the film count.
-        """
+        """Grade and view transform of what `expose` returned; only values of the film count."""
         settings = RenderValues(self.scene, values, self.device)
         film = {key: settings.color(key) for key in _FILM_KEYS if settings.has(key)}
         display = self.film.develop(latent.linear, film, latent.alpha)
         return Render(display=display, **vars(latent))
 
     def expose(self, values: Mapping[str, Tensor], cache: ViewCache | None = None) -> LatentImage:
-        """Renders the scene, up to the film.
+        """Renders the scene, up to the film, whose values do not count.
 
-        Args:
-            values: As for `render`; those of the film do not count.
-            cache: What rays have found, where they are not to be traced again but for a lamp that has moved: mirrors and
-                glasses then stay what they were, as they do for gradients.
+        With a `cache`, nothing is traced again except for a lamp that has moved: mirrors and glasses then stay what they
+        were, as they do for gradients.
         """
-        frame, _ = self._frame(values, cache)
+        frame = self._frame(values, cache)
         radiance, passing = self._light(frame)
+        # A correction of another camera is looked up by sample, so that outlines stay smooth.
         fits = self.correction is not None and self.correction.fits(frame.view)
         if self.correction and not fits:
-            current = frame.owners, frame.view, frame.cache
-            corrected = self.correction.samples(
-                radiance[:3], *current, lambda: self._before(values, frame.cache)
-            )
+            current = frame.owners, frame.view, frame.cache, lambda: self._before(values, frame.cache)
+            corrected = self.correction.samples(radiance[:3], *current)
             radiance = torch.cat((corrected, radiance[3:]))
         picture, mask = _resolve(frame, radiance)
         if self.correction and fits:
@@ -160,34 +133,23 @@ class Proxy:
         return LatentImage(linear=linear, mask=mask, depth=frame.cache.depth, transmittance=seen, alpha=alpha)
 
     def gbuffer(self, values: Mapping[str, Tensor]) -> GBuffer:
-        """What the camera sees, and through how much fog.
-
-        Args:
-            values: As for `render`.
-        """
+        """The G-buffer at these values: what the camera sees, and through how much fog."""
         with torch.no_grad():
-            frame, _ = self._frame(values)
+            frame = self._frame(values)
             clear = _transmittance(frame, self._through_fog(frame)[1] if frame.fog.active else None)
             return gbuffer_of(self.scene, self.geometry, frame.view, frame.cache, clear)
 
     def anchor(self, values: Mapping[str, Tensor], picture: CyclesPicture) -> Correction:
-        """Corrects all renders from now on by what Cycles makes of these values.
+        """Corrects all renders from now on by Cycles' picture of these values, which has the proxy's size.
 
-        A proxy of another size can be given the correction as well.
-
-        Args:
-            values: As for `render`.
-            picture: Cycles' picture of them, of the proxy's size.
-
-        Raises:
-            VibeError: The picture has another size.
+        A proxy of another size can be given the correction as well. Raises VibeError if the picture has another size.
         """
         if picture.size != self.size:
             raise VibeError(
                 f"Cycles' picture has {picture.size} pixels instead of {self.size}.", "Ask for that size."
             )
         with torch.no_grad():
-            frame, _ = self._frame(values)
+            frame = self._frame(values)
             whole, colors = self._picture(frame), frame.owners
             emission = self._picture(frame.only(""))
             parts = {owner: self._picture(frame.only(owner)) - emission for owner in colors}
@@ -197,13 +159,11 @@ class Proxy:
     def _before(self, values: Mapping[str, Tensor], cache: ViewCache) -> Tensor:
         """Radiance (3, N) of the anchor's values at the samples of the current camera."""
         assert self.correction is not None
-        lit = {k: v for k, v in self.correction.values.items() if not k.startswith("camera/")}
+        others = {k: v for k, v in self.correction.values.items() if not k.startswith("camera/")}
         camera = {k: v.detach() for k, v in values.items() if k.startswith("camera/")}
-        return self._light(self._frame({**lit, **camera}, cache)[0])[0][:3]
+        return self._light(self._frame({**others, **camera}, cache))[0][:3]
 
-    def _frame(
-        self, values: Mapping[str, Tensor], cache: ViewCache | None = None
-    ) -> tuple[RenderState, RenderValues]:
+    def _frame(self, values: Mapping[str, Tensor], cache: ViewCache | None = None) -> RenderState:
         """The state of a render at these values; with the samples of another render, if given."""
         settings = RenderValues(self.scene, values, self.device)
         view = view_of(self.scene, settings, self.size)
@@ -213,7 +173,7 @@ class Proxy:
         sky = sky_of(self.environment, settings)
         lamps = [*light_sources(self.scene, settings), *sky.lamps, *self.emitters.lamps(shading_inputs)]
         cache = cache or self._cache_of(view, shading_inputs, lamps)
-        frame = RenderState(
+        return RenderState(
             view=view,
             cache=cache,
             view_samples=cache.view_samples(view),
@@ -222,10 +182,9 @@ class Proxy:
             shading_inputs=shading_inputs,
             fog=FogMedium(self.scene, settings),
         )
-        return frame, settings
 
     def _notice(self, shading_inputs: list[ShadingInputs]) -> None:
-        """Forgets what was traced if a glass has changed, or a surface has begun to glow."""
+        """Forgets what was traced if a glass has changed, or a surface glows for the first time."""
         if self.geometry.let_through(torch.stack([glass_transmittance(p) for p in shading_inputs])):
             self._cache, self.volume = None, SingleScattering(self.geometry.clear)
         if self.emitters.notice(shading_inputs):
@@ -234,7 +193,7 @@ class Proxy:
     def _cache_of(
         self, view: View, shading_inputs: list[ShadingInputs], lamps: list[LightSource]
     ) -> ViewCache:
-        """What is traced for a view; again if it has changed or a light of a cluster begins to move, or a mirror has."""
+        """The traced view; traced again if the view or a mirror has changed, or a light of a cluster begins to move."""
         metals = torch.stack([mirror_weight(p) for p in shading_inputs])
         kept = self._cache
         if kept is not None and kept.signature == view.signature() and kept.clusters.hold(lamps):
@@ -260,8 +219,9 @@ class Proxy:
         if not frame.fog.active:
             return radiance, None
         light, passing = self._through_fog(frame)
-        lit = radiance[:3] * passing + light
-        veiled = lit if len(radiance) == 3 else torch.cat((lit, 1 - passing * (1 - radiance[3:])))
+        veiled = radiance[:3] * passing + light
+        if len(radiance) > 3:
+            veiled = torch.cat((veiled, 1 - passing * (1 - radiance[3:])))
         return veiled, passing
 
     @property

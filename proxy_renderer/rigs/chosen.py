@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which rig the words of a prompt ask for: one setup, what other words add to it, and how modifiers change its lights."""
+"""The rig that a prompt asks for: a setup, changed by the other words."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..color.floats import chroma, lab_from_srgb
+from ..color.floats import chroma, hex_from_srgb, lab_from_srgb, mixed, srgb_from_hex
 from ..goals.resolve import Goals
-from ..prompt.lexicon.rigs import KINDS, TIMES, Modifier, Rig, RigLight, RigTable
-from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.mentions.passage import LIGHTS
-from ..prompt.types import Attribute
+from ..words.lexicon.rigs import KINDS, TIMES, Modifier, Rig, RigLight, RigTable
+from ..words.lexicon.vocabulary import Vocabulary
+from ..words.passage import LIGHTS
+from ..words.types import Attribute
 from .described import (
     EDGES,
     FILLS,
@@ -24,7 +24,91 @@ from .described import (
     source_of,
     tint_of,
 )
-from .mixed import at_an_hour, deepened, in_a_mood, in_a_style, with_source
+
+_SECOND = -1.0  # stops of another setup's key against the first one's
+_DIMMED = 0.6  # stops that an hour may darken a setup of another kind
+_MOOD, _MOST = 0.6, 0.8
+"""How much of a mood's sky, fill and exposure an hour takes on, and by how many stops at most."""
+
+
+def with_source(rig: Rig, other: Rig) -> Rig:
+    """A setup with the key of another one as a second light, on the side where the first key is not."""
+    if not other.lights or not rig.lights:
+        return rig
+    first, key = rig.lights[0], other.lights[0]
+    if (first.color, first.kelvin) == (key.color, key.kelvin):
+        return rig
+    azimuth = -key.azimuth if first.azimuth * key.azimuth > 0 else key.azimuth
+    rest = tuple(light for light in rig.lights if light.part != "accent")
+    return replace(rig, lights=(*rest, replace(key, part="accent", stops=_SECOND, azimuth=azimuth)))
+
+
+def at_an_hour(rig: Rig, hour: Rig) -> Rig:
+    """A setup under the sky of an hour or a weather, which may darken it a little; of several skies under the darkest."""
+    if rig.under_sky and rig.sky is not None and (hour.sky is None or hour.sky > rig.sky):
+        return rig
+    return replace(
+        rig,
+        under_sky=True,
+        sky=rig.sky if hour.sky is None else hour.sky,
+        sky_color=hour.sky_color or rig.sky_color,
+        world_color=hour.world_color or rig.world_color,
+        exposure=min(rig.exposure, max(hour.exposure, rig.exposure - _DIMMED)),
+    )
+
+
+def in_a_style(rig: Rig, style: Rig) -> Rig:
+    """A setup as dark as a style has its shadows and its background."""
+    darker = {
+        name: theirs if mine is None else min(mine, theirs)
+        for name in ("world", "sky")
+        if (theirs := getattr(style, name)) is not None
+        for mine in (getattr(rig, name),)
+    }
+    return replace(rig, **darker, exposure=min(rig.exposure, max(style.exposure, rig.exposure - _DIMMED)))
+
+
+def in_a_mood(rig: Rig, mood: Rig) -> Rig:
+    """An hour, a weather or a place with the sky, the fill, the air and the colored edges of a mood: "gloomy noon"."""
+    parts = {light.part for light in rig.lights}
+    edges = tuple(light for light in mood.lights if light.color and light.part in EDGES)
+    return replace(
+        rig,
+        world=_mixed(rig.world, mood.world),
+        world_color=_mixed_color(rig.world_color, mood.world_color),
+        sky=_mixed(rig.sky, mood.sky),
+        sky_color=_mixed_color(rig.sky_color or rig.world_color, mood.sky_color or mood.world_color),
+        air=max((air for air in (rig.air, mood.air) if air is not None), default=None),
+        exposure=_mixed(rig.exposure, mood.exposure) or 0.0,
+        grade=(*rig.grade, *mood.grade),
+        lights=(*rig.lights, *(light for light in edges if light.part not in parts)),
+    )
+
+
+def _mixed(mine: float | None, theirs: float | None) -> float | None:
+    if mine is None or theirs is None:
+        return mine if theirs is None else theirs
+    return mine + max(-_MOST, min(_MOOD * (theirs - mine), _MOST))
+
+
+def _mixed_color(mine: str, theirs: str) -> str:
+    if not (mine and theirs):
+        return mine or theirs
+    return hex_from_srgb(mixed(srgb_from_hex(mine), srgb_from_hex(theirs), _MOOD))
+
+
+def deepened(rig: Rig, modifier: Modifier, strength: float) -> Rig:
+    """A rig with a modifier's contrast and exposure."""
+    deeper = modifier.contrast * strength
+    lights = tuple(
+        light
+        if light.part in ("key", *EDGES) or light.reach == "background"
+        else replace(light, stops=light.stops + deeper)
+        for light in rig.lights
+    )
+    world = None if rig.world is None else min(rig.world + deeper, 0.5)
+    return replace(rig, lights=lights, world=world, exposure=rig.exposure + modifier.exposure * strength)
+
 
 _LIT = (*LIGHTS, "ambience")
 """Kinds of things whose colors are gels where a rig stands."""
@@ -64,14 +148,7 @@ class ChosenRig:
 
 
 def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary) -> ChosenRig | None:
-    """The rig that a prompt asks for.
-
-    Args:
-        goals: What the words wish for; moods that gave way ask for no light.
-
-    Returns:
-        None where no word stands for a setup: then each word acts on the lights that are there.
-    """
+    """The rig that a prompt asks for; None where no word stands for a setup, and each acts on the lights that are there."""
     # words that tell glowing things apart by their names act on these alone
     attributes = goals.parsed.attributes
     apart = len({a.lights for a in attributes if a.of_glows}) > 1
@@ -98,10 +175,8 @@ def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary) -> ChosenR
     for gel in gels:
         build.color(gel, _PARTS.get(gel.role, ()))
     moods = (a for a in said if a.cause and a.slot == "lighting" and not a.owners)
-    rig = replace(
-        build.rig,
-        exposure=min(max(build.rig.exposure, min(_EXPOSURES[0], build.first.exposure)), _EXPOSURES[1]),
-    )
+    least = min(_EXPOSURES[0], build.first.exposure)
+    rig = replace(build.rig, exposure=min(max(build.rig.exposure, least), _EXPOSURES[1]))
     return ChosenRig(rig, build.words, (*build.served, *(a for a in moods if a not in build.served)))
 
 
@@ -145,12 +220,9 @@ class _Build:
             self.rig = at_an_hour(self.rig, other)
         elif not attribute.cause and other.kind == "style" and self.first.kind == "source":
             self.rig = in_a_style(self.rig, other)
-        elif (
-            not (attribute.cause or self._in_a_mood)
-            and other.kind == "mood"
-            and self.first.kind in (*TIMES, "place")
-        ):
-            self.rig, self._in_a_mood = in_a_mood(self.rig, other), True
+        elif not attribute.cause and other.kind == "mood" and self.first.kind in (*TIMES, "place"):
+            self.rig = self.rig if self._in_a_mood else in_a_mood(self.rig, other)
+            self._in_a_mood = True
 
     def describe(self, lights: Sequence[DescribedLight]) -> None:
         """Gives the rig the lights that words describe one by one; beside several, a source has no others of its own."""
@@ -260,29 +332,18 @@ class _Build:
 
 def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
     """The words that stand for setups, the one that counts first; "backlit" only changes another setup."""
-    every = sorted((a for a in said if _is_setup(a, table)), key=lambda a: _rank(a, table))
+    every = [
+        a for a in said if a.entry in table.rigs and not (table.rigs[a.entry].adds or a.negated or a.color)
+    ]
+    # what is said before what a mood stands for; of that by the rig's kind
+    every.sort(key=lambda a: (bool(a.cause), KINDS.index(table.rigs[a.entry].kind)))
     return [a for a in every if a.entry not in table.modifiers] or every[:1]
 
 
-def _is_setup(attribute: Attribute, table: RigTable) -> bool:
-    rig = table.rigs.get(attribute.entry)
-    return rig is not None and not rig.adds and not attribute.negated and not attribute.color
-
-
 def _turns_a_light(attribute: Attribute, table: RigTable) -> bool:
-    """Whether a word says where light comes from."""
     modifier = table.modifier(attribute.entry)
-    said = (
-        modifier is not None
-        and "direction" in modifier.aspects
-        and not (attribute.negated or attribute.cause)
-    )
-    return said and attribute.kind in _OF_LIGHT
-
-
-def _rank(attribute: Attribute, table: RigTable) -> tuple[bool, int]:
-    """What is said before what a mood stands for; of that by the rig's kind."""
-    return bool(attribute.cause), KINDS.index(table.rigs[attribute.entry].kind)
+    turns = modifier is not None and "direction" in modifier.aspects
+    return turns and attribute.kind in _OF_LIGHT and not (attribute.negated or attribute.cause)
 
 
 def _gels(said: Sequence[Attribute], setups: Sequence[Attribute], table: RigTable) -> list[Attribute]:
@@ -304,7 +365,6 @@ def _darkens_the_rest(attribute: Attribute, said: Sequence[Attribute], vocabular
     if attribute.color is not None:
         lab = lab_from_srgb(attribute.color)
         return lab[0] < _DARK and chroma(lab) < _HUED
-    colored = any(
-        a.color and a.thing == attribute.thing for a in said
-    )  # "darken the backdrop to a dusty teal"
+    # "darken the backdrop to a dusty teal" leaves nothing black
+    colored = any(a.color and a.thing == attribute.thing for a in said)
     return attribute.entry in _DARK_WORDS and not colored

@@ -8,10 +8,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..color.floats import hex_from_srgb, lab_from_srgb, mixed
-from ..prompt.lexicon.rigs import Modifier, RigLight, RigTable
-from ..prompt.lexicon.vocabulary import Vocabulary
-from ..prompt.mentions.passage import LIGHTS
-from ..prompt.types import Attribute
+from ..words.lexicon.rigs import Modifier, RigLight, RigTable
+from ..words.lexicon.vocabulary import Vocabulary
+from ..words.passage import LIGHTS
+from ..words.types import Attribute
 
 EDGES = ("rim", "kicker")
 """Parts that draw an edge from behind."""
@@ -35,13 +35,7 @@ _WIDEST = {"SUN": 45.0, "AREA": 5.0, "SPOT": 1.0, "POINT": 0.6}
 
 @dataclass(frozen=True)
 class DescribedLight:
-    """A light that the words of a prompt describe.
-
-    Attributes:
-        part: That it plays in the rig.
-        said: Its words.
-        own: The light of the scene that they name; "" where they name none.
-    """
+    """A light that words describe: its part in the rig, the words, and the light of the scene that they name, or ""."""
 
     part: str
     said: tuple[Attribute, ...]
@@ -60,7 +54,7 @@ def described(said: Iterable[Attribute], table: RigTable) -> list[DescribedLight
     groups = _merged(groups, table)
     groups = {n: words for n, words in groups.items() if _tells(words, table, len(groups))}
     for words in groups.values():
-        for own in _own_lights(words):
+        for own in dict.fromkeys(name for a in words for name in a.lights) or {"": None}:
             taken = {each.part for each in found}
             free = (p for p in _parts_for(words, table, len(groups)) if p not in taken)
             if part := next(free, ""):
@@ -83,12 +77,6 @@ def _merged(groups: Mapping[int, list[Attribute]], table: RigTable) -> dict[int,
 def is_dark(attribute: Attribute) -> bool:
     """Whether a word is a color that no light can have: "black"."""
     return attribute.color is not None and lab_from_srgb(attribute.color)[0] < _DARKEST
-
-
-def _own_lights(words: Iterable[Attribute]) -> tuple[str, ...]:
-    """The lights of the scene that words single out by name; one without a name where they single out none."""
-    names = dict.fromkeys(name for a in words for name in a.lights)
-    return tuple(names) or ("",)
 
 
 def _with_a_key(lights: list[DescribedLight]) -> list[DescribedLight]:
@@ -131,12 +119,7 @@ def composed(
     table: RigTable,
     vocabulary: Vocabulary,
 ) -> RigLight:
-    """A light of a rig as words describe it.
-
-    Args:
-        base: The rig's light of that part; None if it has none.
-        key: The rig's key; None if it has none.
-    """
+    """A light of a rig as words describe it; `base` is the rig's own light of that part, and `key` its key."""
     made = _placed(_template(light, base, key, table), light, table)
     for attribute in light.said:
         modifier = table.modifier(attribute.entry)
@@ -245,8 +228,7 @@ def _brighter(said: Iterable[Attribute], table: RigTable, vocabulary: Vocabulary
     entries: dict[str, None] = {}
     for attribute in said:
         rows = [vocabulary.adjectives.get(word, {}) for word in attribute.word.split()]
-        entries |= dict.fromkeys(
-            [attribute.entry, *(row.get("lamp") or row.get("light", "") for row in rows)]
-        )
+        lamps = (row.get("lamp") or row.get("light", "") for row in rows)
+        entries |= dict.fromkeys([attribute.entry, *lamps])
     stops = [m.exposure for entry in entries if (m := table.modifier(entry))]
     return min([0.0, *stops]) or max([0.0, *stops])

@@ -1,10 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How bright the lights of a rig are: light adds up, so what each gives to surfaces, looked up once by rays, gives its power.
-
-Ratios are in stops of irradiance against the key on the subject's lit side. The key itself follows from the exposure that the rig
-wants, from the artist's own view and exposure, which stay, and in part from how light the subject is: a black car stays darker than
-a white one. Where that would bleach what the camera sees, all lights are weaker; a lesser light that alone bleaches it is.
-"""
+"""How strong the lights of a rig are, so that the scene is exposed and lit in its ratios."""
 
 from __future__ import annotations
 
@@ -15,17 +10,63 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from ..color import tensors
+from ..color.constants import LUMINANCE_WEIGHTS
 from ..color.tensors import luminance
-from ..prompt.lexicon.rigs import Rig
+from ..color.view_transform import ViewTransform
 from ..render.geometry.visibility import sphere_points
-from ..render.lights.types import light_sources
-from ..render.lights.types.light_source import LightSource
+from ..render.lights.light_source import LightSource
+from ..render.lights.light_types import light_sources
 from ..scene import SceneData
 from ..scene.values import RenderValues
 from ..schema import Values
-from .exposing import Exposing
+from ..words.lexicon.rigs import Rig
 from .places import Placed
 from .stage import LightStage, Points
+
+WHITE = 0.8  # the most luminance, on the display, that a surface is lit to
+_STEPS, _STEP = 48, 0.7  # of the search for the light of a color
+_LEAST_CHANNEL, _MOST_CHANNEL = 1e-4, 0.97  # of a channel on the display
+_PUREST = 0.08  # least channel of a light, of its greatest: no view shows purer colors
+_BRIGHTEST = 16.0
+_PALER, _NEAR = (0.0, 0.12, 0.24, 0.36, 0.48, 0.6), 0.03
+"""How far a color goes towards gray until a view can show it, and how near is near enough."""
+
+
+class Exposing:
+    """How much light the camera of a scene needs."""
+
+    def __init__(self, scene: SceneData) -> None:
+        film = scene.film
+        self._view = ViewTransform(film.ocio, film.display, film.view, film.look)
+        self._stops = sum(scene.value(key)[0] for key in ("film/exposure", "film/grade_exposure"))
+
+    def gray(self, luminance: float) -> float:
+        """Scene-linear radiance of a gray that is displayed with a luminance; `WHITE` at most."""
+        return self.color((min(luminance, WHITE),) * 3)[0]
+
+    def color(self, displayed: Sequence[float]) -> Values:
+        """Scene-linear light that is displayed as a linear color, or as a paler one of that hue where the view shows none so pure."""
+        wanted = torch.tensor(displayed, dtype=torch.float32).clamp(_LEAST_CHANNEL, _MOST_CHANNEL)
+        gray = wanted @ wanted.new_tensor(LUMINANCE_WEIGHTS)
+        for paler in _PALER:
+            aim = torch.lerp(wanted, gray, paler)
+            light, miss = self._light_of(aim)
+            if miss < _NEAR:
+                break
+        return tuple(v * 2.0**-self._stops for v in light.tolist())
+
+    def _light_of(self, wanted: Tensor) -> tuple[Tensor, float]:
+        """Light (3,) that comes near a displayed color (3,), and how far its display is from it."""
+        light = shown = wanted
+        for _ in range(_STEPS):
+            shown = tensors.linear_from_srgb(self._view(light).clamp(0.0, 1.0))
+            light = (light * ((wanted + _LEAST_CHANNEL) / (shown + _LEAST_CHANNEL)) ** _STEP).clamp_max(
+                _BRIGHTEST
+            )
+            light = torch.maximum(light, _PUREST * light.max())
+        return light, float((shown - wanted).abs().max())
+
 
 GRAY = 0.18
 _LIT = 0.5  # share of the subject that counts as its lit side
@@ -70,30 +111,29 @@ def measured(
     rig: Rig,
     ambient: float,
 ) -> Levels:
-    """The levels of a rig.
+    """The levels of a rig whose lights have trial values with a power.
 
-    Args:
-        values: Trial values by key, with a power for each of the lights.
-        ambient: Radiance of the scene's own world, for rigs that leave the scene lit as it is.
+    The radiance of the scene's own world, `ambient`, counts for rigs that leave the scene lit as it is.
     """
     given = {key: torch.tensor(value) for key, value in values.items()}
     lamps = {lamp.light.name: lamp for lamp in light_sources(scene, RenderValues(scene, given, "cpu"))}
     sheds = {
-        each.name: tuple(_shed(lamps[each.name], stage, p) for p in (stage.subject, stage.around))
-        for each in lights
+        x.name: tuple(_shed(lamps[x.name], stage, p) for p in (stage.subject, stage.around)) for x in lights
     }
     exposing = Exposing(scene)
-    albedo = min(
-        max(float(stage.subject.albedo.mean()) if len(stage.subject) else GRAY, _ALBEDOS[0]), _ALBEDOS[1]
-    )
+    # the key, by the exposure that the rig wants and the subject's own lightness
+    albedo = float(stage.subject.albedo.mean()) if len(stage.subject) else GRAY
+    albedo = min(max(albedo, _ALBEDOS[0]), _ALBEDOS[1])
     kept = _KEPT_LIGHT if albedo > GRAY else _KEPT_DARK
     lit = exposing.gray(GRAY * 2.0**rig.exposure * (albedo / GRAY) ** kept)
     bounce = _bounce(stage, sheds[lights[0].name]) if lights else 0.0
     key = math.pi * lit / albedo / (_together(rig, lights) + bounce)
     white = exposing.gray(_WHITE * 2.0 ** (_FOLLOWS * rig.exposure))
+    sky = sky_irradiance(stage)
     if rig.keeps_own_light:
-        own = _own_level(scene, stage, {each.name for each in lights}) + ambient * sky_irradiance(stage)
+        own = _own_level(scene, stage, {each.name for each in lights}) + ambient * sky
         key = own if own > _BARELY else key
+    # the other lights, by their ratios to the key
     factors = {}
     for each in lights:
         subject, around = sheds[each.name]
@@ -104,19 +144,17 @@ def measured(
             factor *= min(_EDGE_SHARE * level / max(float(subject.mean()), _BARELY), 1.0)
         spot = 0.0 if each.light.part == "key" else _hot_spot(stage.around, factor * around)
         factors[each.name] = factor * min(white / max(spot, _BARELY), 1.0)
+    # all of them weaker where the subject (0), or what is around (1), would be bleached
     lightest = max(_lightest(stage, lights, sheds, factors, rig, key, n) for n in (0, 1))
     weaker = max(min(white / max(lightest, _BARELY), 1.0), _LEAST)
-    return Levels(
-        {name: weaker * factor for name, factor in factors.items()}, weaker * key, sky_irradiance(stage)
-    )
+    return Levels({name: weaker * factor for name, factor in factors.items()}, weaker * key, sky)
 
 
 def _own_level(scene: SceneData, stage: LightStage, added: Collection[str]) -> float:
     """Irradiance that the scene's own lights give the subject's lit side."""
     lamps = [x for x in light_sources(scene, RenderValues(scene, {}, "cpu")) if x.light.name not in added]
-    return _brightest(
-        sum((_shed(x, stage, stage.subject) for x in lamps), torch.zeros(len(stage.subject))), _LIT
-    )
+    light = sum((_shed(x, stage, stage.subject) for x in lamps), torch.zeros(len(stage.subject)))
+    return _brightest(light, _LIT)
 
 
 def sky_irradiance(stage: LightStage) -> float:
@@ -135,7 +173,6 @@ def sky_irradiance(stage: LightStage) -> float:
 
 
 def _shed(lamp: LightSource, stage: LightStage, points: Points) -> Tensor:
-    """(N,) irradiance of points by a light."""
     shed = lamp.irradiance(points.position, points.normal).irradiance
     toward, distance = lamp.toward(points.position)
     clear = stage.clear(points, toward.contiguous(), distance.clamp_max(1e30))
@@ -160,7 +197,6 @@ def _bounce(stage: LightStage, key: tuple[Tensor, ...]) -> float:
 
 
 def _hot_spot(points: Points, light: Tensor) -> float:
-    """Radiance of the lightest places in an irradiance (N,)."""
     return float(torch.quantile(points.albedo * light / math.pi, _LIGHTEST)) if len(points) else 0.0
 
 
@@ -182,5 +218,4 @@ def _lightest(
 
 
 def _brightest(light: Tensor, share: float) -> float:
-    """Mean of a share of points, those in most light."""
     return float(light.topk(max(int(share * len(light)), 1)).values.mean()) if len(light) else 0.0

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,18 +13,17 @@ import torch
 from ..claims.claim import Claim
 from ..color import arrays
 from ..color.floats import hex_from_srgb, linear_from_srgb, luminance, mixed, srgb_from_hex, srgb_from_linear
-from ..planning.lights.facing import kelvin_color
-from ..planning.lights.glow import glows
+from ..planning.glow import glows
+from ..planning.light_levels import kelvin_color
 from ..planning.types import LightPlan, PlanEntry
-from ..prompt.lexicon.rigs import Rig
-from ..prompt.types import GLOW, Attribute, Parsed
 from ..render.material.textures import geometry_of
 from ..scene import SceneData
 from ..schema import Instance, Values, orbit, radiometry
 from ..schema.added_lights import CARD, CARD_AWAY, card
+from ..words.lexicon.rigs import Rig
+from ..words.types import GLOW, Attribute, Parsed
 from .chosen import ChosenRig
-from .exposing import Exposing
-from .levels import GRAY, Levels, measured
+from .levels import GRAY, Exposing, Levels, measured
 from .places import Placed, placed
 from .shown import claims_of_rig
 from .stage import LightStage
@@ -51,14 +50,7 @@ _GRAY_SKY = "#808080"
 
 @dataclass(frozen=True)
 class Lighting:
-    """What a rig makes of a scene.
-
-    Attributes:
-        scenes: The shots, with the lights that they get.
-        plan: Of all that sheds light.
-        claims: What pictures have to show of it.
-        notes: Who plays which part, for people.
-    """
+    """A rig in a scene: the shots with the lights that they get, and notes on which light plays which part."""
 
     scenes: list[SceneData]
     plan: LightPlan
@@ -67,26 +59,20 @@ class Lighting:
 
 
 def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add: bool = True) -> Lighting:
-    """Sets a rig up in a scene.
-
-    Args:
-        scenes: One or several shots; the first decides.
-        chosen: The rig that it asks for.
-        add: Whether the scene may get lights.
-    """
+    """Sets a rig up in one or several shots, of which the first decides; `add` allows lights that the scene lacks."""
     rig = chosen.rig
     first = scenes[0]
     stage = LightStage(first, geometry_of(first, torch.device("cpu")))
     lights = placed(rig.lights, stage, add)
     scenes = [_with_cards(_with_lights(scene, lights, stage), lights) for scene in scenes]
     # a world that the camera sees would become as bright as the fill that it gives
-    if (rig.sky, rig.world) != (None, None) and all(scene.may_be_parted for scene in scenes):
-        scenes = [scene.parted() for scene in scenes]
+    if (rig.sky, rig.world) != (None, None) and all(scene.may_have_backdrop for scene in scenes):
+        scenes = [scene.with_backdrop() for scene in scenes]
     scene = scenes[0]
     values = _trial(scene, lights, stage, rig.world_color if rig.world is not None else "")
     ambient = scene.value("world/strength", (0.0,))[0] * _world_luminance(scene, {})
     levels = measured(scene, stage, lights, values, rig, ambient)
-    if rig.sky_color and _is_hazy(parsed):
+    if rig.sky_color and _is_hazy(parsed):  # a sky behind haze is paler
         rig = replace(rig, sky_color=_veiled(rig.sky_color))
     playing = {each.name for each in lights} | {name for a in parsed.attributes for name in a.lights}
     values = _balanced(scene, rig, lights, playing, values, levels) | _air(scene, rig, parsed, chosen.served)
@@ -95,9 +81,10 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     entries = {key: _entry(scene.instances[key], value, word, still) for key, value in values.items()}
     grade = tuple((chosen.served[0], effect) for effect in rig.grade) if chosen.served else ()
     plan = LightPlan(entries, chosen.served, grade)
-    return Lighting(
-        list(scenes), plan, claims_of_rig(chosen, lights, stage), (f"Light: {rig.says}", *_notes(lights))
-    )
+    own = ((each, "your light" if each.own else "an added light") for each in lights)
+    notes = (f"{each.light.part.capitalize()}: {each.name}, {what}." for each, what in own)
+    claims = claims_of_rig(chosen, lights, stage)
+    return Lighting(list(scenes), plan, claims, (f"Light: {rig.says}", *notes))
 
 
 def _with_lights(scene: SceneData, lights: Sequence[Placed], stage: LightStage) -> SceneData:
@@ -105,15 +92,14 @@ def _with_lights(scene: SceneData, lights: Sequence[Placed], stage: LightStage) 
     mine = {each.name: each for each in lights if not each.own}
     lit = scene.with_lights(mine)
     instances = dict(lit.instances)
-    for key, instance in lit.instances.items():
-        each = mine.get(instance.owner) if instance.parameter.group == "light" else None
-        if each is None:
-            continue
-        name = instance.parameter.name
-        value = _shape(each, stage).get(name)
-        if name in ("power", "strength"):
-            value = (_OFF * instance.reference,)
-        instances[key] = replace(instance, value=value) if value else instance
+    for each in mine.values():
+        shape = _shape(each, stage)
+        for key, instance in lit.instances.items():
+            if instance.parameter.group != "light" or instance.owner != each.name:
+                continue
+            name = instance.parameter.name
+            value = (_OFF * instance.reference,) if name in ("power", "strength") else shape.get(name)
+            instances[key] = replace(instance, value=value) if value else instance
     return replace(lit, instances=instances)
 
 
@@ -239,12 +225,10 @@ def _sky(scene: SceneData, rig: Rig) -> dict[str, Values]:
 
 
 def _is_hazy(parsed: Parsed) -> bool:
-    """Whether words ask for air through which a sky is pale."""
     return any(a.entry in _HAZES and not a.negated for a in parsed.attributes)
 
 
 def _veiled(color: str) -> str:
-    """The color of a sky behind haze."""
     srgb = srgb_from_hex(color)
     gray = srgb_from_linear((luminance(linear_from_srgb(srgb)),) * 3)
     return hex_from_srgb(mixed(srgb, gray, _VEIL))
@@ -269,13 +253,7 @@ def _air(scene: SceneData, rig: Rig, parsed: Parsed, served: Sequence[Attribute]
 
 
 def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict[str, Values]:
-    """The scene's own lights, and surfaces that glow as lights do, that play no part.
-
-    Args:
-        rig: Says by how many stops they change.
-        playing: Names of the lights that play a part, or that words are about.
-        white: Radiance of a white surface in the key.
-    """
+    """The scene's own lights and glowing surfaces that play no part, dimmed; `white` is a white surface's radiance in the key."""
     found: dict[str, Values] = {}
     if not rig.own:
         return found
@@ -314,9 +292,3 @@ def _entry(instance: Instance, value: Values, word: str, still: set[str]) -> Pla
     start = tuple(min(max(v, a), b) for v, a, b in zip(value, lower, upper, strict=True))
     bright = name in ("power", "strength") and instance.parameter.group in ("light", "world")
     return PlanEntry(lower, upper, _FIRST if bright else _LATER, reason, prior=0.0, usual=True, start=start)
-
-
-def _notes(lights: Sequence[Placed]) -> Iterator[str]:
-    for each in lights:
-        what = "your light" if each.own else "an added light"
-        yield f"{each.light.part.capitalize()}: {each.name}, {what}."

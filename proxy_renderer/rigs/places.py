@@ -15,13 +15,14 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
-from ..prompt.lexicon.rigs import RigLight
-from ..prompt.names import plain_name
 from ..scene import Light, SceneData
 from ..schema import orbit
 from ..schema.added_lights import PARTS, light_name
+from ..words.lexicon.rigs import RigLight
+from ..words.names import plain_name
 from .stage import LightStage, Points
 
+_BRIGHT = ("light/power", "light/strength")
 _TURNS = (0.0, -14.0, 14.0, -28.0, 28.0, -45.0, 45.0)
 _RISES = (0.0, 12.0, -10.0, 24.0)
 _NEARER = (1.0, 0.75, 0.55, 0.4)
@@ -45,12 +46,8 @@ class Placed:
     """A light of the rig in the scene.
 
     Attributes:
-        light: As the rig has it.
-        name: Of the scene's light, or of the one that is added.
-        type: Blender's.
-        own: Whether the scene has it.
-        azimuth: Degrees, as in `schema.orbit`.
-        elevation: Degrees.
+        own: Whether the scene has it, or else gets it.
+        azimuth, elevation: Degrees, as in `schema.orbit`.
         distance: Meters; 0 of a sun.
         fixed: Whether it must stay where it is: at a lamp, in a window.
     """
@@ -66,11 +63,9 @@ class Placed:
 
 
 def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True) -> list[Placed]:
-    """The lights of a rig, each where it reaches what it is to light; those that reach nothing are left out.
+    """The lights of a rig, the key first, each where it reaches its target; those that reach nothing are left out.
 
-    Args:
-        lights: The rig's, the key first.
-        add: Whether the scene may get lights; without, its brightest one is the key wherever it stands.
+    Without `add` the scene gets no lights, and its own key is the rig's wherever it stands.
     """
     found: list[Placed] = []
     turned = 1.0
@@ -82,9 +77,7 @@ def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True) -> l
         mine = mine or _any(wanted, stage, taken)
         if mine is None:
             continue
-        if (
-            not found and light.mirrored and light.azimuth
-        ):  # what goes with the key stays on the other side of it
+        if not found and light.mirrored and light.azimuth:  # the others stay on the other side of the key
             side = _relative(mine.azimuth - stage.front)
             turned = math.copysign(1.0, side * light.azimuth) if abs(side) > 1.0 else 1.0
         found.append(mine)
@@ -116,13 +109,11 @@ def _any(light: RigLight, stage: LightStage, taken: set[str]) -> Placed | None:
 
 def _playable(stage: LightStage, taken: set[str]) -> list[Light]:
     """The lights of the scene that may be changed and play no part yet."""
-    return [
-        x for x in stage.scene.lights if not x.fixed and x.name not in taken and _may_change(x, stage.scene)
-    ]
+    free = {i.owner for i in stage.scene.instances.values() if i.parameter.family in _BRIGHT and not i.locked}
+    return [x for x in stage.scene.lights if not x.fixed and x.name in free - taken]
 
 
 def _angles(own: Light, scene: SceneData) -> tuple[float, float]:
-    """Azimuth and elevation of a light of the scene, degrees, as in `schema.orbit`."""
     key = f"light/{own.name}/"
     return scene.value(key + "azimuth")[0], scene.value(key + "elevation")[0]
 
@@ -131,11 +122,6 @@ def _as_it_stands(light: RigLight, own: Light, stage: LightStage) -> Placed:
     """A light of the scene, where it is, as one of a rig."""
     distance = stage.scene.value(f"light/{own.name}/distance", 0.0)[0]
     return Placed(light, own.name, own.type, True, *_angles(own, stage.scene), distance)
-
-
-def _may_change(light: Light, scene: SceneData) -> bool:
-    keys = [f"light/{light.name}/{name}" for name in ("power", "strength")]
-    return any(key in scene.instances and not scene.instances[key].locked for key in keys)
 
 
 def _called(name: str, words: frozenset[str]) -> bool:
@@ -178,12 +164,7 @@ def _added(light: RigLight, stage: LightStage, taken: set[str], alone: bool) -> 
 
 
 def _made(
-    light: RigLight,
-    kind: str,
-    place: Tensor,
-    stage: LightStage,
-    taken: set[str],
-    fixed: bool = False,
+    light: RigLight, kind: str, place: Tensor, stage: LightStage, taken: set[str], fixed: bool = False
 ) -> Placed | None:
     """An added light at a place; None where the scene may get none of that type any more."""
     name = _free_name(light.part, kind, stage, taken)
@@ -195,20 +176,15 @@ def _made_sun(
 ) -> Placed | None:
     """An added sun; one that casts a pattern, and one in a window, stays where it is."""
     name = light_name("key", "SUN", light.pattern) if light.pattern else ""
-    if name not in _spare(stage) or name in taken:
+    if name in taken or all(light.name != name for light in stage.scene.standby.lights):
         name = _free_name(light.part, "SUN", stage, taken)
     still = bool(light.through or light.pattern)
     return Placed(light, name, "SUN", False, stage.front + azimuth, elevation, 0.0, still) if name else None
 
 
-def _spare(stage: LightStage) -> set[str]:
-    """Names of the lights that the scene may get."""
-    return {light.name for light in stage.scene.standby.lights}
-
-
 def _free_name(part: str, kind: str, stage: LightStage, taken: set[str]) -> str:
     """The name of an added light for a part, or of another part's where a rig has two of it; "" if all are taken."""
-    free = _spare(stage) - taken
+    free = {light.name for light in stage.scene.standby.lights} - taken
     return next(
         (name for each in dict.fromkeys((part, *PARTS)) if (name := light_name(each, kind)) in free), ""
     )
@@ -220,10 +196,8 @@ def _targets(light: RigLight, stage: LightStage) -> Points:
 
 def _best_place(light: RigLight, stage: LightStage) -> tuple[Tensor, float]:
     """(3,) the place near the one that a rig names from which most of its target is reached, and the share that is."""
-    points, best = (
-        _targets(light, stage),
-        (-math.inf, stage.place(light.azimuth, light.elevation, light.distance), 0.0),
-    )
+    points = _targets(light, stage)
+    best = (-math.inf, stage.place(light.azimuth, light.elevation, light.distance), 0.0)
     sides = (1.0, -1.0) if light.mirrored and light.azimuth else (1.0,)
     for side, turn, rise, nearer in itertools.product(sides, _TURNS, _RISES, _NEARER):
         elevation = max(min(light.elevation + rise, 88.0), -60.0)
@@ -273,7 +247,6 @@ def _through_window(light: RigLight, stage: LightStage, azimuth: float, elevatio
 
 
 def _in_the_open(light: RigLight, stage: LightStage, azimuth: float, elevation: float) -> float:
-    """How good a direction is for a sun on the subject."""
     toward = torch.tensor(orbit.direction(stage.front + azimuth, elevation), dtype=torch.float32)
     facing = float((stage.subject.normal * toward[:, None]).sum(0).clamp_min(0.0).mean())
     lit = float(stage.sunlit(stage.subject, azimuth, elevation).mean())
@@ -293,9 +266,8 @@ def _at_lamps(light: RigLight, stage: LightStage) -> Iterator[Tensor]:
     if not light.names:
         return
     words = {word.removesuffix("s") for word in light.names}
-    lamps = [
-        (m, size) for _, spoken, m, size in stage.things if spoken & words and size < 2 * _NEAR * stage.radius
-    ]
+    most = 2 * _NEAR * stage.radius
+    lamps = [(m, size) for _, spoken, m, size in stage.things if spoken & words and size < most]
     lamps.sort(key=lambda row: float((row[0] - stage.middle).norm()))
     for middle, size in lamps:
         if (middle - stage.middle).norm() > _NEAR * stage.radius:
@@ -304,17 +276,13 @@ def _at_lamps(light: RigLight, stage: LightStage) -> Iterator[Tensor]:
         up = torch.tensor([0.0, 0.0, 1.0])
         steps = [up * 0.0, up, toward / toward.norm().clamp_min(1e-6), -up]
         places = [middle + _AWAY * size * step for step in steps]
-        every = torch.tensor(
-            [
-                float(stage.reached(stage.subject, p).mean())
-                + 0.5 * float(stage.reached(stage.around, p).mean())
-                for p in places
-            ]
-        )
-        if float(every.max()) > _ENOUGH:
-            yield places[int(every.argmax())]
+        light_at = [
+            float(stage.reached(stage.subject, p).mean()) + 0.5 * float(stage.reached(stage.around, p).mean())
+            for p in places
+        ]
+        if max(light_at) > _ENOUGH:
+            yield places[light_at.index(max(light_at))]
 
 
 def _relative(degrees: float) -> float:
-    """An angle in (-180, 180]."""
     return (degrees + 180.0) % 360.0 - 180.0

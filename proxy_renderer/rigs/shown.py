@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from ..claims.claim import Claim
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
-from ..prompt.lexicon.rigs import RigLight
 from ..schema import orbit
+from ..words.lexicon.rigs import RigLight
 from .chosen import ChosenRig
 from .places import Placed
 from .stage import LightStage
@@ -25,20 +26,14 @@ _GRAYISH = 12.0  # C* from which a light has a color
 
 
 def claims_of_rig(chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage) -> tuple[Claim, ...]:
-    """The claims of the words that a rig stands for: of each word those about its parts.
-
-    Args:
-        chosen: The rig of the prompt, with its words.
-    """
+    """The claims of the words that a rig stands for: of each word those about its parts of the rig."""
     found: list[Claim] = []
     seen: set[tuple[object, ...]] = set()
     for word, (parts, aspects) in chosen.words.items():
         mine = [each for each in lights if not parts or each.light.part in parts]
         for aspect, claim in _structure(word, chosen, mine, stage):
             known = (claim.measure, claim.direction)
-            if (
-                not aspects or aspect in aspects
-            ) and known not in seen:  # the first word that says it has the claim
+            if (not aspects or aspect in aspects) and known not in seen:  # the first word has the claim
                 seen.add(known)
                 found.append(claim)
     return tuple(found)
@@ -59,11 +54,8 @@ def _structure(
         fills = [x.light.stops for x in lights if x.light.part in ("fill", "bounce", "accent", "top")]
         ratio = -max([*fills, rig.world if rig.world is not None else -2.0])
         if ratio >= _LARGE:
-            least = min(_RATIO * ratio, 2.2)
-            yield (
-                "contrast",
-                Claim(word, "subject", "key_to_fill", "subject", (least,), (math.inf,), change=0.6),
-            )
+            least = (min(_RATIO * ratio, 2.2),)
+            yield "contrast", Claim(word, "subject", "key_to_fill", "subject", least, (math.inf,), change=0.6)
         if rig.sky is not None and rig.sky <= _DARK_SKY:
             yield "rest", Claim(word, "subject", "standing_out", "subject", (4.0,), (math.inf,), change=8.0)
     for each in lights:
@@ -76,19 +68,14 @@ def _structure(
 def _direction(word: str, key: Placed, stage: LightStage) -> Iterator[Claim]:
     """Where the key comes from, as the camera sees it: a light from above is from the front to a camera that looks down."""
     right, up, toward = (sum(a * b for a, b in zip(axis, orbit.direction(key.azimuth, key.elevation), strict=True)) for axis in stage.camera_axes)  # fmt: skip
-    if abs(right) > _ASIDE:
-        yield _side(word, "light_right", math.copysign(1.0, right))
-    elif abs(up) > _ASIDE:
-        yield _side(word, "light_up", math.copysign(1.0, up))
+    if max(abs(right), abs(up)) > _ASIDE:
+        measure, slope = ("light_right", right) if abs(right) > _ASIDE else ("light_up", up)
+        ends = ((_SEEN,), (math.inf,)) if slope > 0 else ((-math.inf,), (-_SEEN,))
+        yield Claim(word, "subject", measure, "subject", *ends, change=math.copysign(0.25, slope))
     if toward < _BEHIND:
         yield Claim(word, "subject", "light_front", "subject", (-math.inf,), (0.4,), change=-0.25)
     elif toward > _BEFORE:
         yield Claim(word, "subject", "light_front", "subject", (0.4,), (math.inf,), change=0.25)
-
-
-def _side(word: str, measure: str, sign: float) -> Claim:
-    ends = ((_SEEN,), (math.inf,)) if sign > 0 else ((-math.inf,), (-_SEEN,))
-    return Claim(word, "subject", measure, "subject", *ends, change=0.25 * sign)
 
 
 def _color(word: str, light: RigLight) -> Iterator[Claim]:
@@ -105,15 +92,6 @@ def _accent(word: str, light: RigLight) -> Iterator[Claim]:
     color = srgb_from_hex(light.color)
     lab = lab_from_srgb(color)
     if chroma(lab) > _GRAYISH:
-        direction = tuple(v / chroma(lab) for v in lab[1:])
-        yield Claim(
-            word,
-            "picture",
-            "accent",
-            "picture",
-            (12.0,),
-            (math.inf,),
-            change=12.0,
-            direction=direction,
-            color=color,
-        )
+        away = tuple(v / chroma(lab) for v in lab[1:])
+        claim = Claim(word, "picture", "accent", "picture", (12.0,), (math.inf,), change=12.0)
+        yield replace(claim, direction=away, color=color)

@@ -14,12 +14,12 @@ from torch import Tensor
 
 from ..color import arrays
 from ..color.floats import luminance
-from ..prompt.names import plain_name
 from ..render.geometry.camera import view_of
 from ..render.geometry.visibility import RayGeometry
 from ..scene import SceneData
 from ..scene.values import RenderValues
 from ..schema import orbit
+from ..words.names import plain_name
 
 _GRID = 40  # rays along each side of the picture
 _MOST = 400  # points of the subject, and of what is around, that light is looked for at
@@ -37,7 +37,7 @@ class Points:
     Attributes:
         position: (3, N), world space, just above the surface.
         normal: (3, N), towards the camera.
-        albedo: (N,) of its material, the mean of a texture.
+        albedo: (N,), the mean of a texture.
     """
 
     position: Tensor
@@ -49,7 +49,7 @@ class Points:
 
 
 class LightStage:
-    """Of one shot.
+    """What the camera of one shot sees, and where light gets to it.
 
     Attributes:
         subject: What is seen of the subject; of everything, where hardly any of it is.
@@ -84,8 +84,10 @@ class LightStage:
 
     def place(self, azimuth: float, elevation: float, radii: float) -> Tensor:
         """(3,) a place at an azimuth from the camera, an elevation, and a distance from the subject's middle in its radii."""
-        toward = torch.tensor(orbit.direction(self.front + azimuth, elevation), dtype=torch.float32)
-        return self.middle + radii * self.radius * toward
+        return self.middle + radii * self.radius * self._toward(azimuth, elevation)
+
+    def _toward(self, azimuth: float, elevation: float) -> Tensor:
+        return torch.tensor(orbit.direction(self.front + azimuth, elevation), dtype=torch.float32)
 
     def orbit_of(self, place: Tensor) -> tuple[float, float, float]:
         """Azimuth, elevation (degrees) and distance (meters) of a place, as a light's parameters have them."""
@@ -97,26 +99,24 @@ class LightStage:
         """(N,) how much light from a place reaches points, by what is in the way and how they face it."""
         offset = place[:, None] - points.position
         distance = offset.norm(dim=0).clamp_min(1e-6)
-        return self._reached(points, offset / distance, distance)
+        return self._lit(points, offset / distance, distance)
 
     def sunlit(self, points: Points, azimuth: float, elevation: float) -> Tensor:
         """(N,) the same of a sun, at an azimuth from the camera and an elevation."""
-        toward = torch.tensor(orbit.direction(self.front + azimuth, elevation), dtype=torch.float32)
-        toward = toward[:, None].expand_as(points.position).contiguous()
-        return self._reached(points, toward, torch.full((len(points),), 1e30))
+        toward = self._toward(azimuth, elevation)[:, None].expand_as(points.position).contiguous()
+        return self._lit(points, toward, torch.full((len(points),), 1e30))
 
     @cached_property
     def openness(self) -> float:
         """Share of the sky's light that gets to what the camera sees: 1 on a plain, 0 in a closed room."""
         clear, all_of_it = 0.0, 0.0
         for points, (azimuth, elevation) in itertools.product((self.subject, self.around), _SKY):
-            toward = torch.tensor(orbit.direction(self.front + azimuth, elevation), dtype=torch.float32)
-            facing = (points.normal * toward[:, None]).sum(0).clamp_min(0.0)
+            facing = (points.normal * self._toward(azimuth, elevation)[:, None]).sum(0).clamp_min(0.0)
             clear += float(self.sunlit(points, azimuth, elevation).sum())
             all_of_it += float(facing.sum())
         return clear / max(all_of_it, 1e-6)
 
-    def _reached(self, points: Points, toward: Tensor, distance: Tensor) -> Tensor:
+    def _lit(self, points: Points, toward: Tensor, distance: Tensor) -> Tensor:
         return self.clear(points, toward, distance) * (points.normal * toward).sum(0).clamp_min(0.0)
 
     def clear(self, points: Points, toward: Tensor, distance: Tensor) -> Tensor:
@@ -164,7 +164,6 @@ def _some(points: Points, mine: Tensor) -> Points:
 
 
 def _albedo(scene: SceneData, number: int) -> float:
-    """Mean albedo of a material, of its texture where it has one."""
     material = scene.materials[number]
     key = f"material/{material.name}/"
     if material.texture is not None:

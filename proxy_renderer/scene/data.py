@@ -3,14 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..schema import Instance, Values
+from ..schema import PARAMETERS, Instance, Values
 from ..schema.orbit import Matrix, Vector
 
 Array = np.ndarray
@@ -18,146 +18,98 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Camera:
-    """The constant part of the camera; its orbit and field of view are parameters.
-
-    Attributes:
-        type: "PERSP" or "ORTHO".
-        residual: Rotation that remains after the orbit's frame, so that off-center aims survive.
-        ortho_scale: Extent of the picture in an orthographic camera.
-        shift: Lens shift, in parts of the longer side.
-        sensor_fit: "AUTO", "HORIZONTAL" or "VERTICAL": the side that the field of view spans.
-        clip: Near and far distances.
-        aperture: Radius of the lens, meters; 0 without depth of field.
-        focus_distance: Depth that is in focus, meters.
-        focus_point: What is in focus instead, wherever the camera moves; None for the distance.
-    """
+    """The constant part of the camera; its orbit and field of view are parameters."""
 
     name: str
-    type: str
-    residual: Matrix
-    ortho_scale: float
-    shift: tuple[float, float]
-    sensor_fit: str
-    clip: tuple[float, float]
-    aperture: float = 0.0
-    focus_distance: float = 10.0
+    type: str  # "PERSP" or "ORTHO"
+    residual: Matrix  # rotation that remains after the orbit's frame, so that off-center aims survive
+    ortho_scale: float  # extent of the picture in an orthographic camera
+    shift: tuple[float, float]  # lens shift, in parts of the longer side
+    sensor_fit: str  # "AUTO", "HORIZONTAL" or "VERTICAL": the side that the field of view spans
+    clip: tuple[float, float]  # near and far distances
+    aperture: float = 0.0  # radius of the lens, meters; 0 without depth of field
+    focus_distance: float = 10.0  # depth that is in focus, meters
+    # what is in focus instead, wherever the camera moves; None for the distance
     focus_point: Vector | None = None
 
 
 @dataclass(frozen=True)
 class Light:
-    """The constant part of a light; its power, color, size and orbit are parameters.
-
-    Attributes:
-        type: Blender's name of its type, of those in `render.lights.types`.
-        shape: For area lights "SQUARE", "RECTANGLE", "DISK" or "ELLIPSE".
-        aspect: Height over width of an area light, its object's scale included.
-        spot_size: Full opening angle of a spot.
-        spot_blend: Softness of a spot's rim, in [0, 1].
-        shadow: Whether it casts shadows.
-        normalize: Whether power is shared by the lamp's area, so that size does not brighten it.
-        soft_falloff: Whether a point or spot counts as a disc, not as a sphere, close by.
-        exposure: Stops on top of the power.
-        spread: Opening angle of an area light's emission; pi for a plain one.
-        role: "key", "fill", "rim" or "other".
-        tint: What the light's own nodes multiply its color by.
-        scale: What its object's scale multiplies the width of an area light by.
-        fixed: Whether it stands at `position`, turned by `residual` alone, and has no orbit: an instance of a light.
-            Several of one name share their other values.
-        unlit: Indices of objects that light linking keeps its light from.
-        added: Whether the artist's scene lacks it, and gets it because the words ask for it.
-        card: Size of the card with a pattern that stands before it, meters; 0 for none. Of lights on standby.
-    """
+    """The constant part of a light; its power, color, size and orbit are parameters."""
 
     name: str
-    type: str
+    type: str  # Blender's name of its type, of those in `render.lights.light_types`
     residual: Matrix
     position: Vector
-    shape: str = "SQUARE"
-    aspect: float = 1.0
-    spot_size: float = 0.785398
-    spot_blend: float = 0.15
-    shadow: bool = True
-    normalize: bool = True
-    soft_falloff: bool = True
-    exposure: float = 0.0
+    shape: str = "SQUARE"  # for area lights "SQUARE", "RECTANGLE", "DISK" or "ELLIPSE"
+    aspect: float = 1.0  # height over width of an area light, its object's scale included
+    spot_size: float = 0.785398  # full opening angle of a spot
+    spot_blend: float = 0.15  # softness of a spot's rim, in [0, 1]
+    shadow: bool = True  # whether it casts shadows
+    normalize: bool = True  # whether power is shared by the lamp's area, so that size does not brighten it
+    soft_falloff: bool = True  # whether a point or spot counts as a disc, not as a sphere, close by
+    exposure: float = 0.0  # stops on top of the power
     use_temperature: bool = False
-    spread: float = 3.141593
-    role: str = "other"
-    tint: Vector = (1.0, 1.0, 1.0)
-    scale: float = 1.0
-    added: bool = False
+    spread: float = 3.141593  # opening angle of an area light's emission; pi for a plain one
+    role: str = "other"  # "key", "fill", "rim" or "other"
+    tint: Vector = (1.0, 1.0, 1.0)  # what the light's own nodes multiply its color by
+    scale: float = 1.0  # what its object's scale multiplies the width of an area light by
+    added: bool = False  # whether the artist's scene lacks it, and gets it because the words ask for it
+    # size of the card with a pattern that stands before it, meters; 0 for none. Of lights on standby.
     card: float = 0.0
+    # whether it stands at `position`, turned by `residual` alone, and has no orbit: an instance of a light.
+    # Several of one name share their other values.
     fixed: bool = False
-    unlit: tuple[int, ...] = ()
+    unlit: tuple[int, ...] = ()  # indices of objects that light linking keeps its light from
 
 
 @dataclass(frozen=True)
 class Texture:
-    """A picture of a material's input.
+    """A picture of a material's input."""
 
-    Attributes:
-        image: (H, W, C) float32, row 0 at the bottom.
-        extension: "REPEAT", "EXTEND" or "CLIP".
-        window: Of a texture baked from the exported camera: left, bottom, right and top of the part of its picture
-            that the texture covers, in [0, 1]. None for a texture over UVs.
-        plane: For a flat surface: the 2 x 4 matrix that takes world-space points (x, y, z, 1) to the image.
-    """
-
-    image: Array
-    extension: str = "REPEAT"
+    image: Array  # (H, W, C) float32, row 0 at the bottom
+    extension: str = "REPEAT"  # "REPEAT", "EXTEND" or "CLIP"
+    # of a texture baked from the exported camera: left, bottom, right and top of the part of its picture that
+    # the texture covers, in [0, 1]. None for a texture over UVs.
     window: tuple[float, float, float, float] | None = None
+    # for a flat surface: the 2 x 4 matrix that takes world-space points (x, y, z, 1) to the image
     plane: tuple[tuple[float, ...], ...] | None = None
 
 
 @dataclass(frozen=True)
 class Material:
-    """A material that the camera sees.
-
-    Attributes:
-        alpha: Opacity, or the mean of its map.
-        constants: Principled inputs that no vibe changes.
-        texture: Base color, where nodes compute it; parameters tint it.
-        maps: Other inputs that nodes compute: "alpha", "normal" (world space, n / 2 + 1 / 2), "far" (a flat surface's
-            base color, outside the camera's view as well), and parameters by name.
-    """
+    """A material that the camera sees."""
 
     name: str
     role: str
     model: str = "principled"
     warning: str = ""
-    alpha: float = 1.0
-    constants: Mapping[str, Any] = field(default_factory=dict)
-    texture: Texture | None = None
+    alpha: float = 1.0  # opacity, or the mean of its map
+    constants: Mapping[str, Any] = field(default_factory=dict)  # Principled inputs that no vibe changes
+    texture: Texture | None = None  # base color, where nodes compute it; parameters tint it
+    # other inputs that nodes compute: "alpha", "normal" (world space, n / 2 + 1 / 2), "far" (a flat surface's
+    # base color, outside the camera's view as well), and parameters by name
     maps: Mapping[str, Texture] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class MeshObject:
-    """An object, and whether it belongs to the subject.
-
-    Attributes:
-        hidden: Kinds of rays that pass it: "camera", "diffuse", "glossy", "transmission", "shadow".
-    """
+    """An object, and whether it belongs to the subject."""
 
     name: str
     subject: bool
+    # kinds of rays that pass it: "camera", "diffuse", "glossy", "transmission", "shadow"
     hidden: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class WorldData:
-    """The world.
+    """The world."""
 
-    Attributes:
-        kind: "color" or "environment".
-        image: (H, W, 3) equirectangular, without tint and strength: the light of an environment.
-        backdrop: The same as the camera sees it, where that is another picture.
-    """
-
-    kind: str
+    kind: str  # "color" or "environment"
+    # (H, W, 3) equirectangular, without tint and strength: the light of an environment
     image: Array | None = None
-    backdrop: Array | None = None
+    backdrop: Array | None = None  # the same as the camera sees it, where that is another picture
 
 
 @dataclass(frozen=True)
@@ -172,7 +124,7 @@ class FogBounds:
 
 @dataclass(frozen=True)
 class FilmSettings:
-    """How Blender shows the picture: its OCIO configuration, display, view and look; and the folder of its fonts, "" if not known."""
+    """Blender's display of the picture: its OCIO configuration, display, view and look; and the folder of its fonts, "" if not known."""
 
     ocio: str
     display: str
@@ -185,56 +137,34 @@ class FilmSettings:
 
 @dataclass(frozen=True)
 class SceneMesh:
-    """All triangles of the scene in world space.
+    """All triangles of the scene in world space."""
 
-    Attributes:
-        vertices: (V, 3) float32.
-        faces: (F, 3) int32 into `vertices`.
-        normals: (F, 3, 3) float32, one per corner.
-        uvs: (F, 3, 2) float32.
-        material: (F,) int32 into the scene's materials.
-        object: (F,) int32 into the scene's objects.
-    """
-
-    vertices: Array
-    faces: Array
-    normals: Array
-    uvs: Array
-    material: Array
-    object: Array
+    vertices: Array  # (V, 3) float32
+    faces: Array  # (F, 3) int32 into `vertices`
+    normals: Array  # (F, 3, 3) float32, one per corner
+    uvs: Array  # (F, 3, 2) float32
+    material: Array  # (F,) int32 into the scene's materials
+    object: Array  # (F,) int32 into the scene's objects
 
 
 @dataclass(frozen=True)
 class Standby:
-    """What the scene gets if the words ask for it: lights that it lacks, a backdrop of its own.
+    """Additions that the words may ask for: lights that the scene lacks, a backdrop of its own."""
 
-    Attributes:
-        lights: The lights.
-        instances: The parameters of the lights and of the backdrop, by key.
-    """
-
-    lights: tuple[Light, ...] = ()
+    lights: tuple[Light, ...] = ()  # the lights
+    # the parameters of the lights and of the backdrop, by key
     instances: Mapping[str, Instance] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class SceneData:
-    """Everything that the engine knows about a scene.
-
-    Attributes:
-        resolution: Width and height of the artist's picture in pixels.
-        pivot: What the camera and the lights orbit: the center of the subject's bounding box.
-        references: Scene-wide lengths that bounds are multiples of.
-        instances: Every parameter of this scene by key, with the artist's value.
-        standby: Lights, and a backdrop, that it may get.
-        unseen: The values of materials that the camera does not see, whose light it sees.
-    """
+    """Everything that the engine knows about a scene."""
 
     folder: Path
-    resolution: tuple[int, int]
+    resolution: tuple[int, int]  # width and height of the artist's picture in pixels
     pixel_aspect: float
-    pivot: Vector
-    references: Mapping[str, float]
+    pivot: Vector  # what the camera and the lights orbit: the center of the subject's bounding box
+    references: Mapping[str, float]  # scene-wide lengths that bounds are multiples of
     camera: Camera
     lights: tuple[Light, ...]
     materials: tuple[Material, ...]
@@ -243,8 +173,9 @@ class SceneData:
     volume: FogBounds
     film: FilmSettings
     mesh: SceneMesh
-    instances: Mapping[str, Instance]
-    standby: Standby = field(default_factory=Standby)
+    instances: Mapping[str, Instance]  # every parameter of this scene by key, with the artist's value
+    standby: Standby = field(default_factory=Standby)  # lights, and a backdrop, that it may get
+    # the values of materials that the camera does not see, whose light it sees
     unseen: Mapping[str, Values] = field(default_factory=dict)
 
     def with_lights(self, names: Collection[str]) -> SceneData:
@@ -254,11 +185,11 @@ class SceneData:
         return replace(self, lights=(*self.lights, *lights), instances={**self.instances, **theirs})
 
     @property
-    def may_be_parted(self) -> bool:
-        """Whether what the camera sees of the world may get a color and a strength of its own."""
+    def may_have_backdrop(self) -> bool:
+        """True if what the camera sees of the world may get a color and a strength of its own."""
         return any(i.parameter.group == "world" for i in self.standby.instances.values())
 
-    def parted(self) -> SceneData:
+    def with_backdrop(self) -> SceneData:
         """The scene with a backdrop on standby in it; a backdrop starts as the world is."""
         theirs = {key: i for key, i in self.standby.instances.items() if i.parameter.group == "world"}
         return replace(self, instances={**self.instances, **theirs})
@@ -285,16 +216,29 @@ class SceneData:
         return replace(self, mesh=more, objects=(*self.objects, shade))
 
     def value(self, key: str, default: float | Values = 0.0) -> Values:
-        """The artist's value of a parameter.
-
-        Args:
-            default: Where the scene does not have it; a number stands for one component.
-
-        Returns:
-            One number per component, in the parameter's unit.
-        """
+        """The artist's value of a parameter, one number per component in its unit; the default where the scene lacks it."""
         if key in self.instances:
             return self.instances[key].value
         if key in self.unseen:
             return self.unseen[key]
         return default if isinstance(default, tuple) else (default,)
+
+
+_LINKED = ("tint", "recolor", "rotation", "backdrop_color", "backdrop_tint", "backdrop_strength")
+
+
+def plain_instances(
+    lights: Iterable[tuple[str, str, str]], materials: Iterable[tuple[str, str]]
+) -> dict[str, Instance]:
+    """Every parameter by key at its default, nothing linked: of a scene that is only described, without Blender.
+
+    Lights have a name, a type and a role each, materials a name and a role; lengths are in units of the scene's own.
+    """
+    owners = {"light": [*lights], "material": [(name, "", role) for name, role in materials]}
+    instances = [
+        Instance(p, owner, (p.default,) * p.components, role=role)
+        for p in PARAMETERS
+        for owner, kind, role in owners.get(p.group, [("", "", "")])
+        if p.name not in _LINKED and (not p.only or kind in p.only)
+    ]
+    return {i.key: i for i in instances}

@@ -45,19 +45,16 @@ T = TypeVar("T")
 
 
 def load_scene(folder: Path | str) -> SceneData:
-    """Reads and validates an exported scene.
-
-    Returns:
-        The scene; its arrays are float32 or int32 and finite, its indices in range.
+    """Reads and validates an exported scene: arrays are float32 or int32 and finite, indices in range.
 
     Raises:
-        VibeError: If a file is missing or broken, was written by another version, or holds nothing
-            that can be rendered.
+        VibeError: A file is missing or broken, was written by another version, or holds nothing that can be rendered.
     """
     folder = Path(folder)
     try:
         content = json.loads((folder / "scene.json").read_text(encoding="utf-8"))
-        _check_version(content)
+        if content.get("format") != FORMAT or content.get("schema") != schema_hash():
+            raise VibeError("The scene was exported by another version of Vibe Render.", _EXPORT_AGAIN)
         return _scene(folder, content)
     except (OSError, ValueError, KeyError, TypeError, IndexError) as error:
         reason = f"{type(error).__name__}: {error}"
@@ -69,6 +66,7 @@ def load_scene(folder: Path | str) -> SceneData:
 def _scene(folder: Path, content: dict[str, Any]) -> SceneData:
     materials = tuple(_material(folder, m) for m in content["materials"])
     objects = tuple(_record(MeshObject, o) for o in content["objects"])
+    standby = content.get("standby", {})
     width, height = content["resolution"]
     if width < 1 or height < 1:
         raise VibeError(f"The picture's size {width} x {height} is empty.", "Set a resolution in Blender.")
@@ -92,14 +90,12 @@ def _scene(folder: Path, content: dict[str, Any]) -> SceneData:
         film=_record(FilmSettings, content["film"]),
         mesh=_mesh(folder / "meshes.npz", len(materials), len(objects)),
         instances=_instances(content["parameters"]),
-        standby=_standby(content.get("standby", {})),
+        standby=Standby(
+            tuple(_light(light) for light in standby.get("lights", ())),
+            _instances(standby.get("parameters", {})),
+        ),
         unseen={key: i.value for key, i in _instances(content.get("unseen", {})).items()},
     )
-
-
-def _check_version(content: dict[str, Any]) -> None:
-    if content.get("format") != FORMAT or content.get("schema") != schema_hash():
-        raise VibeError("The scene was exported by another version of Vibe Render.", _EXPORT_AGAIN)
 
 
 def _record(kind: type[T], row: dict[str, Any]) -> T:
@@ -190,11 +186,6 @@ def _drop_broken(arrays: dict[str, Array]) -> dict[str, Array]:
     arrays["normals"] = np.where(sound, arrays["normals"] / np.where(sound, length, 1.0), facet[:, None])
     arrays["uvs"] = np.nan_to_num(arrays["uvs"], nan=0.0, posinf=0.0, neginf=0.0)
     return {k: v if k == "vertices" else v[keep] for k, v in arrays.items()}
-
-
-def _standby(row: dict[str, Any]) -> Standby:
-    lights = tuple(_light(light) for light in row.get("lights", ()))
-    return Standby(lights, _instances(row.get("parameters", {})))
 
 
 def _instances(rows: dict[str, Any]) -> dict[str, Instance]:

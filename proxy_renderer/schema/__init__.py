@@ -4,33 +4,27 @@
 Standard library and relative imports only: building the extension copies this folder into it.
 """
 
-from . import added_lights, budgets, labels, orbit, radiometry
-from .budgets import BUDGETS, Budget
+from . import added_lights, labels, limits, orbit, radiometry
 from .errors import VibeError
-from .options.frames import frame_numbers
-from .parameters import FAMILIES, GROUPS, PARAMETERS, REFERENCES, VERSION, schema_hash
-from .spec import Instance, Parameter, Scale, Values, matches, split_key
+from .limits import BUDGETS, Budget
+from .options.checks import frame_numbers
+from .parameters import (
+    FAMILIES,
+    GROUPS,
+    PARAMETERS,
+    REFERENCES,
+    VERSION,
+    Instance,
+    Parameter,
+    Scale,
+    Values,
+    matches,
+    schema_hash,
+    split_key,
+)
 
 __all__ = [
-    "BUDGETS",
-    "FAMILIES",
-    "GROUPS",
-    "PARAMETERS",
-    "REFERENCES",
-    "VERSION",
-    "Budget",
-    "Instance",
-    "Parameter",
-    "Scale",
-    "Values",
-    "VibeError",
-    "added_lights",
-    "budgets",
-    "frame_numbers",
-    "labels",
-    "matches",
-    "orbit",
-    "radiometry",
-    "schema_hash",
-    "split_key",
-]
+    "BUDGETS", "FAMILIES", "GROUPS", "PARAMETERS", "REFERENCES", "VERSION", "Budget", "Instance",
+    "Parameter", "Scale", "Values", "VibeError", "added_lights", "frame_numbers", "labels", "limits",
+    "matches", "orbit", "radiometry", "schema_hash", "split_key",
+]  # fmt: skip

@@ -7,41 +7,31 @@ import math
 from dataclasses import dataclass
 
 PARTS = ("key", "fill", "rim", "kicker", "accent", "practical", "background", "top", "bounce")
-"""What a light is for, as a gaffer says it. The scene's own lights have the roles key, fill, rim and other."""
+"""Parts that a light can play, as gaffers name them. The scene's own lights have the roles key, fill, rim and other."""
 _TYPES = {"AREA": "", "POINT": " Lamp", "SPOT": " Spot", "SUN": " Sun"}
 _ROLES = {"key": "key", "rim": "rim", "kicker": "rim"}
 PATTERNS = {"slats": " Blinds", "leaves": " Leaves"}
-"""What a card before a light lets through, and what the light's name says of it."""
-CARD = "Vibe Card"
-"""The name of such a card, which only shadow rays see."""
-CARD_AWAY = 1.6
-"""How far before the subject's center it stands, in sizes of the card."""
+"""Pattern of a card before a light -> end of the light's name."""
+CARD = "Vibe Card"  # the name of such a card, which only shadow rays see
+CARD_AWAY = 1.6  # how far before the subject's center it stands, in sizes of the card
 _SLATS, _OPEN, _WINDOW, _FRAME = 9, 0.5, 1.3, 14.0
 _LEAVES, _LEAF, _CROWN = 260, 0.17, 2.2
 _GOLDEN = 2.399963
-COLLECTION = "Vibe Lights"
-"""Where added lights are, in the scene."""
+COLLECTION = "Vibe Lights"  # where added lights are, in the scene
 
 
 @dataclass(frozen=True)
 class AddedLight:
-    """A light that a scene may get.
+    """A light that a scene may get."""
 
-    Attributes:
-        name: Of the object in Blender; parameters are keyed by it.
-        type: "AREA", "POINT", "SPOT" or "SUN".
-        part: One of `PARTS`.
-        pattern: Of `PATTERNS`, or "".
-    """
-
-    name: str
-    type: str
-    part: str
-    pattern: str = ""
+    name: str  # of the object in Blender; parameters are keyed by it
+    type: str  # "AREA", "POINT", "SPOT" or "SUN"
+    part: str  # one of `PARTS`
+    pattern: str = ""  # of `PATTERNS`, or ""
 
     @property
     def role(self) -> str:
-        """What it counts as among the scene's lights: "key", "fill" or "rim"."""
+        """Its role among the scene's lights: "key", "fill" or "rim"."""
         return _ROLES.get(self.part, "fill")
 
 
@@ -52,9 +42,7 @@ def light_name(part: str, kind: str, pattern: str = "") -> str:
 
 _PLAIN = [AddedLight(light_name(part, kind), kind, part) for part in PARTS for kind in _TYPES]
 _PATTERNED = [AddedLight(light_name("key", "SUN", p), "SUN", "key", p) for p in PATTERNS]
-ADDED_LIGHTS: dict[str, AddedLight] = {light.name: light for light in (*_PLAIN, *_PATTERNED)}
-"""By name."""
-
+ADDED_LIGHTS: dict[str, AddedLight] = {light.name: light for light in (*_PLAIN, *_PATTERNED)}  # by name
 Quad = tuple[tuple[float, float], tuple[float, float], tuple[float, float], tuple[float, float]]
 
 
@@ -63,7 +51,6 @@ def card(pattern: str, size: float) -> list[Quad]:
 
     Args:
         pattern: "slats": a window with blinds in a wall; "leaves": a crown of leaves.
-        size: Of what is to be lit: its radius, meters.
     """
     if pattern == "slats":
         pitch = 2 * _WINDOW / _SLATS

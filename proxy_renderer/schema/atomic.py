@@ -13,15 +13,9 @@ from pathlib import Path
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A path beside it to write to, of the same suffix; it takes the file's place at the end of the block.
+    """A path in the same folder to write to; it takes the file's place at the end of the block.
 
     If the block raises, the file is as it was, and nothing unfinished stays.
-
-    Args:
-        path: Of the file; its folder has to exist.
-
-    Raises:
-        OSError: It cannot be written.
     """
     part = path.with_name(f"{part_prefix()}{uuid.uuid4().hex[:8]}-{path.name}")
     try:
@@ -33,38 +27,22 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def part_prefix(process: int | None = None) -> str:
-    """How the names of a process's unfinished files begin; this process's if none is given."""
+    """The beginning of the names of a process's unfinished files; by default this process's."""
     return f".part-{process or os.getpid()}-"
 
 
 def write_text(path: Path, text: str) -> None:
-    """Writes a file as UTF-8, see `replacing`.
-
-    Args:
-        path: Of the file; its folder has to exist.
-        text: All that it is to hold.
-
-    Raises:
-        OSError: It cannot be written.
-    """
+    """Writes a file as UTF-8, see `replacing`."""
     with replacing(path) as part:
         part.write_text(text, encoding="utf-8")
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Writes a file, see `replacing`.
-
-    Args:
-        path: Of the file; its folder has to exist.
-        content: All that it is to hold.
-
-    Raises:
-        OSError: It cannot be written.
-    """
+    """Writes a file, see `replacing`."""
     with replacing(path) as part:
         part.write_bytes(content)
 
 
 def is_full(error: Exception) -> bool:
-    """Whether an error says that the disk, or the user's share of it, is full."""
+    """True if an error says that the disk, or the user's quota, is full."""
     return getattr(error, "errno", 0) in (errno.ENOSPC, errno.EDQUOT) or "No space left" in str(error)

@@ -1,14 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The one error that a user is shown: what went wrong, and what to do about it."""
+"""Errors that a user is shown: what went wrong, and what to do about it. Unexpected ones name a log."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import time
+import traceback
+from contextlib import suppress
+from pathlib import Path
 
 
 class VibeError(Exception):
-    """A mistake that its reader can mend.
-
-    Attributes:
-        message: What went wrong, in one sentence.
-        remedy: What to do about it, in one sentence.
-    """
+    """A mistake that its reader can mend."""
 
     def __init__(self, message: str, remedy: str = "") -> None:
         super().__init__(message)
@@ -22,3 +27,48 @@ class VibeError(Exception):
 def quoted(text: str, most: int = 40) -> str:
     """A text of a file, on one line and short enough for a message."""
     return repr(text if len(text) <= most else text[:most] + "…")
+
+
+_KEPT = 20  # logs; older ones are deleted
+_LONGEST = 200  # characters of a reason
+
+
+class UnexpectedError(VibeError):
+    """A fault of ours, or of Blender's, that its reader can only work around."""
+
+
+def unexpected(error: BaseException, doing: str) -> UnexpectedError:
+    """The error to show for any exception; its trace goes to a log."""
+    reason = " ".join(f"{type(error).__name__}: {error}".split())[:_LONGEST].rstrip(".: ")
+    log = write_log(f"while {doing}\n\n" + "".join(traceback.format_exception(error)))
+    return UnexpectedError(f"Something broke while {doing}: {reason}.", f"Please report it with {log}.")
+
+
+def write_log(text: str) -> Path:
+    """Writes a new log, and deletes the oldest; returns its file."""
+    log = log_folder() / f"vibe-{time.strftime('%Y%m%d-%H%M%S')}-{os.getpid()}.log"
+    with suppress(OSError):  # a full disk: the line still says what happened
+        log.write_text(f"{sys.version}\n{sys.platform}\n{text}\n", encoding="utf-8", errors="replace")
+    return log
+
+
+def log_folder() -> Path:
+    """The user's folder for logs, made if it is not there; the temporary folder where that is impossible."""
+    home = Path.home()
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local")
+        folder = base / "vibe-render" / "Logs"
+    elif sys.platform == "darwin":
+        folder = home / "Library" / "Logs" / "vibe-render"
+    else:
+        base = Path(os.environ.get("XDG_STATE_HOME") or home / ".local" / "state")
+        folder = base / "vibe-render" / "log"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        logs = sorted(folder.glob("vibe-*.log"), key=lambda log: log.stat().st_mtime)
+        for log in logs[:-_KEPT]:
+            with suppress(OSError):
+                log.unlink()
+    except OSError:
+        return Path(tempfile.gettempdir())
+    return folder if os.access(folder, os.W_OK) else Path(tempfile.gettempdir())

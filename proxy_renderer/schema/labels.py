@@ -5,8 +5,7 @@ from __future__ import annotations
 
 import re
 
-from .parameters import FAMILIES
-from .spec import Parameter, Values, split_key
+from .parameters import FAMILIES, Parameter, Values, split_key
 
 GROUP_TITLES = {
     "camera": "Camera",
@@ -31,11 +30,7 @@ _UNITS = {
 
 
 def parameter(key: str) -> Parameter:
-    """The schema row of an instance's key.
-
-    Raises:
-        KeyError: The schema has no such row.
-    """
+    """The schema row of an instance's key."""
     group, _, name = split_key(key)
     return FAMILIES[f"{group}/{name}"]
 
@@ -60,11 +55,7 @@ def title(key: str) -> str:
 
 
 def titles(keys: list[str], most: int = 3) -> str:
-    """Names for a note, not too many: "Key light: Power, Key light: Color and 2 more".
-
-    Args:
-        most: How many are named; the others are counted.
-    """
+    """Names for a note, not too many: "Key light: Power, Key light: Color and 2 more"."""
     shown = ", ".join(map(title, keys[:most]))
     return shown + (f" and {len(keys) - most} more" if len(keys) > most else "")
 
@@ -89,22 +80,12 @@ def text(key: str, values: Values) -> str:
 
 
 def bare(key: str, values: Values) -> str:
-    """As `text`, without the unit, where that follows: the 400 of "400 → 160 W".
-
-    Args:
-        key: As for `text`.
-        values: As for `text`.
-    """
+    """As `text`, without the unit, where that follows: the 400 of "400 → 160 W"."""
     return text(key, values).removesuffix(_UNITS[parameter(key).unit])
 
 
 def same(key: str, before: Values, after: Values) -> bool:
-    """Whether two values read the same, so that listing the change would only puzzle.
-
-    Args:
-        key: As for `text`.
-        before: As `values` of `text`.
-    """
+    """True if two values read the same: such a change is not listed."""
     return text(key, before) == text(key, after)
 
 

@@ -1,16 +1,39 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Limits that more than one side keeps: the command line, the panel, the manifest, presets, the parser."""
+"""Limits that several sides keep (command line, panel, manifest, presets, parser), and budgets: how long a vibe may take."""
 
 from __future__ import annotations
 
-LONGEST_PROMPT = 2000
-"""Characters of a prompt."""
+from dataclasses import dataclass
+from typing import Any
 
-LONGEST_NAME = 60
-"""Characters of a preset's name."""
+LONGEST_PROMPT = 2000  # characters of a prompt
+LONGEST_NAME = 60  # characters of a preset's name
+LARGEST_SEED = 2**31 - 1  # the largest whole number that a Blender property holds
+MESH_FORMATS = (".obj", ".glb", ".gltf", ".ply", ".stl")  # suffixes of the bare meshes that can be opened
 
-LARGEST_SEED = 2**31 - 1
-"""The largest whole number that a Blender property holds."""
 
-MESH_FORMATS = (".obj", ".glb", ".gltf", ".ply", ".stl")
-"""Suffixes of the bare meshes that can be opened."""
+@dataclass(frozen=True)
+class Budget:
+    """The work of a vibe."""
+
+    rounds: int  # outer rounds of Algorithm 1
+    steps: int  # most steps of the inner loop in each
+    size: int  # longer side of the pictures, pixels
+    starts: int  # points that a coarse first pass tries; 1 for the artist's scene alone
+    summary: str  # for whom it is, in words
+
+
+BUDGETS = {
+    "quick": Budget(3, 8, 256, 1, "a first idea"),
+    "standard": Budget(6, 12, 512, 1, "the usual"),
+    "thorough": Budget(10, 20, 512, 6, "several starts, and time to refine"),
+}
+STANDARD = BUDGETS["standard"]
+NUMBERS = ("rounds", "steps", "size", "starts")  # what a budget decides, where nothing else does
+
+
+def fill(options: Any) -> None:
+    """Sets the numbers of options that are None to those of their `budget`."""
+    for name in NUMBERS:
+        if getattr(options, name) is None:
+            setattr(options, name, getattr(BUDGETS[options.budget], name))

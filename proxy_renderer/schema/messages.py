@@ -1,17 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What Blender and the engine say to each other: JSON objects, each ended by a NUL byte.
+"""Messages between Blender and the engine: JSON objects, each ended by a NUL byte.
 
-Every class below is one message; its wire form is its fields plus "type". The first message of the
-engine carries the hash of its parameter table, and so does every request, so that two versions
-that disagree about a parameter refuse to work together instead of writing nonsense into a scene.
+Every class below is one message; its wire form is its fields plus "type". The engine's first message and every request
+carry the hash of the parameter table: versions that disagree about it refuse to work together.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any, ClassVar
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any, BinaryIO, ClassVar, get_args
 
+from .errors import VibeError
 from .options.table import Options as Options
+from .parameters import schema_hash
+
+
+def _typed(message: Any, name: str, kind: type) -> None:
+    """Gives the rows of a message their class: those that come over the wire are plain objects."""
+    rows = [row if isinstance(row, kind) else kind(**row) for row in getattr(message, name)]
+    object.__setattr__(message, name, rows)
 
 
 @dataclass(frozen=True)
@@ -25,181 +34,119 @@ class Ready:
 
 @dataclass(frozen=True)
 class Shot:
-    """One of several cameras, frames or scenes that are to share a look.
+    """One of several cameras, frames or scenes that are to share a look."""
 
-    Attributes:
-        job: Its job folder.
-        name: For people.
-        file: Names its .blend.
-    """
-
-    job: str
-    name: str
-    file: str
+    job: str  # its job folder
+    name: str  # for people
+    file: str  # names its .blend
 
 
 @dataclass(frozen=True)
 class Vibe:
-    """Blender → engine: work on the scene in the folder `job`.
-
-    Attributes:
-        schema: Blender's schema hash.
-        job: The job folder: of the first shot, if there are several.
-        prompt: What the artist typed.
-        options: The fields of `Options`.
-        vlm_key: The model's key from the add-on's preferences; it goes through the pipe and nowhere else.
-        shots: All of several shots; empty for a single one.
-        looks: Whether looks are wanted before the result, see `LookSoFar`.
-    """
+    """Blender → engine: work on the scene in the folder `job`."""
 
     type: ClassVar[str] = "vibe"
-    schema: str
-    job: str
-    prompt: str
-    options: dict[str, Any] = field(default_factory=dict)
+    schema: str  # Blender's schema hash
+    job: str  # the job folder: of the first shot, if there are several
+    prompt: str  # what the artist typed
+    options: dict[str, Any] = field(default_factory=dict)  # the fields of `Options`
+    # the model's key from the add-on's preferences; it goes through the pipe and nowhere else
     vlm_key: str = field(default="", repr=False)
-    shots: list[Shot] = field(default_factory=list)
-    looks: bool = False
+    shots: list[Shot] = field(default_factory=list)  # all of several shots; empty for a single one
+    looks: bool = False  # whether to send looks before the result, see `LookSoFar`
 
     def __post_init__(self) -> None:
-        """Shots that come over the wire are plain objects."""
-        plain = [s if isinstance(s, Shot) else Shot(**s) for s in self.shots]
-        object.__setattr__(self, "shots", plain)
+        _typed(self, "shots", Shot)
 
 
 @dataclass(frozen=True)
 class Glance:
-    """Blender → engine: only what the plan gives for these words, quickly; a `Glanced` answers, after a `Stop` an empty one.
-
-    Attributes:
-        schema: Blender's schema hash.
-        job: The job folder; the engine keeps its scene for the next glance.
-        prompt: What the artist has typed so far.
-        options: The fields of `Options`.
-    """
+    """Blender → engine: only what the plan gives for these words, quickly; a `Glanced` answers, after a `Stop` an empty one."""
 
     type: ClassVar[str] = "glance"
-    schema: str
-    job: str
-    prompt: str
-    options: dict[str, Any] = field(default_factory=dict)
+    schema: str  # Blender's schema hash
+    job: str  # the job folder; the engine keeps its scene for the next glance
+    prompt: str  # what the artist has typed so far
+    options: dict[str, Any] = field(default_factory=dict)  # the fields of `Options`
 
 
 @dataclass(frozen=True)
 class AskReadings:
-    """Blender → engine: how are these words understood? `Readings` answer in a blink, whatever else the engine does.
-
-    Attributes:
-        schema: Blender's schema hash.
-        prompt: What the artist has typed so far.
-        job: The job folder, with or without surfaces and textures; "" where the scene cannot be exported.
-        objects: Where there is no job: object that a render shows -> names of its materials.
-        lights: Likewise: light -> its type, "AREA" and so on.
-        target: "copper=Cup": what the artist says that words describe.
-    """
+    """Blender → engine: how are these words understood? `Readings` answer in a blink, whatever else the engine does."""
 
     type: ClassVar[str] = "ask_readings"
-    schema: str
-    prompt: str
+    schema: str  # Blender's schema hash
+    prompt: str  # what the artist has typed so far
+    # the job folder, with or without surfaces and textures; "" where the scene cannot be exported
     job: str = ""
+    # where there is no job: object that a render shows -> names of its materials
     objects: dict[str, list[str]] = field(default_factory=dict)
-    lights: dict[str, str] = field(default_factory=dict)
-    target: tuple[str, ...] = ()
+    lights: dict[str, str] = field(default_factory=dict)  # Likewise: light -> its type, "AREA" and so on
+    target: tuple[str, ...] = ()  # "copper=Cup": what the artist says that words describe
 
 
 @dataclass(frozen=True)
 class WordReading:
-    """How a word of a prompt is understood.
+    """A word of a prompt, as it is understood."""
 
-    Attributes:
-        text: As the prompt says it.
-        state: "understood", "guessed" or "left out".
-        meaning: What is made of it, in words for the artist: "describes Vase".
-        others: Known words that it could be taken for instead, the likeliest first.
-        key: What a target calls it: "red#2" for the second one.
-        candidates: Names of what it may describe, the one that it is taken for first, then the likeliest; see `targets`.
-        targets: What else it can describe; with no candidates, it can describe nothing.
-    """
-
-    text: str
-    state: str
-    meaning: str = ""
+    text: str  # as the prompt says it
+    state: str  # "understood", "guessed" or "left out"
+    meaning: str = ""  # what is made of it, in words for the artist: "describes Vase"
+    # known words that it could be taken for instead, the likeliest first
     others: list[str] = field(default_factory=list)
-    key: str = ""
+    key: str = ""  # what a target calls it: "red#2" for the second one
+    # names of what it may describe, the one that it is taken for first, then the likeliest; see `targets`
     candidates: list[str] = field(default_factory=list)
+    # what else it can describe; with no candidates, it can describe nothing
     targets: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
 class Readings:
-    """Engine → Blender: the answer to an `AskReadings`; of several, only the newest is answered.
-
-    Attributes:
-        prompt: The words that it is about.
-        words: Its look words, and those that are left out, in the order of the prompt.
-        note: Why nothing is understood, in a sentence for the artist; "" where something is.
-    """
+    """Engine → Blender: the answer to an `AskReadings`; of several, only the newest is answered."""
 
     type: ClassVar[str] = "readings"
-    prompt: str
+    prompt: str  # the words that it is about
+    # its look words, and those that are left out, in the order of the prompt
     words: list[WordReading] = field(default_factory=list)
-    note: str = ""
+    note: str = ""  # why nothing is understood, in a sentence for the artist; "" where something is
 
     def __post_init__(self) -> None:
-        """Words that come over the wire are plain objects."""
-        plain = [w if isinstance(w, WordReading) else WordReading(**w) for w in self.words]
-        object.__setattr__(self, "words", plain)
+        _typed(self, "words", WordReading)
 
 
 @dataclass(frozen=True)
 class LookSoFar:
-    """Engine → Blender: values on the way to the result, to be seen in the scene until there are better ones.
-
-    Attributes:
-        values: As those of `Result`.
-        picture: The proxy's picture of them, a file name in the job folder; "" before it is drawn.
-        words: Word to whether the picture shows it.
-    """
+    """Engine → Blender: values on the way to the result, to be seen in the scene until there are better ones."""
 
     type: ClassVar[str] = "look"
-    values: dict[str, list[float]]
-    picture: str = ""
-    words: dict[str, bool] = field(default_factory=dict)
+    values: dict[str, list[float]]  # as those of `Result`
+    picture: str = ""  # the proxy's picture of them, a file name in the job folder; "" before it is drawn
+    words: dict[str, bool] = field(default_factory=dict)  # word to whether the picture shows it
 
 
 @dataclass(frozen=True)
 class Glanced(LookSoFar):
-    """Engine → Blender: the answer to a `Glance`.
-
-    Attributes:
-        before: The picture of the artist's own values, a file name in the job folder.
-    """
+    """Engine → Blender: the answer to a `Glance`."""
 
     type: ClassVar[str] = "glanced"
-    before: str = ""
+    before: str = ""  # the picture of the artist's own values, a file name in the job folder
 
 
 @dataclass(frozen=True)
 class Stage:
-    """Engine → Blender: what is going on outside the loop, for a status line.
-
-    Attributes:
-        picture: When the loop begins: the artist's own values, a file name in the job folder; else "". With looks it comes
-            twice: the second is corrected by an anchor.
-    """
+    """Engine → Blender: what is going on outside the loop, for a status line."""
 
     type: ClassVar[str] = "stage"
     name: str
+    # when the loop begins: the artist's own values, a file name in the job folder; else "". With looks it comes
+    # twice: the second is corrected by an anchor
     picture: str = ""
 
 
 @dataclass(frozen=True)
 class Progress:
-    """Engine → Blender: how far the loop is. Rounds and steps count from 1.
-
-    Attributes:
-        preview: A picture in the job folder, replaced atomically about once a second; "" before the first.
-    """
+    """Engine → Blender: how far the loop is. Rounds and steps count from 1."""
 
     type: ClassVar[str] = "progress"
     round: int
@@ -208,99 +155,69 @@ class Progress:
     steps: int
     loss: float
     seconds_left: float
+    # a picture in the job folder, replaced atomically about once a second; "" before the first
     preview: str = ""
 
 
 @dataclass(frozen=True)
 class Anchor:
-    """Engine → Blender: render the scene at these values, small, for the engine to correct itself by.
-
-    Attributes:
-        number: Counts the requests of a vibe.
-        values: Parameter key to its components, of what differs from the scene's.
-        size: Longer side of the picture, pixels.
-        samples: Most samples in a pixel.
-        seed: Of the sampling pattern.
-        shot: Which of several shots to render, from 0.
-    """
+    """Engine → Blender: render the scene at these values, small, for the engine to correct itself by."""
 
     type: ClassVar[str] = "anchor"
-    number: int
-    values: dict[str, list[float]]
-    size: int
-    samples: int
-    seed: int = 0
-    shot: int = 0
+    number: int  # counts the requests of a vibe
+    values: dict[str, list[float]]  # parameter key to its components, of what differs from the scene's
+    size: int  # longer side of the picture, pixels
+    samples: int  # most samples in a pixel
+    seed: int = 0  # of the sampling pattern
+    shot: int = 0  # which of several shots to render, from 0
 
 
 @dataclass(frozen=True)
 class Anchored:
-    """Blender → engine: the answer to an `Anchor`, at most one to each.
-
-    Attributes:
-        number: Of the request.
-        picture: A multilayer EXR of 32-bit floats in the job folder, scene-linear; "" if there is none. Its layers
-            are "Combined" (denoised), "Noisy Image" (the same, not denoised; missing in a Blender that has no
-            denoiser, whose "Combined" is noisy) and "Combined_…" of every group.
-        groups: Name of a light group to whose light it holds: "light/NAME" or "world".
-        seconds: How long it took.
-        error: Why there is no picture.
-    """
+    """Blender → engine: the answer to an `Anchor`, at most one to each."""
 
     type: ClassVar[str] = "anchored"
-    number: int
+    number: int  # of the request
+    # a multilayer EXR of 32-bit floats in the job folder, scene-linear; "" if there is none. Its layers are
+    # "Combined" (denoised), "Noisy Image" (the same, not denoised; missing in a Blender that has no denoiser, whose
+    # "Combined" is noisy) and "Combined_…" of every group
     picture: str = ""
+    # name of a light group to whose light it holds: "light/NAME" or "world"
     groups: dict[str, str] = field(default_factory=dict)
-    seconds: float = 0.0
-    error: str = ""
+    seconds: float = 0.0  # how long it took
+    error: str = ""  # why there is no picture
 
 
-VARIANTS = "variants.png"
-"""The sheet of all variants, a file name in the job folder."""
+VARIANTS = "variants.png"  # the sheet of all variants, a file name in the job folder
 
 
 @dataclass(frozen=True)
 class Variant:
-    """One of several looks for the same words.
+    """One of several looks for the same words."""
 
-    Attributes:
-        values: As those of `Result`.
-        picture: Its prediction, a file name in the job folder.
-        score: Its loss; smaller is better.
-        reasons: Why they changed, by key.
-    """
-
-    values: dict[str, list[float]]
-    picture: str
-    score: float
-    reasons: dict[str, str] = field(default_factory=dict)
+    values: dict[str, list[float]]  # as those of `Result`
+    picture: str  # its prediction, a file name in the job folder
+    score: float  # its loss; smaller is better
+    reasons: dict[str, str] = field(default_factory=dict)  # why they changed, by key
 
 
 @dataclass(frozen=True)
 class Result:
-    """Engine → Blender: the values found.
-
-    Attributes:
-        values: Parameter key to its components, for every parameter whose value differs from the scene's.
-        report: The fields of report.json that the engine knows.
-        prediction: The proxy's picture of the values, a file name in the job folder.
-        stopped: Whether a stop message ended the loop early.
-        variants: If several were asked for: those found, the best first, whose values are `values`.
-        shots: Of several shots: the values of each, under its own names; `values` are the first's.
-    """
+    """Engine → Blender: the values found."""
 
     type: ClassVar[str] = "result"
+    # parameter key to its components, for every parameter whose value differs from the scene's
     values: dict[str, list[float]]
-    report: dict[str, Any]
-    prediction: str
-    stopped: bool = False
+    report: dict[str, Any]  # the fields of report.json that the engine knows
+    prediction: str  # the proxy's picture of the values, a file name in the job folder
+    stopped: bool = False  # whether a stop message ended the loop early
+    # if several were asked for: those found, the best first, whose values are `values`
     variants: list[Variant] = field(default_factory=list)
+    # of several shots: the values of each, under its own names; `values` are the first's
     shots: list[dict[str, list[float]]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        """Variants that come over the wire are plain objects."""
-        plain = [v if isinstance(v, Variant) else Variant(**v) for v in self.variants]
-        object.__setattr__(self, "variants", plain)
+        _typed(self, "variants", Variant)
 
 
 @dataclass(frozen=True)
@@ -312,40 +229,29 @@ class Stop:
 
 @dataclass(frozen=True)
 class Finish:
-    """Blender → engine: measure and compose, now that Cycles has rendered.
-
-    Attributes:
-        before: Cycles' picture of the original scene, a PNG path.
-        after: Cycles' picture of the result.
-        compare_out: Where to write before | prediction | after.
-        shot: Which of several shots, from 0; those before it are on `compare_out` as well.
-    """
+    """Blender → engine: measure and compose, now that Cycles has rendered."""
 
     type: ClassVar[str] = "finish"
-    before: str
-    after: str
-    compare_out: str
-    shot: int = 0
+    before: str  # Cycles' picture of the original scene, a PNG path
+    after: str  # Cycles' picture of the result
+    compare_out: str  # where to write before | prediction | after
+    shot: int = 0  # which of several shots, from 0; those before it are on `compare_out` as well
 
 
 @dataclass(frozen=True)
 class Finished:
-    """Engine → Blender: how well the prediction held and the words are met.
-
-    Attributes:
-        prediction: How far predictions are from `after`, in CIEDE2000: the one that is "shown", and with the option
-            `figures` what would have been predicted "before_last_anchor" and "unanchored". Each has the `mean` and `p95` over the pixels, and the
-            mean over the `subject`, if it can be seen.
-        similarity: {"before": s, "after": s}, cosine of picture and prompt.
-        judge: A vision-language model's verdict on before and after: winner, reason and what it cost, or
-            error; empty if no model is configured.
-        claims: What every word claims of the picture, and whether it holds; rows of `claims.verdict`.
-    """
+    """Engine → Blender: how well the prediction held and the words are met."""
 
     type: ClassVar[str] = "finished"
+    # how far predictions are from `after`, in CIEDE2000: the one that is "shown", and with the option `figures` what
+    # would have been predicted "before_last_anchor" and "unanchored". Each has the `mean` and `p95` over the pixels,
+    # and the mean over the `subject`, if it can be seen
     prediction: dict[str, dict[str, float]]
-    similarity: dict[str, float]
+    similarity: dict[str, float]  # {"before": s, "after": s}, cosine of picture and prompt
+    # a vision-language model's verdict on before and after: winner, reason and what it cost, or error; empty if no
+    # model is configured
     judge: dict[str, Any] = field(default_factory=dict)
+    # what every word claims of the picture, and whether it holds; rows of `claims.verdict`
     claims: list[dict[str, Any]] = field(default_factory=list)
 
 
@@ -367,21 +273,57 @@ class Quit:
 
 
 Message = (
-    Ready
-    | Vibe
-    | Glance
-    | AskReadings
-    | Readings
-    | Stage
-    | LookSoFar
-    | Glanced
-    | Progress
-    | Anchor
-    | Anchored
-    | Result
-    | Stop
-    | Finish
-    | Finished
-    | Error
-    | Quit
-)
+    Ready | Vibe | Glance | AskReadings | Readings | Stage | LookSoFar | Glanced | Progress | Anchor | Anchored | Result
+    | Stop | Finish | Finished | Error | Quit
+)  # fmt: skip
+
+_TYPES: dict[str, type] = {message.type: message for message in get_args(Message)}
+
+
+def encode(message: Message) -> bytes:
+    """The wire form: UTF-8 JSON and a NUL byte."""
+    body = {"type": message.type, **asdict(message)}
+    return json.dumps(body, ensure_ascii=False, allow_nan=False).encode() + b"\0"
+
+
+def decode(raw: bytes | str) -> Message:
+    """Inverse of `encode`, with or without the NUL byte."""
+    text = raw.decode(errors="replace") if isinstance(raw, bytes) else raw
+    try:
+        body = json.loads(text.rstrip("\0"))
+        return _TYPES[body.pop("type")](**body)
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise VibeError(
+            f"The engine and Blender do not understand each other: {text[:80]!r}.",
+            "Install the same version of vibe-render for both.",
+        ) from error
+
+
+def read(stream: BinaryIO) -> Iterator[Message]:
+    """Messages of a stream as they arrive, until it ends. A message that was cut off is dropped."""
+    pending = b""
+    while chunk := stream.read1(65536):  # type: ignore[attr-defined]
+        *whole, pending = (pending + chunk).split(b"\0")
+        yield from map(decode, whole)
+
+
+def check_schema(theirs: str, who: str) -> None:
+    """Makes sure that the other process has this process's parameter table."""
+    if theirs != schema_hash():
+        raise VibeError(
+            f"The {who} has another parameter table ({theirs or 'none'} instead of {schema_hash()}).",
+            "Install the same version of vibe-render for Blender and for the engine.",
+        )
+
+
+ClaimVerdict = Mapping[str, Any]
+"""A row of the report's `claims`; `proxy_renderer.claims.claim` says what is in it."""
+
+
+def missing_by_word(rows: Sequence[ClaimVerdict]) -> dict[str, list[ClaimVerdict]]:
+    """Measurable word -> its claims that do not hold; none where the image satisfies the word."""
+    words: dict[str, list[ClaimVerdict]] = {}
+    for row in rows:
+        if row["word"] and row["holds"] is not None:
+            words.setdefault(row["word"], []).extend([] if row["holds"] else [row])
+    return words

@@ -15,12 +15,7 @@ Matrix = tuple[Vector, Vector, Vector]
 
 
 def direction(azimuth: float, elevation: float) -> Vector:
-    """Unit vector from the subject towards something that stands at these angles.
-
-    Args:
-        azimuth: Degrees; 0 is in front (-Y), 90 at +X.
-        elevation: Degrees; 90 is straight above.
-    """
+    """Unit vector from the subject towards something that stands at these angles."""
     a, e = math.radians(azimuth), math.radians(elevation)
     return math.cos(e) * math.sin(a), -math.cos(e) * math.cos(a), math.sin(e)
 
@@ -42,10 +37,6 @@ def frame(azimuth: float, elevation: float) -> Matrix:
     """Rotation (rows of a 3x3 matrix) whose columns are right, up, and the direction to the viewer.
 
     It is the orientation of a camera that stands at these angles and looks at the subject.
-
-    Args:
-        azimuth: Degrees, as for `direction`.
-        elevation: Degrees, as for `direction`.
     """
     a = math.radians(azimuth)
     zx, zy, zz = direction(azimuth, elevation)

@@ -1,17 +1,162 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The table: every value that a vibe may change, in Blender's own terms. The only one there is."""
+"""The table: every value that a vibe may change, in Blender's own terms, and the words that may change it."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import asdict
+import math
+from dataclasses import asdict, dataclass, field
+from fnmatch import fnmatchcase
+from functools import partial
+from typing import Literal
 
-from .spec import LINEAR, LOG, SRGB, Parameter, Scale
+Kind = Literal["scalar", "color", "angle"]
+Region = Literal["subject", "surroundings", "whole"]
+Values = tuple[float, ...]
 
-VERSION = 1
-"""Raised when a row's meaning changes: presets carry it, and a newer one is refused."""
 
+@dataclass(frozen=True)
+class Scale:
+    """A monotone map between a bounded value and u in [0, 1] in which equal steps look alike."""
+
+    # "linear", "log" (needs a positive lower bound) or "power"
+    name: Literal["linear", "log", "power"] = "linear"
+    exponent: float = 1.0  # for "power": value = lower + (upper - lower) * u ** exponent
+
+    def to_unit(self, value: float, lower: float, upper: float) -> float:
+        """Maps a value to the place u in [0, 1] where it stands between its bounds.
+
+        >>> Scale("log").to_unit(10.0, 1.0, 100.0), Scale().to_unit(7.0, 0.0, 4.0)
+        (0.5, 1.0)
+        """
+        value = min(max(value, lower), upper)
+        if self.name == "log":
+            return math.log(value / lower) / math.log(upper / lower)
+        return ((value - lower) / (upper - lower)) ** (1.0 / self.exponent)
+
+    def from_unit(self, u: float, lower: float, upper: float) -> float:
+        """Inverse of `to_unit`."""
+        u = min(max(u, 0.0), 1.0)
+        if self.name == "log":
+            return lower * (upper / lower) ** u
+        return lower + (upper - lower) * u**self.exponent
+
+
+LINEAR = Scale()
+LOG = Scale("log")
+SRGB = Scale("power", 2.2)  # color components: even steps in u are about even steps on screen
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One row of the schema: a family of values that every scene has none, one or several of."""
+
+    group: str  # camera, light, world, material, volume or film
+    name: str  # unique within the group
+    kind: Kind  # "scalar", "color" (three linear Rec.709 components) or "angle" (degrees)
+    default: float  # value of one component that leaves the picture as a fresh Blender scene has it
+    lower: float  # hard lower bound of every component, in `unit`, times the instance's reference
+    upper: float  # hard upper bound, likewise
+    unit: str  # "", "W", "W/m2", "m", "1/m", "deg", "K" or "stops"
+    scale: Scale  # the perceptual scale that optimization steps on
+    region: Region  # the part of the picture that it mainly changes
+    doc: str  # what it does, for help texts and tool tips
+    blender: str  # the socket or property that it means, as an artist would look for it
+    # the scene length (see `REFERENCES`) that makes the bounds independent of the scene's size; "" for none
+    reference: str = ""
+    only: tuple[str, ...] = ()  # the kinds of owner that have it (light types, say); empty for all
+
+    @property
+    def family(self) -> str:
+        """The name shared by all instances: "material/roughness"."""
+        return f"{self.group}/{self.name}"
+
+    @property
+    def components(self) -> int:
+        """3 for colors, otherwise 1."""
+        return 3 if self.kind == "color" else 1
+
+    def key(self, owner: str = "") -> str:
+        """The name of an instance: "material/Body/roughness", or "film/contrast"."""
+        return f"{self.group}/{owner}/{self.name}" if owner else self.family
+
+
+@dataclass(frozen=True)
+class Instance:
+    """A parameter of one thing in one scene."""
+
+    parameter: Parameter  # the schema row
+    owner: str  # name of the light or material; "" for groups that a scene has one of
+    value: Values  # the artist's value, one float per component, in the parameter's unit
+    reference: float = 1.0  # what the schema's bounds are multiplied by
+    role: str = ""  # "subject" or "surroundings" for materials; "key", "fill", "rim" for lights
+    locked: str = ""  # why the value must stay as it is; "" when it may change
+    lower: Values = field(init=False)
+    upper: Values = field(init=False)
+
+    def __post_init__(self) -> None:
+        # A scene may hold a value that the schema would not choose: the artist's value is always legal.
+        low, high = (b * self.reference for b in (self.parameter.lower, self.parameter.upper))
+        object.__setattr__(self, "lower", tuple(min(low, v) for v in self.value))
+        object.__setattr__(self, "upper", tuple(max(high, v) for v in self.value))
+        if self.parameter.scale.name == "log":
+            object.__setattr__(self, "lower", tuple(max(v, low * 1e-3) for v in self.lower))
+
+    @property
+    def key(self) -> str:
+        """The name in reports, presets, locks and messages."""
+        return self.parameter.key(self.owner)
+
+    def distance(self, value: Values) -> float:
+        """The greatest distance of a component from the artist's value on the perceptual scale, 0 to 1."""
+        unit = self.parameter.scale.to_unit
+        ends = zip(self.value, value, self.lower, self.upper, strict=True)
+        return max(abs(unit(a, low, high) - unit(b, low, high)) for a, b, low, high in ends)
+
+
+def split_key(key: str) -> tuple[str, str, str]:
+    """Splits a key into (group, owner, name); the owner is "" where a scene has one of the group.
+
+    An owner's name may itself contain slashes.
+
+    >>> split_key("material/Wood/Oak/roughness"), split_key("film/contrast")
+    (('material', 'Wood/Oak', 'roughness'), ('film', '', 'contrast'))
+    """
+    group, _, rest = key.partition("/")
+    owner, _, name = rest.rpartition("/")
+    return group, owner, name
+
+
+def matches(key: str, patterns: tuple[str, ...] | list[str]) -> bool:
+    """True if a pattern names a key: patterns are groups, groups with an owner, keys, or globs of keys.
+
+    >>> matches("light/Key/power", ["light"]), matches("light/Key/power", ["*/power"])
+    (True, True)
+    """
+    group, owner, _ = split_key(key)
+    return any(p in (group, f"{group}/{owner}", key) or fnmatchcase(key, p) for p in patterns)
+
+
+# A mood never repaints the scene. Moods, light words, places, weather, seasons, times of day and grade words are served by
+# lights, world, air and film. A material changes only for a word that the prompt itself says, that is bound to it, and that
+# speaks of its color, substance or finish. A material that lights the scene by its glow is a light, and its glow no paint.
+PAINT = "material"  # the group of parameters that only words about surfaces may change
+_NO_PAINT = frozenset(("light", "world", "volume", "film"))
+MEANS: dict[str, frozenset[str]] = {
+    **dict.fromkeys(("color", "finish", "material"), _NO_PAINT | {PAINT}),
+    **dict.fromkeys(("lighting", "atmosphere", "grade", "mood", "setting"), _NO_PAINT),
+}
+"""Slot of a word -> groups of parameters that may serve it."""
+SURFACES = tuple(slot for slot, groups in MEANS.items() if PAINT in groups)  # slots of words about surfaces
+
+
+def may_serve(group: str, slot: str, cause: str = "") -> bool:
+    """True if a group of parameters may serve a word, or a word that a mood stands for (`cause`)."""
+    return group in MEANS[slot] and not (cause and group == PAINT)
+
+
+VERSION = 1  # raised when a row's meaning changes: presets carry it, and a newer one is refused
 REFERENCES = {
     "light_distance": "distance from the light to the subject's center, meters",
     "light_distance_squared": "the same, squared: it cancels the inverse square law",
@@ -23,31 +168,12 @@ REFERENCES = {
 """Scene lengths that bounds are multiples of, measured once, before anything is changed."""
 
 _LAMPS = ("POINT", "SPOT", "AREA")
-
-
-def _camera(name: str, *row, **more) -> Parameter:
-    return Parameter("camera", name, *row, **more)
-
-
-def _light(name: str, *row, **more) -> Parameter:
-    return Parameter("light", name, *row, **more)
-
-
-def _world(name: str, *row, **more) -> Parameter:
-    return Parameter("world", name, *row, **more)
-
-
-def _material(name: str, *row, **more) -> Parameter:
-    return Parameter("material", name, *row, **more)
-
-
-def _volume(name: str, *row, **more) -> Parameter:
-    return Parameter("volume", name, *row, **more)
-
-
-def _film(name: str, *row, **more) -> Parameter:
-    return Parameter("film", name, *row, **more)
-
+_camera = partial(Parameter, "camera")
+_light = partial(Parameter, "light")
+_world = partial(Parameter, "world")
+_material = partial(Parameter, "material")
+_volume = partial(Parameter, "volume")
+_film = partial(Parameter, "film")
 
 # fmt: off
 PARAMETERS: tuple[Parameter, ...] = (

@@ -48,23 +48,16 @@ _OURS = "Use a preset that Vibe Render has written."
 
 @dataclass(frozen=True)
 class Preset:
-    """A look.
+    """A look."""
 
-    Attributes:
-        name: Its title.
-        roles: Role to its entries, the most visible or brightest first.
-        kinds: Of every light entry, its type ("AREA", …), by role.
-        prompt: What the artist typed.
-        goals: What it was searched for by, see docs/reference/goals.md: `vibe run --goals` searches it again; {} for none.
-        version: Of the parameter table that it was made with.
-    """
-
-    name: str
-    roles: dict[str, list[Entry]]
+    name: str  # its title
+    roles: dict[str, list[Entry]]  # role to its entries, the most visible or brightest first
+    # of every light entry, its type ("AREA", …), by role
     kinds: dict[str, list[str]] = field(default_factory=dict)
-    prompt: str = ""
+    prompt: str = ""  # what the artist typed
+    # what it was searched for by, see docs/reference/goals.md: `vibe run --goals` searches it again; {} for none
     goals: dict[str, Any] = field(default_factory=dict)
-    version: int = VERSION
+    version: int = VERSION  # of the parameter table that it was made with
 
     def dumps(self) -> str:
         """The text of a preset file."""
@@ -94,23 +87,7 @@ def loads(text: str) -> Preset:
         raise VibeError(f"The preset is not JSON: {error}.", _OURS) from error
     if not isinstance(raw, dict) or raw.get("format") != FORMAT or not isinstance(raw.get("roles"), dict):
         raise VibeError("This file is not a Vibe Render preset.", _OURS)
-    _check_version(raw.get("version"))
-    for name in sorted(raw.keys() - _FIELDS):
-        raise VibeError(f"The preset has an unknown field {quoted(name)}.", "Remove it from the preset.")
-    for role, entries in raw["roles"].items():
-        _check_role(role, entries)
-    kinds = raw.get("kinds", {})
-    _check_kinds(kinds, raw["roles"])
-    name, prompt = (
-        _text(raw, field, most) for field, most in (("name", LONGEST_NAME), ("prompt", LONGEST_PROMPT))
-    )
-    goals = raw.get("goals", {})
-    if not isinstance(goals, dict):
-        raise VibeError("The preset's goals are no object.", "Remove them from the preset.")
-    return Preset(name, raw["roles"], kinds, prompt, goals, raw["version"])
-
-
-def _check_version(version: Any) -> None:
+    version = raw.get("version")
     if not isinstance(version, int) or isinstance(version, bool) or version < 1:
         raise VibeError("The preset does not say which version of the schema it is for.", _OURS)
     if version > VERSION:
@@ -118,6 +95,17 @@ def _check_version(version: Any) -> None:
             f"The preset was made by a newer version of Vibe Render ({_short(version)}, this is {VERSION}).",
             "Update Vibe Render.",
         )
+    for name in sorted(raw.keys() - _FIELDS):
+        raise VibeError(f"The preset has an unknown field {quoted(name)}.", "Remove it from the preset.")
+    for role, entries in raw["roles"].items():
+        _check_role(role, entries)
+    kinds = raw.get("kinds", {})
+    _check_kinds(kinds, raw["roles"])
+    name, prompt = _text(raw, "name", LONGEST_NAME), _text(raw, "prompt", LONGEST_PROMPT)
+    goals = raw.get("goals", {})
+    if not isinstance(goals, dict):
+        raise VibeError("The preset's goals are no object.", "Remove them from the preset.")
+    return Preset(name, raw["roles"], kinds, prompt, goals, version)
 
 
 def _text(raw: dict[str, Any], name: str, most: int) -> str:
@@ -187,12 +175,7 @@ def _short(value: Any) -> str:
 
 
 def clamped(group: str, values: Mapping[str, Sequence[float]]) -> Entry:
-    """An entry with every value within the bounds that `loads` insists on.
-
-    Args:
-        group: Of the parameters: "material", "light", …
-        values: Parameter name to components, in multiples of its reference.
-    """
+    """An entry (values are multiples of the reference) within the bounds that `loads` insists on."""
     entry = {}
     for name, value in values.items():
         parameter = FAMILIES[f"{group}/{name}"]

@@ -23,14 +23,10 @@ def unit_energy(light_type: str, distance: float = 1.0) -> float:
     """The energy at which a white diffuse surface that faces the light has a radiance of 1.
 
     Args:
-        light_type: Blender's name of it: "POINT", "SPOT", "AREA" or "SUN".
         distance: From the light to the surface, meters; several times the light's size. Suns ignore it.
 
     Returns:
         Watts; W/m² of a sun.
-
-    Raises:
-        VibeError: There is no such light type.
     """
     if light_type not in _UNIT_ENERGY:
         raise VibeError(
@@ -41,11 +37,5 @@ def unit_energy(light_type: str, distance: float = 1.0) -> float:
 
 
 def radiance(light_type: str, energy: float, distance: float = 1.0, stops: float = 0.0) -> float:
-    """Radiance of a white diffuse surface that faces a light: the inverse of `unit_energy`.
-
-    Args:
-        light_type: As for `unit_energy`.
-        energy: Watts; W/m² of a sun.
-        distance: As for `unit_energy`.
-    """
+    """Radiance of a white diffuse surface that faces a light of some W (W/m² of a sun): the inverse of `unit_energy`."""
     return energy * 2.0**stops / unit_energy(light_type, distance)

@@ -12,11 +12,9 @@ GENERAL = {
     "highlights": "highlight", "not used": "none",
 }  # fmt: skip
 """Name that `--target` takes in every scene -> kind of target, as the reader calls it. Of two names of a kind, the first is shown."""
-OFFERED = ("lights", "key light", "world", "image", "not used")
-"""Names that every word's menu offers."""
+OFFERED = ("lights", "key light", "world", "image", "not used")  # names that every word's menu offers
 NOT_USED = "not used"
-NAME_OF = {kind: name for name, kind in reversed(GENERAL.items())}
-"""Kind of target -> its name."""
+NAME_OF = {kind: name for name, kind in reversed(GENERAL.items())}  # kind of target -> its name
 NUMBER = "#"
 """Between a word and its number, where the prompt says it several times: "red#2"."""
 _AND = " + "
@@ -27,23 +25,19 @@ def joined(names: Iterable[str]) -> str:
     return _AND.join(names)
 
 
-def parted(target: str) -> list[str]:
+def target_names(target: str) -> list[str]:
     """The names in a target, see `joined`."""
     return [name.strip() for name in target.split(_AND)]
 
 
 def listed(target: str) -> str:
     """A target as a sentence has it: "Cup and Table", "the key light"."""
-    names = [f"the {name}" if name in GENERAL and name != NOT_USED else name for name in parted(target)]
+    names = [f"the {name}" if name in GENERAL and name != NOT_USED else name for name in target_names(target)]
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 def is_said(key: str, prompt: str) -> bool:
-    """Whether a prompt says the word of a key.
-
-    Args:
-        key: As `--target` calls the word: "very glossy", "red#2".
-    """
+    """True if a prompt has the word of a key, such as "very glossy" or "red#2"."""
     words = re.findall(r"[^\W_]+", key.partition(NUMBER)[0].casefold())
-    said = prompt.casefold().replace("colour", "color")
-    return bool(words) and words[-1] in said  # an intensity may stand elsewhere
+    text = prompt.casefold().replace("colour", "color")
+    return bool(words) and words[-1] in text  # an intensity may stand elsewhere

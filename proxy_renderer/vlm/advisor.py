@@ -11,25 +11,20 @@ from ..color.floats import hex_from_srgb
 from ..goals.resolve import Goals, goals_of, resolved
 from ..goals.wish import Wish
 from ..planning.advice import Advice, OfflineAdvisor
+from ..planning.captions import Prompts, compose
 from ..planning.planner import plan as confine
-from ..planning.types import LightPlan, Plan, PlanContext, PlanEntry
-from ..prompt.lexicon.quantities import quantities
-from ..prompt.parser import parse
-from ..prompt.prompts import compose
-from ..prompt.types import Attribute, Parsed, PromptObject, Prompts
-from ..prompt.understood import Understood
+from ..planning.types import LightPlan, Plan, PlanEntry
 from ..schema import Instance, VibeError
-from .aliases import AliasTable
-from .client import Client
-from .errors import ModelError
-from .picture import jpeg_of
+from ..words.lexicon.quantities import quantities
+from ..words.parser import Understood, parse
+from ..words.types import Attribute, Parsed, PromptObject, SceneDescription
+from .client import Client, jpeg_of
 from .reply import Reply, read_reply
-from .request import make_question
+from .request import AliasTable, make_question
+from .transport import ModelError
 
-_SAYS = "the model"
-"""What stands in reports in the place of a word, where a model asks for something."""
-_COLORS = {"subject": "color", "surroundings": "surroundings_color"}
-"""Region -> quantity of its color."""
+_MODEL = "the model"  # what stands in reports in the place of a word, where a model asks for something
+_COLORS = {"subject": "color", "surroundings": "surroundings_color"}  # region -> quantity of its color
 _PATIENCE = 2  # rounds in a row without an answer, after which the model is not asked any more
 
 
@@ -37,9 +32,7 @@ class ModelAdvisor:
     """Asks a model once a round, with the current picture.
 
     Args:
-        understood: The prompt, read against the scene.
         goals: What it asks for; why there is nothing where nothing is understood.
-        tell: Called with what goes on, for a status line.
         light: What a rig plans, which is part of the draft; None where the words ask for none.
     """
 
@@ -51,12 +44,8 @@ class ModelAdvisor:
         tell: Callable[[str], None],
         light: LightPlan | None = None,
     ) -> None:
-        self._prompt, self._words, self._client, self._tell = (
-            understood.prompt,
-            understood.scene,
-            client,
-            tell,
-        )
+        self._prompt, self._words = understood.prompt, understood.scene
+        self._client, self._tell = client, tell
         self._offline = OfflineAdvisor(goals, light)
         self._caption = ""  # the model's own words for the look: the vocabulary may know these at least
         self._failures: list[str] = []
@@ -64,13 +53,11 @@ class ModelAdvisor:
         self._given_up = False
         self._counts = {"clipped": 0, "mended": 0, "dropped": 0, "missing": 0}
 
-    def advise(self, display: Any, instances: Mapping[str, Instance], context: PlanContext) -> Advice:
+    def advise(self, display: Any, instances: Mapping[str, Instance], context: SceneDescription) -> Advice:
         """The model's advice for a round; the offline planner's if the model fails.
 
         Args:
             display: The current picture as it is displayed; None before the first one.
-            instances: The scene's parameters, by key.
-            context: What the planner knows about the scene.
 
         Raises:
             VibeError: Neither the model nor the offline planner understands the prompt.
@@ -108,7 +95,7 @@ class ModelAdvisor:
         }
 
     def _ask(
-        self, display: Any, instances: Mapping[str, Instance], context: PlanContext, draft: Advice | None
+        self, display: Any, instances: Mapping[str, Instance], context: SceneDescription, draft: Advice | None
     ) -> Reply:
         table = AliasTable(instances, context)
         empty = Advice(Goals(Parsed(self._prompt)), Prompts("", "", ""), Plan())
@@ -128,7 +115,7 @@ class ModelAdvisor:
         return reply
 
     def _combine(
-        self, draft: Advice | None, reply: Reply, instances: Mapping[str, Instance], context: PlanContext
+        self, draft: Advice | None, reply: Reply, instances: Mapping[str, Instance], context: SceneDescription
     ) -> Advice:
         """The model's words where it has some, the draft's elsewhere; its ranges over the drafted ones."""
         read = draft.goals if draft else goals_of(self._read(reply.prompts.whole))
@@ -139,12 +126,14 @@ class ModelAdvisor:
             or [PromptObject(self._words.subject or "subject", "subject")],
             ignored=reply.ignored if draft is None else read.parsed.ignored,
         )
+        # The prompt's own words come first, the model's wishes are implied.
         goals = resolved(parsed, [*read.wishes, *(each.wish for each in read.lost), *_wishes(reply)])
         composed = compose(read.parsed, read.overruled)
         theirs = {name: value for name, value in vars(reply.prompts).items() if value}
         prompts = replace(composed, **theirs)
+        # Its ranges replace the drafted ones; parameters that it keeps leave the plan.
         drafted = confine(goals, dict(instances), context)
-        entries = {key: self._kept(instances[key]) if key in reply.keep else e for key, e in drafted.items()}
+        entries = {key: _kept(instances[key]) if key in reply.keep else e for key, e in drafted.items()}
         plan = Plan({**entries, **reply.entries}, drafted.notes)
         return Advice(
             goals, prompts, plan, draft.unmeasured if draft else prompts, self._client.endpoint.model
@@ -155,7 +144,7 @@ class ModelAdvisor:
         draft: Advice | None,
         unknown: VibeError | None,
         instances: Mapping[str, Instance],
-        context: PlanContext,
+        context: SceneDescription,
         why: str,
     ) -> Advice:
         """The advice without the model: the draft, or the model's earlier caption as the vocabulary reads it."""
@@ -179,18 +168,18 @@ class ModelAdvisor:
         except VibeError:
             return Parsed(self._prompt, objects=[PromptObject("subject", "subject")])
 
-    def _kept(self, instance: Instance) -> PlanEntry:
-        reason = f"locked: {instance.locked}" if instance.locked else "model: keeps the artist's value"
-        if instance.locked:
-            return PlanEntry(instance.value, instance.value, None, reason)
-        return PlanEntry(instance.lower, instance.upper, None, reason)
+
+def _kept(instance: Instance) -> PlanEntry:
+    if instance.locked:
+        return PlanEntry(instance.value, instance.value, None, f"locked: {instance.locked}")
+    return PlanEntry(instance.lower, instance.upper, None, "model: keeps the artist's value")
 
 
 def _wishes(reply: Reply) -> Iterator[Wish]:
-    """What a model says that the image should show: implied, so that the prompt's own words come first."""
+    """A model's wishes for the image: implied, so that the prompt's own words come first."""
     for quantity, named in reply.targets.items():
-        said = Attribute(named, "", "mood", "whole", "light", cause=_SAYS)
-        yield Wish(said, quantity, named, claims=quantities().by_name[quantity].classes[named])
+        word = Attribute(named, "", "mood", "whole", "light", cause=_MODEL)
+        yield Wish(word, quantity, named, claims=quantities().by_name[quantity].classes[named])
     for region, color in reply.colors.items():
-        said = Attribute(hex_from_srgb(color), "", "color", region, region, color=color, cause=_SAYS)
-        yield Wish(said, _COLORS[region])
+        word = Attribute(hex_from_srgb(color), "", "color", region, region, color=color, cause=_MODEL)
+        yield Wish(word, _COLORS[region])

@@ -1,19 +1,177 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Asks a model: from the cache if it can, else with patience, within a time limit, and counts what it costs."""
+"""Asks a model: retries, time limits, cache, what the server cannot do, what it costs."""
 
 from __future__ import annotations
 
+import base64
+import contextlib
+import hashlib
+import io
+import json
+import os
+import re
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from .cache import Cache
-from .dialect import Dialect, Question
+import numpy as np
+from PIL import Image
+
+from ..folders import cache_folder
+from ..schema import atomic
 from .endpoint import Endpoint
-from .errors import ModelError
-from .extract import find_object, scrub
-from .transport import Completion, Transport
+from .transport import Completion, ModelError, Transport, find_object, scrub
+
+if TYPE_CHECKING:
+    from torch import Tensor
+
+
+_SMALLEST, _LARGEST = 384, 1536  # pixels of the longer side: what models cut into patches well
+
+
+def jpeg_of(picture: Tensor | Image.Image) -> bytes:
+    """A small JPEG of a display picture (H, W, 3) in [0, 1], or of an image."""
+    if not isinstance(picture, Image.Image):
+        data = (picture.detach().cpu().numpy().clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
+        picture = Image.fromarray(data)
+    longest = max(picture.size)
+    factor = min(max(longest, _SMALLEST), _LARGEST) / longest
+    size = tuple(max(round(n * factor), 1) for n in picture.size)
+    if size != picture.size:
+        picture = picture.resize((size[0], size[1]), Image.Resampling.LANCZOS)
+    file = io.BytesIO()
+    picture.convert("RGB").save(file, "JPEG", quality=90)
+    return file.getvalue()
+
+
+_FORMATS = ("json_schema", "json_object", "text")
+_MOST_TOKENS = 8192  # a plan has one or two thousand; the rest is for models that think first
+_TEMPERATURE = re.compile(r"temperature", re.IGNORECASE)
+_LIMIT = re.compile(r"max_(completion_)?tokens", re.IGNORECASE)
+_FORMAT = re.compile(
+    r"response_format|json_schema|json_object|schema|grammar|structured|json mode", re.IGNORECASE
+)
+_PICTURE = re.compile(
+    r"image|vision|multi-?modal|mmproj|content.{0,20}(part|type|array|list|string)", re.IGNORECASE
+)
+
+
+@dataclass(frozen=True)
+class Question:
+    """A question to a model."""
+
+    system: str  # our instructions
+    text: str  # the data, as one JSON document, or a text of ours
+    picture: bytes | None = None  # a JPEG; None for none
+    schema: dict[str, Any] | None = None  # JSON schema of the answer; None where the answer is plain text
+    must_see: bool = False  # whether an answer without the picture is of no use
+
+
+class Dialect:
+    """The options of a request that the server has not refused so far."""
+
+    def __init__(self) -> None:
+        self.format = _FORMATS[0]
+        self.pictures = True
+        self._temperature = True
+        self._limit = "max_completion_tokens"
+
+    def body(self, model: str, question: Question, earlier: list[dict[str, Any]]) -> dict[str, Any]:
+        """The request; `earlier` is an answer that could not be read, and the complaint about it."""
+        system = question.system
+        body: dict[str, Any] = {"model": model}
+        if question.schema is not None:
+            if self.format == "json_schema":
+                strict = {"name": "reply", "strict": True, "schema": question.schema}
+                body["response_format"] = {"type": "json_schema", "json_schema": strict}
+            else:
+                schema = json.dumps(question.schema, separators=(",", ":"))
+                system += f"\n\nReply with one JSON object, and nothing else, by this JSON schema:\n{schema}"
+                if self.format == "json_object":
+                    body["response_format"] = {"type": "json_object"}
+        content: Any = question.text
+        if question.picture is not None and self.pictures:
+            url = "data:image/jpeg;base64," + base64.b64encode(question.picture).decode()
+            content = [
+                {"type": "text", "text": question.text},
+                {"type": "image_url", "image_url": {"url": url}},
+            ]
+        if self._temperature:
+            body["temperature"] = 0
+        if self._limit:
+            body[self._limit] = _MOST_TOKENS
+        messages = [{"role": "system", "content": system}, {"role": "user", "content": content}, *earlier]
+        return {**body, "messages": messages}
+
+    def give_up(self, complaint: str, question: Question) -> bool:
+        """Leaves out the option that the server refuses; False if there is nothing more to leave out."""
+        if _TEMPERATURE.search(complaint) and self._temperature:
+            self._temperature = False
+            return True
+        if _LIMIT.search(complaint) and self._limit:
+            self._limit = "max_tokens" if self._limit == "max_completion_tokens" else ""
+            return True
+        formats = question.schema is not None and self.format != "text"
+        pictures = question.picture is not None and self.pictures
+        if (
+            pictures
+            and not question.must_see
+            and ((_PICTURE.search(complaint) and not _FORMAT.search(complaint)) or not formats)
+        ):
+            self.pictures = False
+            return True
+        if formats:
+            self.format = _FORMATS[_FORMATS.index(self.format) + 1]
+            return True
+        return False
+
+    @staticmethod
+    def about(complaint: str) -> bool:
+        """True if a server error's words refuse a part of the request."""
+        return bool(complaint) and any(p.search(complaint) for p in (_TEMPERATURE, _LIMIT, _FORMAT, _PICTURE))
+
+
+_MOST = 500  # answers that are kept; the ones used longest ago go first
+
+
+class Cache:
+    """One small JSON file for each answer. A file that cannot be read or written counts as missing."""
+
+    def __init__(self, folder: Path | None = None) -> None:
+        self.folder = folder or cache_folder("vlm")
+
+    @staticmethod
+    def key(*parts: Any) -> str:
+        """A name for content: JSON values and bytes."""
+        digest = hashlib.sha256()
+        for part in parts:
+            raw = part if isinstance(part, bytes) else json.dumps(part, sort_keys=True).encode()
+            digest.update(len(raw).to_bytes(8, "big") + raw)
+        return digest.hexdigest()
+
+    def read(self, key: str) -> Any:
+        """An answer, or None."""
+        path = self.folder / f"{key}.json"
+        try:
+            answer = json.loads(path.read_text(encoding="utf-8"))["answer"]
+            os.utime(path)
+            return answer
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):
+            return None
+
+    def write(self, key: str, answer: Any) -> None:
+        """Keeps an answer, readable by its owner only; where it cannot be written, the question is paid for again."""
+        with contextlib.suppress(OSError, RuntimeError):
+            self.folder.mkdir(parents=True, exist_ok=True)
+            with atomic.replacing(self.folder / f"{key}.json") as part:
+                part.touch(mode=0o600)
+                part.write_text(json.dumps({"answer": answer}), encoding="utf-8")
+            files = sorted(self.folder.glob("*.json"), key=lambda p: p.stat().st_mtime)
+            for path in files[:-_MOST]:
+                path.unlink(missing_ok=True)
+
 
 _VERSION = 1  # of the questions and what is made of answers; a new one forgets the cache
 _TRIES = 4
@@ -26,23 +184,14 @@ _AGAIN = (
 
 @dataclass
 class Usage:
-    """Requests, tokens and cost so far.
+    """Requests, tokens and cost so far."""
 
-    Attributes:
-        calls: Requests sent, repetitions included.
-        cached: Questions answered from the disk.
-        read: Tokens of all questions, as the server counts them.
-        written: Tokens of all answers.
-        seconds: Time spent waiting.
-        cost: US dollars, where the server or VIBE_VLM_PRICE says what tokens cost.
-    """
-
-    calls: int = 0
-    cached: int = 0
-    read: int = 0
-    written: int = 0
-    seconds: float = 0.0
-    cost: float | None = None
+    calls: int = 0  # requests sent, repetitions included
+    cached: int = 0  # questions answered from the disk
+    read: int = 0  # tokens of all questions, as the server counts them
+    written: int = 0  # tokens of all answers
+    seconds: float = 0.0  # time spent waiting
+    cost: float | None = None  # US dollars, where the server or VIBE_VLM_PRICE says what tokens cost
 
     def account(self) -> dict[str, Any]:
         """For report.json."""
@@ -55,25 +204,13 @@ class Usage:
         }
 
 
-def _anything(answer: Any) -> None:
-    """Every answer will do."""
-
-
 def never() -> bool:
     """Nobody stops it."""
     return False
 
 
 class Client:
-    """A model to ask.
-
-    Args:
-        stop: True when the wait should end now.
-
-    Attributes:
-        usage: What it has cost.
-        dialect: What the server has turned out to understand.
-    """
+    """A model to ask."""
 
     def __init__(
         self, endpoint: Endpoint, stop: Callable[[], bool] = never, cache: Cache | None = None
@@ -86,25 +223,10 @@ class Client:
     def ask(
         self, question: Question, check: Callable[[Any], object] | None = None, fresh: bool = False
     ) -> Any:
-        """The answer: an object if the question has a schema, else text.
-
-        Args:
-            check: Raises ModelError for an answer that is of no use; the model is asked once more then.
-            fresh: Do not look on the disk.
-
-        Raises:
-            ModelError: There is none.
-        """
+        """The answer: an object if there is a schema, else text. If `check` refuses it, the model is asked again."""
         point = self.endpoint
-        key = Cache.key(
-            _VERSION,
-            point.url,
-            point.model,
-            question.system,
-            question.text,
-            question.schema,
-            question.picture or b"",
-        )
+        asked = (question.system, question.text, question.schema, question.picture or b"")
+        key = Cache.key(_VERSION, point.url, point.model, *asked)
         if not fresh and (cached_answer := self._cache.read(key)) is not None:
             self.usage.cached += 1
             return cached_answer
@@ -114,7 +236,7 @@ class Client:
             )
         start = time.monotonic()
         try:
-            answer = self._converse(question, check or _anything, start + point.seconds)
+            answer = self._converse(question, check or (lambda answer: None), start + point.seconds)
         finally:
             self._transport.close()
             self.usage.seconds += time.monotonic() - start

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which model is asked, where, and with whose key. Standard library only."""
+"""The model that is asked, where it is, and its key."""
 
 from __future__ import annotations
 
@@ -20,32 +20,30 @@ _HOW = "Ollama's is http://localhost:11434/v1, OpenAI's is " + OPENAI + "."
 
 @dataclass(frozen=True)
 class Endpoint:
-    """A model behind an OpenAI-compatible endpoint.
+    """A model behind an OpenAI-compatible endpoint."""
 
-    Attributes:
-        model: Its name there.
-        url: The base URL, without a slash at its end.
-        key: Never written anywhere, not even by `repr`.
-        seconds: Time limit of a question, repetitions included.
-        prices: US dollars per million tokens, (read, written); None if unknown.
-    """
-
-    model: str
-    url: str
-    key: str = field(default="", repr=False)
-    seconds: float = _SECONDS
+    model: str  # its name there
+    url: str  # the base URL, without a slash at its end
+    key: str = field(default="", repr=False)  # never written anywhere, not even by `repr`
+    seconds: float = _SECONDS  # time limit of a question, repetitions included
+    # US dollars per million tokens, (read, written); None if unknown
     prices: tuple[float, float] | None = None
 
     @property
     def local(self) -> bool:
-        """Whether it is this computer's own."""
-        return is_local(self.url)
+        """True if its URL stays on this computer (a loopback address)."""
+        host = urlsplit(self.url).hostname or ""
+        if host == "localhost" or host.endswith(".localhost"):
+            return True
+        try:
+            return ipaddress.ip_address(host).is_loopback
+        except ValueError:
+            return False
 
     @property
     def place(self) -> str:
         """Host and port, for messages; the rest of the URL may hold secrets."""
-        parts = urlsplit(self.url)
-        return parts.netloc.rpartition("@")[2]
+        return urlsplit(self.url).netloc.rpartition("@")[2]
 
 
 def find_endpoint(
@@ -61,7 +59,6 @@ def find_endpoint(
     Args:
         options: The vibe's; a `vlm_model` of "off" means none, whatever the environment says.
         key: From the add-on's preferences; "" for the environment's.
-        environment: This process's if left out.
 
     Raises:
         VibeError: For a URL that is none, a missing key, or a place that Blender may not reach.
@@ -70,6 +67,7 @@ def find_endpoint(
     model = (options.vlm_model or env.get("VIBE_VLM_MODEL", "")).strip()
     if not model or model == OFF:
         return None
+    # Where, and with whose key: OpenAI's own key goes to OPENAI_BASE_URL alone.
     theirs = (env.get("OPENAI_BASE_URL", "").strip() or OPENAI).rstrip("/")
     url = (options.vlm_url or env.get("VIBE_VLM_URL", "")).strip().rstrip("/") or theirs
     _check(url)
@@ -92,17 +90,6 @@ def find_endpoint(
             "Allow it in Preferences > System > Network, or use a model on this computer.",
         )
     return endpoint
-
-
-def is_local(url: str) -> bool:
-    """Whether a URL stays on this computer (a loopback address)."""
-    host = urlsplit(url).hostname or ""
-    if host == "localhost" or host.endswith(".localhost"):
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
 
 
 def _check(url: str) -> None:

@@ -7,13 +7,10 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw, ImageFont, ImageOps
 
-from .client import Client
-from .dialect import Question
-from .errors import ModelError
-from .extract import clean
-from .picture import jpeg_of
+from .client import Client, Question, jpeg_of
+from .transport import ModelError, clean
 
 INSTRUCTIONS = """\
 Unpaired Text-to-Appearance Evaluation Instructions
@@ -44,59 +41,33 @@ _NUMBERS = ("zero", "one", "two", "three", "four", "five", "six")
 
 @dataclass(frozen=True)
 class Column:
-    """One object's two pictures.
+    """One object's two pictures."""
 
-    Attributes:
-        name: Of the object.
-        prompt: What both were asked for.
-        top: The first row's picture.
-        bottom: The second row's.
-    """
-
-    name: str
-    prompt: str
-    top: Image.Image
-    bottom: Image.Image
+    name: str  # of the object
+    prompt: str  # what both were asked for
+    top: Image.Image  # the first row's picture
+    bottom: Image.Image  # the second row's
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """A judge's decision.
+    """A judge's decision."""
 
-    Attributes:
-        winner: A row's name in capitals, or "TIE".
-        reason: One sentence.
-    """
-
-    winner: str
-    reason: str
+    winner: str  # a row's name in capitals, or "TIE"
+    reason: str  # one sentence
 
 
 def judge(
     client: Client, columns: Sequence[Column], rows: tuple[str, str] = ROWS, fresh: bool = False
 ) -> Verdict:
-    """Asks a model which row of a figure is better; the paper's own words for the paper's own figure.
-
-    Args:
-        client: The model; it has to see pictures.
-        rows: Names of the top and the bottom row.
-        fresh: Do not take the answer from the cache.
-
-    Raises:
-        ModelError: It does not answer, not in the strict form, or cannot see pictures.
-    """
+    """Asks a model which row of a figure is better, in the paper's words. Raises ModelError if it gives no verdict."""
     text = instructions([c.name for c in columns], rows)
     question = Question(text, "The comparison figure:", jpeg_of(figure(columns, rows)), must_see=True)
     return read_verdict(client.ask(question, lambda reply: read_verdict(reply, rows), fresh), rows)
 
 
 def instructions(names: Sequence[str], rows: tuple[str, str] = ROWS) -> str:
-    """The evaluation prompt for a figure; for the paper's own figure it is the paper's word for word.
-
-    Args:
-        names: Of the objects, a column each; one to six.
-        rows: Names of the top and the bottom row.
-    """
+    """The evaluation prompt for a figure; for the paper's own figure it is the paper's word for word."""
     count = len(names)
     many = "objects" if count > 1 else "object"
     return (
@@ -112,12 +83,6 @@ def instructions(names: Sequence[str], rows: tuple[str, str] = ROWS) -> str:
 
 def read_verdict(text: str, rows: tuple[str, str] = ROWS) -> Verdict:
     r"""Reads a verdict; bold marks, a colon for the equals sign and other lines are tolerated.
-
-    Args:
-        rows: Names of the top and the bottom row.
-
-    Returns:
-        The winner in capitals, a row's name or "TIE", and the reason.
 
     Raises:
         ModelError: The answer names no winner, or more than one.
@@ -136,15 +101,7 @@ def read_verdict(text: str, rows: tuple[str, str] = ROWS) -> Verdict:
 
 
 def figure(columns: Sequence[Column], rows: tuple[str, str] = ROWS) -> Image.Image:
-    """The comparison figure: two rows of pictures, a column for each object, its prompt under it.
-
-    Args:
-        columns: One to six, each with a picture for either row.
-        rows: Names of the top and the bottom row.
-
-    Returns:
-        An RGB picture that grows with the columns and the longest prompt.
-    """
+    """The comparison figure: two rows of pictures, a column for each object, its prompt under it."""
     font, small = ImageFont.load_default(20), ImageFont.load_default(17)
     lines = [_wrapped(f"{c.name}: {c.prompt}", small) for c in columns]
     left, top = 110, _MARGIN
@@ -156,7 +113,8 @@ def figure(columns: Sequence[Column], rows: tuple[str, str] = ROWS) -> Image.Ima
         y = top + row * (_CELL + _MARGIN)
         draw.text((left / 2, y + _CELL / 2), name, _FAINT, font, anchor="mm")
         for index, column in enumerate(columns):
-            picture = _fitted((column.top, column.bottom)[row])
+            whole = (column.top, column.bottom)[row].convert("RGB")
+            picture = ImageOps.contain(whole, (_CELL, _CELL), Image.Resampling.LANCZOS)
             x = left + index * (_CELL + _MARGIN)
             sheet.paste(picture, (x + (_CELL - picture.width) // 2, y + (_CELL - picture.height) // 2))
     for index, text in enumerate(lines):
@@ -165,13 +123,6 @@ def figure(columns: Sequence[Column], rows: tuple[str, str] = ROWS) -> Image.Ima
             below = top + 2 * (_CELL + _MARGIN) + (number + 0.5) * _LINE
             draw.text((middle, below), line, _INK, small, anchor="mm")
     return sheet
-
-
-def _fitted(picture: Image.Image) -> Image.Image:
-    """As large as fits into a cell."""
-    factor = _CELL / max(picture.size)
-    width, height = (max(round(n * factor), 1) for n in picture.size)
-    return picture.convert("RGB").resize((width, height), Image.Resampling.LANCZOS)
 
 
 def _wrapped(text: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont) -> list[str]:

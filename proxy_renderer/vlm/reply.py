@@ -8,19 +8,20 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
 from ..color.floats import is_hex, srgb_from_hex
+from ..planning.captions import Prompts
 from ..planning.ranges import clip
 from ..planning.types import PlanEntry
-from ..prompt.lexicon.quantities import quantities
-from ..prompt.types import PromptObject, Prompts
 from ..schema import Instance, Values
-from ..schema.spec import Region
-from .aliases import AliasTable
-from .extract import clean
-from .request import REGIONS, SLOTS
+from ..schema.parameters import Region
+from ..words.lexicon.quantities import quantities
+from ..words.types import PromptObject
+from .request import REGIONS, SLOTS, AliasTable
+from .transport import clean
 
 _MOST_OBJECTS, _MOST_TEXTS, _MOST_ENTRIES = 12, 8, 200
 _CAPTION, _WORD, _REASON = 160, 60, 160
@@ -32,54 +33,39 @@ _NEGATION = re.compile(r"\b(no|not|never|without|n't)\b", re.IGNORECASE)
 
 @dataclass
 class Reply:
-    """A model's proposals; fields are empty where its answer had nothing usable.
+    """A model's proposals; fields are empty where its answer had nothing usable."""
 
-    Attributes:
-        objects: What the look describes.
-        prompts: Captions; "" and () where there is none.
-        targets: Quantity -> class.
-        colors: Region -> sRGB that it should show.
-        ignored: Words that no parameter can express.
-        entries: Key -> plan entry, within hard bounds.
-        keep: Keys that should not move.
-        clipped: Ranges that lay outside of their bounds, in part or entirely.
-        mended: Ranges upside down or without width, and captions that the encoder would misread.
-        dropped: Fields and entries that were of no use.
-        missing: Fields that the schema has and the answer has not.
-    """
-
-    objects: list[PromptObject] = field(default_factory=list)
+    objects: list[PromptObject] = field(default_factory=list)  # what the look describes
+    # Captions; "" and () where there is none
     prompts: Prompts = field(default_factory=lambda: Prompts("", "", ""))
-    targets: dict[str, str] = field(default_factory=dict)
-    colors: dict[Region, Values] = field(default_factory=dict)
-    ignored: list[str] = field(default_factory=list)
-    entries: dict[str, PlanEntry] = field(default_factory=dict)
-    keep: set[str] = field(default_factory=set)
-    clipped: int = 0
-    mended: int = 0
-    dropped: int = 0
-    missing: int = 0
+    targets: dict[str, str] = field(default_factory=dict)  # quantity -> class
+    colors: dict[Region, Values] = field(default_factory=dict)  # region -> sRGB that it should show
+    ignored: list[str] = field(default_factory=list)  # words that no parameter can express
+    entries: dict[str, PlanEntry] = field(default_factory=dict)  # key -> plan entry, within hard bounds
+    keep: set[str] = field(default_factory=set)  # keys that should not move
+    clipped: int = 0  # ranges that lay outside of their bounds, in part or entirely
+    mended: int = 0  # ranges upside down or without width, and captions that the encoder would misread
+    dropped: int = 0  # fields and entries that were of no use
+    missing: int = 0  # fields that the schema has and the answer has not
 
     @property
     def useful(self) -> bool:
-        """Whether there is anything in it to go by."""
+        """True if there is anything in it to go by."""
         return bool(self.entries or self.targets or self.colors or self.prompts.whole or self.prompts.subject)
 
 
 def read_reply(raw: dict[str, Any], table: AliasTable) -> Reply:
-    """Checks an answer.
-
-    Args:
-        raw: The JSON object, whatever is in it.
-    """
+    """Checks an answer."""
     reply = Reply()
     fields = ("objects", "prompts", "targets", "colors", "ignored", "plan", "keep")
     reply.missing = sum(name not in raw for name in fields)
     reply.dropped = len(set(raw) - set(fields))
     reply.objects = _objects(raw.get("objects"), table, reply)
     reply.prompts = _prompts(raw.get("prompts"), reply)
-    reply.targets = _targets(raw.get("targets"), reply)
-    reply.colors = _colors(raw.get("colors"), reply)
+    classes = {name: quantity.classes for name, quantity in quantities().by_name.items()}
+    reply.targets = _usable(raw.get("targets"), lambda name, text: text in classes.get(name, ()), reply)
+    colors = _usable(raw.get("colors"), lambda name, text: name in REGIONS and is_hex(text), reply)
+    reply.colors = {region: srgb_from_hex(text) for region, text in colors.items()}  # type: ignore[misc]
     reply.ignored = _texts(raw.get("ignored"), _WORD)
     for item in _list(raw.get("plan"), reply)[:_MOST_ENTRIES]:
         _add_entry(item, table, reply)
@@ -138,24 +124,15 @@ def _prompts(raw: Any, reply: Reply) -> Prompts:
     )
 
 
-def _targets(raw: Any, reply: Reply) -> dict[str, str]:
-    targets, known = {}, quantities().by_name
+def _usable(raw: Any, fits: Callable[[str, str], bool], reply: Reply) -> dict[str, str]:
+    """The texts in an object that fit their names; others that are not empty are counted as dropped."""
+    found = {}
     for name, value in (raw if isinstance(raw, dict) else {}).items():
-        if name in known and isinstance(value, str) and value in known[name].classes:
-            targets[name] = value
+        if isinstance(value, str) and fits(name, value.strip()):
+            found[name] = value.strip()
         elif value not in ("", None):
             reply.dropped += 1
-    return targets
-
-
-def _colors(raw: Any, reply: Reply) -> dict[Region, Values]:
-    colors: dict[Region, Values] = {}
-    for region, value in (raw if isinstance(raw, dict) else {}).items():
-        if region in REGIONS and isinstance(value, str) and is_hex(value.strip()):
-            colors[region] = srgb_from_hex(value.strip())
-        elif value not in ("", None):
-            reply.dropped += 1
-    return colors
+    return found
 
 
 def _add_entry(item: Any, table: AliasTable, reply: Reply) -> None:
@@ -175,9 +152,9 @@ def _add_entry(item: Any, table: AliasTable, reply: Reply) -> None:
     low, high = (tuple(min(max(v, least), most) for v in end) for end in (lower, upper))
     reply.clipped += (low, high) != (lower, upper)
     ordered = table.ordered(instance, low, high)
-    meant = clip(*table.meant(instance, *ordered), instance)
-    wide = widened(instance, *meant)
-    reply.mended += None in ends or ordered != (low, high) or wide != meant
+    planned = clip(*table.in_schema_units(instance, *ordered), instance)
+    wide = widened(instance, *planned)
+    reply.mended += None in ends or ordered != (low, high) or wide != planned
     priority = item.get("priority")
     number = priority if isinstance(priority, int) and not isinstance(priority, bool) else 5
     reason = clean(item.get("reason"), _REASON) or "part of the look"
@@ -185,15 +162,7 @@ def _add_entry(item: Any, table: AliasTable, reply: Reply) -> None:
 
 
 def widened(instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
-    """A range with at least the least width on the perceptual scale, inside the parameter's bounds.
-
-    Args:
-        instance: The parameter, with its bounds.
-        lower: The lower end, one number per component, in the schema's units.
-
-    Returns:
-        Both ends; components that are wide enough stay as they are.
-    """
+    """A range with at least the least width on the perceptual scale, inside the parameter's bounds."""
     scale, angle = instance.parameter.scale, instance.parameter.kind == "angle"
     low, high = [], []
     for a, b, bottom, top in zip(lower, upper, instance.lower, instance.upper, strict=True):

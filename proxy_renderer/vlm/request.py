@@ -1,21 +1,113 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The question of a round, and the JSON schema of its answer; both are made from the scene's parameters."""
+"""The question of a round: the parameters that a model may plan, under short names, and the JSON schema of its answer."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
-from ..color.floats import hex_from_srgb, srgb_from_lab
+from ..color.floats import decode, encode, hex_from_srgb, srgb_from_lab
 from ..goals.resolve import Goals
-from ..planning.types import Plan, PlanContext
-from ..prompt.lexicon.quantities import quantities
-from ..prompt.types import Prompts
-from ..schema import FAMILIES
-from ..schema.spec import SRGB
-from .aliases import AliasTable
-from .dialect import Question
-from .extract import clean
+from ..planning.captions import Prompts
+from ..planning.types import Plan
+from ..schema import FAMILIES, Instance, Values
+from ..schema.parameters import SRGB
+from ..words.lexicon.quantities import quantities
+from ..words.types import SceneDescription
+from .client import Question
+from .transport import clean
+
+_LIGHTS, _MATERIALS = 8, 10  # the most important ones; a question has to fit into small contexts
+_LONGEST_NAME = 60
+
+
+@dataclass(frozen=True)
+class Alias:
+    """A short name for a light or material, which a model may use."""
+
+    id: str  # "light1"
+    name: str  # the artist's
+    role: str  # as in `schema.Instance`
+    share: float | None = None  # fraction of its region's pixels, for materials; None if unknown
+    kind: str = ""  # type of light; "" for materials
+
+
+class AliasTable:
+    """The parameters that a model may plan, by short names.
+
+    Attributes:
+        rows: Name in questions and answers -> instance.
+        aliases: Lights and materials that have a row.
+        names: Key -> name in questions, the inverse of `rows`.
+    """
+
+    def __init__(self, instances: Mapping[str, Instance], context: SceneDescription) -> None:
+        self._camera = context.camera_azimuth
+        free = [i for i in instances.values() if not i.locked]
+        owners = {
+            group: list(dict.fromkeys((i.owner, i.role) for i in free if i.parameter.group == group))
+            for group in ("material", "light")
+        }
+        share = context.material_share
+        materials = sorted(owners["material"], key=lambda o: (o[1] != "subject", -share.get(o[0], 0.0), o))
+        lights = sorted(owners["light"], key=lambda o: (o[1] != "key", o))
+        self.aliases: list[Alias] = []
+        ids: dict[tuple[str, str], str] = {}
+        for group, chosen in (("material", materials[:_MATERIALS]), ("light", lights[:_LIGHTS])):
+            for number, (owner, role) in enumerate(chosen, 1):
+                ids[group, owner] = f"{group}{number}"
+                known = share.get(owner) if group == "material" else None
+                kind = context.light(owner).type if group == "light" else ""
+                self.aliases.append(Alias(ids[group, owner], owner[:_LONGEST_NAME], role, known, kind))
+        self.rows: dict[str, Instance] = {}
+        for instance in free:
+            group, owner = instance.parameter.group, instance.owner
+            head = ids.get((group, owner)) if owner else group
+            if head:
+                self.rows[f"{head}/{instance.parameter.name}"] = instance
+        self.names = {i.key: name for name, i in self.rows.items()}
+
+    def shown(self, instance: Instance, values: Values) -> Values:
+        """Values as a model sees them: colors as sRGB, light directions relative to the camera, -180 up to 180 degrees."""
+        if instance.parameter.kind == "color" and instance.parameter.scale == SRGB:
+            return tuple(encode(max(v, 0.0)) for v in values)
+        if _is_direction(instance):
+            return ((values[0] - self._camera + 180.0) % 360.0 - 180.0,)
+        return values
+
+    def bounds(self, instance: Instance) -> tuple[float, float]:
+        """Least and greatest value of a component, as shown."""
+        if _is_direction(instance):
+            return -180.0, 180.0
+        low, high = self.shown(instance, instance.lower), self.shown(instance, instance.upper)
+        return min(low), max(high)
+
+    def ordered(self, instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
+        """A model's range with its ends in order; directions may pass 180 degrees: 150 to -150 becomes 150 to 210."""
+        if _is_direction(instance) and lower[0] - upper[0] > 180.0:
+            return lower, (upper[0] + 360.0,)
+        return tuple(map(min, lower, upper)), tuple(map(max, lower, upper))
+
+    def in_schema_units(self, instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
+        """The schema's values for a range in the units of `shown`: its inverse."""
+        if instance.parameter.kind == "color" and instance.parameter.scale == SRGB:
+            return _linear(lower), _linear(upper)
+        if _is_direction(instance):
+            middle = (lower[0] + upper[0]) / 2 + self._camera
+            turn = 360.0 * round((instance.value[0] - middle) / 360.0) + self._camera
+            return (lower[0] + turn,), (upper[0] + turn,)
+        return lower, upper
+
+
+def _is_direction(instance: Instance) -> bool:
+    return instance.parameter.family == "light/azimuth"
+
+
+def _linear(srgb: Values) -> Values:
+    return tuple(decode(max(v, 0.0)) for v in srgb)
+
 
 SLOTS = ("color", "material", "lighting", "style", "mood", "shape")
 """Attributes of an object (section 3.5 of the paper)."""
@@ -53,17 +145,11 @@ range that is right needs no entry: leave it out and it stays. Colors are sRGB c
 def make_question(
     look: str,
     table: AliasTable,
-    context: PlanContext,
+    context: SceneDescription,
     draft: tuple[Goals, Prompts, Plan],
     picture: bytes | None,
 ) -> Question:
-    """The question of a round.
-
-    Args:
-        table: The parameters that may be planned.
-        context: The scene's current values and measurements.
-        draft: What the offline planner makes of the look; the model improves on it.
-    """
+    """The question of a round, with the offline planner's draft for the model to improve on."""
     goals, prompts, plan = draft
     document = {
         "look": look,
@@ -99,6 +185,12 @@ def answer_schema(table: AliasTable) -> dict[str, Any]:
     texts = {"type": "array", "items": text}
     key = {"type": "string", "enum": names}
     numbers = {"type": "array", "items": {"type": "number"}}
+    captions = dict.fromkeys(("subject", "surroundings", "whole"), text)
+    targets = {
+        name: {"type": "string", "enum": [*quantity.classes, ""]}
+        for name, quantity in quantities().by_name.items()
+        if quantity.classes
+    }
     thing = _object(
         name=text,
         region=region,
@@ -108,21 +200,8 @@ def answer_schema(table: AliasTable) -> dict[str, Any]:
     entry = _object(parameter=key, lower=numbers, upper=numbers, priority={"type": "integer"}, reason=text)
     return _object(
         objects={"type": "array", "items": thing},
-        prompts=_object(
-            subject=text,
-            surroundings=text,
-            whole=text,
-            subject_negatives=texts,
-            surroundings_negatives=texts,
-            whole_negatives=texts,
-        ),
-        targets=_object(
-            **{
-                name: {"type": "string", "enum": [*quantity.classes, ""]}
-                for name, quantity in quantities().by_name.items()
-                if quantity.classes
-            }
-        ),
+        prompts=_object(**captions, **{f"{name}_negatives": texts for name in captions}),
+        targets=_object(**targets),
         colors=_object(**dict.fromkeys(REGIONS, text)),
         ignored=texts,
         plan={"type": "array", "items": entry},
@@ -154,7 +233,7 @@ def _docs(table: AliasTable) -> dict[str, str]:
     return docs
 
 
-def _row(name: str, table: AliasTable, context: PlanContext, plan: Plan) -> dict[str, Any]:
+def _row(name: str, table: AliasTable, context: SceneDescription, plan: Plan) -> dict[str, Any]:
     instance = table.rows[name]
     now = table.shown(instance, context.values.get(instance.key, instance.value))
     low, high = table.bounds(instance)
@@ -166,7 +245,7 @@ def _row(name: str, table: AliasTable, context: PlanContext, plan: Plan) -> dict
     return row
 
 
-def _measured(context: PlanContext) -> dict[str, Any]:
+def _measured(context: SceneDescription) -> dict[str, Any]:
     """Measures of the current picture, for models that see badly or not at all."""
     if context.picture is None:
         return {}

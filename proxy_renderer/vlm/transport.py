@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One request through the `openai` package, bounded in time and size; every failure is a ModelError."""
+"""One request through the `openai` package, bounded in time and size, and what is read in its answer; every failure is a ModelError."""
 
 from __future__ import annotations
 
@@ -8,39 +8,108 @@ import queue
 import re
 import threading
 import time
-from collections.abc import Callable
+import unicodedata
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from email.utils import parsedate_to_datetime
 from typing import Any
 
+from ..schema import VibeError
 from .endpoint import OPENAI, Endpoint
-from .errors import ModelError
-from .extract import clean, scrub
 
-LARGEST = 2_000_000
-"""Bytes of an answer; a plan has a few thousand."""
+_SECRET = 12  # characters; real keys have 20 or more
+_TRIES = 200  # braces that are tried in a text around the object
 
+
+def find_object(text: str, names: Collection[str]) -> dict[str, Any]:
+    """The JSON object in a model's text that has one of these names. Raises ModelError if there is none."""
+    text = text.rpartition("</think>")[2]
+    decoder = json.JSONDecoder(parse_constant=_no_number)
+    place = -1
+    for _ in range(_TRIES):
+        place = text.find("{", place + 1)
+        if place < 0:
+            break
+        try:
+            candidate, _ = decoder.raw_decode(text, place)
+        except (ValueError, RecursionError):
+            continue
+        if isinstance(candidate, dict) and any(name in candidate for name in names):
+            return candidate
+    if not text.strip():
+        raise ModelError("The model's answer is empty.", "Use another model.")
+    raise ModelError(
+        "The model's answer is not the JSON object that was asked for.",
+        "Use a larger model, or one that follows a JSON schema.",
+    )
+
+
+def clean(text: Any, longest: int) -> str:
+    r"""A model's text for people: one line, without control and direction characters.
+
+    Example:
+        >>> clean("warm\n  light", 40)
+        'warm light'
+    """
+    if not isinstance(text, str):
+        return ""
+    shown = "".join(" " if c.isspace() else c for c in text[: 20 * longest])
+    shown = "".join(c for c in shown if unicodedata.category(c)[0] != "C")
+    return " ".join(shown.split())[:longest].strip()
+
+
+def scrub(value: Any, secret: str) -> Any:
+    """A JSON value without a secret in any of its strings: a hostile server could send the key back.
+
+    Args:
+        value: Texts, lists and objects are searched, keys of objects too.
+        secret: The key. A short one, such as the "ollama" that local servers are given, is a word and stays.
+
+    Example:
+        >>> scrub({"error": "wrong key sk-0123456789abcdef"}, "sk-0123456789abcdef")
+        {'error': 'wrong key ***'}
+    """
+    if len(secret) < _SECRET:
+        return value
+    if isinstance(value, str):
+        return value.replace(secret, "***")
+    if isinstance(value, list):
+        return [scrub(v, secret) for v in value]
+    if isinstance(value, dict):
+        return {scrub(k, secret): scrub(v, secret) for k, v in value.items()}
+    return value
+
+
+def _no_number(name: str) -> float:
+    raise ValueError(f"{name} is not JSON")
+
+
+class ModelError(VibeError):
+    """A question that was not answered."""
+
+    def __init__(
+        self, message: str, remedy: str, lasting: bool = False, wait: float | None = None, complaint: str = ""
+    ) -> None:
+        super().__init__(message, remedy)
+        self.lasting = lasting  # asking again in this run would fail in the same way: a wrong key, say
+        self.wait = wait  # seconds after which asking again may help; None if it would not
+        self.complaint = complaint  # the server's words, which tell what it cannot do; "" for none
+
+
+LARGEST = 2_000_000  # bytes of an answer; a plan has a few thousand
 _TICK = 0.05
 _OVERFULL = re.compile(r"context[ _](length|size|window)|too many tokens|n_ctx", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class Completion:
-    """A server's answer.
+    """A server's answer."""
 
-    Attributes:
-        text: The model's words.
-        cut: Whether it ran out of tokens.
-        read: Tokens of the question; 0 if the server does not say.
-        written: Tokens of the answer.
-        cost: US dollars, where the server says so.
-    """
-
-    text: str
-    cut: bool
-    read: int = 0
-    written: int = 0
-    cost: float | None = None
+    text: str  # the model's words
+    cut: bool  # whether it ran out of tokens
+    read: int = 0  # tokens of the question; 0 if the server does not say
+    written: int = 0  # tokens of the answer
+    cost: float | None = None  # US dollars, where the server says so
 
 
 class _TooLong(Exception):
@@ -48,28 +117,17 @@ class _TooLong(Exception):
 
 
 class Transport:
-    """A connection to an endpoint.
-
-    Args:
-        stop: True when the wait should end now.
-    """
+    """A connection to an endpoint."""
 
     def __init__(self, endpoint: Endpoint, stop: Callable[[], bool]) -> None:
         self.endpoint, self._stop = endpoint, stop
         self._client: Any = None
 
     def post(self, body: dict[str, Any], seconds: float) -> Completion:
-        """Sends one request and waits for its answer.
+        """Sends one request and waits for its answer; all that goes wrong, and Stop, is a ModelError.
 
         It runs in a thread of its own: whatever hangs, be it the name look-up or a server that sends
         a byte a minute, the time limit holds and Stop is heard.
-
-        Args:
-            body: Of a chat completion, without the time limit.
-
-        Raises:
-            ModelError: The server cannot be reached, refuses, or answers too late, too much or nonsense; or the
-                artist has pressed Stop.
         """
         client = self._connect()
         box: queue.Queue[Completion | ModelError] = queue.Queue()
@@ -84,6 +142,7 @@ class Transport:
                 box.put(self._explain(error))
 
         threading.Thread(target=act, daemon=True).start()
+        # Look at the answer, at Stop and at the clock in turn.
         end = time.monotonic() + seconds
         while True:
             try:
@@ -120,9 +179,7 @@ class Transport:
             self._client = openai.OpenAI(
                 base_url=point.url, api_key=point.key or "none", max_retries=0, http_client=http
             )
-            if (
-                point.url != OPENAI
-            ):  # what the environment says about an account there is nobody else's business
+            if point.url != OPENAI:  # the account that the environment names there is nobody else's business
                 self._client.organization = self._client.project = None
         return self._client
 
@@ -148,8 +205,7 @@ class Transport:
                 f"{point.place} sent more than {LARGEST // 10**6} MB.", "Check that it is the right endpoint."
             )
         if isinstance(error, openai.APIConnectionError):
-            why = " ".join(str(error.__cause__ or "").split())[:120]
-            why = scrub(why, point.key)
+            why = scrub(" ".join(str(error.__cause__ or "").split())[:120], point.key)
             return ModelError(
                 f"{point.place} cannot be reached{f' ({why})' if why else ''}.",
                 "Start the server, or check VIBE_VLM_URL and the network.",
@@ -162,11 +218,7 @@ class Transport:
 
 
 def read_completion(raw: bytes) -> Completion:
-    """The model's words in a body that should be a chat completion.
-
-    Raises:
-        ModelError: It is none.
-    """
+    """The model's words in a body that should be a chat completion. Raises ModelError if it is none."""
     try:
         body = json.loads(raw)
         choice = body["choices"][0]
@@ -192,65 +244,37 @@ def read_completion(raw: bytes) -> Completion:
 
 
 def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> ModelError:
-    """The error for an HTTP status other than 200, with its remedy.
-
-    Args:
-        complaint: The server's own words on one line, without the key; "" if there are none.
-        headers: Of the response; "retry-after" is read.
-    """
-    more = f": {complaint}" if complaint else ""
+    """The error for an HTTP status, with its remedy and the server's own words ("" for none)."""
+    # Errors that asking again cannot fix come first.
+    wait: float | None = None
+    lasting, more = True, f": {complaint}" if complaint else ""
     if code in (401, 403):
-        return ModelError(
-            f"{point.place} refuses the key{more}.",
-            "Check the key: `vibe doctor` tries it.",
-            True,
-            complaint=complaint,
-        )
-    if code == 404:
-        return ModelError(
-            f"{point.place} does not have the model {point.model}{more}.",
-            "Check the model's name and the base URL, which usually ends in /v1.",
-            True,
-            complaint=complaint,
-        )
-    if code == 402 or (code == 429 and "quota" in complaint.lower()):
-        return ModelError(
-            f"{point.place} wants to be paid{more}.",
-            "Check the account's balance.",
-            True,
-            complaint=complaint,
-        )
-    if _OVERFULL.search(complaint):
+        what, remedy = f"refuses the key{more}", "Check the key: `vibe doctor` tries it."
+    elif code == 404:
+        what = f"does not have the model {point.model}{more}"
+        remedy = "Check the model's name and the base URL, which usually ends in /v1."
+    elif code == 402 or (code == 429 and "quota" in complaint.lower()):
+        what, remedy = f"wants to be paid{more}", "Check the account's balance."
+    elif _OVERFULL.search(complaint):
         return ModelError(
             f"The scene does not fit into the context of {point.model}{more}.",
             "Give the model more context: 16384 tokens are enough (Ollama: OLLAMA_CONTEXT_LENGTH=16384).",
-            True,
+            lasting=True,
         )
-    if code == 429:
-        wait = _retry_after(headers)
-        again = f" and asks to wait {wait:.0f} s" if wait else ""
-        return ModelError(
-            f"{point.place} is asked too often{again}.", "Wait a little, or use another model.", wait=wait
-        )
-    if 300 <= code < 400:
-        return ModelError(
-            f"{point.place} sends us elsewhere (HTTP {code}).",
-            "Name the final base URL.",
-            True,
-            complaint=complaint,
-        )
-    if code in (408, 409) or code >= 500:
-        return ModelError(
-            f"{point.place} fails (HTTP {code}){more}.",
-            "Look at the server's log, or try again.",
-            wait=_retry_after(headers),
-            complaint=complaint or f"HTTP {code}",
-        )
-    return ModelError(
-        f"{point.place} refuses the request (HTTP {code}){more}.",
-        "Use another model.",
-        complaint=complaint or f"HTTP {code}",
-    )
+    elif 300 <= code < 400:
+        what, remedy = f"sends us elsewhere (HTTP {code})", "Name the final base URL."
+    elif code == 429:
+        lasting, wait, complaint = False, _retry_after(headers), ""
+        what = "is asked too often" + (f" and asks to wait {wait:.0f} s" if wait else "")
+        remedy = "Wait a little, or use another model."
+    else:
+        lasting, complaint = False, complaint or f"HTTP {code}"
+        if code in (408, 409) or code >= 500:
+            wait = _retry_after(headers)
+            what, remedy = f"fails (HTTP {code}){more}", "Look at the server's log, or try again."
+        else:
+            what, remedy = f"refuses the request (HTTP {code}){more}", "Use another model."
+    return ModelError(f"{point.place} {what}.", remedy, lasting, wait, complaint)
 
 
 def _complaint(error: Any, key: str) -> str:

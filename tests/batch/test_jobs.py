@@ -16,11 +16,10 @@ import psutil
 import pytest
 from batch_parts import carry_out, contents, plan_of
 
-from proxy_renderer.batch.finals import Finals, takes
-from proxy_renderer.batch.local import fitting
-from proxy_renderer.batch.manifest.manifest import Limits, SceneGroup
+from proxy_renderer.batch.manifest import Limits, SceneGroup
 from proxy_renderer.batch.plan import BatchPlan, Take
-from proxy_renderer.batch.store import Store
+from proxy_renderer.batch.schedule import fitting
+from proxy_renderer.batch.store import Finals, Store, takes
 from proxy_renderer.schema import VibeError
 
 QUICK = {"free_gb": 0.0, "retries": 0}

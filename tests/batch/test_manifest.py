@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from proxy_renderer.batch.estimate import guess
-from proxy_renderer.batch.manifest.manifest import load
+from proxy_renderer.batch.command import guess
+from proxy_renderer.batch.manifest import load
 from proxy_renderer.batch.plan import BatchPlan
 from proxy_renderer.schema import VibeError
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from batch_parts import carry_out, plan_of
 
-from proxy_renderer.batch.manifest.manifest import Limits, SceneGroup
+from proxy_renderer.batch.manifest import Limits, SceneGroup
 from proxy_renderer.batch.plan import BatchPlan
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")

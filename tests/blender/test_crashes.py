@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """A Blender that crashes: one line with its last words, a log, and nothing else is left."""
 
+import signal
 import sys
 
 import pytest
 
 from proxy_renderer.blender import crashes, launch
-from proxy_renderer.schema.faults import UnexpectedError
+from proxy_renderer.schema.errors import UnexpectedError
 
 BLENDER = """
 import os, signal, sys, tempfile
@@ -49,3 +50,17 @@ def test_last_words_are_not_the_trace():
         crashes.last_words(["fine\n", "Fatal Python error: Aborted\n", '  File "a.py", line 1\n']) == "fine"
     )
     assert crashes.last_words([]) == ""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="has no signals")
+def test_ctrl_c_is_ours_again_when_blender_has_ended(tmp_path, monkeypatch):
+    """`vibe explain SCENE` goes on afterwards."""
+    script = tmp_path / "blender.py"
+    script.write_text('print(\'VIBE {"type": "result", "lines": []}\')')
+    monkeypatch.setattr(launch, "blender_side", lambda: script)
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    before = [signal.getsignal(number) for number in numbers]
+    assert launch.launch(["export", "shot.blend"], tmp_path) == 0
+    assert [signal.getsignal(number) for number in numbers] == before
+    with pytest.raises(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGINT)

@@ -10,7 +10,7 @@ from command_line import assert_refused, vibe
 from packed_mesh import NAME, pack
 from PIL import Image
 
-from proxy_renderer.blender import draco, gltf
+from proxy_renderer.blender import meshes
 from proxy_renderer.blender.meshes import prepared
 
 
@@ -28,21 +28,21 @@ def plain(tmp_path):
     scene.add_geometry(hat, node_name="Hat", parent_node_name="Ball", transform=np.diag([1.0, 1.0, 2.0, 1.0]))
     path = tmp_path / "ball.glb"
     scene.export(path, include_normals=True)
-    document, binary = gltf.read(path)
+    document, binary = meshes.read_gltf(path)
     document["materials"][0]["extensions"] = {"KHR_materials_clearcoat": {"clearcoatFactor": 0.7}}
     document["extensionsUsed"] = ["KHR_materials_clearcoat"]
-    draco._write(path, document, bytearray(binary))
+    meshes._write(path, document, bytearray(binary))
     return path
 
 
 @pytest.mark.parametrize("name", ["packed.glb", "packed.gltf"])
 def test_it_is_unpacked(plain, name):
     packed = pack(plain, plain.parent / name)
-    assert draco.is_packed(packed)
-    assert not draco.is_packed(plain)
+    assert meshes.is_packed(packed)
+    assert not meshes.is_packed(plain)
     with prepared(packed) as place:
         assert (place.name, place.suffix) == ("packed.glb", ".glb")
-        before, after = gltf.read(plain)[0], gltf.read(place)[0]
+        before, after = meshes.read_gltf(plain)[0], meshes.read_gltf(place)[0]
         unpacked = trimesh.load_scene(place, process=False)
     assert not place.exists()
     for key in ("nodes", "materials", "textures", "images", "extensionsUsed"):
@@ -58,11 +58,11 @@ def test_it_is_unpacked(plain, name):
 
 def test_bytes_that_are_no_draco(plain):
     packed = pack(plain, plain.parent / "packed.glb")
-    document, binary = gltf.read(packed)
+    document, binary = meshes.read_gltf(packed)
     view = document["bufferViews"][document["meshes"][0]["primitives"][0]["extensions"][NAME]["bufferView"]]
     start = view["byteOffset"]
     broken = bytearray(binary)
     broken[start : start + view["byteLength"]] = bytes(view["byteLength"])
-    draco._write(packed, document, broken)
+    meshes._write(packed, document, broken)
     done = vibe("run", packed, "--prompt=teal", "--out=out", cwd=packed.parent)
     assert_refused(done, "packed.glb cannot be decoded", "without compression")

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 from command_line import assert_refused, vibe
 
-from proxy_renderer.blender import draco, gltf
+from proxy_renderer.blender import meshes
 from proxy_renderer.blender.meshes import check, prepared
 from proxy_renderer.schema import VibeError
 
@@ -45,8 +45,8 @@ def test_each_fault_has_its_line(tmp_path, name):
 def with_extension(path, name, used="extensionsRequired"):
     """A .glb of a box that names an extension."""
     trimesh.creation.box().export(path)
-    document, binary = gltf.read(path)
-    draco._write(path, document | {used: [name]}, bytearray(binary))
+    document, binary = meshes.read_gltf(path)
+    meshes._write(path, document | {used: [name]}, bytearray(binary))
     return path
 
 
@@ -68,9 +68,9 @@ def test_extensions_that_can_be_left_out(tmp_path):
 def test_a_texture_without_another_picture(tmp_path):
     scene = tmp_path / "box.glb"
     trimesh.creation.box().export(scene)
-    document, binary = gltf.read(scene)
+    document, binary = meshes.read_gltf(scene)
     document["textures"] = [{"extensions": {"KHR_texture_basisu": {"source": 0}}}]
-    draco._write(scene, document, bytearray(binary))
+    meshes._write(scene, document, bytearray(binary))
     with pytest.raises(VibeError, match="KHR_texture_basisu"), prepared(scene):
         pass
 

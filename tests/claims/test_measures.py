@@ -9,9 +9,9 @@ import torch
 from torch import Tensor
 
 from proxy_renderer.claims.claim import Claim, ClaimSet
-from proxy_renderer.claims.colored import tinted
+from proxy_renderer.claims.colors import tints
+from proxy_renderer.claims.measures import MEASURES
 from proxy_renderer.claims.measures.picture import MeasuredPicture, region_of
-from proxy_renderer.claims.measures.registry import MEASURES
 from proxy_renderer.color.tensors import linear_from_srgb, oklab_from_srgb, srgb_from_linear
 from proxy_renderer.render.gbuffer import GBuffer
 
@@ -201,7 +201,7 @@ def test_each_of_two_lights_has_its_part_of_the_picture() -> None:
     lit[:, : SIZE // 9] *= torch.tensor([0.4, 0.6, 1.5])
     lit[:, -SIZE // 9 :] *= torch.tensor([1.5, 0.5, 0.4])
     for srgb in ((0.2, 0.3, 0.9), (0.9, 0.2, 0.2)):
-        (claim,) = (c for c in tinted("", "picture", "picture", srgb) if c.measure == "tint")
+        (claim,) = (c for c in tints("", "picture", "picture", srgb) if c.measure == "tint")
         lamp = replace(claim, measure="accent", lower=(12.0,))
         everywhere = torch.ones(SIZE, SIZE, dtype=torch.bool)
         values = [float(c.value(picture(lit), everywhere)) for c in (claim, lamp)]

@@ -7,19 +7,19 @@ import pytest
 import torch
 
 from proxy_renderer.claims.claim import Claim
-from proxy_renderer.claims.measures.registry import MEASURES
-from proxy_renderer.claims.wanted import claims_of
+from proxy_renderer.claims.from_goals import claims_of
+from proxy_renderer.claims.measures import MEASURES
 from proxy_renderer.color.floats import lab_from_srgb, oklab_from_srgb, srgb_from_hex
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.prompt.lexicon.entries import OWNERS, read_wishes
-from proxy_renderer.prompt.lexicon.quantities import quantities
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import FAMILIES, VibeError
-from proxy_renderer.schema.verdicts import missing_by_word
+from proxy_renderer.schema.messages import missing_by_word
+from proxy_renderer.words.lexicon.entries import OWNERS, read_wishes
+from proxy_renderer.words.lexicon.quantities import quantities
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneDescription
 
-SCENE = SceneWords(
+SCENE = SceneDescription(
     "vase",
     {"vase": "subject", "Table": "surroundings"},
     {"Clay": "subject", "Wood": "surroundings"},
@@ -484,3 +484,25 @@ def test_white_things_may_have_the_color_of_the_light() -> None:
     assert warm[1] > plain[1] + 3
     assert (cool[1], warm[0]) == (plain[1], plain[0])
     assert reach("red vase, warm light") == reach("red vase")
+
+
+def test_a_weak_word_asks_for_less_at_both_ends():
+    """Of many words: the end that is asked for, and the one where there is too much."""
+    checked = set()
+    for name in [*sorted(default_vocabulary().entries)[::12], "vignette", "warm light"]:
+        plain = {(c.measure, c.part, c.direction): c for c in claims(name) if c.change}
+        for claim in claims(f"slightly {name}"):
+            strong = plain.get((claim.measure, claim.part, claim.direction))
+            named = strong and claim.change and not claim.color and claim.weight == 1.0  # no mood, no color
+            if not named or claim.word == strong.word:
+                continue
+            near = (
+                (strong.lower[0] - claim.lower[0]) if claim.change > 0 else (claim.upper[0] - strong.upper[0])
+            )
+            far = (
+                (strong.upper[0] - claim.upper[0]) if claim.change > 0 else (claim.lower[0] - strong.lower[0])
+            )
+            assert near > 0, claim
+            assert far > 0 or math.isinf(claim.upper[0] - claim.lower[0]), claim
+            checked.add(claim.measure)
+    assert checked >= {"vignette", "warmth"}

@@ -3,16 +3,20 @@
 
 import pytest
 
-from proxy_renderer.cli.commands import demo
+from proxy_renderer.cli import commands
 from proxy_renderer.cli.main import main
 
 
 @pytest.mark.parametrize(
     ("options", "prompt"),
-    [([], demo._PROMPT), (["--like", "a.jpg"], ""), (["--like", "a.jpg", "--prompt", "colder"], "colder")],
+    [
+        ([], commands.DEMO_PROMPT),
+        (["--like", "a.jpg"], ""),
+        (["--like", "a.jpg", "--prompt", "colder"], "colder"),
+    ],
 )
 def test_a_picture_takes_the_place_of_the_demos_own_words(monkeypatch, options, prompt):
     asked = []
-    monkeypatch.setattr(demo, "carry_out", lambda a, kind: asked.append(a.prompt) or 0)
+    monkeypatch.setattr(commands, "carry_out", lambda a, kind: asked.append(a.prompt) or 0)
     assert main(["demo", *options]) == 0
     assert asked == [prompt]

@@ -8,8 +8,8 @@ from command_line import assert_refused, vibe
 
 from proxy_renderer.goals import written
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneDescription
 
 MESH = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n"
 PROMPT = "glossy teal vase, golden hour, cosy, no fog"
@@ -32,7 +32,7 @@ def test_what_explain_writes_can_be_read(tmp_path):
     assert done.stderr == ""
     path = tmp_path / "goals.json"
     path.write_text(done.stdout, "utf-8")
-    scene = SceneWords(materials={"Subject": "subject", "Surroundings": "surroundings"})
+    scene = SceneDescription(materials={"Subject": "subject", "Surroundings": "surroundings"})
     goals, expected = written.read(path).within(scene), goals_of(parse(PROMPT, scene))
     assert goals.parsed.prompt == PROMPT
     assert goals.classes == expected.classes
@@ -71,7 +71,7 @@ def test_goals_that_are_missing_are_one_line(mesh):
 
 def test_a_prompt_and_goals_are_too_much(mesh):
     path = mesh.parent / "goals.json"
-    path.write_text(json.dumps(written.as_json(goals_of(parse(PROMPT, SceneWords())))))
+    path.write_text(json.dumps(written.as_json(goals_of(parse(PROMPT, SceneDescription())))))
     assert_refused(
         run(mesh, "--goals", path, "--prompt", PROMPT), "a prompt and goals", "--prompt and --goals"
     )

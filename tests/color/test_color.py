@@ -4,9 +4,14 @@
 import pytest
 import torch
 
-from proxy_renderer.color.blackbody import blackbody
-from proxy_renderer.color.differences import ciede2000
-from proxy_renderer.color.tensors import lab_from_linear, lab_from_srgb, linear_from_srgb, srgb_from_linear
+from proxy_renderer.color.tensors import (
+    blackbody,
+    ciede2000,
+    lab_from_linear,
+    lab_from_srgb,
+    linear_from_srgb,
+    srgb_from_linear,
+)
 
 # Sharma, Wu, Dalal 2005, table 1: L1 a1 b1, L2 a2 b2, CIEDE2000.
 SHARMA = """

@@ -4,7 +4,7 @@
 import torch
 from operation_tests import OperationTests, colors
 
-from proxy_renderer.color import differences, tensors
+from proxy_renderer.color import tensors
 
 WHITE, BLACK = torch.ones(1, 3), torch.zeros(1, 3)
 
@@ -36,7 +36,7 @@ class TestLabFromLinear(OperationTests):
 class TestCiede2000(OperationTests):
     """The first and a far pair of the table in Sharma, Wu and Dalal, 2005."""
 
-    operation = staticmethod(differences.ciede2000)
+    operation = staticmethod(tensors.ciede2000)
     inputs = (100 * colors(3), 80 * colors(3))
     shape = (3,)
     wrong = (torch.rand(3, 2), torch.rand(3, 2))

@@ -10,12 +10,12 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from proxy_renderer.claims.measures.registry import MEASURES
+from proxy_renderer.claims.measures import MEASURES
 from proxy_renderer.cli.explain import account
 from proxy_renderer.goals import written
-from proxy_renderer.prompt.lexicon.entries import COLOR_MODES, OWNERS, RANGE_MODES, SLOTS
-from proxy_renderer.prompt.lexicon.quantities import quantities
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.words.lexicon.entries import COLOR_MODES, OWNERS, RANGE_MODES, SLOTS
+from proxy_renderer.words.lexicon.quantities import quantities
+from proxy_renderer.words.types import SceneDescription
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "reference" / "goals.md"
 PROMPT = "copper cup, cool light, golden hour"
@@ -129,7 +129,7 @@ def test_the_example_is_what_explain_writes():
 def test_every_example_can_be_read():
     assert len(examples()) > 1
     for example in examples():
-        assert written.from_json(example).within(SceneWords()).wishes
+        assert written.from_json(example).within(SceneDescription()).wishes
 
 
 if __name__ == "__main__":

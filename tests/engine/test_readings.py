@@ -5,14 +5,14 @@ import time
 
 import pytest
 
-from proxy_renderer.engine.readings import readings
-from proxy_renderer.prompt.types import LightWords, SceneWords
+from proxy_renderer.engine.live import readings
+from proxy_renderer.words.types import LightDescription, SceneDescription
 
-SCENE = SceneWords(
+SCENE = SceneDescription(
     objects={"vase_01": "subject", "Lemons": "subject", "Table": "surroundings"},
     materials={"Glaze": "subject", "Peel": "subject", "Wood": "surroundings"},
     object_materials={"vase_01": ("Glaze",), "Lemons": ("Peel",), "Table": ("Wood",)},
-    lights={"Desk Lamp": LightWords("POINT", "key")},
+    lights={"Desk Lamp": LightDescription("POINT", "key")},
 )
 
 
@@ -68,10 +68,10 @@ def test_nothing_and_nonsense(prompt):
 
 
 def test_messages_survive_the_wire():
-    from proxy_renderer.schema import wire
+    from proxy_renderer.schema import messages
 
     found = read("a sumptuous red vase")
-    assert wire.decode(wire.encode(found)) == found
+    assert messages.decode(messages.encode(found)) == found
 
 
 @pytest.mark.parametrize(
@@ -117,7 +117,7 @@ def test_a_word_is_clickable_where_nothing_else_is_understood():
 def test_a_scene_of_thousands_is_read_at_once():
     kinds = ("Chair", "Table", "Cup", "Vase Lid")
     names = [f"{kinds[number % 4]}.{number:04d}" for number in range(2000)]
-    scene = SceneWords(
+    scene = SceneDescription(
         objects=dict.fromkeys(names, "subject"),
         materials={f"{name} Paint": "subject" for name in names},
         object_materials={name: (f"{name} Paint",) for name in names},

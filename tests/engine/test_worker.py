@@ -13,7 +13,7 @@ import pytest
 from PIL import Image
 from tiny_job import write_job
 
-from proxy_renderer.schema import messages, schema_hash, wire
+from proxy_renderer.schema import messages, schema_hash
 
 ROOT = Path(__file__).parents[2]
 QUICK = {"rounds": 1, "steps": 4, "size": 64, "anchor": False}
@@ -33,10 +33,10 @@ class Worker:
             cwd=ROOT,
             env=environment,
         )
-        self.messages = wire.read(self.process.stdout)
+        self.messages = messages.read(self.process.stdout)
 
     def send(self, message):
-        raw = message if isinstance(message, bytes) else wire.encode(message)
+        raw = message if isinstance(message, bytes) else messages.encode(message)
         self.process.stdin.write(raw)
         self.process.stdin.flush()
 

@@ -3,8 +3,8 @@
 
 import pytest
 
-from proxy_renderer.prompt.lexicon.quantities import quantities
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.lexicon.quantities import quantities
 
 
 def test_the_most_specific_row_counts():

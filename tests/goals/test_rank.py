@@ -8,13 +8,13 @@ from typing import Any
 import pytest
 from goal_parts import drawn, plan_of, read
 
-from proxy_renderer.claims.wanted import claims_of
+from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.goals.resolve import Goals, Lost, goals_of
 from proxy_renderer.goals.wish import Wish
-from proxy_renderer.prompt.lexicon.claim_text import read_claim
-from proxy_renderer.prompt.lexicon.entries import Effect, parse_effect
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.types import Attribute, SceneWords
+from proxy_renderer.words.lexicon.entries import Effect, parse_effect
+from proxy_renderer.words.lexicon.quantities import read_claim
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.types import Attribute, SceneDescription
 
 SEEN = (read_claim("picture contrast 60.."),)
 STRONG, LATE = parse_effect("film/contrast 1..1.2 !1"), parse_effect("film/contrast 1..1.2 !3")
@@ -156,7 +156,7 @@ def test_a_named_color_wins_over_the_color_of_a_material(color, material):
 
 def test_a_color_of_what_lies_around_rules_out_what_a_place_usually_has():
     for prompt in both_ways("purple background", "forest"):
-        goals = read(prompt, SceneWords())
+        goals = read(prompt, SceneDescription())
         assert ("forest", "purple") in {(each.wish.word, each.winner.word) for each in goals.lost}, prompt
         claims = claims_of(goals, shipped_vocabulary())
         assert not [c for c in claims if c.word == "forest" and c.part == "surroundings"], prompt

@@ -12,15 +12,15 @@ from typing import Any
 import pytest
 from goal_parts import ROOM, drawn, plan_of, read
 
-from proxy_renderer.claims.wanted import claims_of
+from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.goals import written
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.inputs import check
-from proxy_renderer.prompt.lexicon.rigs import rig_table
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.prompts import compose
+from proxy_renderer.planning.captions import compose
 from proxy_renderer.rigs.chosen import chosen_rig
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.lexicon.rigs import rig_table
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
 
 MISSING = object()
 

@@ -10,16 +10,15 @@ from itertools import combinations, product
 import pytest
 from goal_parts import ROOM, drawn, plan_of, read
 
-from proxy_renderer.claims.wanted import claims_of
+from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.goals.contradictions import contradicts
-from proxy_renderer.goals.meaning import wishes_of
 from proxy_renderer.goals.resolve import Goals, goals_of, resolved
-from proxy_renderer.goals.wish import Wish
-from proxy_renderer.prompt.lexicon.entries import OWNERS
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import Parsed
-from proxy_renderer.schema.means import SURFACES
+from proxy_renderer.goals.wish import Wish, wishes_of
+from proxy_renderer.schema.parameters import SURFACES
+from proxy_renderer.words.lexicon.entries import OWNERS
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import Parsed
 
 VOCABULARY = shipped_vocabulary()
 SEEDS = (1, 2, 3)
@@ -284,3 +283,36 @@ def test_notes_are_for_what_was_said_only():
             loser, winner = note.split("'")[1], note.split("'")[3]
             assert {loser, winner} <= said, (prompt, note)
             assert "\n" not in note
+
+
+def of_haze(goals: Goals) -> list[tuple[str, str]]:
+    return [(wish.word, wish.named) for wish in goals.wishes if wish.quantity == "haze" and wish.named]
+
+
+@pytest.mark.parametrize("order", ["no fog, {}", "{}, no fog"])
+def test_no_mood_brings_the_fog_back_that_the_prompt_rules_out(order):
+    """Of all moods and styles that mean haze, though the measures of "none" and "light" overlap."""
+    foggy = [
+        name for name, goals in alone().items() if any(w.implied for w in goals.wishes) and of_haze(goals)
+    ]
+    assert "ghostly" in foggy
+    for name in foggy:
+        goals = goals_of(parse(order.format(name), ROOM, VOCABULARY))
+        assert of_haze(goals) == [("no fog", "none")], name
+
+
+@pytest.mark.parametrize("place", ["desert", "beach", "snowy forest", "cave"])
+def test_light_of_a_named_color_has_no_warmth_of_a_place(place):
+    for color in ("purple", "teal", "green", "blue"):
+        goals = goals_of(parse(f"{color} light, {place}", ROOM, VOCABULARY))
+        asked = [c for c in claims_of(goals, VOCABULARY) if c.word and c.measure == "warmth"]
+        assert not asked, (color, place)
+
+
+def test_a_note_says_that_a_material_has_not_its_own_color():
+    """Of all materials with a color, painted in the opposite one; a color of about that hue is news to nobody."""
+    colors = {"teal": "orange", "orange": "teal"}
+    for material in ("oak", "walnut", "copper", "leather"):
+        notes = {c: list(goals_of(parse(f"{c} {material} table", ROOM, VOCABULARY)).notes()) for c in colors}
+        assert any(f"'{material}' gives way to 'teal'" in note for note in notes["teal"]), material
+        assert not notes["orange"], material

@@ -9,23 +9,23 @@ from dataclasses import fields, replace
 import pytest
 from goal_parts import ROOM, drawn, exact, plan_of, read
 
-from proxy_renderer.claims.wanted import claims_of
+from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.goals import written
 from proxy_renderer.goals.resolve import Goals, goals_of
 from proxy_renderer.goals.wish import Wish
-from proxy_renderer.prompt.lexicon.rigs import rig_table
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import Attribute, SceneWords
+from proxy_renderer.planning.captions import compose
 from proxy_renderer.rigs.chosen import chosen_rig
 from proxy_renderer.schema.preset import Preset
+from proxy_renderer.words.lexicon.rigs import rig_table
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.types import Attribute, SceneDescription
 
 VOCABULARY = shipped_vocabulary()
 UNWRITTEN = {"guess", "place", "look"}
 """Fields of a word that say how it was typed and bound, and nothing of what it wishes for."""
 
 
-def through_json(goals: Goals, scene: SceneWords = ROOM) -> Goals:
+def through_json(goals: Goals, scene: SceneDescription = ROOM) -> Goals:
     text = json.dumps(written.as_json(goals), ensure_ascii=False, allow_nan=False)
     return written.from_json(json.loads(text)).within(scene)
 
@@ -171,7 +171,7 @@ def test_a_light_of_its_own_color_needs_no_look():
 class TestAnotherScene:
     """What describes a material or a light that is not there describes all of its region."""
 
-    ELSEWHERE = SceneWords("cup", {"cup": "subject"}, {"Glaze": "subject"}, {"cup": ("Glaze",)})
+    ELSEWHERE = SceneDescription("cup", {"cup": "subject"}, {"Glaze": "subject"}, {"cup": ("Glaze",)})
 
     def test_materials_that_are_missing_are_named_in_a_note(self):
         goals = through_json(read("the vase is copper, cool light"), self.ELSEWHERE)

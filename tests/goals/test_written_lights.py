@@ -7,12 +7,12 @@ import pytest
 
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.goals.written import as_json, from_json
-from proxy_renderer.prompt.lexicon.rigs import rig_table
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.types import SceneWords
-from proxy_renderer.prompt.understood import Understood
 from proxy_renderer.rigs.chosen import chosen_rig
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.lexicon.rigs import rig_table
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.parser import Understood
+from proxy_renderer.words.types import SceneDescription
 
 
 @pytest.mark.parametrize(
@@ -23,7 +23,7 @@ from proxy_renderer.schema import VibeError
     ],
 )
 def test_lights_that_are_described_one_by_one_are_the_same_again(prompt):
-    words, vocabulary = SceneWords(), default_vocabulary()
+    words, vocabulary = SceneDescription(), default_vocabulary()
     goals = goals_of(Understood(prompt, words).parsed)
     again = from_json(json.loads(json.dumps(as_json(goals)))).within(words)
     first, second = (chosen_rig(each, rig_table(), vocabulary) for each in (goals, again))
@@ -38,7 +38,7 @@ def test_lights_that_are_described_one_by_one_are_the_same_again(prompt):
     [("kind", "lamp"), ("role", "main"), ("described", ["one"]), ("described", [True])],
 )
 def test_a_wrong_target_is_refused(field, value):
-    written = as_json(goals_of(Understood("a red rim light", SceneWords()).parsed))
+    written = as_json(goals_of(Understood("a red rim light", SceneDescription()).parsed))
     written["words"][0]["target"][field] = value
     with pytest.raises(VibeError, match=rf"words\[0\]\.target\.{field}"):
         from_json(written)

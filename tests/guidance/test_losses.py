@@ -5,8 +5,8 @@ import pytest
 import torch
 import torch.nn.functional as F
 
-from proxy_renderer.guidance import augment, regions
-from proxy_renderer.guidance import losses as L
+from proxy_renderer.guidance import guide as L
+from proxy_renderer.guidance import regions
 
 
 def generator(seed=0):
@@ -62,19 +62,19 @@ def test_the_prior_pulls_unnamed_parameters_only():
 def test_an_undistorted_full_quad_is_the_picture():
     image = torch.rand(1, 3, 32, 32, generator=generator())
     corners = torch.tensor([[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]])
-    torch.testing.assert_close(augment.warp(image, corners, 32), image, atol=1e-4, rtol=0)
+    torch.testing.assert_close(regions.warp(image, corners, 32), image, atol=1e-4, rtol=0)
 
 
 def test_quads_stay_inside():
-    corners = augment.quads(500, generator())
+    corners = regions.quads(500, generator())
     assert corners.abs().max() <= 1.0
     assert corners.shape == (500, 4, 2)
 
 
 def test_crops_keep_most_of_their_region():
     mask = disk(radius=0.3, center=(-0.5, 0.2))
-    corners = augment.keeping(mask, 64, generator())
-    held = augment.warp(mask[None, None], corners, 64)
+    corners = regions.keeping(mask, 64, generator())
+    held = regions.warp(mask[None, None], corners, 64)
     share = held.sum((1, 2, 3)) / mask.sum()  # a crop also magnifies, so this is a lower bound's lower bound
     assert (share > 0.7).all()
 

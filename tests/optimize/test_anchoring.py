@@ -7,15 +7,13 @@ import numpy as np
 import OpenEXR
 import pytest
 import torch
-from loop_parts import PROMPT, Silent
+from loop_parts import PROMPT, Silent, any_round
 
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import anchoring, pipeline
-from proxy_renderer.optimize.anchoring import Anchoring, BlenderPictures
-from proxy_renderer.optimize.rounds.refinement import Refinement
-from proxy_renderer.optimize.shots import ShotInput
-from proxy_renderer.optimize.vector import ParameterVector
-from proxy_renderer.render.cycles.pictures import CyclesPicture
+from proxy_renderer.optimize.anchoring import BlenderPictures
+from proxy_renderer.optimize.shots import ShotInput, gathered
+from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.schema import messages
 from proxy_renderer.schema.messages import Options
@@ -46,22 +44,20 @@ def run(scene, source, prompt=PROMPT, **options):
 
 
 def test_every_round_starts_from_a_picture_and_so_does_the_prediction(scene, monkeypatch):
-    monkeypatch.setattr(Refinement, "_goes_on", lambda self: self._see_end() or True)
+    monkeypatch.setattr(pipeline, "next_round", any_round)
     source = Elsewhere(scene)
     outcome = run(scene, source, "red ball, bright background")
     assert source.asked[0] == {}
-    assert {r["round"] for r in outcome.shots[0].anchoring.records} == {1, 2}
+    assert {r["round"] for r in outcome.shots[0].records} == {1, 2}
     last = {
         k: list(v)
         for k, v in outcome.vector.values(outcome.u).items()
         if v != outcome.vector.instances[k].value
     }
     assert last in source.asked
-    assert len(source.asked) == len(outcome.shots[0].anchoring.records) <= 6
-    assert outcome.shots[0].anchoring.proxy.correction is not None
-    assert (
-        outcome.shots[0].anchoring.records[0]["delta_e"] > outcome.shots[0].anchoring.records[-1]["delta_e"]
-    )
+    assert len(source.asked) == len(outcome.shots[0].records) <= 6
+    assert outcome.shots[0].anchor.correction is not None
+    assert outcome.shots[0].records[0]["delta_e"] > outcome.shots[0].records[-1]["delta_e"]
 
 
 def test_pictures_steer_the_loop(scene):
@@ -77,27 +73,37 @@ def test_a_loop_with_pictures_is_reproducible(scene):
 def test_a_loop_without_pictures_is_the_proxys_own(scene):
     plain, without = run(scene, None), run(scene, lambda values, size: None)
     assert torch.equal(plain.u, without.u)
-    assert without.shots[0].anchoring.records == []
+    assert without.shots[0].records == []
 
 
 def test_an_old_correction_is_kept_near_and_dropped_far(scene):
-    vector = ParameterVector(scene.instances)
-    proxy = Proxy(scene, SIZE)
-    kept = Anchoring(proxy, vector, Elsewhere(scene, fails=(2, 3)))
+    source = Elsewhere(scene, fails=(2, 3))
+    vector, (shot,) = gathered([ShotInput(scene, source)], Options(), lambda data: Proxy(data, SIZE))
     u = vector.encode({})
-    kept.renew(u, 0)
-    kept.renew(u, 0)
-    assert len(kept.records) == 1
+    first = shot.anchored(u, 0)
+    assert first.anchored(u, 0) is first
+    assert len(shot.records) == 1
     near, far = u.clone(), u.clone()
     part = vector.slices["material/Floor/base_color"]
     near[part] += 0.1
     far[part] -= 0.5
-    kept.renew(near, 1)
-    assert proxy.correction is not None
-    kept.renew(far, 1)
-    assert proxy.correction is None
-    kept.renew(far, 2)
-    assert proxy.correction is not None
+    assert first.anchored(near, 1) is first
+    plain = first.anchored(far, 1)
+    assert plain.anchor.correction is None
+    assert plain.anchored(far, 2).anchor.correction is not None
+    assert first.anchor.correction is not None  # whoever goes back to it finds it as it was
+
+
+def test_each_state_of_a_shot_draws_with_its_own_correction(scene):
+    _, (shot,) = gathered([ShotInput(scene, Elsewhere(scene))], Options(), lambda data: Proxy(data, SIZE))
+    u = shot.vector.encode({})
+    plain = shot.draw(u).linear
+    corrected = shot.anchored(u, 0)
+    brighter = corrected.draw(u).linear
+    assert float(brighter.mean()) > 1.1 * float(plain.mean())
+    shot._last = corrected._last = None
+    assert torch.equal(shot.draw(u).linear, plain)
+    assert torch.equal(corrected.draw(u).linear, brighter)
 
 
 def exr(path: Path, size=SIZE) -> None:

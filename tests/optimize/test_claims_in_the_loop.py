@@ -8,16 +8,15 @@ import torch
 from loop_parts import PROMPT, Silent
 from tiny_job import write_job
 
-from proxy_renderer.claims.wanted import claims_of
-from proxy_renderer.engine.claimed import claims_about, foreseen
-from proxy_renderer.optimize.inner.descent import fixed_views
+from proxy_renderer.claims.from_goals import claims_of
+from proxy_renderer.engine.report import claims_about, foreseen
+from proxy_renderer.optimize import stage
+from proxy_renderer.optimize.least_squares import fixed_views
+from proxy_renderer.optimize.pipeline import refine
 from proxy_renderer.optimize.rounds import refinement
-from proxy_renderer.optimize.rounds import search as rounds
-from proxy_renderer.optimize.rounds.confiner import Start
-from proxy_renderer.optimize.rounds.refinement import Refinement
+from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
 from proxy_renderer.optimize.rounds.search import Missed, Search
 from proxy_renderer.optimize.shots import ShotInput
-from proxy_renderer.planning.types import Plan
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema.messages import Options
 
@@ -36,12 +35,16 @@ def search(scene, encoder):
 
 def confined(search):
     home = search.vector.encode({})
-    return search.confine(home, Plan(), Start(home)), home
+    return search.confine(RoundStart.at(Start(home, search.shots))), home
+
+
+def refined(search):
+    return refine(search, Start(search.vector.encode({}), search.shots))
 
 
 def test_rounds_end_when_the_picture_shows_all_that_the_words_claim(search):
     begun = search("very dark", rounds=6)
-    outcome = Refinement(begun, Start(begun.vector.encode({}))).run()
+    outcome = refined(begun)
     assert outcome.rounds[-1]["missed"]["claims"] == 0
     assert len(outcome.rounds) < 6
 
@@ -50,13 +53,13 @@ def test_the_best_round_is_the_result_and_others_are_not_waited_for_long(search,
     begun = search(PROMPT, rounds=5, steps=2)
     ends = []
 
-    def missed(self, u):
+    def seen(self, shots, u, number):
         ends.append(u.clone())
-        return Missed(float(len(ends)), 1)  # each round is farther from the words than the one before
+        return shots, Missed(float(len(ends)), 1)  # each round is farther from the words than the one before
 
-    monkeypatch.setattr(Search, "missed", missed)
+    monkeypatch.setattr(Search, "seen", seen)
     monkeypatch.setattr(refinement, "CONVERGED", -1.0)
-    outcome = Refinement(begun, Start(begun.vector.encode({}))).run()
+    outcome = refined(begun)
     assert torch.equal(outcome.u, ends[0])
     assert len(outcome.rounds) == 2 + refinement.PATIENCE  # the last one began elsewhere
 
@@ -73,9 +76,9 @@ def test_the_darks_of_a_picture_are_lifted_and_not_tinted(search, prompt, gray):
 
 def test_words_that_claim_nothing_do_not_end_the_rounds_early(search):
     begun = search("vhs", rounds=2, steps=2)
-    confined(begun)
-    assert not begun.claims_words
-    assert search("dark").claims_words is False  # before the artist's picture was seen
+    now, _ = confined(begun)
+    assert not refinement.claims_words(now.shots)
+    assert not refinement.claims_words(search("dark").shots)  # before the artist's picture was seen
 
 
 def test_a_missed_claim_pulls_the_picture_towards_it(search):
@@ -83,11 +86,11 @@ def test_a_missed_claim_pulls_the_picture_towards_it(search):
     now, home = confined(begun)
     objective = begun.select(now, home).objective
     u = home.clone().requires_grad_()
-    residuals = begun.shots[0].residuals(objective.render(u, 0))
+    residuals = now.shots[0].residuals(objective.render(u, 0))
     worst = max(residuals, key=lambda r: float(r.detach().norm()))
     worst.square().sum().backward()
     step = home - 0.05 * u.grad / u.grad.norm()
-    nearer = begun.shots[0].residuals(objective.render(step, 0))
+    nearer = now.shots[0].residuals(objective.render(step, 0))
     assert torch.cat(nearer).norm() < torch.cat(residuals).norm()
 
 
@@ -116,19 +119,19 @@ def test_a_round_that_made_it_worse_is_taken_back_first_with_narrower_ranges_the
     began, ends = [], []
     confine = Search.confine
 
-    def confined_at(self, u, earlier, start, reach):
-        began.append((u.clone(), reach))
-        return confine(self, u, earlier, start, reach)
+    def confined_at(self, here):
+        began.append((here.u.clone(), here.reach))
+        return confine(self, here)
 
-    def missed(self, u):
+    def seen(self, shots, u, number):
         ends.append(u.clone())
-        return Missed(float(len(ends)), 1)
+        return shots, Missed(float(len(ends)), 1)
 
     monkeypatch.setattr(Search, "confine", confined_at)
-    monkeypatch.setattr(Search, "missed", missed)
+    monkeypatch.setattr(Search, "seen", seen)
     monkeypatch.setattr(refinement, "CONVERGED", -1.0)
     monkeypatch.setattr(refinement, "PATIENCE", 9)
-    Refinement(begun, Start(begun.vector.encode({}))).run()
+    refined(begun)
     assert [reach.share for _, reach in began] == [1.0, 1.0, 1.0, 0.5]
     assert [reach.opening for _, reach in began] == [0.0, 0.5, 0.0, 0.5]  # a claim is missed all the time
     assert torch.equal(began[2][0], ends[0])
@@ -143,9 +146,9 @@ def test_a_claim_out_of_reach_of_its_words_ranges_is_earned_in_wider_ones(search
             replace(c, lower=(_DENSE,), change=None) if c.measure == "haze" else c for c in claims_of(*told)
         )
 
-    monkeypatch.setattr(rounds, "claims_of", demanding)
+    monkeypatch.setattr(stage, "claims_of", demanding)
     begun = search("thick fog", steps=12, rounds=4, size=64)
-    outcome = Refinement(begun, Start(begun.vector.encode({}))).run()
+    outcome = refined(begun)
     first, *wider = (record["missed"] for record in outcome.rounds)
     assert first["claims"] > 0
     nearest = min(missed["distance"] for missed in wider)
@@ -163,7 +166,7 @@ def test_a_vignette_is_earned_on_dark_and_on_light_ground(tmp_path, encoder, gra
     scene = load_scene(write_job(tmp_path / "job", **{"material/Floor/base_color": (gray,) * 3}))
     chosen = Options(rounds=2, steps=4, size=64)
     begun = Search([ShotInput(scene)], "vignette", chosen, encoder, Silent(), None)
-    outcome = Refinement(begun, Start(begun.vector.encode({}))).run()
+    outcome = refined(begun)
     (claim,) = (row for row in foreseen(outcome, claims_about(outcome)) if row["measure"] == "vignette")
     assert claim["holds"]
     assert claim["after"] > claim["before"] + 4.0
@@ -173,7 +176,7 @@ def test_a_subject_that_words_make_like_its_ground_is_told_apart(tmp_path, encod
     scene = load_scene(write_job(tmp_path / "job", **{"material/Floor/base_color": (0.75,) * 3}))
     chosen = Options(rounds=3, steps=6, size=64)
     begun = Search([ShotInput(scene)], "white ball", chosen, encoder, Silent(), None)
-    outcome = Refinement(begun, Start(begun.vector.encode({}))).run()
+    outcome = refined(begun)
     rows = {row["measure"]: row for row in foreseen(outcome, claims_about(outcome))}
     assert rows["color"]["holds"]
     assert rows["separation"]["holds"]
@@ -183,20 +186,20 @@ def test_the_inner_loop_earns_a_claim_that_does_not_hold_yet(search):
     begun = search("very bright picture", steps=12, rounds=1)
     now, _ = confined(begun)
     darker = replace(now, u=(now.u + now.lower) / 2)
-    before = begun.missed(darker.u)
+    _, before = begun.seen(now.shots, darker.u, 0)
     assert before.claims > 0
     found = begun.descend(darker, begun.select(darker, darker.u))
     assert found.loss < found.start_loss
-    assert begun.missed(found.u) < before
+    assert begun.seen(now.shots, found.u, 0)[1] < before
 
 
 def test_what_a_model_says_in_a_later_round_reaches_the_loss(search):
     begun = search(PROMPT)
     now, _ = confined(begun)
-    (shot,) = begun.shots
+    (shot,) = now.shots
     first, claims = shot.guidance, shot.claims.claims
-    begun.confine(now.u, now.plan, None)
-    assert shot.guidance is first  # the same words
+    again = replace(RoundStart.at(Start(now.u, now.shots)), earlier=now.plan)
+    assert begun.confine(again).shots[0].guidance is first  # the same words
     advisor = begun.confiner.advisor
 
     class Model:
@@ -205,7 +208,7 @@ def test_what_a_model_says_in_a_later_round_reaches_the_loss(search):
             return replace(advice, unmeasured=replace(advice.prompts, subject="a rusty ball", whole="rust"))
 
     begun.confiner.advisor = Model()
-    begun.confine(now.u, now.plan, None)
+    (shot,) = begun.confine(again).shots
     picture = shot.draw(now.u)
     before, after = (judge(picture.display, picture.mask, fixed_views()) for judge in (first, shot.guidance))
     assert not before  # measures cover the artist's words

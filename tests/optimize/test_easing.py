@@ -6,13 +6,12 @@ import torch
 from loop_parts import Silent
 from tiny_job import write_job
 
+from proxy_renderer.optimize.pipeline import refine
 from proxy_renderer.optimize.rounds import refinement
-from proxy_renderer.optimize.rounds.confiner import Start
-from proxy_renderer.optimize.rounds.easing import eased
-from proxy_renderer.optimize.rounds.refinement import Refinement
+from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
+from proxy_renderer.optimize.rounds.refinement import eased
 from proxy_renderer.optimize.rounds.search import Search
 from proxy_renderer.optimize.shots import ShotInput
-from proxy_renderer.planning.types import Plan
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema.messages import Options
 
@@ -36,14 +35,15 @@ def supports(search, plan):
 @pytest.mark.parametrize(("red", "exposure"), [(0.6, 0.7), (0.85, -1.4)])
 def test_light_that_nobody_asked_for_goes_back_whole(scene, encoder, red, exposure):
     search, home = begun(scene, encoder, "red ball")
-    now = search.confine(home, Plan(), Start(home))
+    now = search.confine(RoundStart.at(Start(home, search.shots)))
     lit = {"material/Ball/base_color": (red, 0.006, 0.006), "film/exposure": (exposure,)}
     brighter = search.vector.encode(search.vector.values(now.u) | lit)
-    assert not search.missed(brighter).claims
-    found = eased(search, now.plan, brighter)
+    shots, missed = search.seen(now.shots, brighter, 0)
+    assert not missed.claims
+    found = eased(search, shots, now.plan, brighter)
     marked = supports(search, now.plan)
     assert found is not None
-    assert not search.missed(found).claims
+    assert not search.seen(shots, found, 0)[1].claims
     torch.testing.assert_close(found[marked], home[marked])
     torch.testing.assert_close(found[~marked], brighter[~marked])  # what the words name stays
 
@@ -52,8 +52,8 @@ def test_what_the_words_need_stays(tmp_path, encoder):
     """A white ball before a white floor is told apart by light, of which something has to be left."""
     scene = load_scene(write_job(tmp_path / "job", **{"material/Floor/base_color": (0.85,) * 3}))
     search, home = begun(scene, encoder, "white ball")
-    outcome = Refinement(search, Start(home)).run()
-    assert not search.missed(outcome.u).claims
+    outcome = refine(search, Start(home, search.shots))
+    assert not search.seen(outcome.shots, outcome.u, 0)[1].claims
     assert float((outcome.u - home)[supports(search, outcome.plan)].abs().amax()) > 0.01
 
 
@@ -63,8 +63,9 @@ def test_less_change_than_without_it_and_all_claims_hold(scene, encoder, monkeyp
         if not easing:
             monkeypatch.setattr(refinement, "eased", lambda *_: None)
         search, home = begun(scene, encoder, "navy blue ball")
-        outcome = Refinement(search, Start(home)).run()
-        ends[easing] = outcome.u, supports(search, outcome.plan), home, search.missed(outcome.u).claims
+        outcome = refine(search, Start(home, search.shots))
+        missed = search.seen(outcome.shots, outcome.u, 0)[1]
+        ends[easing] = outcome.u, supports(search, outcome.plan), home, missed.claims
     moved = {easing: float((u - home)[marked].norm()) for easing, (u, marked, home, _) in ends.items()}
     assert ends[True][3] == 0
     assert moved[True] <= moved[False]

@@ -6,12 +6,10 @@ import torch
 from loop_parts import Silent
 
 from proxy_renderer.optimize import objective as objectives
-from proxy_renderer.optimize.forward import forward_slopes, pictures_for
-from proxy_renderer.optimize.inner.slopes import backward_slopes
-from proxy_renderer.optimize.rounds.confiner import Start
+from proxy_renderer.optimize.objective import backward_slopes, forward_slopes, pictures_for
+from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
 from proxy_renderer.optimize.rounds.search import Search
 from proxy_renderer.optimize.shots import ShotInput
-from proxy_renderer.planning.types import Plan
 from proxy_renderer.schema.messages import Options
 
 PROMPT = "glossy deep red ball, warm soft light from the left, thin fog, vignette, high contrast"
@@ -22,7 +20,7 @@ def begun(scene, encoder):
     """A round's objective, and where it begins."""
     search = Search([ShotInput(scene)], PROMPT, Options(rounds=1, size=48), encoder, Silent(), None)
     home = search.vector.encode({})
-    now = search.confine(home, Plan(), Start(home))
+    now = search.confine(RoundStart.at(Start(home, search.shots)))
     return search.select(now, now.u).objective, now
 
 
@@ -31,7 +29,7 @@ def both(begun, keys):
     objective, now = begun
     chosen = objective.vector.mark(keys) & (now.upper > now.lower)
     box = now.lower, now.upper
-    forward = forward_slopes(objective.seen, objective._judge, now.u, chosen, box)
+    forward = forward_slopes(objective.seen, objective.judge, now.u, chosen, box)
     return forward, backward_slopes(objective.assess, now.u, chosen), (now.upper - now.lower)[chosen]
 
 

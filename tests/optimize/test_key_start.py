@@ -6,8 +6,8 @@ import math
 import pytest
 import torch
 
-from proxy_renderer.optimize.context import picture_size
 from proxy_renderer.optimize.rounds.key_start import with_key_turned
+from proxy_renderer.optimize.shots import picture_size
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.schema import orbit
 

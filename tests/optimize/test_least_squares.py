@@ -6,9 +6,8 @@ import math
 import pytest
 import torch
 
-from proxy_renderer.optimize.inner.assessment import Assessment
-from proxy_renderer.optimize.inner.least_squares import solve
-from proxy_renderer.optimize.inner.slopes import backward_slopes, difference_slopes
+from proxy_renderer.optimize.least_squares import Assessment, solve
+from proxy_renderer.optimize.objective import backward_slopes, difference_slopes
 
 
 def doubles(values):

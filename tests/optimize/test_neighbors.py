@@ -5,12 +5,10 @@ import pytest
 import torch
 from loop_parts import Silent
 
-from proxy_renderer.optimize.inner.slopes import difference_slopes
-from proxy_renderer.optimize.neighbors import Neighbors
-from proxy_renderer.optimize.rounds.confiner import Start
+from proxy_renderer.optimize.objective import Neighbors, difference_slopes
+from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
 from proxy_renderer.optimize.rounds.search import Search
 from proxy_renderer.optimize.shots import ShotInput
-from proxy_renderer.planning.types import Plan
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.schema.messages import Options
 
@@ -24,7 +22,7 @@ def begun(scene, encoder):
     """A round's objective, and where it begins."""
     search = Search([ShotInput(scene)], PROMPT, Options(rounds=1, size=48), encoder, Silent(), None)
     home = search.vector.encode({})
-    now = search.confine(home, Plan(), Start(home))
+    now = search.confine(RoundStart.at(Start(home, search.shots)))
     return search.select(now, now.u).objective, now.u
 
 
@@ -41,7 +39,7 @@ def stands(key):
 
 
 def nearby(objective, u, strides):
-    return Neighbors(objective.seen, objective._judge, u, strides)
+    return Neighbors(objective.seen, objective.judge, u, strides)
 
 
 @torch.no_grad()

@@ -7,17 +7,16 @@ from loop_parts import PROMPT, Silent
 from tiny_job import write_job
 
 from proxy_renderer.engine.report import changed_values, parameter_records
-from proxy_renderer.guidance.guide import Weights
-from proxy_renderer.guidance.losses import claims_loss
+from proxy_renderer.guidance.guide import Weights, claims_loss
 from proxy_renderer.optimize import objective as objectives
 from proxy_renderer.optimize import pipeline
-from proxy_renderer.optimize.inner.descent import fixed_views
+from proxy_renderer.optimize.least_squares import fixed_views
 from proxy_renderer.optimize.shots import ShotInput
-from proxy_renderer.prompt import understood
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.messages import Options
+from proxy_renderer.words import parser
 
 
 def vibe(scene, encoder, prompt=PROMPT, watch=None, **options):
@@ -141,9 +140,7 @@ def test_everything_locked(scene, encoder):
 
 def test_a_prompt_is_read_once_however_many_rounds_there_are(scene, encoder, monkeypatch):
     read = []
-    parse = understood.read
-    monkeypatch.setattr(
-        understood, "read", lambda *given, **more: read.append(given[0]) or parse(*given, **more)
-    )
+    parse = parser.read
+    monkeypatch.setattr(parser, "read", lambda *given, **more: read.append(given[0]) or parse(*given, **more))
     vibe(scene, encoder, rounds=2)
     assert read == [PROMPT]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lab.bench.scenes import balls
-from proxy_renderer.optimize.places import places
+from proxy_renderer.optimize.scene_words import places
 from proxy_renderer.schema.orbit import frame
 
 

@@ -3,7 +3,9 @@
 
 import pytest
 
-from proxy_renderer.optimize.plan import carry, feasible_ranges, lock
+from proxy_renderer.optimize.rounds.confiner import carry
+from proxy_renderer.optimize.shots import lock
+from proxy_renderer.optimize.vector import feasible_ranges
 from proxy_renderer.planning.types import Plan, PlanEntry
 from proxy_renderer.schema import FAMILIES, Instance, VibeError
 

@@ -7,8 +7,7 @@ import pytest
 import torch
 
 from lab.methods.parts import WithoutSharing
-from proxy_renderer.optimize.inner.assessment import Assessment
-from proxy_renderer.optimize.inner.linear_model import LinearModel
+from proxy_renderer.optimize.least_squares import Assessment, LinearModel
 from proxy_renderer.optimize.rounds import selection
 from proxy_renderer.optimize.rounds.selection import choose
 from proxy_renderer.planning.types import Plan, PlanEntry

@@ -12,7 +12,7 @@ from proxy_renderer.engine.report import changed_values
 from proxy_renderer.engine.session import EngineSession
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import pipeline
-from proxy_renderer.optimize.shots import MOVES, ShotInput, share
+from proxy_renderer.optimize.shots import MOVES, ShotInput, shared_parameters
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema.messages import VARIANTS, Options, Shot
 
@@ -95,11 +95,11 @@ def test_what_is_locked_or_moves_in_one_is_locked_in_all(views):
     moving = replace(lamp, value=(lamp.value[0] * 2,))
     keyed = replace(color, locked="it is animated")
     second = ShotInput(replace(scene, instances={**scene.instances, LAMP: moving, COLOR: keyed}), None, "a")
-    shared, _ = share([views[0], second])
+    shared, _ = shared_parameters([views[0], second])
     assert shared[LAMP].locked == MOVES
     assert shared[COLOR].locked == "it is animated"
     elsewhere = ShotInput(second.scene, None, "b")
-    assert not share([views[0], elsewhere])[0][LAMP].locked
+    assert not shared_parameters([views[0], elsewhere])[0][LAMP].locked
     first, other = changed(vibe([views[0], second], rounds=1, steps=3))
     assert COLOR not in first
     assert LAMP not in {**first, **other}

@@ -8,9 +8,8 @@ from loop_parts import Silent
 from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import pipeline
-from proxy_renderer.optimize.drawing import draw
 from proxy_renderer.optimize.rounds import starts
-from proxy_renderer.optimize.shots import ShotInput
+from proxy_renderer.optimize.shots import ShotInput, draw
 from proxy_renderer.planning.types import Plan, PlanEntry
 from proxy_renderer.schema.messages import Options
 

@@ -4,17 +4,15 @@
 import pytest
 import torch
 
-from proxy_renderer.claims.wanted import claims_of
-from proxy_renderer.color.blackbody import blackbody
+from proxy_renderer.claims.from_goals import claims_of
+from proxy_renderer.color.tensors import blackbody
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.planning.lights.facing import kelvin_color
+from proxy_renderer.planning.light_levels import kelvin_color
 from proxy_renderer.planning.planner import plan
-from proxy_renderer.planning.types import PictureStats, PlanContext
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
-from proxy_renderer.prompt.understood import Understood
 from proxy_renderer.schema import FAMILIES, Instance
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.parser import Understood, parse
+from proxy_renderer.words.types import PictureStats, SceneDescription
 
 COLOR = Instance(FAMILIES["material/base_color"], "Body", (0.5, 0.5, 0.5), 1.0, "subject")
 
@@ -32,7 +30,7 @@ def make(prompt, context):
         for owner, role in (("Body", "subject"), ("Wall", "surroundings"))
         for n, family in families.items()
     ]
-    parsed = parse(prompt, SceneWords())
+    parsed = parse(prompt, SceneDescription())
     return plan(goals_of(parsed), {i.key: i for i in instances}, context)
 
 
@@ -40,13 +38,13 @@ def test_white_surroundings_do_not_glow():
     """What glows shows no shadows: things would float on it."""
     picture = PictureStats({"surroundings": (60.0, 0.0, 0.0)})
     values = {"material/Wall/emission": (0.0,), "material/Wall/base_color": (0.85, 0.85, 0.85)}
-    context = PlanContext(world_share=0.0, picture=picture, values=values)
+    context = SceneDescription(world_share=0.0, picture=picture, values=values)
     for name in ("emission", "emission_color"):
         assert make("white background", context)[f"material/Wall/{name}"].priority is None
 
 
 def test_a_sky_out_of_sight_is_its_light():
-    parsed = parse("blue dusk, red sky, green walls", SceneWords(sky=False))
+    parsed = parse("blue dusk, red sky, green walls", SceneDescription(sky=False))
     assert [a.kind for a in parsed.attributes if a.color] == ["ambience", "ambience", "surroundings"]
     tints = [claim for claim in claims_of(goals_of(parsed), default_vocabulary()) if claim.measure == "tint"]
     assert {(claim.word, claim.part) for claim in tints} >= {("blue", "picture")}
@@ -54,7 +52,7 @@ def test_a_sky_out_of_sight_is_its_light():
 
 @pytest.mark.parametrize(("sky", "kind"), [(False, "ambience"), (True, "sky")])
 def test_whether_the_sky_is_seen_decides_what_its_color_is(sky, kind):
-    parsed = Understood("blue dusk", SceneWords(sky=sky)).parsed
+    parsed = Understood("blue dusk", SceneDescription(sky=sky)).parsed
     assert [a.kind for a in parsed.attributes if a.color] == [kind]
 
 

@@ -6,12 +6,11 @@ from types import SimpleNamespace
 import pytest
 
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.planning.lights.glow import glowing
+from proxy_renderer.planning.glow import glowing
 from proxy_renderer.planning.planner import plan
-from proxy_renderer.planning.types import PlanContext
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import FAMILIES, Instance
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneDescription
 
 COLOR = "material/Body/emission_color"
 
@@ -20,9 +19,9 @@ def entry(prompt, emission_color, strength, key=COLOR):
     values = {"base_color": (0.5,) * 3, "emission_color": emission_color, "emission": (strength,)}
     rows = [Instance(FAMILIES[f"material/{n}"], "Body", v, 1.0, "subject") for n, v in values.items()]
     instances = {row.key: row for row in rows}
-    scene = SceneWords(objects={"Body": "subject"}, materials={"Body": "subject"})
+    scene = SceneDescription(objects={"Body": "subject"}, materials={"Body": "subject"})
     parsed = parse(prompt, scene)
-    return plan(goals_of(parsed), instances, PlanContext())[key]
+    return plan(goals_of(parsed), instances, SceneDescription())[key]
 
 
 @pytest.mark.parametrize(

@@ -6,10 +6,10 @@ from __future__ import annotations
 import pytest
 from plan_parts import make_instances, make_plan
 
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.types import SceneDescription
 
-SCENE = SceneWords(
+SCENE = SceneDescription(
     objects={"Vase": "subject", "Lemons": "subject", "Table": "surroundings", "Wall": "surroundings"},
     materials={"Glaze": "subject", "Peel": "subject", "Wood": "surroundings", "Plaster": "surroundings"},
     object_materials={"Vase": ("Glaze",), "Lemons": ("Peel",), "Table": ("Wood",), "Wall": ("Plaster",)},

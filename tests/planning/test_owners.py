@@ -4,12 +4,11 @@
 import pytest
 
 from proxy_renderer.planning.owners import Owners
-from proxy_renderer.planning.types import PlanContext
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import FAMILIES, Instance
 from proxy_renderer.schema.radiometry import unit_energy
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import LightDescription, SceneDescription
 
 TYPES = ("SUN", "AREA", "SPOT", "POINT")
 
@@ -28,16 +27,18 @@ def instances(brighter: str) -> dict[str, Instance]:
 
 @pytest.mark.parametrize("brighter", TYPES)
 def test_the_brightest_light_is_the_key(brighter):
-    context = PlanContext(light_types={kind.title(): kind for kind in TYPES})
+    context = SceneDescription(lights={kind.title(): LightDescription(kind) for kind in TYPES})
     assert Owners(
-        parse("noir", SceneWords()), instances(brighter), context, default_vocabulary()
+        parse("noir", SceneDescription()), instances(brighter), context, default_vocabulary()
     ).lights.key == [brighter.title()]
 
 
 def test_a_lights_own_exposure_counts():
-    context = PlanContext(light_types={kind.title(): kind for kind in TYPES}, light_stops={"Spot": 1.0})
+    context = SceneDescription(
+        lights={k.title(): LightDescription(k, stops=float(k == "SPOT")) for k in TYPES}
+    )
     assert Owners(
-        parse("noir", SceneWords()), instances("SUN"), context, default_vocabulary()
+        parse("noir", SceneDescription()), instances("SUN"), context, default_vocabulary()
     ).lights.key == ["Spot"]
 
 
@@ -57,8 +58,8 @@ def test_of_many_small_things_all_that_are_about_as_large_are_meant():
     shares = dict.fromkeys(titles, 0.08) | {"Bookend": 0.1, "Screws": 0.002}
     family = FAMILIES["material/base_color"]
     books = {i.key: i for i in (Instance(family, name, (0.5,) * 3, 1.0, "subject") for name in shares)}
-    parsed = parse("emerald green", SceneWords(materials=dict.fromkeys(shares, "subject")))
-    owners = Owners(parsed, books, PlanContext(material_share=shares), default_vocabulary())
+    parsed = parse("emerald green", SceneDescription(materials=dict.fromkeys(shares, "subject")))
+    owners = Owners(parsed, books, SceneDescription(material_share=shares), default_vocabulary())
     (effect,) = (e for e in default_vocabulary().painted["subject"] if e.name == "base_color")
     painted = {i.owner for i in owners.of(effect, parsed.attributes[0])}
     assert painted == shares.keys() - {"Screws"}

@@ -6,13 +6,13 @@ import json
 import pytest
 from tiny_job import write_job
 
-from proxy_renderer.engine.additions import with_additions
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.optimize.context import scene_words
+from proxy_renderer.optimize.scene_words import described
+from proxy_renderer.optimize.stage import set_stage
 from proxy_renderer.planning.planner import plan
-from proxy_renderer.planning.types import PlanContext
-from proxy_renderer.prompt.parser import parse
 from proxy_renderer.scene import load_scene
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneDescription
 
 STRENGTH, COLOR = "world/backdrop_strength", "world/backdrop_color"
 
@@ -50,7 +50,7 @@ def shot(folder, offered=True):
 )
 def test_it_is_parted_for_words_that_color_what_is_behind(tmp_path, prompt, parted):
     scene = shot(tmp_path)
-    (got,) = with_additions([scene], prompt).scenes
+    (got,) = set_stage([scene], prompt).scenes
     assert (STRENGTH in got.instances) == parted
     if parted:
         assert got.value(COLOR) == scene.value("world/color")
@@ -58,16 +58,16 @@ def test_it_is_parted_for_words_that_color_what_is_behind(tmp_path, prompt, part
 
 def test_all_shots_get_it_or_none(tmp_path):
     seen, hidden = shot(tmp_path / "seen"), shot(tmp_path / "hidden", offered=False)
-    assert all(STRENGTH in s.instances for s in with_additions([seen, seen], "green background").scenes)
-    for scene in with_additions([seen, hidden], "green background").scenes:
+    assert all(STRENGTH in s.instances for s in set_stage([seen, seen], "green background").scenes)
+    for scene in set_stage([seen, hidden], "green background").scenes:
         assert STRENGTH not in scene.instances
 
 
 def test_green_is_seen_and_the_light_of_the_night_is_shed(tmp_path):
     prompt = "moonlit night, green background"
-    (scene,) = with_additions([shot(tmp_path)], prompt).scenes
-    parsed = parse(prompt, scene_words(scene))
-    entries = plan(goals_of(parsed), dict(scene.instances), PlanContext())
+    (scene,) = set_stage([shot(tmp_path)], prompt).scenes
+    parsed = parse(prompt, described(scene))
+    entries = plan(goals_of(parsed), dict(scene.instances), SceneDescription())
     green, light = entries[COLOR], entries["world/color"]
     red, brightest, blue = green.upper
     assert brightest > 2 * max(red, blue)
@@ -78,9 +78,9 @@ def test_green_is_seen_and_the_light_of_the_night_is_shed(tmp_path):
 
 def test_chrome_has_light_to_mirror_before_a_dark_background(tmp_path):
     prompt = "chrome ball, dark background"
-    (scene,) = with_additions([shot(tmp_path)], prompt).scenes
-    parsed = parse(prompt, scene_words(scene))
-    entries = plan(goals_of(parsed), dict(scene.instances), PlanContext())
+    (scene,) = set_stage([shot(tmp_path)], prompt).scenes
+    parsed = parse(prompt, described(scene))
+    entries = plan(goals_of(parsed), dict(scene.instances), SceneDescription())
     assert "dark background" in entries[STRENGTH].reason
     assert "chrome" in entries["world/strength"].reason
     assert entries[STRENGTH].upper < entries["world/strength"].lower
@@ -88,9 +88,9 @@ def test_chrome_has_light_to_mirror_before_a_dark_background(tmp_path):
 
 @pytest.mark.parametrize("prompt", ["a garden at night", "night, in a garden", "a foggy night"])
 def test_the_sky_of_a_place_or_a_weather_at_night_is_the_nights(tmp_path, prompt):
-    (scene,) = with_additions([shot(tmp_path)], prompt).scenes
-    parsed = parse(prompt, scene_words(scene))
-    entries = plan(goals_of(parsed), dict(scene.instances), PlanContext())
+    (scene,) = set_stage([shot(tmp_path)], prompt).scenes
+    parsed = parse(prompt, described(scene))
+    entries = plan(goals_of(parsed), dict(scene.instances), SceneDescription())
     assert "night" in entries["world/strength"].reason
     assert "night" in entries["world/color"].reason
 
@@ -99,8 +99,8 @@ def test_a_place_does_not_narrow_what_the_time_of_day_wants(tmp_path):
     scene = shot(tmp_path)
 
     def range_at(prompt):
-        parsed = parse(prompt, scene_words(scene))
-        return plan(goals_of(parsed), dict(scene.instances), PlanContext())["world/strength"]
+        parsed = parse(prompt, described(scene))
+        return plan(goals_of(parsed), dict(scene.instances), SceneDescription())["world/strength"]
 
     dusk, street = range_at("blue hour"), range_at("blue hour on a city street")
     assert (street.lower, street.upper) == (dusk.lower, dusk.upper)

@@ -4,14 +4,14 @@
 import pytest
 from plan_parts import make_instances, make_plan
 
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import LightWords, SceneWords
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import LightDescription, SceneDescription
 
-SCENE = SceneWords(
+SCENE = SceneDescription(
     objects={"Vase": "subject", "Cup": "surroundings", "Table": "surroundings", "Wall": "surroundings"},
     materials={"Glaze": "subject", "Clay": "surroundings", "Wood": "surroundings", "Plaster": "surroundings"},
     object_materials={"Vase": ("Glaze",), "Cup": ("Clay",), "Table": ("Wood",), "Wall": ("Plaster",)},
-    lights={"Key": LightWords("AREA", "key"), "Fill": LightWords("AREA", "fill")},
+    lights={"Key": LightDescription("AREA", "key"), "Fill": LightDescription("AREA", "fill")},
 )
 
 

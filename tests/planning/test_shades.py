@@ -5,15 +5,14 @@ import pytest
 
 from proxy_renderer.color.floats import chroma, lab_from_srgb, luminance, srgb_from_linear
 from proxy_renderer.goals.resolve import goals_of
+from proxy_renderer.planning.light_levels import Sources
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.planning.ranges import effect_range
-from proxy_renderer.planning.sources import Sources
-from proxy_renderer.planning.types import PlanContext
-from proxy_renderer.prompt.lexicon.entries import parse_effect
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import Attribute, SceneWords
 from proxy_renderer.schema import FAMILIES, Instance
+from proxy_renderer.words.lexicon.entries import parse_effect
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import Attribute, SceneDescription
 
 RED = (0.4, 0.02, 0.03)
 
@@ -22,7 +21,7 @@ def shown(effect, color=RED, strength=1.0):
     """Lab of the middle of a range."""
     instance = Instance(FAMILIES["material/base_color"], "Jacket", color, 1.0, "subject")
     attribute = Attribute("faded", "faded surface", "color", "subject", strength=strength)
-    low, high = effect_range(parse_effect(effect), attribute, instance, Sources(PlanContext()))
+    low, high = effect_range(parse_effect(effect), attribute, instance, Sources(SceneDescription()))
     return lab_from_srgb(srgb_from_linear(tuple((a + b) / 2 for a, b in zip(low, high, strict=True))))
 
 
@@ -54,8 +53,8 @@ def planned(prompt):
     """The middles of the ranges of a red jacket's color and roughness."""
     values = {"base_color": RED, "roughness": (0.2,)}
     rows = [Instance(FAMILIES[f"material/{n}"], "Jacket", v, 1.0, "subject") for n, v in values.items()]
-    parsed = parse(prompt, SceneWords(objects={"Jacket": "subject"}, materials={"Jacket": "subject"}))
-    entries = plan(goals_of(parsed), {row.key: row for row in rows}, PlanContext())
+    parsed = parse(prompt, SceneDescription(objects={"Jacket": "subject"}, materials={"Jacket": "subject"}))
+    entries = plan(goals_of(parsed), {row.key: row for row in rows}, SceneDescription())
     return [
         tuple((a + b) / 2 for a, b in zip(entry.lower, entry.upper, strict=True))
         for entry in (entries[row.key] for row in rows)
@@ -84,9 +83,9 @@ def test_no_light_lifts_the_shadows_of_one_color():
 @pytest.mark.parametrize("present", [(0.02, 0.015, 0.01), (0.12, 0.04, 0.01), (0.5, 0.4, 0.3)])
 def test_a_darker_and_a_paler_substance_are_so_compared_with_the_present_color(substance, present):
     instance = Instance(FAMILIES["material/base_color"], "Jacket", present, 1.0, "subject")
-    scene = SceneWords(objects={"Jacket": "subject"}, materials={"Jacket": "subject"})
+    scene = SceneDescription(objects={"Jacket": "subject"}, materials={"Jacket": "subject"})
     for shade, sign in (("darker", -1), ("lighter", 1), ("paler", 1)):
         parsed = parse(f"the jacket in {shade} {substance}", scene)
-        entries = plan(goals_of(parsed), {instance.key: instance}, PlanContext())
+        entries = plan(goals_of(parsed), {instance.key: instance}, SceneDescription())
         ends = (luminance(entries[instance.key].lower), luminance(entries[instance.key].upper))
         assert all(sign * end > sign * luminance(present) for end in ends), shade

@@ -4,9 +4,9 @@
 from dataclasses import replace
 
 import pytest
-from plan_parts import CONTEXT, make_instances, make_plan
+from plan_parts import SCENE, make_instances, make_plan
 
-from proxy_renderer.planning.types import PictureStats
+from proxy_renderer.words.types import LightDescription, PictureStats
 
 
 def supported(plan):
@@ -40,9 +40,7 @@ def test_neither_named_nor_locked_values_support():
 def exposures(percentiles, now=0.0):
     """The range of exposure for a picture with these L* at 5, 50 and 95 percent, and the stops of its proxy."""
     stats = PictureStats(percentiles=percentiles)
-    entry = make_plan(
-        "teal dolphin", context=replace(CONTEXT, picture=stats, values={"film/exposure": (now,)})
-    )
+    entry = make_plan("teal dolphin", scene=replace(SCENE, picture=stats, values={"film/exposure": (now,)}))
     return entry["film/exposure"].lower[0], entry["film/exposure"].upper[0]
 
 
@@ -78,7 +76,7 @@ def test_where_light_has_a_color_what_the_world_sheds_may_have_it_too():
 
 def test_a_light_that_is_added_has_nothing_to_be_stronger_than():
     """The power that the scene's file gives it says nothing; weaker is weaker than what words ask for."""
-    context = replace(CONTEXT, added_lights=("Back",))
+    context = replace(SCENE, added_lights={"Back": LightDescription("POINT")})
     instances = make_instances()
     power = "light/Back/power"
     instances[power] = replace(instances[power], value=(0.01,))

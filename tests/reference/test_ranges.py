@@ -1,11 +1,63 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far values may go for a picture of another scene."""
+"""How far values may go to look like a picture, and the colors that its light may have."""
+
+from __future__ import annotations
 
 import pytest
 
-from proxy_renderer.reference.light_colors import LightColors
-from proxy_renderer.reference.ranges import entries_of
+from proxy_renderer.claims.claim import Claim
+from proxy_renderer.reference.ranges import LightColors, entries_of, light_colors
 from proxy_renderer.schema import FAMILIES, Instance
+
+
+def cast(a, b, measure="midtone_cast"):
+    return Claim("a.jpg", "picture", measure, "picture", (a - 2, b - 2), (a + 2, b + 2))
+
+
+def test_a_neutral_picture_lets_light_be_hardly_colored():
+    colors = light_colors([cast(0, 0), cast(1, -1, "shadow_cast")])
+    assert min(colors.key[0]) > 0.8
+    assert colors.fill == colors.key
+
+
+def test_an_orange_cast_lets_light_be_orange_and_neither_green_nor_blue():
+    colors = light_colors([cast(20, 40), cast(8, 12, "shadow_cast")])
+    red, green, blue = colors.key[0]
+    assert blue < 0.1 < green < 0.5 < red
+    assert colors.fill == colors.key
+
+
+def test_teal_shadows_and_orange_lights_are_each_their_own_light():
+    colors = light_colors([cast(-15, -10, "shadow_cast"), cast(15, 30, "highlight_cast")])
+    assert colors.key == light_colors([cast(15, 30, "highlight_cast")]).key
+    assert colors.fill == light_colors([cast(-15, -10)]).fill
+    assert colors.key[0][0] > colors.key[0][2]
+    assert colors.fill[0][0] < colors.fill[0][2]
+
+
+def test_no_light_is_of_a_hue_between_those_of_two_casts():
+    colors = light_colors([cast(-5, -14), cast(-12, 6, "highlight_cast")])
+    for which in (colors.key, colors.fill):
+        for share in (0.0, 0.5, 1.0):
+            red, green, blue = (low + share * (high - low) for low, high in zip(*which, strict=True))
+            assert green < 1.5 * max(red, blue)
+
+
+def test_a_slight_cast_lets_light_be_of_its_own_hue_only():
+    red, green, blue = light_colors([cast(4, 4), cast(1, 1, "highlight_cast")]).key[0]
+    assert red == 1.0 > green > blue  # on the way from white, and not greenish
+
+
+@pytest.mark.parametrize("measure", ["median", "tint"])
+def test_other_claims_say_nothing_of_light(measure):
+    assert light_colors([cast(40, 40, measure)]) == light_colors([])
+
+
+@pytest.mark.parametrize(("vivid", "least"), [(3.0, 0.0), (14.0, 0.5), (40.0, 1.0)])
+def test_a_picture_with_colors_in_it_takes_no_paint_away(vivid, least):
+    chroma = Claim("a.jpg", "picture", "chroma", "picture", (0.0,), (vivid,))
+    assert light_colors([chroma]).paint == pytest.approx(least)
+
 
 LINE = (1.0, 0.6, 0.3), (1.0, 1.0, 1.0)
 WARM = LightColors(LINE, LINE, paint=0.5)

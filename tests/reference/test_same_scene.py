@@ -5,8 +5,8 @@ import pytest
 import torch
 from tiny_job import write_job
 
-from proxy_renderer.optimize.context import picture_size
-from proxy_renderer.reference import same_scene
+from proxy_renderer.optimize.shots import picture_size
+from proxy_renderer.reference import statements
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 
@@ -30,25 +30,25 @@ def graded(picture):
 
 
 def test_the_same_scene_is_found_however_it_is_lit_and_graded(home):
-    assert same_scene.is_same(home, home)
-    assert same_scene.is_same(graded(home), home)
+    assert statements.is_same(home, home)
+    assert statements.is_same(graded(home), home)
 
 
 def test_another_picture_and_other_proportions_are_not_the_same_scene(home):
     generator = torch.Generator().manual_seed(0)
     noise = torch.rand((12, 16, 3), generator=generator).permute(2, 0, 1)[None]
     blobs = torch.nn.functional.interpolate(noise, home.shape[:2], mode="bicubic")[0].permute(1, 2, 0)
-    assert not same_scene.is_same(blobs.clamp(0, 1), home)
-    assert not same_scene.is_same(home.roll(home.shape[1] // 4, 1), home)
-    assert not same_scene.is_same(home[: home.shape[0] // 2], home)
+    assert not statements.is_same(blobs.clamp(0, 1), home)
+    assert not statements.is_same(home.roll(home.shape[1] // 4, 1), home)
+    assert not statements.is_same(home[: home.shape[0] // 2], home)
 
 
 def test_every_place_and_material_is_compared(proxy, home):
-    said = same_scene.statements_of(graded(home), None, proxy.gbuffer({}), "goal.png")
+    said = statements.statements_by_place(graded(home), None, proxy.gbuffer({}), "goal.png")
     boxes = {s.claim.box for s in said if s.claim.box}
     assert len(boxes) > 60
     assert {s.claim.materials for s in said if s.claim.materials}
-    picture = same_scene.MeasuredPicture.of(graded(home), proxy.gbuffer({}))
+    picture = statements.MeasuredPicture.of(graded(home), proxy.gbuffer({}))
     for statement in said:
         where = statement.claim.region(picture.seen)
         assert statement.claim.miss(statement.claim.value(picture, where), None) == 0.0

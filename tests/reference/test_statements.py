@@ -6,9 +6,8 @@ import pytest
 import torch
 
 from proxy_renderer.claims.measures.picture import MeasuredPicture
-from proxy_renderer.reference.regions import tell
-from proxy_renderer.reference.statements import statements_of
-from proxy_renderer.reference.wording import hue
+from proxy_renderer.reference.regions import regions_of
+from proxy_renderer.reference.statements import hue, statements_of
 
 WIDTH, HEIGHT = 160, 120
 
@@ -36,7 +35,7 @@ def landscape():
 
 
 def said(display):
-    return statements_of(tell(display), "still.jpg")
+    return statements_of(regions_of(display), "still.jpg")
 
 
 def one(display, measure):
@@ -45,22 +44,22 @@ def one(display, measure):
 
 def test_a_subject_is_told_from_a_plain_ground_and_none_where_there_is_none():
     display, inside = ball()
-    told = tell(display)
+    told = regions_of(display)
     assert told.subject
     shown = told.picture.seen.subject.numpy() > 0.5
     assert (shown & inside).sum() > 0.8 * (shown | inside).sum()
     x, y = grid()
     waves = np.stack([0.5 + 0.3 * np.sin(40 * x + i) * np.sin(31 * y) for i in range(3)], -1)
-    assert not tell(waves.astype(np.float32)).subject
+    assert not regions_of(waves.astype(np.float32)).subject
 
 
 def test_a_sky_hangs_from_the_upper_border_and_a_plain_wall_is_none():
-    told = tell(landscape())
+    told = regions_of(landscape())
     assert told.sky
     sky = told.picture.seen.material.numpy() < 0
     assert sky[: HEIGHT // 3].mean() > 0.9
     assert sky[HEIGHT // 2 :].mean() < 0.1
-    assert not tell(np.full((HEIGHT, WIDTH, 3), 0.7, np.float32)).sky
+    assert not regions_of(np.full((HEIGHT, WIDTH, 3), 0.7, np.float32)).sky
 
 
 def test_shadows_and_lights_are_called_what_they_are():
@@ -116,7 +115,9 @@ def test_black_and_white_things_ask_no_scene_for_more_than_what_looks_so():
 
 
 def test_colors_that_are_more_vivid_than_any_of_the_picture_may_stay_and_not_become_so():
-    shown = MeasuredPicture.of(torch.tensor((0.1, 0.9, 0.1)).expand(24, 24, 3), tell(ball()[0]).picture.seen)
+    shown = MeasuredPicture.of(
+        torch.tensor((0.1, 0.9, 0.1)).expand(24, 24, 3), regions_of(ball()[0]).picture.seen
+    )
     claim = one(ball()[0], "vividest").claim
     gaudy = claim.value(shown, claim.region(shown.seen))
     assert claim.miss(gaudy, before=torch.zeros(1)) > 3.0
@@ -125,7 +126,7 @@ def test_colors_that_are_more_vivid_than_any_of_the_picture_may_stay_and_not_bec
 
 def test_a_picture_keeps_all_that_is_said_of_it_and_another_one_does_not():
     display, _ = ball(side=0.5)
-    told = tell(display)
+    told = regions_of(display)
     colder = MeasuredPicture(told.picture.display * torch.tensor([0.6, 0.8, 1.0]), told.picture.seen)
     kept, lost = [], []
     for statement in said(display):

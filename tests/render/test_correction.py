@@ -13,9 +13,7 @@ import torch
 from torch import Tensor
 
 from lab.bench.scenes import balls
-from proxy_renderer.render.cycles.correction import REST
-from proxy_renderer.render.cycles.joint_bilateral import GuideImage, blur, look_up
-from proxy_renderer.render.cycles.pictures import CyclesPicture
+from proxy_renderer.render.cycles import REST, CyclesPicture, blur, look_up
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import SceneData
 from proxy_renderer.schema import VibeError
@@ -202,10 +200,9 @@ def test_smoothing_and_looking_up_stop_at_outlines() -> None:
     names = torch.zeros((8, 8), dtype=torch.int64)
     names[:, 4:] = 1
     field = torch.where(names == 0, 1.0, 5.0).flatten()[None]
-    guide = GuideImage(names)
-    torch.testing.assert_close(blur(field, guide, 2, 1.0), field)
+    torch.testing.assert_close(blur(field, names, 2, 1.0), field)
     place = torch.tensor([[3.9, 4.1, 0.0, 100.0], [4.0, 4.0, 0.0, 4.0]])
-    found = look_up(field, guide, place, torch.tensor([0, 1, 0, 0]), torch.tensor([9.0]))
+    found = look_up(field, names, place, torch.tensor([0, 1, 0, 0]), torch.tensor([9.0]))
     torch.testing.assert_close(found, torch.tensor([[1.0, 5.0, 1.0, 9.0]]))
 
 
@@ -215,7 +212,7 @@ def test_what_belongs_to_a_highlight_stays_with_it() -> None:
     field = torch.where(bright > 0, 5.0, 1.0).flatten()[None]
     place = torch.tensor([[3.9, 3.9, 3.9], [4.0, 4.0, 4.0]])
     stops = bright.flatten(), torch.tensor([0.0, 3.0, -9.0])
-    guide = GuideImage(torch.zeros((8, 8), dtype=torch.int64))
+    guide = torch.zeros((8, 8), dtype=torch.int64)
     found = look_up(field, guide, place, torch.zeros(3, dtype=torch.int64), torch.tensor([9.0]), stops)
     torch.testing.assert_close(found, torch.tensor([[1.0, 5.0, 9.0]]))
 

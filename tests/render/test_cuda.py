@@ -6,7 +6,7 @@ import torch
 from tiny_job import write_job
 
 from lab.bench.scenes import outdoors
-from proxy_renderer.render.cycles.pictures import CyclesPicture
+from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
 

@@ -86,7 +86,7 @@ def test_clusters_light_a_floor_as_the_whole_surface_does(name):
     assert clusters
     points = torch.stack((torch.linspace(-2, 2, 21), torch.linspace(-1, 2, 21), torch.zeros(21)))
     up = torch.tensor([[0.0], [0.0], [1.0]]).expand(3, 21)
-    found = sum(c.power * c.lamp.irradiance(points, up).irradiance for c in clusters)
+    found = sum(power * lamp.irradiance(points, up).irradiance for lamp, power in clusters)
     samples, face = trimesh.sample.sample_surface(shape, 20000, seed=1)
     place, normal = torch.from_numpy(samples).float().T, torch.from_numpy(shape.face_normals[face]).float().T
     offset = place[:, None] - points[:, :, None]

@@ -11,9 +11,10 @@ from tiny_job import blender_config
 
 from proxy_renderer.color.floats import lab_from_srgb
 from proxy_renderer.color.view_transform import ViewTransform, apply_ocio
-from proxy_renderer.planning.grays import radiance
-from proxy_renderer.render.film.bloom import bloom
-from proxy_renderer.render.film.film import Film, grade
+from proxy_renderer.planning.light_levels import radiance
+from proxy_renderer.render import film
+from proxy_renderer.render import film as grade
+from proxy_renderer.render.film import Film
 from proxy_renderer.scene import FilmSettings
 from proxy_renderer.schema import PARAMETERS, VibeError
 
@@ -129,9 +130,9 @@ def test_formulas():
 
 
 def test_bloom_of_an_even_picture_is_its_highlight():
-    glow = bloom(torch.full((32, 48, 3), 3.0))
+    glow = film(torch.full((32, 48, 3), 3.0))
     torch.testing.assert_close(glow, torch.full((32, 48, 3), 2.0))
-    assert bloom(torch.full((32, 48, 3), 0.8)).abs().max() == 0
+    assert film(torch.full((32, 48, 3), 0.8)).abs().max() == 0
 
 
 MOVED = {

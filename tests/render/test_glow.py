@@ -11,8 +11,7 @@ from proxy_renderer.render.geometry.vectors import unit
 from proxy_renderer.render.geometry.visibility import RayGeometry, Surface, sphere_points
 from proxy_renderer.render.material.textures import geometry_of
 from proxy_renderer.render.proxy import Proxy
-from proxy_renderer.render.transport.glow import BLURS, GlowShares, glow_of
-from proxy_renderer.render.transport.lobe_rays import LobeRays
+from proxy_renderer.render.transport.glow import BLURS, GlowShares, LobeRays, glow_of
 
 from .test_emitters import CPU, scene_with
 

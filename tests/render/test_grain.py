@@ -7,11 +7,10 @@ import trimesh
 from marks import few_of
 
 from proxy_renderer.render.geometry.visibility import sphere_points
-from proxy_renderer.render.lights.prefilter import GLOSSY
+from proxy_renderer.render.lights.environment import GLOSSY
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.render.surface.surfaces import direct_lights_of, table_of
-from proxy_renderer.render.transport.glow import BLURS
-from proxy_renderer.render.transport.lobe_rays import LobeRays
+from proxy_renderer.render.transport.glow import BLURS, LobeRays
 
 from .test_emitters import moved, scene_with
 from .test_glow import panel
@@ -26,7 +25,7 @@ def beside_many_rays(scene, roughness):
     """Indirect light, which samples are the floor's, and the share (n,) of many rays of their lobes that hit anything."""
     proxy = Proxy(scene, (192, 192))
     with torch.no_grad():
-        frame, _ = proxy._frame({})
+        frame = proxy._frame({})
         direct_lights_of(frame)
         gathered = proxy._gather(frame, table_of(frame))
         cache, geometry = frame.cache, proxy.geometry

@@ -49,7 +49,7 @@ def test_many_lights_are_traced_as_few_and_look_like_all(scene, proxy, monkeypat
 
 
 def test_a_clusters_source_has_the_power_of_its_lights(proxy):
-    frame = proxy._frame({})[0]
+    frame = proxy._frame({})
     surface = frame.view_samples.surface
 
     def at(lamp):
@@ -92,12 +92,12 @@ def test_a_lamp_that_moves_gets_shadows_of_its_own(scene):
 
 
 def test_lights_that_light_some_things_only_stay_alone(scene, proxy):
-    lamps = proxy._frame({})[0].lamps
+    lamps = proxy._frame({}).lamps
     odd = [
         replace(lamp, light=replace(lamp.light, unlit=(0,))) if i == 20 else lamp
         for i, lamp in enumerate(lamps)
     ]
     found = clusters.LightClusters.of(
-        odd, [False] * MANY, proxy._cache.view_samples(proxy._frame({})[0].view).surface
+        odd, [False] * MANY, proxy._cache.view_samples(proxy._frame({}).view).surface
     )
     assert found.clusters[found.row[20]].members == (20,)

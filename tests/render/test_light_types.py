@@ -10,8 +10,8 @@ from operation_tests import OperationTests, number
 
 from lab.bench.scenes import balls
 from proxy_renderer.render.geometry.vectors import tangents
-from proxy_renderer.render.lights.types import LIGHT_TYPES, light_sources, light_type
-from proxy_renderer.render.lights.types.light_source import LightSource
+from proxy_renderer.render.lights.light_source import LightSource
+from proxy_renderer.render.lights.light_types import LIGHT_TYPES, light_sources, light_type
 from proxy_renderer.scene import Light
 from proxy_renderer.scene.values import RenderValues
 from proxy_renderer.schema import VibeError, radiometry

@@ -12,8 +12,8 @@ from lab.bench.scenes import balls
 from proxy_renderer.render.lights.area_specular import AreaSpecular
 from proxy_renderer.render.material.albedo import basis
 from proxy_renderer.render.material.shading_inputs import shading_inputs_of
-from proxy_renderer.render.surface import coat_sheen, lobes
-from proxy_renderer.render.surface.lobes import IncidentLight, ReflectedRadiance
+from proxy_renderer.render.surface import principled
+from proxy_renderer.render.surface.principled import IncidentLight, ReflectedRadiance
 from proxy_renderer.scene.values import RenderValues
 
 COSINES = torch.tensor([0.25, 0.5, 0.75, 1.0], dtype=torch.float64)
@@ -43,7 +43,7 @@ class TestSingleScattering(OperationTests):
     """The albedo is a sum over seven functions of the cosine, fitted to a coarse quadrature: it comes within 2 %."""
 
     rtol, atol = 0.02, 0.0
-    operation = staticmethod(lambda roughness, view: lobes.single_scattering(roughness, view)[0])
+    operation = staticmethod(lambda roughness, view: principled.single_scattering(roughness, view)[0])
     inputs = (torch.tensor([0.3, 0.45, 0.6, 0.9], dtype=torch.float64), VIEW)
     shape = (4,)
     wrong = (torch.tensor(0.5), torch.rand(6, 4))
@@ -53,7 +53,7 @@ class TestSingleScattering(OperationTests):
 class TestMultipleScattering(OperationTests):
     """The geometric series of bounces; a white surface loses nothing."""
 
-    operation = staticmethod(lobes.multiple_scattering)
+    operation = staticmethod(principled.multiple_scattering)
     inputs = (colors(4).T, COSINES)
     shape = (3, 4)
     wrong = (torch.rand(3, 4), torch.rand(3))
@@ -64,7 +64,7 @@ class TestMultipleScattering(OperationTests):
 
 
 class TestSummed(OperationTests):
-    operation = staticmethod(lambda lamps, one, two: lobes.summed(lamps, [one, two]))
+    operation = staticmethod(lambda lamps, one, two: principled.summed(lamps, [one, two]))
     inputs = (colors(2), COSINES, 2 * COSINES)
     shape = (3, 4)
     wrong = (torch.rand(2, 4), torch.rand(4), torch.rand(4))
@@ -154,7 +154,7 @@ def even(view: Tensor, radiance: Tensor) -> IncidentLight:
 def coated(weight: Tensor, roughness: Tensor, view: Tensor, radiance: Tensor) -> Tensor:
     """What a clear lacquer reflects, and what it leaves (4, N)."""
     inputs = replace(PLAIN, coat=weight, coat_roughness=roughness)
-    reflected, left = coat_sheen.coat(inputs, even(view, radiance))
+    reflected, left = principled.coat(inputs, even(view, radiance))
     return torch.cat((reflected, left[None]))
 
 
@@ -192,7 +192,7 @@ class TestCoat(OperationTests):
 def fuzzy(weight: Tensor, view: Tensor, radiance: Tensor, tint: float = 1.0) -> Tensor:
     """What sheen of a gray tint reflects, and what it leaves (4, N)."""
     inputs = replace(PLAIN, sheen=weight, sheen_tint=(tint,) * 3)
-    reflected, left = coat_sheen.sheen(inputs, even(view, radiance))
+    reflected, left = principled.sheen(inputs, even(view, radiance))
     return torch.cat((reflected, left[None]))
 
 

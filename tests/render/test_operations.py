@@ -6,9 +6,9 @@ import math
 import torch
 from operation_tests import OperationTests, colors, number
 
-from proxy_renderer.render.film import grade
+from proxy_renderer.render import film as grade
 from proxy_renderer.render.material import albedo
-from proxy_renderer.render.transport.refraction import refract
+from proxy_renderer.render.transport.secondary_hits import refract
 
 GRAY = torch.full((2, 2, 3), 0.18)
 FLAT = torch.rand(2, 2)

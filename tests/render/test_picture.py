@@ -11,7 +11,7 @@ import pytest
 import torch
 
 from lab.bench.scenes import balls
-from proxy_renderer.render.lights.types import light_sources
+from proxy_renderer.render.lights.light_types import light_sources
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import SceneData, WorldData
 from proxy_renderer.scene.values import RenderValues

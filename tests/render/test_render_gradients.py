@@ -13,7 +13,7 @@ from marks import few_of
 from torch import Tensor
 
 from lab.bench.scenes import balls
-from proxy_renderer.render.lights.types import LIGHT_TYPES
+from proxy_renderer.render.lights.light_types import LIGHT_TYPES
 from proxy_renderer.render.proxy import Proxy, Render
 from proxy_renderer.scene import SceneData, Texture, WorldData
 from proxy_renderer.schema import FAMILIES, PARAMETERS, Instance

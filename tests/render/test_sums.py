@@ -8,7 +8,7 @@ import torch
 from torch.nn import functional
 
 from lab.bench.scenes import outdoors
-from proxy_renderer.color.lookup_table import trilinear
+from proxy_renderer.color.tensors import trilinear
 from proxy_renderer.render.geometry.gather_points import SparseWeights
 from proxy_renderer.render.geometry.vectors import cross, dot
 from proxy_renderer.render.proxy import Proxy

@@ -11,9 +11,8 @@ from tiny_job import write_job
 
 from lab.bench.scenes import balls
 from proxy_renderer.render.geometry.camera import view_of
-from proxy_renderer.render.lights.types import light_sources
-from proxy_renderer.render.transport.fog import FogMedium
-from proxy_renderer.render.transport.volume import DIRECTIONS, SingleScattering
+from proxy_renderer.render.lights.light_types import light_sources
+from proxy_renderer.render.transport.fog import DIRECTIONS, FogMedium, SingleScattering
 from proxy_renderer.scene import FogBounds, load_scene
 from proxy_renderer.scene.values import RenderValues
 

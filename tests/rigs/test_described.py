@@ -9,24 +9,26 @@ import pytest
 
 from proxy_renderer.color.floats import chroma, hex_from_srgb, lab_from_srgb, srgb_from_hex
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.prompt.lexicon.rigs import Rig, RigLight, rig_table
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import LightWords, SceneWords
 from proxy_renderer.rigs.chosen import chosen_rig
+from proxy_renderer.words.lexicon.rigs import Rig, RigLight, rig_table
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import LightDescription, SceneDescription
 
 SIDES = {"left": -1.0, "right": 1.0}
-KITCHEN = SceneWords(
+KITCHEN = SceneDescription(
     objects={"Cup": "subject", "Plate": "subject", "Wall": "surroundings"},
     materials={"Clay": "subject", "Glaze": "subject", "Plaster": "surroundings"},
     object_materials={"Cup": ("Clay",), "Plate": ("Glaze",), "Wall": ("Plaster",)},
 )
 
 
-def rig(prompt: str, scene: SceneWords | None = None) -> Rig:
+def rig(prompt: str, scene: SceneDescription | None = None) -> Rig:
     """The rig of a prompt."""
     vocabulary = default_vocabulary()
-    found = chosen_rig(goals_of(parse(prompt, scene or SceneWords(), vocabulary)), rig_table(), vocabulary)
+    found = chosen_rig(
+        goals_of(parse(prompt, scene or SceneDescription(), vocabulary)), rig_table(), vocabulary
+    )
     assert found
     return found.rig
 
@@ -54,7 +56,7 @@ def sides(rig: Rig) -> dict[str, float]:
     ],
 )
 @pytest.mark.parametrize("colors", [("pink", "teal"), ("orange", "blue"), ("green", "magenta")])
-@pytest.mark.parametrize("scene", [SceneWords(), KITCHEN], ids=["no names", "kitchen"])
+@pytest.mark.parametrize("scene", [SceneDescription(), KITCHEN], ids=["no names", "kitchen"])
 def test_each_light_has_its_color_on_its_side(form, first, colors, scene):
     (second,) = SIDES.keys() - {first}
     named = default_vocabulary().colors
@@ -145,7 +147,7 @@ def test_a_things_color_is_no_lights(prompt):
 
 
 def test_a_light_that_the_scene_names_is_that_light():
-    lamp, sun = (LightWords(kind, "other", None) for kind in ("POINT", "SUN"))
+    lamp, sun = (LightDescription(kind, "other", None) for kind in ("POINT", "SUN"))
     scene = replace(KITCHEN, lights={"Desk Lamp": lamp, "Sun": sun})
     lights = rig("warm desk lamp, cold sun from behind", scene).lights
     assert {light.own for light in lights} == {"Desk Lamp", "Sun"}
@@ -192,7 +194,7 @@ def test_a_source_that_is_named_twice_is_one_light(second):
 @pytest.mark.parametrize("color", ["greenish", "pale blue", "orange"])
 @pytest.mark.parametrize("air", ["ground fog", "mist", "smoke"])
 def test_a_color_before_fog_is_the_fogs(color, air):
-    attributes = parse(f"cold moonlight, {color} {air}", SceneWords()).attributes
+    attributes = parse(f"cold moonlight, {color} {air}", SceneDescription()).attributes
     assert {a.kind for a in attributes if a.color} == {"fog"}
 
 
@@ -206,7 +208,7 @@ def test_no_light_is_black_and_dark_red_is_not_black():
 
 @pytest.mark.parametrize(("noun", "parts"), [("rim lights", ("rim", "kicker")), ("lamps", ("key", "accent"))])
 @pytest.mark.parametrize("join", [":", ","])
-@pytest.mark.parametrize("scene", [SceneWords(), KITCHEN], ids=["no names", "kitchen"])
+@pytest.mark.parametrize("scene", [SceneDescription(), KITCHEN], ids=["no names", "kitchen"])
 def test_lights_that_are_counted_are_told_apart_by_what_follows(noun, parts, join, scene):
     found = rig(f"two {noun} from behind{join} orange on the left, blue on the right", scene)
     named = default_vocabulary().colors

@@ -15,17 +15,12 @@ from proxy_renderer.color.arrays import sphere_luminance
 from proxy_renderer.color.floats import chroma, lab_from_srgb, srgb_from_hex
 from proxy_renderer.color.tensors import linear_from_srgb
 from proxy_renderer.color.view_transform import ViewTransform
-from proxy_renderer.engine.additions import with_additions
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.optimize.context import scene_words
-from proxy_renderer.prompt.lexicon.rigs import KINDS, read, rig_table
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.optimize.scene_words import described
+from proxy_renderer.optimize.stage import set_stage
 from proxy_renderer.render.material.textures import geometry_of
 from proxy_renderer.rigs.chosen import ChosenRig, chosen_rig
-from proxy_renderer.rigs.exposing import Exposing
-from proxy_renderer.rigs.levels import _bounce, sky_irradiance
+from proxy_renderer.rigs.levels import Exposing, _bounce, sky_irradiance
 from proxy_renderer.rigs.lighting import _is_hazy, _sky, _veiled
 from proxy_renderer.rigs.places import placed
 from proxy_renderer.rigs.stage import LightStage
@@ -33,6 +28,10 @@ from proxy_renderer.scene import Light, SceneData, load_scene
 from proxy_renderer.scene.data import Standby
 from proxy_renderer.schema import FAMILIES, Instance, VibeError
 from proxy_renderer.schema.added_lights import ADDED_LIGHTS, card
+from proxy_renderer.words.lexicon.rigs import KINDS, read, rig_table
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneDescription
 
 RIG = '[rig.glow]\nsays = "A glow."\nlights = [{ part = "key", source = "point", from = [-40, 20] }]\n'
 RIGS = sorted({rig.name: rig for rig in rig_table().rigs.values()}.values(), key=lambda rig: rig.name)
@@ -76,7 +75,7 @@ def scene(tmp_path_factory) -> SceneData:
 def chosen(prompt: str) -> ChosenRig | None:
     """The rig of a prompt."""
     vocabulary = default_vocabulary()
-    return chosen_rig(goals_of(parse(prompt, SceneWords(), vocabulary)), rig_table(), vocabulary)
+    return chosen_rig(goals_of(parse(prompt, SceneDescription(), vocabulary)), rig_table(), vocabulary)
 
 
 def rig_name(prompt: str) -> str:
@@ -160,17 +159,17 @@ def test_everything_else_falls_into_black():
 
 @pytest.mark.parametrize("rig", RIGS, ids=lambda rig: rig.name)
 def test_no_rig_changes_a_material(rig, scene):
-    addition = with_additions([scene], rig.entries[0])
+    addition = set_stage([scene], rig.entries[0])
     if addition.plan:
         assert not any(key.startswith("material") for key in addition.plan.entries)
 
 
 @pytest.mark.parametrize("prompt", ["candlelight", "lamplight", "film noir", "golden hour"])
 def test_stops_between_key_and_others_hold_in_irradiance(prompt, scene):
-    addition = with_additions([scene], prompt)
+    addition = set_stage([scene], prompt)
     lit, rig = addition.scenes[0], chosen(prompt).rig
     values = {key: torch.tensor(entry.start) for key, entry in addition.plan.entries.items()}
-    from proxy_renderer.render.lights.types import light_sources
+    from proxy_renderer.render.lights.light_types import light_sources
     from proxy_renderer.scene.values import RenderValues
 
     stage = LightStage(lit, geometry_of(lit, torch.device("cpu")))
@@ -192,7 +191,7 @@ def test_stops_between_key_and_others_hold_in_irradiance(prompt, scene):
 
 
 def test_an_added_light_is_off_before_the_vibe_and_written_with_all_its_values(scene):
-    addition = with_additions([scene], "candlelight")
+    addition = set_stage([scene], "candlelight")
     name = next(light.name for light in addition.scenes[0].lights if light.added)
     power = addition.scenes[0].instances[f"light/{name}/power"]
     assert power.value[0] < 0.01 * addition.plan.entries[power.key].start[0]
@@ -202,13 +201,13 @@ def test_an_added_light_is_off_before_the_vibe_and_written_with_all_its_values(s
 
 
 def test_without_new_lights_the_scenes_own_plays_the_key(scene):
-    addition = with_additions([scene], "candlelight", new_lights=False)
+    addition = set_stage([scene], "candlelight", new_lights=False)
     assert not any(light.added for light in addition.scenes[0].lights)
     assert addition.plan.entries["light/Key/temperature"].start[0] < 2500
 
 
 def test_a_card_lets_half_of_the_sun_through_and_no_ray_but_shadows_sees_it(scene):
-    addition = with_additions([scene], "sun through the blinds")
+    addition = set_stage([scene], "sun through the blinds")
     lit = addition.scenes[0]
     shade = lit.objects[-1]
     assert set(shade.hidden) == {"camera", "diffuse", "glossy", "transmission"}
@@ -236,9 +235,9 @@ def test_the_open_sky_gives_pi(scene):
 
 def test_a_prompt_is_read_alike_before_and_after_lights_are_added(scene):
     prompt = "candlelight from the left, moonlight through the blinds"
-    addition = with_additions([scene], prompt)
-    again = parse(prompt, scene_words(*addition.scenes), default_vocabulary())
-    assert again.attributes == parse(prompt, scene_words(scene), default_vocabulary()).attributes
+    addition = set_stage([scene], prompt)
+    again = parse(prompt, described(*addition.scenes), default_vocabulary())
+    assert again.attributes == parse(prompt, described(scene), default_vocabulary()).attributes
     assert all(a in addition.plan.served for a in again.attributes)
 
 
@@ -328,7 +327,7 @@ def _backdrop() -> dict[str, Instance]:
 
 def test_a_sky_behind_haze_is_pale():
     clear, hazy = (
-        parse(prompt, SceneWords(), default_vocabulary()) for prompt in ("sunset", "sunset, hazy air")
+        parse(prompt, SceneDescription(), default_vocabulary()) for prompt in ("sunset", "sunset, hazy air")
     )
     assert (_is_hazy(clear), _is_hazy(hazy)) == (False, True)
     pure, pale = (lab_from_srgb(srgb_from_hex(color)) for color in ("#56a2ec", _veiled("#56a2ec")))
@@ -340,6 +339,6 @@ def test_a_sky_behind_haze_is_pale():
 def test_a_weather_brings_its_air_unless_another_word_speaks_of_it(scene, word):
     air = Instance(FAMILIES["volume/density"], "", (0.0,), 0.2)
     hazy = replace(scene, instances={**scene.instances, air.key: air})
-    entries = with_additions([hazy], f"in a {word}").plan.entries
+    entries = set_stage([hazy], f"in a {word}").plan.entries
     assert entries[air.key].lower[0] > 0.05 * air.reference
-    assert air.key not in with_additions([hazy], f"in a {word}, clear air, no fog").plan.entries
+    assert air.key not in set_stage([hazy], f"in a {word}, clear air, no fog").plan.entries

@@ -3,7 +3,7 @@
 
 import os
 
-from proxy_renderer.schema import faults
+from proxy_renderer.schema import errors
 
 
 def test_the_trace_is_in_the_log_that_the_line_names(tmp_path, monkeypatch):
@@ -13,7 +13,7 @@ def test_the_trace_is_in_the_log_that_the_line_names(tmp_path, monkeypatch):
     try:
         {}["gone"]
     except KeyError as error:
-        fault = faults.unexpected(error, "reading the scene")
+        fault = errors.unexpected(error, "reading the scene")
     (log,) = tmp_path.rglob("*.log")
     assert (
         str(fault)
@@ -26,9 +26,9 @@ def test_old_logs_go(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.setenv("LOCALAPPDATA", str(tmp_path))
-    folder = faults.log_folder()
+    folder = errors.log_folder()
     for number in range(30):
         log = folder / f"vibe-{number}.log"
         log.touch()
         os.utime(log, (number, number))
-    assert sorted(int(log.stem[5:]) for log in faults.log_folder().iterdir()) == list(range(10, 30))
+    assert sorted(int(log.stem[5:]) for log in errors.log_folder().iterdir()) == list(range(10, 30))

@@ -3,10 +3,10 @@
 
 import pytest
 
-from proxy_renderer.prompt.lexicon.entries import OWNERS, SLOTS
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.schema import GROUPS
-from proxy_renderer.schema.means import MEANS, may_serve
+from proxy_renderer.schema.parameters import MEANS, may_serve
+from proxy_renderer.words.lexicon.entries import OWNERS, SLOTS
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
 
 
 def test_every_slot_has_means_and_every_mean_is_a_group():

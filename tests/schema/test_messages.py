@@ -5,7 +5,7 @@ import io
 
 import pytest
 
-from proxy_renderer.schema import VibeError, messages, schema_hash, wire
+from proxy_renderer.schema import VibeError, messages, schema_hash
 
 ALL = [
     messages.Ready(schema_hash(), "0.1.0"),
@@ -29,10 +29,10 @@ ALL = [
 
 @pytest.mark.parametrize("message", ALL, ids=lambda m: m.type)
 def test_round_trip(message):
-    raw = wire.encode(message)
+    raw = messages.encode(message)
     assert raw[-1:] == b"\0"
     assert raw.count(b"\0") == 1
-    assert wire.decode(raw) == message
+    assert messages.decode(raw) == message
 
 
 class Dribble(io.BytesIO):
@@ -43,13 +43,13 @@ class Dribble(io.BytesIO):
 
 
 def test_stream_is_cut_at_nul_bytes():
-    raw = b"".join(map(wire.encode, ALL))
-    assert list(wire.read(Dribble(raw))) == ALL
+    raw = b"".join(map(messages.encode, ALL))
+    assert list(messages.read(Dribble(raw))) == ALL
 
 
 def test_cut_off_message_is_dropped():
-    raw = wire.encode(ALL[0]) + wire.encode(ALL[1])[:-5]
-    assert list(wire.read(io.BytesIO(raw))) == ALL[:1]
+    raw = messages.encode(ALL[0]) + messages.encode(ALL[1])[:-5]
+    assert list(messages.read(io.BytesIO(raw))) == ALL[:1]
 
 
 @pytest.mark.parametrize(
@@ -57,19 +57,19 @@ def test_cut_off_message_is_dropped():
 )
 def test_nonsense_is_refused_with_a_remedy(raw):
     with pytest.raises(VibeError) as caught:
-        wire.decode(raw)
+        messages.decode(raw)
     assert caught.value.remedy
 
 
 def test_not_a_number_never_travels():
     with pytest.raises(ValueError, match="JSON compliant"):
-        wire.encode(messages.Result({"film/contrast": [float("nan")]}, {}, "p.png"))
+        messages.encode(messages.Result({"film/contrast": [float("nan")]}, {}, "p.png"))
 
 
 def test_another_parameter_table_is_refused():
-    wire.check_schema(schema_hash(), "engine")
+    messages.check_schema(schema_hash(), "engine")
     with pytest.raises(VibeError, match="another parameter table"):
-        wire.check_schema("0123456789abcdef", "engine")
+        messages.check_schema("0123456789abcdef", "engine")
 
 
 def test_options_from_json_and_unknown_ones():

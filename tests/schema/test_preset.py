@@ -7,12 +7,12 @@ import pytest
 
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.goals.written import as_json, from_json
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import SceneWords
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.preset import Preset, loads
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneDescription
 
-GOALS = as_json(goals_of(parse("teal vase, golden hour, cosy", SceneWords())))
+GOALS = as_json(goals_of(parse("teal vase, golden hour, cosy", SceneDescription())))
 LOOK = Preset("Dusk", {"film": [{"contrast": [1.1]}]}, prompt="teal vase, golden hour, cosy", goals=GOALS)
 
 

@@ -10,16 +10,13 @@ import pytest
 from model_server import KEY, MODEL, has_picture, refuses, says, serving
 
 from proxy_renderer.cli import doctor
+from proxy_renderer.cli.doctor import try_model
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.messages import Options
 from proxy_renderer.vlm import client as client_module
-from proxy_renderer.vlm.cache import Cache
-from proxy_renderer.vlm.client import Client
-from proxy_renderer.vlm.dialect import Question
+from proxy_renderer.vlm.client import Cache, Client, Question
 from proxy_renderer.vlm.endpoint import OPENAI, Endpoint, find_endpoint
-from proxy_renderer.vlm.errors import ModelError
-from proxy_renderer.vlm.transport import LARGEST
-from proxy_renderer.vlm.trial import try_model
+from proxy_renderer.vlm.transport import LARGEST, ModelError
 
 SCHEMA = {
     "type": "object",
@@ -303,7 +300,7 @@ def test_a_cache_that_cannot_be_written(monkeypatch, tmp_path):
 
 
 def test_the_cache_is_pruned(tmp_path, monkeypatch):
-    monkeypatch.setattr("proxy_renderer.vlm.cache._MOST", 3)
+    monkeypatch.setattr("proxy_renderer.vlm.client._MOST", 3)
     cache = Cache(tmp_path / "few")
     for n in range(6):
         cache.write(cache.key(n), n)

@@ -12,7 +12,7 @@ from PIL import Image
 from proxy_renderer.vlm import judge
 from proxy_renderer.vlm.client import Client
 from proxy_renderer.vlm.endpoint import Endpoint
-from proxy_renderer.vlm.errors import ModelError
+from proxy_renderer.vlm.transport import ModelError
 
 RED, BLUE = (Image.new("RGB", (90, 60), c) for c in ("#cc2222", "#2222cc"))
 COLUMNS = [judge.Column(name, f"a {name} prompt " * 9, RED, BLUE) for name in judge.PAPER]

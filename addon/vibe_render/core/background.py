@@ -12,14 +12,7 @@ T = TypeVar("T")
 
 
 def begin(act: Callable[[], T]) -> Future[T]:
-    """Starts a function in a daemon thread.
-
-    Args:
-        act: The function; it must not touch Blender's data.
-
-    Returns:
-        Its result or its exception.
-    """
+    """Starts a function, which must not touch Blender's data, in a daemon thread; returns its result or exception."""
     future: Future[T] = Future()
 
     def work() -> None:

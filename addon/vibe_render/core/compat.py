@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All that depends on the version of Blender; decided by what is present rather than by number where possible."""
+"""All that depends on the version of Blender, decided by what is present rather than by number where possible; settings that not every version has."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import bpy
@@ -91,14 +92,7 @@ GAMMA_NODE = "ShaderNodeGamma" if COMPOSITOR_IS_GROUP else "CompositorNodeGamma"
 
 
 def set_option(node: Node, prop: str, socket: str, identifier: str, label: str) -> None:
-    """Sets a node's menu: a property with identifiers in Blender 4, a socket with labels in Blender 5.
-
-    Args:
-        prop: Name of the property in Blender 4.
-        socket: Name of the input in Blender 5.
-        identifier: The choice in Blender 4: "REPLACE_ALPHA".
-        label: The same choice in Blender 5: "Replace Alpha".
-    """
+    """Sets a node's menu: a property with identifiers ("REPLACE_ALPHA") in Blender 4, a socket with labels in Blender 5."""
     if prop in node.bl_rna.properties:
         setattr(node, prop, identifier)
     else:
@@ -127,12 +121,9 @@ def _action_curves(action: bpy.types.Action, slot: Any) -> Iterator[bpy.types.FC
 
 
 def start_compositor(journal: Journal, scene: Scene) -> NodeTree:
-    """Turns compositing on for a scene whose renders had none: the render goes straight to the output.
+    """Turns compositing on for a scene whose renders had none, and returns its tree: the render goes straight to the output.
 
     A tree that the artist had switched off stays as it is, apart from its output; its files are not written.
-
-    Returns:
-        The compositor tree.
     """
     journal.set(scene.render, "use_compositing", True)
     if COMPOSITOR_IS_GROUP:
@@ -166,11 +157,7 @@ def drop_compositor(scene: Scene) -> None:
 
 
 def separate_compositor(twin: Scene, scene: Scene) -> list[NodeTree]:
-    """Separates the compositor of a copied scene from the original's: it shows the copy, and writes no files.
-
-    Returns:
-        The node groups that this has added.
-    """
+    """Separates a copied scene's compositor from the original's: it shows the copy, and writes no files; returns added groups."""
     added: list[NodeTree] = []
     tree = compositor(twin)
     if tree is None:
@@ -193,11 +180,7 @@ def separate_compositor(twin: Scene, scene: Scene) -> list[NodeTree]:
 
 
 def own_compositor(journal: Journal, scene: Scene, tree: NodeTree) -> NodeTree:
-    """The scene's compositor tree; if other scenes use it too, a copy of its own.
-
-    Args:
-        tree: Its compositor tree.
-    """
+    """The scene's compositor tree, or a copy of its own if other scenes use it too."""
     if not COMPOSITOR_IS_GROUP or sum(s.compositing_node_group == tree for s in bpy.data.scenes) < 2:
         return tree
     twin = journal.copy("node_groups", tree)
@@ -209,11 +192,41 @@ def march_volumes(journal: Journal, scene: Scene) -> None:
     """Lets Blender 5 march through fog as Blender 4 does, which starts seconds sooner for large boxes of height fog.
 
     The picture is the same. Scenes with the artist's own volumes stay, because these would look otherwise.
-
-    Args:
-        scene: The scene; Blender 4 leaves it alone.
     """
     if not hasattr(scene.cycles, "volume_biased") or any(o.type == "VOLUME" for o in scene.objects):
         return
     if not scene.cycles.volume_biased:
         journal.set(scene.cycles, "volume_biased", True)
+
+
+def assign(owner: bpy.types.bpy_struct, **values: Any) -> None:
+    """Sets properties, in this order. Those that this version of Blender does not have are left out."""
+    for name, value in values.items():
+        if name in owner.bl_rna.properties:
+            setattr(owner, name, value)
+
+
+@contextmanager
+def changed(owner: bpy.types.bpy_struct, **values: Any) -> Iterator[None]:
+    """Sets properties inside the block and restores the old values afterwards, in reverse order.
+
+    Left as they are: properties that this version of Blender does not have, and those whose present value it would
+    not take back, such as a choice in an older file that it has dropped.
+    """
+    old = []
+    try:
+        for name, value in values.items():
+            if name in owner.bl_rna.properties:
+                before = getattr(owner, name)
+                # arrays are views into Blender's data: keep what they hold now
+                before = before[:] if hasattr(before, "__len__") else before
+                try:
+                    setattr(owner, name, before)
+                except TypeError:
+                    continue
+                old.append((name, before))
+                setattr(owner, name, value)
+        yield
+    finally:
+        for name, value in reversed(old):
+            setattr(owner, name, value)

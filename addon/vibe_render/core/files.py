@@ -1,23 +1,29 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files of Blender's that appear whole or not at all, and what to say where they cannot be written. No bpy here."""
+"""Files that appear whole or not at all, and what to say where they cannot be written. No bpy here."""
 
 from __future__ import annotations
 
+import contextlib
 import errno
+import json
 import os
 import shutil
+import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import TracebackType
+from typing import Any
 
 from .schema_import import atomic, schema
 
+_REMEDY = "Choose another --out."
 _LEAST = 4096  # bytes: with fewer left, what was written last may have been cut off
 
 
 @contextmanager
 def whole(path: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
-    """A temporary path beside a file, moved onto the file at the end of the block; removed after a failure.
+    """A temporary path next to a file, moved onto the file at the end of the block; removed after a failure.
 
     Args:
         remedy: What to do where it cannot be written, unless the disk is full.
@@ -34,12 +40,7 @@ def whole(path: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
 
 
 def unwritable(path: Path, error: Exception, remedy: str) -> schema.VibeError:
-    """The error for a file that cannot be written, with the reason that Blender or Python gives.
-
-    Args:
-        error: What Blender or Python has raised.
-        remedy: What to do, unless the disk is full.
-    """
+    """The error for a file that cannot be written, with the reason that Blender or Python gives; `remedy` as for `whole`."""
     if atomic.is_full(error):
         return schema.VibeError(f"There is no room left on the disk, in {path.parent}.", "Make room there.")
     reason = getattr(error, "strerror", None) or str(error).strip().removeprefix("Error: ")
@@ -51,3 +52,60 @@ def _check(part: Path) -> None:
     size = part.stat().st_size
     if not size or shutil.disk_usage(part.parent).free < _LEAST:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+class Outputs:
+    """New files of a folder, which exists: when the block ends they are moved into place, none of them if it fails.
+
+    They are written in that folder under other names, because a .blend keeps paths relative to itself. Every method
+    raises a VibeError if a file cannot be written.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._run = uuid.uuid4().hex[:8]
+        self._names: list[str] = []
+
+    def path(self, name: str) -> Path:
+        """The temporary path of a file; it is moved to its own name in the end."""
+        if name not in self._names:
+            self._names.append(name)
+        return self.folder / f"{atomic.part_prefix()}{self._run}-{name}"
+
+    def write_json(self, name: str, content: Any) -> None:
+        """Adds a JSON file; a number that is not finite is a ValueError."""
+        self.write_text(name, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False))
+
+    def write_text(self, name: str, text: str) -> None:
+        """Adds a text file, UTF-8, with a newline at its end."""
+        with self._writing(name) as path:
+            path.write_text(text + "\n", encoding="utf-8")
+
+    def copy(self, name: str, source: Path) -> None:
+        """Adds a copy of a file."""
+        with self._writing(name) as path:
+            shutil.copyfile(source, path)
+
+    @contextlib.contextmanager
+    def _writing(self, name: str) -> Iterator[Path]:
+        try:
+            yield self.path(name)
+        except OSError as error:
+            raise unwritable(self.folder / name, error, _REMEDY) from error
+
+    def __enter__(self) -> Outputs:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        try:
+            if kind is None:
+                for name in self._names:
+                    os.replace(self.path(name), self.folder / name)
+        except OSError as broken:
+            raise unwritable(self.folder / self._names[-1], broken, _REMEDY) from broken
+        finally:
+            for name in self._names:
+                with contextlib.suppress(OSError):
+                    self.path(name).unlink(missing_ok=True)

@@ -8,13 +8,14 @@ their place in `ids`, so that an artist may rename them, and undoing is replayin
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from typing import Any
 
 import bpy
 from bpy.types import ID, Node, NodeSocket, NodeTree, bpy_struct
 
 JournalEntry = dict[str, Any]
+_GONE = (LookupError, ValueError, AttributeError, ReferenceError)
+"""Errors of Blender where something is not as it was."""
 
 
 class Journal:
@@ -36,10 +37,7 @@ class Journal:
         return self.ids.index(block)
 
     def set(self, owner: bpy_struct, name: str, value: Any) -> None:
-        """Sets a property that is a number, a string, an array or a pointer to a data-block.
-
-        Args:
-            owner: Has the property: a data-block, or a struct inside one.
+        """Sets a property of a data-block or of a struct in one: a number, a string, an array or a pointer to a data-block.
 
         Raises:
             LookupError: No data-block owns it.
@@ -50,10 +48,7 @@ class Journal:
         setattr(owner, name, value)
 
     def link(self, source: NodeSocket, target: NodeSocket) -> None:
-        """Links two sockets of a tree; replaces the target's former link.
-
-        Args:
-            target: An input of a node in the same tree.
+        """Links an output to an input of the same tree, in place of the input's former link.
 
         Raises:
             LookupError: No data-block owns the tree.
@@ -66,11 +61,10 @@ class Journal:
         tree.links.new(source, target)
 
     def node(self, tree: NodeTree, kind: str, name: str) -> Node:
-        """Adds a node.
+        """Adds a node; Blender numbers a name that is taken.
 
         Args:
             kind: Its `bl_idname`: "ShaderNodeMix".
-            name: Wanted; Blender numbers one that is taken.
 
         Raises:
             LookupError: No data-block owns the tree.
@@ -82,36 +76,24 @@ class Journal:
         return node
 
     def new(self, collection: str, name: str, *kind: Any) -> Any:
-        """Adds a data-block.
+        """Adds a data-block; Blender numbers a name that is taken.
 
         Args:
             collection: Of `bpy.data`: "node_groups".
-            name: Wanted; Blender numbers one that is taken.
             *kind: What else the collection's `new` takes: the type of a light, the mesh of an object.
-
-        Returns:
-            The data-block.
         """
         block = getattr(bpy.data, collection).new(name, *kind)
         self.entries.append({"op": "new", "id": self.refer(block), "collection": collection})
         return block
 
     def copy(self, collection: str, block: ID) -> Any:
-        """Adds a copy of a data-block.
-
-        Args:
-            collection: Of `bpy.data`, which holds it: "materials".
-        """
+        """Adds a copy of a data-block, which is in this collection of `bpy.data`: "materials"."""
         twin = block.copy()
         self.entries.append({"op": "new", "id": self.refer(twin), "collection": collection})
         return twin
 
     def append_material(self, data: ID, material: bpy.types.Material) -> None:
-        """Adds the first material slot to a mesh or curve.
-
-        Args:
-            data: The mesh or curve, which has none.
-        """
+        """Adds the first material slot to a mesh or curve, which has none."""
         self.entries.append({"op": "slot", "id": self.refer(data)})
         data.materials.append(material)
 
@@ -138,7 +120,7 @@ class Journal:
             return False
         try:
             return self._plain(getattr(_resolve(block, entry["path"]), entry["name"])) != entry["new"]
-        except (LookupError, ValueError, AttributeError, ReferenceError):  # gone: undo says so
+        except _GONE:  # undo says so
             return False
 
     def _plain(self, value: Any) -> Any:
@@ -147,13 +129,10 @@ class Journal:
         return value if isinstance(value, bool | int | float | str | None) else list(value)
 
     def undo(self, first: int = 0) -> list[str]:
-        """Undoes the last entries, newest first, and forgets them.
-
-        Args:
-            first: Index of the oldest entry that is undone.
+        """Undoes the entries from the first on, newest first, and forgets them.
 
         Returns:
-            What could not be restored because the artist has removed it meanwhile, in words.
+            What could not be restored because the artist has removed it, in words.
         """
         lost: list[str] = []
         added: list[tuple[str, ID]] = []
@@ -167,34 +146,55 @@ class Journal:
                 if entry["op"] == "new":
                     added.append((entry["collection"], block))
                 else:
-                    _UNDO[entry["op"]](self, block, entry)
-            except (
-                LookupError,
-                ValueError,
-                AttributeError,
-                ReferenceError,
-                TypeError,
-                RuntimeError,
-            ):  # one thing that is not as it was must not keep the rest from coming back
-                lost.append(_said(block, entry))
+                    self._undo_entry(block, entry)
+            except (*_GONE, TypeError, RuntimeError):  # the rest comes back all the same
+                lost.append(_loss(block, entry))
         del self.entries[first:]
         self._remove(added)
         return lost
 
+    def _undo_entry(self, block: Any, entry: JournalEntry) -> None:
+        """Undoes a change of a data-block; what the artist has changed since then stays."""
+        op = entry["op"]
+        if op == "compositor":
+            block.node_tree.nodes.clear()
+            block.use_nodes = False
+            return
+        if op == "slot":
+            if len(block.materials) > 1:  # the artist has added others
+                block.materials[0] = None
+            else:
+                block.materials.clear()
+            return
+        owner = _resolve(block, entry["path"])
+        if op == "set":
+            old = entry["old"]
+            setattr(owner, entry["name"], self.ids[old["id"]] if isinstance(old, dict) else old)
+        elif op == "node":
+            owner.nodes.remove(owner.nodes[entry["node"]])
+        elif op == "link":
+            target = _socket(owner, entry["target"], "inputs")
+            if target.is_linked and _end(target.links[0].from_socket) == entry["source"]:
+                owner.links.remove(target.links[0])
+                if entry["old"]:
+                    owner.links.new(_socket(owner, entry["old"], "outputs"), target)
+
     def _remove(self, added: list[tuple[str, ID]]) -> None:
         """Removes data-blocks without users; objects always, because their collections use them, and collections once empty."""
-        while free := [pair for pair in added if _is_free(pair[1])]:
+
+        def is_free(block: ID) -> bool:
+            if isinstance(block, bpy.types.Collection):
+                return not block.all_objects and not block.children
+            return isinstance(block, bpy.types.Object) or block.users == block.use_fake_user
+
+        while free := [pair for pair in added if is_free(pair[1])]:
             for collection, block in free:
                 self.ids[self.ids.index(block)] = None
                 getattr(bpy.data, collection).remove(block)
             added = [pair for pair in added if pair not in free]
 
     def extend(self, later: Journal) -> None:
-        """Appends a later journal. Values that this one has already recorded keep their first record.
-
-        Args:
-            later: Of changes made after all of this one's.
-        """
+        """Appends a journal of later changes. Values that this one has already recorded keep their first record."""
         number = {i: self.refer(block) for i, block in enumerate(later.ids) if block is not None}
         recorded = {_slot(entry) for entry in self.entries if entry["op"] == "set"}
         for entry in later.entries:
@@ -208,10 +208,7 @@ class Journal:
 
 
 def address(struct: bpy_struct) -> tuple[ID, str]:
-    """Where a struct is.
-
-    Returns:
-        The data-block that owns it, and the path from there; node trees inside others included.
+    """The data-block that owns a struct, and the path from there; node trees inside others included.
 
     Raises:
         LookupError: It is in a tree that no data-block owns.
@@ -227,8 +224,8 @@ def address(struct: bpy_struct) -> tuple[ID, str]:
     raise LookupError(f"nobody owns {root.name}")
 
 
-def _said(block: ID | None, entry: JournalEntry) -> str:
-    """What is lost, in words for the artist: 'a value of "Monkey": node "Principled BSDF" is gone or changed'."""
+def _loss(block: ID | None, entry: JournalEntry) -> str:
+    """A loss in words for the artist: 'a value of "Monkey": node "Principled BSDF" is gone or changed'."""
     try:
         name = f'"{block.name}"' if block else ""
     except ReferenceError:
@@ -255,58 +252,3 @@ def _end(socket: NodeSocket) -> list[str]:
 def _socket(tree: NodeTree, end: list[str], side: str) -> NodeSocket:
     sockets = getattr(tree.nodes[end[0]], side)
     return next(s for s in sockets if s.identifier == end[1])
-
-
-def _undo_set(journal: Journal, block: ID, entry: JournalEntry) -> None:
-    old = entry["old"]
-    setattr(
-        _resolve(block, entry["path"]),
-        entry["name"],
-        journal.ids[old["id"]] if isinstance(old, dict) else old,
-    )
-
-
-def _undo_link(_journal: Journal, block: ID, entry: JournalEntry) -> None:
-    tree = _resolve(block, entry["path"])
-    target = _socket(tree, entry["target"], "inputs")
-    if not target.is_linked or _end(target.links[0].from_socket) != entry["source"]:
-        return  # the artist has rewired it since
-    tree.links.remove(target.links[0])
-    if entry["old"]:
-        tree.links.new(_socket(tree, entry["old"], "outputs"), target)
-
-
-def _undo_node(_journal: Journal, block: ID, entry: JournalEntry) -> None:
-    nodes = _resolve(block, entry["path"]).nodes
-    nodes.remove(nodes[entry["node"]])
-
-
-def _is_free(block: ID) -> bool:
-    if isinstance(block, bpy.types.Collection):
-        return not block.all_objects and not block.children
-    return isinstance(block, bpy.types.Object) or not _users(block)
-
-
-def _users(block: ID) -> int:
-    return block.users - block.use_fake_user
-
-
-def _undo_slot(_journal: Journal, block: ID, _entry: JournalEntry) -> None:
-    if len(block.materials) > 1:  # the artist has added others
-        block.materials[0] = None
-    else:
-        block.materials.clear()
-
-
-def _undo_compositor(_journal: Journal, block: ID, _entry: JournalEntry) -> None:
-    block.node_tree.nodes.clear()
-    block.use_nodes = False
-
-
-_UNDO: dict[str, Callable[[Journal, Any, JournalEntry], None]] = {
-    "set": _undo_set,
-    "link": _undo_link,
-    "node": _undo_node,
-    "slot": _undo_slot,
-    "compositor": _undo_compositor,
-}

@@ -13,14 +13,7 @@ from .journal import address
 
 
 def of_property(owner: bpy_struct, name: str) -> str:
-    """The reason for one property of a data-block or node socket.
-
-    Args:
-        owner: The data-block or a struct in it.
-
-    Returns:
-        "" where it may change.
-    """
+    """The reason for one property of a data-block or of a struct in it, such as a node socket."""
     block, _ = address(owner)
     if block.library:
         return f'"{block.name}" is linked from {bpy.path.basename(block.library.filepath)}'
@@ -42,11 +35,7 @@ def _animated(owner: bpy_struct, name: str) -> str:
 
 
 def of_pose(obj: Object) -> str:
-    """The reason for an object's location and rotation.
-
-    Returns:
-        "" where they may change.
-    """
+    """The reason for an object's location and rotation."""
     if obj.parent:
         return f'"{obj.name}" follows its parent "{obj.parent.name}"'
     if any(not c.mute and c.influence > 0.0 for c in obj.constraints):
@@ -67,9 +56,6 @@ def of_socket(socket: NodeSocket, source: NodeSocket | None, inside: Sequence[No
         source: The output that computes it; None where none does.
         inside: The group nodes that lead to it. A group may be anybody's, for a copy of it changes: it is the
             material around it that must not be linked from a library.
-
-    Returns:
-        "" where it may change.
     """
     if source is not None:
         return f'{socket.name} comes from "{source.node.label or source.node.name}"'
@@ -79,7 +65,7 @@ def of_socket(socket: NodeSocket, source: NodeSocket | None, inside: Sequence[No
 
 
 def uses(tree: NodeTree) -> int:
-    """How many nodes use a group."""
+    """The number of nodes that use a group."""
     blocks = (*bpy.data.materials, *bpy.data.worlds, *bpy.data.lights, *bpy.data.scenes)
     trees = [t for t in (getattr(b, "node_tree", None) for b in blocks) if t]
     nodes = (node for t in (*trees, *bpy.data.node_groups) for node in t.nodes)

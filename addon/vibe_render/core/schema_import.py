@@ -5,38 +5,18 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from proxy_renderer import schema
-    from proxy_renderer.schema import (
-        atomic,
-        faults,
-        labels,
-        limits,
-        messages,
-        preset,
-        targets,
-        verdicts,
-        wire,
-    )
+    from proxy_renderer.schema import atomic, errors, labels, limits, messages, preset, targets
     from proxy_renderer.schema.options import checks, command_line
     from proxy_renderer.schema.options import table as options
 else:
     try:
         from .. import schema
-        from ..schema import atomic, faults, labels, limits, messages, preset, targets, verdicts, wire
+        from ..schema import atomic, errors, labels, limits, messages, preset, targets
         from ..schema.options import checks, command_line
         from ..schema.options import table as options
     except ImportError:
         from proxy_renderer import schema
-        from proxy_renderer.schema import (
-            atomic,
-            faults,
-            labels,
-            limits,
-            messages,
-            preset,
-            targets,
-            verdicts,
-            wire,
-        )
+        from proxy_renderer.schema import atomic, errors, labels, limits, messages, preset, targets
         from proxy_renderer.schema.options import checks, command_line
         from proxy_renderer.schema.options import table as options
 
@@ -44,7 +24,7 @@ __all__ = [
     "atomic",
     "checks",
     "command_line",
-    "faults",
+    "errors",
     "labels",
     "limits",
     "messages",
@@ -52,6 +32,4 @@ __all__ = [
     "preset",
     "schema",
     "targets",
-    "verdicts",
-    "wire",
 ]

@@ -1,17 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A journal in a custom property of its scene: it is saved, undone and redone together with what it speaks of."""
+"""A journal in a custom property of its scene, where it is saved, undone and redone with what it describes.
+
+It is checked when it is read: files come from other people, and may be damaged. Nothing that it may do goes beyond taking
+back a vibe: numbers, flags, data-blocks, links and nodes.
+"""
 
 from __future__ import annotations
 
 import json
+from typing import Any
 
 from bpy.types import ID, Scene
 
-from . import journal_check
 from .journal import Journal
 
 VERSION = 1
-_MOST = 100_000  # data-blocks that a stored journal may speak of
+_MOST = 100_000  # data-blocks that a stored journal may name
+_COLLECTIONS = {"cameras", "collections", "lights", "materials", "meshes", "node_groups", "objects", "worlds"}
+_TEXTS = {"link": {"DATA", "OBJECT"}}
+"""The only properties that hold text, and what it may be."""
 
 
 class Newer(Exception):
@@ -23,33 +30,23 @@ class Damaged(Exception):
 
 
 def load(scene: Scene, key: str) -> Journal:
-    """The journal in a property.
-
-    Args:
-        key: Of the property, which is there.
-
-    Raises:
-        Newer: See there.
-        Damaged: See there.
-    """
+    """The journal in a property of the scene, which has it; raises `Newer` or `Damaged`."""
     stored = scene[key]
     try:
         if stored["version"] > VERSION:
             raise Newer
         count = min(int(stored["count"]), _MOST)
         ids = [scene if i == stored["self"] else stored["ids"].get(str(i)) for i in range(count)]
-        entries = journal_check.entries(json.loads(stored["entries"]), count)
+        entries = json.loads(stored["entries"])
+        if not isinstance(entries, list) or not all(_is_entry(entry, count) for entry in entries):
+            raise Damaged
     except (TypeError, ValueError, KeyError, AttributeError, RecursionError) as error:
         raise Damaged from error
     return Journal(entries, [i if i is None or isinstance(i, ID) else None for i in ids])
 
 
 def store(scene: Scene, key: str, journal: Journal) -> None:
-    """Puts a journal into a property.
-
-    Args:
-        journal: Of changes in the scene's file.
-    """
+    """Puts a journal of changes in the scene's file into a property."""
     # Pointers instead of names: they survive renaming, saving and reopening.
     # The scene itself is left out: it must not count as its own user.
     ids = {str(i): block for i, block in enumerate(journal.ids) if block not in (None, scene)}
@@ -60,3 +57,42 @@ def store(scene: Scene, key: str, journal: Journal) -> None:
         "self": journal.ids.index(scene) if scene in journal.ids else -1,
         "ids": ids,
     }
+
+
+def _is_entry(entry: Any, count: int) -> bool:
+    """Whether this is an entry that a journal of so many data-blocks writes."""
+    if not (isinstance(entry, dict) and _is_index(entry.get("id"), count)):
+        return False
+    op = entry.get("op")
+    if op in ("slot", "compositor"):
+        return True
+    if op == "new":
+        return entry.get("collection") in _COLLECTIONS
+    path = entry.get("path")
+    if not isinstance(path, str) or "animation_data" in path or "driver" in path:
+        return False
+    if op == "node":
+        return isinstance(entry.get("node"), str)
+    if op == "link":
+        ends = [entry.get("source"), entry.get("target")]
+        return all(map(_is_end, ends)) and (entry.get("old") is None or _is_end(entry["old"]))
+    name = entry.get("name")
+    is_property = op == "set" and isinstance(name, str) and name.isidentifier() and not name.startswith("_")
+    return is_property and "old" in entry and _is_value(str(name), entry["old"], count)
+
+
+def _is_value(name: str, old: Any, count: int) -> bool:
+    if isinstance(old, dict):
+        return _is_index(old.get("id"), count)
+    if isinstance(old, str):
+        return old in _TEXTS.get(name, ())
+    numbers = old if isinstance(old, list) else [old]
+    return old is None or all(isinstance(v, bool | int | float) for v in numbers)
+
+
+def _is_index(value: Any, count: int) -> bool:
+    return isinstance(value, int) and 0 <= value < count
+
+
+def _is_end(value: Any) -> bool:
+    return isinstance(value, list) and len(value) == 2 and all(isinstance(v, str) for v in value)

@@ -14,7 +14,7 @@ from .journal import Journal
 
 
 class ValueSlot(Protocol):
-    """A value in a scene, in the form that Blender stores."""
+    """A value in a scene, in the form that Blender stores: a number, a text, or a tuple for an array."""
 
     @property
     def locked(self) -> str:
@@ -24,11 +24,7 @@ class ValueSlot(Protocol):
         """The stored value."""
 
     def set(self, journal: Journal, raw: Any) -> None:
-        """Changes it; does nothing where it is the same already.
-
-        Args:
-            raw: The new value, in the form of `get`.
-        """
+        """Changes it to a value in the form of `get`; does nothing where it is the same already."""
 
 
 @dataclass
@@ -36,10 +32,7 @@ class PropertySlot:
     """A property of anything: a node socket's value, a light's energy.
 
     Attributes:
-        owner: Has the property.
-        name: Of the property.
-        locked: See `ValueSlot`.
-        index: The component of an array that is meant; None for all.
+        index: The component of an array; None for all.
     """
 
     owner: bpy_struct
@@ -48,18 +41,14 @@ class PropertySlot:
     index: int | None = None
 
     def get(self) -> Any:
-        """A number, or a tuple for arrays."""
+        """As for `ValueSlot`."""
         raw = getattr(self.owner, self.name)
         if self.index is not None:
             return raw[self.index]
         return raw if isinstance(raw, bool | int | float | str) else tuple(raw)
 
     def set(self, journal: Journal, raw: Any) -> None:
-        """Sets it.
-
-        Args:
-            raw: The new value; of an array that is longer (RGBA), the rest stays.
-        """
+        """As for `ValueSlot`; of an array that is longer (RGBA), the rest stays."""
         old = getattr(self.owner, self.name)
         if self.index is not None:
             raw = (*old[: self.index], raw, *old[self.index + 1 :])
@@ -70,12 +59,7 @@ class PropertySlot:
 
 
 def socket_slot(socket: NodeSocket, locked: str = "") -> PropertySlot:
-    """The slot of an unlinked socket's value.
-
-    Args:
-        socket: An input, or the output of a node that holds a value.
-        locked: Why it must be left alone; "" where it may change.
-    """
+    """The slot of an unlinked socket's value: an input, or the output of a node that holds a value."""
     return PropertySlot(socket, "default_value", locked)
 
 
@@ -84,8 +68,8 @@ class LazySlot:
     """A value of a node or object of ours, which is made only when a value is written that changes the picture.
 
     Attributes:
-        find: The slot, if what holds it is there.
-        make: Makes what holds it; None where it must not be made for this value alone.
+        find: The slot, if its node or object is there.
+        make: Makes that; None where it must not be made for this value alone.
         identity: The value that changes nothing.
     """
 
@@ -100,11 +84,7 @@ class LazySlot:
         return slot.get() if slot else self.identity
 
     def set(self, journal: Journal, raw: Any) -> None:
-        """Sets it; makes what holds it if that is missing and the value changes the picture.
-
-        Args:
-            raw: The new value, in the form of `get`.
-        """
+        """As for `ValueSlot`."""
         slot = self.find()
         if slot is None and not same(raw, self.identity):
             slot = self.make(journal)
@@ -114,12 +94,7 @@ class LazySlot:
 
 @dataclass
 class JointSlot:
-    """Value slot: several slots that have one value, that of the first.
-
-    Attributes:
-        slots: All of them may change; see `together`.
-        locked: See `ValueSlot`.
-    """
+    """Several slots that have one value, that of the first; all of them may change, see `together`."""
 
     slots: Sequence[ValueSlot]
     locked: str = ""
@@ -129,11 +104,7 @@ class JointSlot:
         return self.slots[0].get()
 
     def set(self, journal: Journal, raw: Any) -> None:
-        """Sets all of them.
-
-        Args:
-            raw: The new value, in the form of `get`.
-        """
+        """Sets all of them."""
         for slot in self.slots:
             slot.set(journal, raw)
 
@@ -147,9 +118,5 @@ def together(slots: Sequence[ValueSlot]) -> ValueSlot | None:
 
 
 def same(a: Any, b: Any) -> bool:
-    """Whether two values are equal as the 32-bit floats that Blender stores.
-
-    Args:
-        a: A number, or a sequence of some.
-    """
+    """Whether two numbers, or sequences of some, are equal as the 32-bit floats that Blender stores."""
     return bool(np.array_equal(np.float32(a), np.float32(b)))

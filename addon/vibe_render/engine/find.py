@@ -33,8 +33,7 @@ def find_python(chosen: str = "") -> Path:
     """The Python that has the engine.
 
     Args:
-        chosen: The artist's choice from the preferences: a Python, or the folder of its
-            environment; "" to search. The environment variable VIBE_ENGINE comes before it.
+        chosen: A Python, or the folder of its environment; "" to search. The environment variable VIBE_ENGINE is before it.
 
     Raises:
         VibeError: There is no engine, or none in the chosen place.

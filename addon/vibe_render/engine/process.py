@@ -11,11 +11,11 @@ import re
 import subprocess
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import BinaryIO, TypeAlias, cast
 
-from ..core.schema_import import faults, schema, wire
+from ..core.schema_import import errors, messages, schema
 from ..core.schema_import import messages as message_types
 from .find import engine_environment, find_python, own_group
 
@@ -30,26 +30,33 @@ _Item: TypeAlias = message_types.Message | schema.VibeError | None  # None: the 
 class Engine:
     """A running engine. It stays warm between vibes; it ends when Blender does.
 
+    An engine that is not found, cannot be started, has another schema, reports an error or is gone is a VibeError.
+
     Args:
-        python: A Python, or the folder of its environment; "" to search.
+        python: As for `find_python`.
         log: The file for the engine's stderr; None for one in the user's folder for logs.
         cache: The folder of its cache; None for the user's usual one.
+        listener: Called from a thread with every stage and progress message, also while Blender is busy.
     """
 
-    def __init__(self, python: str = "", log: Path | None = None, cache: Path | None = None) -> None:
-        self._choice = python
+    def __init__(
+        self,
+        python: str = "",
+        log: Path | None = None,
+        cache: Path | None = None,
+        listener: Callable[[message_types.Message], None] | None = None,
+    ) -> None:
+        self._choice, self._listener = python, listener
         self._variables = {"VIBE_CACHE": str(cache)} if cache else {}
-        self.log = log or faults.log_folder() / f"vibe-engine-{os.getpid()}.log"
+        self.log = log or errors.log_folder() / f"vibe-engine-{os.getpid()}.log"
         self._process: subprocess.Popen[bytes] | None = None
         self._inbox: queue.Queue[_Item] = queue.Queue()
         self._readings: queue.Queue[message_types.Readings] = queue.Queue()
-        self._abandoned = False  # an answer is on its way that nobody waits for any more
+        self._busy = False  # the engine works on an answer
+        self._abandoned = False  # nobody waits for that answer any more
         self._abandoned_at = 0.0
-        self._busy = False  # an answer is on its way
-        self._exit_error: schema.VibeError | None = (
-            None  # why the process has ended, the same for every thread
-        )
-        self._exit_lock, self._start_lock = threading.Lock(), threading.Lock()
+        self._exit_error: schema.VibeError | None = None  # the same for every thread
+        self._exit_lock, self._start_lock, self._send_lock = (threading.Lock() for _ in range(3))
 
     @property
     def alive(self) -> bool:
@@ -58,15 +65,11 @@ class Engine:
 
     @property
     def process_id(self) -> int | None:
-        """Of the process; None while there is none."""
+        """The process's number; None while there is none."""
         return self._process.pid if self._process else None
 
     def start(self) -> None:
-        """Starts the process, unless it runs; its first message is `Ready`. Any thread may call this.
-
-        Raises:
-            VibeError: No engine is found, or it cannot be started.
-        """
+        """Starts the process, unless it runs; its first message is `Ready`. Any thread may call this."""
         with self._start_lock:
             if not self.alive:
                 self._start()
@@ -89,32 +92,25 @@ class Engine:
                 f"The engine could not be started: {error}.", f"Try {python} by hand."
             ) from error
         output = cast(BinaryIO, self._process.stdout)
-        threading.Thread(target=_receive, args=(output, self._inbox, self._readings), daemon=True).start()
+        threading.Thread(target=self._receive, args=(output, self._inbox), daemon=True).start()
         atexit.register(self.stop)
 
     def send(self, message: message_types.Message) -> None:
-        """Sends one message.
-
-        Raises:
-            VibeError: The engine is gone.
-        """
+        """Sends one message. Any thread may call this."""
         process = self._process
         if process is None or process.stdin is None:
             with self._exit_lock:  # another thread may be about to find out
                 raise self._exit_error or schema.VibeError("The engine is not running.", "Start it first.")
         try:
-            process.stdin.write(wire.encode(message))
-            process.stdin.flush()
-            self._busy = self._busy or isinstance(message, _REQUESTS)
+            with self._send_lock:
+                process.stdin.write(messages.encode(message))
+                process.stdin.flush()
+                self._busy = self._busy or isinstance(message, _REQUESTS)
         except (OSError, ValueError) as error:
             raise self._report_exit() from error
 
     def poll(self) -> list[message_types.Message]:
-        """The messages that have arrived since the last call; never waits.
-
-        Raises:
-            VibeError: The engine reports an error, has another schema, or is gone.
-        """
+        """The messages that have arrived since the last call, or the error that the engine reports; never waits."""
         arrived = []
         while True:
             try:
@@ -130,13 +126,6 @@ class Engine:
                 newest = self._readings.get_nowait()
         return newest
 
-    def messages(self) -> Iterator[message_types.Message]:
-        """Waits for messages without end; raises as `poll` does."""
-        while True:
-            # A timeout in the wait lets Ctrl-C through on every platform.
-            with contextlib.suppress(queue.Empty):
-                yield self._checked(self._inbox.get(timeout=0.2))
-
     def abandon(self) -> None:
         """Gives up the vibe that the engine works on. It stays warm, unless it has not ended the last such vibe yet."""
         if not self._busy:
@@ -149,11 +138,7 @@ class Engine:
             self._abandoned, self._abandoned_at = True, time.monotonic()
 
     def settle(self) -> bool:
-        """Drops the messages of an abandoned vibe; an engine that hangs is ended.
-
-        Returns:
-            Whether that is over, and the next request may be sent.
-        """
+        """Drops the messages of an abandoned vibe; returns whether the next request may be sent. A hanging engine is ended."""
         while self._abandoned:
             try:
                 item = self._inbox.get_nowait()
@@ -168,18 +153,17 @@ class Engine:
         return True
 
     def stop(self, patience: float = 3.0) -> None:
-        """Asks the process to quit, and ends it if it does not.
-
-        Args:
-            patience: Seconds to wait for it.
-        """
+        """Asks the process to quit, and ends it if it does not within so many seconds."""
         process, self._process = self._process, None
         atexit.unregister(self.stop)
         if process is None:
             return
-        with contextlib.suppress(OSError, ValueError):
-            process.stdin.write(wire.encode(message_types.Quit()))  # type: ignore[union-attr]
-            process.stdin.close()  # type: ignore[union-attr]
+        # An engine that hangs may have a thread waiting in `send`: then it is ended without a word.
+        if self._send_lock.acquire(timeout=patience):
+            with contextlib.suppress(OSError, ValueError):
+                process.stdin.write(messages.encode(message_types.Quit()))  # type: ignore[union-attr]
+                process.stdin.close()  # type: ignore[union-attr]
+            self._send_lock.release()
         for end in (lambda: None, process.terminate, process.kill):
             end()
             with contextlib.suppress(subprocess.TimeoutExpired):
@@ -195,11 +179,11 @@ class Engine:
         if isinstance(item, schema.VibeError):
             raise item
         if isinstance(item, message_types.Error):
-            kind = faults.UnexpectedError if item.unexpected else schema.VibeError
+            kind = errors.UnexpectedError if item.unexpected else schema.VibeError
             raise kind(item.message, item.remedy)
         if isinstance(item, message_types.Ready):
             try:
-                wire.check_schema(item.schema, "engine")
+                messages.check_schema(item.schema, "engine")
             except schema.VibeError:
                 self.stop()
                 raise
@@ -228,18 +212,17 @@ class Engine:
             f"Try again; if it happens again, see {self.log}.",
         )
 
-
-def _receive(
-    stream: BinaryIO, inbox: queue.Queue[_Item], readings: queue.Queue[message_types.Readings]
-) -> None:
-    """Puts what arrives into the inbox, or among the readings, until the output ends."""
-    try:
-        with stream:
-            for message in wire.read(stream):
-                if isinstance(message, message_types.Readings):
-                    readings.put(message)
-                else:
+    def _receive(self, stream: BinaryIO, inbox: queue.Queue[_Item]) -> None:
+        """Puts what arrives into the inbox, or among the readings, until the output ends."""
+        try:
+            with stream:
+                for message in messages.read(stream):
+                    if isinstance(message, message_types.Readings):
+                        self._readings.put(message)
+                        continue
                     inbox.put(message)
-    except schema.VibeError as error:
-        inbox.put(error)
-    inbox.put(None)
+                    if self._listener and isinstance(message, message_types.Stage | message_types.Progress):
+                        self._listener(message)
+        except schema.VibeError as error:
+            inbox.put(error)
+        inbox.put(None)

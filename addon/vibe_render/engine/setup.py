@@ -30,11 +30,7 @@ _AGAIN = "Press Set Up Engine again, or make the environment by hand as the READ
 
 
 def requirements() -> list[str]:
-    """The engine's requirements for pip; its own code comes with the extension.
-
-    Raises:
-        VibeError: In a clone: only a built extension carries the engine.
-    """
+    """The engine's requirements for pip; in a clone a VibeError, as only a built extension carries the engine's code."""
     try:
         lines = (CARRIED / "requirements.txt").read_text(encoding="utf-8").splitlines()
     except OSError as error:
@@ -53,7 +49,6 @@ class EngineSetup:
         packages: Requirements for pip.
 
     Attributes:
-        folder: As given.
         text: The present step, for the panel.
         fraction: The part of the present download that has arrived, 0 to 1; None while nothing is downloaded.
     """
@@ -61,14 +56,12 @@ class EngineSetup:
     def __init__(self, folder: Path, packages: list[str], build: TorchBuild) -> None:
         self.folder, self._packages, self._build = folder, packages, build
         self._part = folder.with_name(f"{folder.name}.part")  # nobody looks for an engine there
-        self.text, self.fraction = "Starting", None
+        self.text = "Starting"
+        self.fraction: float | None = None
         self._process: subprocess.Popen[str] | None = None
         self._canceled = False
         atexit.register(self.cancel)
         self._work: Future[None] = background.begin(self._make)
-
-    text: str
-    fraction: float | None
 
     @property
     def running(self) -> bool:
@@ -76,19 +69,19 @@ class EngineSetup:
         return not self._work.done()
 
     def finish(self) -> None:
-        """Waits for the end.
-
-        Raises:
-            VibeError: The environment could not be made, or `cancel` was called.
-        """
+        """Waits for the end; a VibeError says that the environment could not be made, or `cancel` was called."""
         self._work.result()
 
     def cancel(self) -> None:
         """Ends the setup; what it has installed is deleted soon after."""
         self._canceled = True
         if self._process and self._process.poll() is None:
-            with contextlib.suppress(OSError):
-                _end(self._process)
+            with contextlib.suppress(OSError):  # the process, and those that it started
+                if sys.platform == "win32":
+                    kill = ["taskkill", "/F", "/T", "/PID", str(self._process.pid)]
+                    subprocess.run(kill, capture_output=True)
+                else:
+                    os.killpg(self._process.pid, signal.SIGKILL)
 
     def _make(self) -> None:
         try:
@@ -112,16 +105,14 @@ class EngineSetup:
             atexit.unregister(self.cancel)
 
     def _install(self) -> None:
-        """Installs the packages, torch before the others where it comes from elsewhere."""
+        """Installs the packages, torch first where it comes from another index."""
         pip = (python_of(self._part), "-m", "pip", "--disable-pip-version-check", "--no-input", "install")
         with contextlib.suppress(schema.VibeError):  # an old pip only reports downloads less well
             self._run("Updating pip", *pip, "--upgrade", "pip")
         progress = ("--progress-bar", "raw") if _pip_version(self._part) >= (24, 1) else ()
         # Compiling thousands of modules, of which an engine uses some, would take most of a minute.
         pip = (*pip, "--no-compile", *progress)
-        if (
-            self._build.index
-        ):  # pip keeps what is there: with both indices at once it would take the newer torch
+        if self._build.index:  # first: with both indices at once, pip would take the newer torch
             text = f"Looking for torch at {urlsplit(self._build.index).netloc}"
             self._run(text, *pip, "--index-url", self._build.index, "torch", "torchvision")
         self._run("Looking for packages", *pip, *self._packages)
@@ -169,7 +160,7 @@ def _require_room(folder: Path, build: TorchBuild) -> None:
 
 
 def _replace(folder: Path, part: Path) -> None:
-    """Puts a finished environment where the older one is."""
+    """Puts a finished environment in the place of an older one."""
     old = folder.with_name(f"{folder.name}.old")
     shutil.rmtree(old, ignore_errors=True)
     if folder.exists():
@@ -220,11 +211,3 @@ def _failure(text: str, lines: collections.deque[str]) -> schema.VibeError:
     last = next(reversed(errors), next((line for line in reversed(lines) if line), "it said nothing"))
     remedy = _OUT_OF_REACH if "No matching distribution" in output else _AGAIN
     return schema.VibeError(f"{text} failed: {last[:200].rstrip('.')}.", remedy)
-
-
-def _end(process: subprocess.Popen[str]) -> None:
-    """Ends a process and those that it started."""
-    if sys.platform == "win32":
-        subprocess.run(["taskkill", "/F", "/T", "/PID", str(process.pid)], capture_output=True)
-    else:
-        os.killpg(process.pid, signal.SIGKILL)

@@ -1,30 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The builds of torch that an engine can have: from where, how large, and which one suits this computer. No bpy here."""
+"""The builds of torch that an engine can have: from where, how large, which one suits this computer, and that in words. No bpy here."""
 
 from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import urlsplit
 
 
 @dataclass(frozen=True)
 class TorchBuild:
-    """One build of torch, and what the engine's whole environment is like with it.
-
-    Attributes:
-        key: Its identifier.
-        name: For buttons.
-        index: Address of the package index that has it; "" for the one that pip uses anyway.
-        download: Of all packages, GB.
-        disk: What they take on the disk, GB.
-    """
+    """One build of torch, and the size of the engine's whole environment with it."""
 
     key: str
-    name: str
-    index: str
-    download: float
-    disk: float
+    name: str  # for buttons
+    index: str  # address of the package index that has it; "" for the one that pip uses anyway
+    download: float  # of all packages, GB
+    disk: float  # room that they take, GB
 
 
 CPU = TorchBuild("CPU", "Processor", "https://download.pytorch.org/whl/cpu", 0.3, 1.1)
@@ -52,3 +45,28 @@ def has_nvidia_card(root: Path = Path("/")) -> bool:
     """Whether NVIDIA's driver runs a card on this Linux; the open driver runs no CUDA."""
     cards = (root / "proc/driver/nvidia/gpus").glob("*")
     return any(cards) or (root / "usr/lib/wsl/lib/libcuda.so.1").is_file()  # under Windows, its driver's
+
+
+_INDEX = "the Python Package Index (pypi.org, or the one that your pip uses)"
+
+
+def download_text(build: TorchBuild, folder: Path) -> list[str]:
+    """A description of a build's download: from where, how large it is, where it goes, and whether it suits this computer."""
+    source = f"torch from {urlsplit(build.index).netloc}, the rest from" if build.index else "from"
+    lines = [
+        f"Python packages, {source} {_INDEX}: about {build.download} GB to download, once.",
+        f"They take {build.disk} GB in {folder}. Nothing else on this computer changes.",
+    ]
+    if len(choices()) > 1:
+        lines.append(_advice(build))
+    return lines
+
+
+def _advice(build: TorchBuild) -> str:
+    if has_nvidia_card():
+        if build is CUDA:
+            return "This computer has an NVIDIA card that it can use."
+        return "This computer has an NVIDIA card; this engine would not use it."
+    if build is CPU:
+        return "No NVIDIA card was found, and none is needed."
+    return "No NVIDIA card was found: these are libraries that only such a card can use."

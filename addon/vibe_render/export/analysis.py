@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
+from mathutils import Vector
 
 from ..core.schema_import import schema
-from ..scene import evaluated, subject
+from ..scene import copies, subject
 from ..scene.geometry import visibility
-from ..scene.geometry.meshes import collect
+from ..scene.geometry.meshes import collect_meshes
 from ..scene.geometry.triangles import PlacedMesh, SceneGeometry, assembled
-from ..scene.scene_context import GEOMETRY
+from ..scene.scene_context import GEOMETRY, SceneContext
 from .materials import uv_of
 
 
@@ -22,8 +23,6 @@ class VisibleScene:
     """A captured scene and what its camera sees of it; holds no reference into Blender's data.
 
     Attributes:
-        geometry: Everything that a render shows.
-        visible: What the camera sees of it.
         blocks: Kind and name of the objects and materials that the geometry names.
     """
 
@@ -37,9 +36,7 @@ class SceneCapture:
     """A copy of what a render of a scene shows; holds no reference into Blender's data.
 
     Attributes:
-        meshes: The meshes, placed in the world.
         warnings: What could not be copied, in words for the artist.
-        camera: The camera that the scene is seen through.
         blocks: Kind and name of all objects and materials of the file.
     """
 
@@ -49,7 +46,7 @@ class SceneCapture:
     blocks: frozenset[tuple[str, str]]
 
     def visible_scene(self) -> VisibleScene:
-        """Works out what the camera sees. Safe in a thread: it reads nothing of Blender's data."""
+        """Computes what the camera sees. Safe in a thread: it reads nothing of Blender's data."""
         geometry = assembled(self.meshes, self.warnings)
         named = {("object", name) for pair in geometry.objects for name in pair}
         named |= {("material", name) for name in geometry.materials}
@@ -62,13 +59,9 @@ class SceneAnalysis:
     """A scene's geometry, visible surfaces and subject, before anything is changed.
 
     Attributes:
-        scene: The scene.
-        geometry: Everything that a render shows.
-        visible: What the camera sees of it.
         is_subject: (number of objects in the geometry,) bool.
         objects: The subject's objects, including the instancers that make it.
-        low: Least corner of the subject's bounding box, world space, meters.
-        high: Its greatest corner.
+        low, high: Corners of the subject's bounding box, world space, meters.
     """
 
     scene: bpy.types.Scene
@@ -85,13 +78,13 @@ class SceneAnalysis:
         x, y, z = ((a + b) / 2 for a, b in zip(self.low, self.high, strict=True))
         return x, y, z
 
+    def context(self) -> SceneContext:
+        """The context of the scene as it is now: what locators need."""
+        return SceneContext(self.scene, self.objects, Vector(self.pivot))
+
 
 def check_camera(scene: bpy.types.Scene) -> None:
-    """Refuses a camera that cannot be worked with, before anything in the scene is touched.
-
-    Raises:
-        VibeError: The camera is panoramic, no camera at all, or nowhere. None is fine: we add one.
-    """
+    """Raises a VibeError for a camera that is panoramic, no camera at all, or nowhere. None passes: one will be added."""
     camera = scene.camera
     if camera is None:
         return
@@ -114,7 +107,7 @@ def capture(scene: bpy.types.Scene) -> SceneCapture:
     if scene.camera is None:
         raise schema.VibeError("The scene has no camera.", "Add one, and aim it at the subject.")
     check_camera(scene)
-    meshes, warnings = evaluated.evaluate(scene, lambda depsgraph: collect(depsgraph, uv_of))
+    meshes, warnings = copies.evaluate_render(scene, lambda depsgraph: collect_meshes(depsgraph, uv_of))
     return SceneCapture(meshes, warnings, visibility.ray_camera(scene), data_blocks())
 
 
@@ -130,7 +123,7 @@ def analyze(
     """Analyzes a scene; nothing in it is changed.
 
     Args:
-        visible_scene: What its camera sees, if that has been worked out already.
+        visible_scene: What its camera sees; captured if missing.
 
     Raises:
         VibeError: There is no mesh, no usable camera, no mesh in view, or no such subject.
@@ -141,7 +134,7 @@ def analyze(
         raise _no_mesh(scene)
     if (visible.object < 0).all():
         raise schema.VibeError("The camera sees no mesh.", "Point the scene's camera at the subject.")
-    is_subject = subject.choose(scene, geometry, visible, choice)
+    is_subject = subject.choose_subject(scene, geometry, visible, choice)
     boxes = geometry.boxes[is_subject].astype(float)
     low, high = boxes[:, 0].min(0), boxes[:, 1].max(0)
     names = {n for keep, pair in zip(is_subject, geometry.objects, strict=True) if keep for n in pair if n}
@@ -165,10 +158,6 @@ def _no_mesh(scene: bpy.types.Scene) -> schema.VibeError:
 
 def with_subject_of(analysis: SceneAnalysis, first_shot: SceneAnalysis) -> SceneAnalysis:
     """The analysis of a shot, with the subject and the pivot of the scene's first shot.
-
-    Args:
-        analysis: Of this shot: what its camera sees at its frame.
-        first_shot: The analysis that decided what the subject is.
 
     Raises:
         VibeError: The subject is hidden in this shot.

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes a scene to a job folder for the engine: `scene.json`, `meshes.npz` and its textures as `.npy`."""
+"""Writes a scene to a job folder for the engine: 'scene.json', 'meshes.npz' and its textures as '.npy'."""
 
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -11,19 +12,56 @@ from typing import Any
 
 import bpy
 import numpy as np
-from mathutils import Vector
 
-from ..core.schema_import import atomic, schema
+from ..core.schema_import import atomic, labels, schema
 from ..scene import bindings, fog, scene_context
-from ..scene.nodes import shaders
-from . import measured, notes, sanitize, standby, view, view_faults, world_light
+from ..scene.nodes import trails
+from . import measured, notes, view, world_light
 from .analysis import SceneAnalysis
-from .materials import NO_MATERIAL, ExportedMaterial
-from .materials import export as export_material
+from .materials import NO_MATERIAL, ExportedMaterial, export_material
+
+_REASON = "it is not a number in Blender"
 
 FORMAT = 1
 _OF_WORDS = ("camera", "light", "material")
 """Groups of parameters that say what words may mean: where lights stand, and what glows."""
+
+
+def _finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, schema.Instance], list[str]]:
+    """The parameters, with locked default values for those that are not finite, and warnings that name these."""
+    finite, warnings = {}, []
+    for key, instance in read.items():
+        if not all(map(math.isfinite, instance.value)):
+            parameter = instance.parameter
+            default = (parameter.default * instance.reference,) * parameter.components
+            instance = replace(instance, value=default, locked=instance.locked or _REASON)
+            warnings.append(
+                f"{labels.title(key)} is not a number in Blender; the prediction takes {default[0]:g}."
+            )
+        finite[key] = instance
+    return finite, warnings
+
+
+def _finite_content(value: Any, path: str, warnings: list[str]) -> Any:
+    """A copy of nested dicts and lists in which numbers that are not finite are 0.
+
+    Args:
+        path: The keys that lead to the value, joined by "/"; "" for all of it.
+        warnings: Gets a sentence for each number that was replaced.
+    """
+    if isinstance(value, Mapping):
+        return {
+            key: _finite_content(item, f"{path}/{key}" if path else key, warnings)
+            for key, item in value.items()
+        }
+    if isinstance(value, list | tuple):
+        return [_finite_content(item, path, warnings) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        warnings.append(
+            f"{path.replace('/', ' › ').replace('_', ' ')} is not a number in Blender; the prediction takes 0."
+        )
+        return 0.0
+    return value
 
 
 @dataclass
@@ -31,8 +69,6 @@ class SceneJob:
     """A job folder and what Blender knows about its scene.
 
     Attributes:
-        folder: Where it is.
-        analysis: The scene's analysis.
         instances: Its parameters, by key.
         standby: Those of the lights, and of the backdrop, that are added if the words ask for them.
         warnings: What the engine sees only approximately, in words for the artist, after `view_notes`.
@@ -48,67 +84,66 @@ class SceneJob:
 
     @property
     def before(self) -> dict[str, schema.Instance]:
-        """What values change from: the scene's parameters, and those of a backdrop, which starts as the world is."""
+        """The values before a vibe: the scene's parameters, and those of a backdrop, which starts as the world is."""
         backdrop = {key: i for key, i in self.standby.items() if i.parameter.group == "world"}
         return {**self.instances, **backdrop}
 
     def with_additions_of(self, values: Mapping[str, Sequence[float]]) -> SceneJob:
-        """The job of the scene with what values (by key) add to it of what is on standby."""
+        """The job of the scene with those additions on standby that values (by key) use."""
         owners = {schema.split_key(key)[1] for key in values if key in self.standby}
         added = {key: i for key, i in self.standby.items() if i.owner in owners}
         return replace(self, instances={**self.instances, **added})
 
 
-def write_job(analysis: SceneAnalysis, folder: Path) -> SceneJob:
+def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> SceneJob:
     """Writes the job folder; `scene.json` comes last and atomically.
 
     Args:
-        analysis: The scene's geometry, subject and visible surfaces.
-        folder: Made if it does not exist.
+        measure: Whether textures and the world are read, which may need renders. Without them the job only serves to explain words.
     """
     folder.mkdir(parents=True, exist_ok=True)
     scene, geometry = analysis.scene, analysis.geometry
-    spoiling = view_faults.notes(analysis)
+    view_notes = notes.view_notes(analysis)
     bound = bindings.instances(scene, analysis.objects, analysis.pivot)
-    materials = measured.materials(analysis)
-    instances, mended = sanitize.instances(_with_materials(bound, analysis, materials))
-    spare, spare_instances = standby.lights(analysis)
-    spare_instances |= standby.backdrop(analysis, instances)
-    warnings = [*spoiling, *notes.by_reason(_material_notes(analysis, materials)), *geometry.warnings]
-    warnings += [*view.ignored(scene), *mended]
-    world, note = _write_world(scene.world, folder)
+    materials = measured.measured_materials(analysis) if measure else _unmeasured(analysis)
+    instances, replaced = _finite_instances(_with_materials(bound, analysis, materials))
+    light_rows, standby = view.standby_lights(analysis)
+    standby |= view.standby_backdrop(analysis, instances)
+    warnings = [*view_notes, *notes.notes_by_reason(_material_notes(analysis, materials)), *geometry.warnings]
+    warnings += [*view.ignored_settings(scene), *replaced]
+    world, note = _write_world(scene.world, folder) if measure else ({"kind": "color"}, "")
     content = _content(analysis, materials, instances, folder) | {
         "standby": {
-            "lights": spare,
-            "parameters": {key: _parameter(instance) for key, instance in spare_instances.items()},
+            "lights": light_rows,
+            "parameters": {key: _parameter(instance) for key, instance in standby.items()},
         },
         "world": world,
         "volume": _volume(analysis, instances),
         "unseen": {key: _parameter(i) for key, i in _unseen(analysis).items() if key not in instances},
     }
     _write(content, analysis, folder, warnings)
-    said = list(dict.fromkeys(w for w in (*warnings, note) if w))
-    return SceneJob(folder, analysis, instances, spare_instances, said, spoiling)
+    all_warnings = list(dict.fromkeys(w for w in (*warnings, note) if w))
+    return SceneJob(folder, analysis, instances, standby, all_warnings, view_notes)
 
 
 def write_sketch(analysis: SceneAnalysis, folder: Path) -> None:
-    """Writes what words may mean in a scene: a job folder without textures, world and fog, for which nothing is rendered.
-
-    Args:
-        analysis: The scene's, from bounding boxes.
-        folder: Made if it does not exist.
-    """
+    """Writes all that words can refer to: a job folder without textures, world and fog. Nothing is rendered."""
     folder.mkdir(parents=True, exist_ok=True)
     bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot, _OF_WORDS)
-    named = {m.name_full: m for m in bpy.data.materials}
-    exported = [export_material(named.get(name), {}) for name in analysis.geometry.materials]
-    materials = {each.row["name"]: each for each in exported}
-    instances = sanitize.instances(_with_materials(bound, analysis, materials))[0]
+    materials = _unmeasured(analysis)
+    instances = _finite_instances(_with_materials(bound, analysis, materials))[0]
     content = _content(analysis, materials, instances, folder) | {
         "world": {"kind": "color"},
         "volume": {"kind": "none", "center": analysis.pivot, "half_size": (1.0, 1.0, 1.0), "base": 0.0},
     }
     _write(content, analysis, folder, [])
+
+
+def _unmeasured(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
+    """All materials of a scene by name, without what their nodes compute."""
+    by_name = {m.name_full: m for m in bpy.data.materials}
+    exported = [export_material(by_name.get(name), {}) for name in analysis.geometry.materials]
+    return {each.row["name"]: each for each in exported}
 
 
 def _content(
@@ -117,39 +152,39 @@ def _content(
     instances: Mapping[str, schema.Instance],
     folder: Path,
 ) -> dict[str, Any]:
-    """The entries of scene.json that every job has; textures are written."""
-    scene, geometry = analysis.scene, analysis.geometry
+    scene, geometry, render = analysis.scene, analysis.geometry, analysis.scene.render
     flags = zip(geometry.objects, analysis.is_subject, geometry.hidden, strict=True)
+    scale = render.resolution_percentage / 100
     return {
         "format": FORMAT,
         "schema": schema.schema_hash(),
         "blender": bpy.app.version_string,
         "source": Path(bpy.data.filepath).name,
-        "resolution": [_scaled(scene, scene.render.resolution_x), _scaled(scene, scene.render.resolution_y)],
-        "pixel_aspect": scene.render.pixel_aspect_x / scene.render.pixel_aspect_y,
+        "resolution": [max(1, int(side * scale)) for side in (render.resolution_x, render.resolution_y)],
+        "pixel_aspect": render.pixel_aspect_x / render.pixel_aspect_y,
         "pivot": analysis.pivot,
-        "references": bindings.references(scene, analysis.objects, analysis.pivot),
-        "camera": view.camera(analysis),
-        "lights": view.lights(analysis),
+        "references": scene_context.scene_lengths(analysis.context()),
+        "camera": view.camera_row(analysis),
+        "lights": view.light_rows(analysis),
         "materials": _write_textures(analysis, materials, folder),
         "objects": [
             {"name": name, "subject": bool(chosen), "hidden": sorted(hidden)}
             for (name, _), chosen, hidden in flags
         ],
-        "film": view.film(scene),
+        "film": view.film_row(scene),
         "parameters": {key: _parameter(instance) for key, instance in instances.items()},
     }
 
 
 def _write(content: dict[str, Any], analysis: SceneAnalysis, folder: Path, warnings: list[str]) -> None:
-    """Writes meshes and, last and atomically, scene.json without numbers that are none."""
-    _write_meshes(analysis, folder)
-    sound = sanitize.content(content, "", warnings)
+    names = ("vertices", "faces", "normals", "uvs", "material", "object")
+    np.savez(folder / "meshes.npz", **{name: getattr(analysis.geometry, name) for name in names})
+    sound = _finite_content(content, "", warnings)
     atomic.write_text(folder / "scene.json", json.dumps(sound, indent=1, allow_nan=False))
 
 
 def _write_world(world: bpy.types.World | None, folder: Path) -> tuple[dict[str, Any], str]:
-    """The world's entry in scene.json, and what is approximated of it."""
+    """The world's entry in scene.json, and a note on what is approximated of it."""
     pictures = world_light.pictures(world)
     row: dict[str, Any] = {"kind": "color" if pictures.light is None else "environment"}
     for name, image in (("image", pictures.light), ("backdrop", pictures.backdrop)):
@@ -162,7 +197,7 @@ def _write_world(world: bpy.types.World | None, folder: Path) -> tuple[dict[str,
 def _material_notes(
     analysis: SceneAnalysis, materials: Mapping[str, ExportedMaterial]
 ) -> dict[str, list[str]]:
-    """What is approximated of the materials that the camera sees, those that fill most of the picture first."""
+    """Notes on the materials that the camera sees, those that fill most of the picture first."""
     seen = analysis.visible.material
     counts = np.bincount(seen[seen >= 0].ravel(), minlength=len(analysis.geometry.materials))
     order = np.argsort(-counts, kind="stable")
@@ -170,15 +205,11 @@ def _material_notes(
     return {materials[name].row["name"]: materials[name].notes for name in names}
 
 
-def parameters(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
-    """The scene's parameters by key, those of a backdrop that it may get included; unlike `write_job`, renders and writes nothing."""
+def read_parameters(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
+    """The scene's parameters by key, with those of a possible backdrop; unlike `write_job`, renders and writes nothing."""
     bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot)
-    mended = sanitize.instances(_with_materials(bound, analysis, {}))[0]
-    return {**mended, **standby.backdrop(analysis, mended)}
-
-
-def _scaled(scene: bpy.types.Scene, pixels: int) -> int:
-    return max(1, int(pixels * scene.render.resolution_percentage / 100))
+    finite = _finite_instances(_with_materials(bound, analysis, {}))[0]
+    return {**finite, **view.standby_backdrop(analysis, finite)}
 
 
 def _roles(analysis: SceneAnalysis) -> dict[str, str]:
@@ -213,11 +244,11 @@ def _with_materials(
 
 
 def _unseen(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
-    """Of the materials whose light the camera sees, if not themselves."""
+    """Parameters of materials that the camera sees only by their light."""
     shot = analysis.scene, analysis.objects, analysis.pivot
     every = bindings.instances(*shot, groups=("material",), everything=True)
     shown = set(analysis.geometry.materials)
-    return sanitize.instances({key: i for key, i in every.items() if i.owner in shown})[0]
+    return _finite_instances({key: i for key, i in every.items() if i.owner in shown})[0]
 
 
 def _parameter(instance: schema.Instance) -> dict[str, Any]:
@@ -248,24 +279,11 @@ def _write_textures(
     return rows
 
 
-def _write_meshes(analysis: SceneAnalysis, folder: Path) -> None:
-    g = analysis.geometry
-    np.savez(
-        folder / "meshes.npz",
-        vertices=g.vertices,
-        faces=g.faces,
-        normals=g.normals,
-        uvs=g.uvs,
-        material=g.material,
-        object=g.object,
-    )
-
-
 def _volume(analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]) -> dict[str, Any]:
     scene = analysis.scene
-    domain = fog.domain(scene_context.SceneContext(scene, analysis.objects, Vector(analysis.pivot)))
+    domain = fog.fog_domain(analysis.context())
     density = instances.get("volume/density")
-    if scene.world and shaders.world_volume(scene.world):
+    if scene.world and trails.world_volume(scene.world):
         kind = "world"
     else:
         kind = "box" if density and density.value[0] > 0 else "none"

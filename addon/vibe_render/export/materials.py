@@ -12,11 +12,74 @@ import numpy as np
 
 from ..core import compat
 from ..core.schema_import import schema
-from ..scene.nodes import insets, layers, shaders
+from ..scene.nodes import inputs, layers, trails
 from ..scene.nodes.trails import FOREIGN, ValueOrigin
-from . import principled
-from .mixture import Mixture
+from .mixture import MeasuredChannel, Mixture
 from .textures import ExportedTexture, uv_mapping
+
+APPROXIMATE: dict[str, dict[str, tuple[float, ...]]] = {
+    "ShaderNodeBsdfDiffuse": {"roughness": (1.0,), "specular": (0.0,)},
+    "ShaderNodeBsdfTranslucent": {"roughness": (1.0,), "specular": (0.0,)},
+    "ShaderNodeSubsurfaceScattering": {"roughness": (1.0,), "specular": (0.0,)},
+    "ShaderNodeBsdfToon": {"roughness": (1.0,), "specular": (0.0,)},
+    "ShaderNodeBsdfSheen": {"base_color": (0.0, 0.0, 0.0), "specular": (0.0,), "sheen": (1.0,)},
+    "ShaderNodeBsdfHair": {"roughness": (0.6,)},
+    "ShaderNodeBsdfHairPrincipled": {"roughness": (0.6,)},
+    "ShaderNodeBsdfRefraction": {"transmission": (1.0,)},
+    "ShaderNodeBsdfGlossy": {"metallic": (1.0,), "specular_tint": (1.0, 1.0, 1.0)},
+    "ShaderNodeBsdfAnisotropic": {"metallic": (1.0,), "specular_tint": (1.0, 1.0, 1.0)},
+    "ShaderNodeBsdfMetallic": {"metallic": (1.0,)},
+    "ShaderNodeBsdfGlass": {"transmission": (1.0,)},
+    "ShaderNodeEmission": {"base_color": (0.0, 0.0, 0.0), "specular": (0.0,)},
+}
+"""What the other shaders are in its words."""
+BLACK: dict[str, tuple[float, ...]] = {
+    "base_color": (0.0, 0.0, 0.0),
+    "specular": (0.0,),
+    "roughness": (1.0,),
+}
+DEFAULTS = {
+    "base_color": (0.8, 0.8, 0.8),
+    "emission": (0.0,),
+    "emission_color": (1.0, 1.0, 1.0),
+    "roughness": (0.5,),
+}
+
+CONSTANTS = {
+    "coat_ior": "Coat IOR",
+    "coat_tint": "Coat Tint",
+    "sheen_roughness": "Sheen Roughness",
+    "sheen_tint": "Sheen Tint",
+    "diffuse_roughness": "Diffuse Roughness",
+    "anisotropic": "Anisotropic",
+    "subsurface": "Subsurface Weight",
+    "thin_film": "Thin Film Thickness",
+}
+COMPUTED = {
+    "base_color": "Base Color",
+    "alpha": "Alpha",
+    "normal": "Normal",
+    "metallic": "Metallic",
+    "roughness": "Roughness",
+    "specular": "Specular IOR Level",
+    "specular_tint": "Specular Tint",
+    "coat": "Coat Weight",
+    "coat_roughness": "Coat Roughness",
+    "sheen": "Sheen Weight",
+    "transmission": "Transmission Weight",
+    "emission_color": "Emission Color",
+    "emission": "Emission Strength",
+}
+"""Inputs that nodes may compute, and what the Principled BSDF calls them."""
+UNIFORM = {"specular", "specular_tint", "coat_roughness", "sheen"}
+"""Those of them that the engine takes for the same everywhere."""
+
+PRINCIPLED = "ShaderNodeBsdfPrincipled"
+EXACT = {PRINCIPLED, "ShaderNodeBsdfDiffuse", "ShaderNodeEmission"}
+"""Shaders that the engine has as they are."""
+
+COLORS = ("base_color", "emission_color", "specular_tint")
+
 
 _TINTED = ("base_color", "emission_color", "emission")
 """Computed inputs that a parameter multiplies."""
@@ -24,29 +87,16 @@ NO_MATERIAL = "(no material)"
 """What faces without a material are called; a name that Blender would not give."""
 
 
-@dataclass(frozen=True)
-class MeasuredChannel:
-    """A computed input as it was measured: its mean (1,) or (3,), and its picture if it varies."""
-
-    mean: np.ndarray
-    picture: ExportedTexture | None = None
-
-    @property
-    def values(self) -> np.ndarray:
-        """(h, w, C), or (1, 1, C) where it does not vary."""
-        return self.picture.image if self.picture else self.mean[None, None].astype(np.float32)
-
-
 @dataclass
 class ExportedMaterial:
-    """One material.
+    """A material.
 
     Attributes:
         row: Its entry in scene.json, but for the role and the pictures.
         pictures: Inputs that vary, by name: "base_color", "alpha", "normal", or a parameter's; "far" is the
             base color as mirrors may show it.
         values: Values that bindings cannot know: of other shaders, and means of computed inputs.
-        reason: Why those values are locked.
+        reason: The reason why those values are locked.
         notes: What is only approximate about it, each a sentence without its full stop.
     """
 
@@ -59,89 +109,82 @@ class ExportedMaterial:
 
 def uv_of(material: bpy.types.Material) -> tuple[str, np.ndarray]:
     """The UV map that a material's textures are laid over, and the 3x3 matrix of its mapping."""
-    origins = computed(material)
+    origins = computed_inputs(material)
     origin = origins.get("base_color") or origins.get("alpha")
     return uv_mapping(origin.source if origin else None)
 
 
-def computed(material: bpy.types.Material | None) -> dict[str, ValueOrigin | None]:
-    """Where a material's inputs are computed, before our tint; None for the normal that Displacement makes.
+def computed_inputs(material: bpy.types.Material | None) -> dict[str, ValueOrigin | None]:
+    """The origins of a material's computed inputs, before our tint; None for the normal that Displacement makes.
 
     Besides inputs of the Principled BSDF: the channels of `Mixture`.
     """
-    if material is None or layers.surface(material) is None:
+    if material is None or not layers.by_prominence(material):
         return {}
     mixture = Mixture.of(material)
-    entries = {name: layers.entry(material, socket) for name, socket in principled.COMPUTED.items()}
+    entries = {name: layers.entry(material, socket) for name, socket in COMPUTED.items()}
     outputs: dict[str, ValueOrigin | None] = dict(mixture.channels())
-    outputs |= {name: o for name, each in entries.items() if each and (o := insets.artists(each)).source}
+    outputs |= {
+        name: o for name, each in entries.items() if each and (o := inputs.artists_origin(each)).source
+    }
     outputs.pop("base_color", None)
     if len(mixture.colors) == 1 and mixture.colors[0].source:
         outputs["base_color"] = mixture.colors[0]
     if cut := mixture.cutout():
         outputs["alpha"] = cut[0]
-    bumps = shaders.bumps(material)
+    bumps = trails.bumps_normals(material)
     return {**outputs, "normal": None} if bumps and "normal" not in outputs else outputs
 
 
-def export(material: bpy.types.Material | None, measured: Mapping[str, MeasuredChannel]) -> ExportedMaterial:
+def export_material(
+    material: bpy.types.Material | None, measured: Mapping[str, MeasuredChannel]
+) -> ExportedMaterial:
     """Describes a material; None stands for faces without one.
 
     Args:
-        material: What a face wears; None for faces without one.
-        measured: What `computed` inputs give; those that could not be measured are missing.
+        measured: The values of its `computed_inputs`; those that could not be measured are missing.
     """
     if material is None:
-        values = {**principled.DEFAULTS, **principled.APPROXIMATE["ShaderNodeBsdfDiffuse"]}
+        values = {**DEFAULTS, **APPROXIMATE["ShaderNodeBsdfDiffuse"]}
         return ExportedMaterial(_row(NO_MATERIAL, "approximate"), {}, values, "it has no material")
     if compat.node_tree(material) is None:
         values = {"metallic": (material.metallic,), "roughness": (material.roughness,)}
         return ExportedMaterial(_row(material.name_full, "approximate"), {}, values, "its nodes are off")
     mixture, shown = Mixture.of(material), layers.by_prominence(material)
-    notes = _foreign(material)
+    labels = {node.bl_idname: node.bl_label for node in trails.foreign_nodes(material)}
+    notes = [f"{label}, which {FOREIGN[kind]}, is left out" for kind, label in labels.items()]
     if not shown and mixture.layers:
-        clear = ExportedMaterial(
-            _row(material.name_full, "principled"), {}, {**principled.DEFAULTS, **principled.BLACK}
-        )
+        clear = ExportedMaterial(_row(material.name_full, "principled"), {}, {**DEFAULTS, **BLACK})
         clear.row["alpha"], clear.reason = float(mixture.opacity(measured).mean()), "it is transparent"
         return clear
     if not shown:
-        black = not layers.is_linked(material)  # as Cycles shows what it has no shader for
+        output = material.node_tree.get_output_node("CYCLES")
+        # Cycles shows a surface without a shader black.
+        black = not (output and trails.active_links(output.inputs["Surface"]))
         notes.append(f"A shader that is not known is shown {'black' if black else 'gray'}")
-        values = {**principled.DEFAULTS, **(principled.BLACK if black else {})}
+        values = {**DEFAULTS, **(BLACK if black else {})}
         row = _row(material.name_full, "approximate")
         return ExportedMaterial(row, {}, values, "its shader is not known", notes)
     base = next((layer for layer in shown if layer.shader.input("Base Color")), shown[0])
     result = ExportedMaterial(_row(material.name_full, "principled"), notes=notes)
-    if base.kind != principled.PRINCIPLED:
+    if base.kind != PRINCIPLED:
         result.row["model"], result.reason = "approximate", f"its shader is a {base.shader.node.bl_label}"
-        result.values.update(principled.APPROXIMATE[base.kind])
+        result.values.update(APPROXIMATE[base.kind])
         result.values.update(mixture.values(base, measured))
-    notes += _approximations(base, shown)
     _constants(base, mixture, result.row)
-    notes += _rare(result.row["constants"])
+    notes += _notes(base, shown, result.row["constants"])
     _mixed(result, material, mixture, measured)
     _varying(result, measured, mixture)
     return result
 
 
-def _approximations(base: layers.Layer, shown: list[layers.Layer]) -> list[str]:
-    """Notes about shaders that are not what the engine knows."""
-    rest = [layer for layer in shown if layer is not base and layer.matter != "light"]
-    if rest:
-        return ["The mix of shaders is approximated"]
-    return [] if base.kind in principled.EXACT else [f"{base.shader.node.bl_label} is approximated"]
-
-
-def _foreign(material: bpy.types.Material) -> list[str]:
-    """Notes about nodes that a render leaves out."""
-    labels = {node.bl_idname: node.bl_label for node in shaders.foreign(material)}
-    return [f"{label}, which {FOREIGN[kind]}, is left out" for kind, label in labels.items()]
-
-
-def _rare(constants: Mapping[str, Any]) -> list[str]:
-    """Notes about inputs that the engine approximates or ignores."""
+def _notes(base: layers.Layer, shown: list[layers.Layer], constants: Mapping[str, Any]) -> list[str]:
+    """Notes about shaders and inputs that the engine approximates or ignores."""
     notes = []
+    if any(layer is not base and layer.matter != "light" for layer in shown):
+        notes.append("The mix of shaders is approximated")
+    elif base.kind not in EXACT:
+        notes.append(f"{base.shader.node.bl_label} is approximated")
     if constants.get("subsurface", 0.0) > 0:
         notes.append("Subsurface is shown as plain diffuse color")
     if constants.get("anisotropic", 0.0) > 0:
@@ -157,7 +200,7 @@ def _row(name: str, model: str) -> dict[str, Any]:
 
 def _constants(base: layers.Layer, mixture: Mixture, row: dict[str, Any]) -> None:
     """Inputs that no vibe changes."""
-    for name, socket in principled.CONSTANTS.items():
+    for name, socket in CONSTANTS.items():
         entry = base.shader.input(socket)
         if entry is not None:
             value = entry.default_value
@@ -177,7 +220,7 @@ def _mixed(
     mixture: Mixture,
     measured: Mapping[str, MeasuredChannel],
 ) -> None:
-    """What shaders give together: the color of several, the opacity that transparent ones leave, the glow's share."""
+    """Adds what shaders give together: their color, the opacity that transparent ones leave, the weight of the glow."""
     window = next((c.picture for name, c in measured.items() if name.startswith("mix")), None)
     frame = window or ExportedTexture(np.ones((1, 1, 1), np.float32))
     if len(mixture.colors) > 1:
@@ -196,25 +239,25 @@ def _mixed(
 
 
 def _varying(result: ExportedMaterial, measured: Mapping[str, MeasuredChannel], mixture: Mixture) -> None:
-    """Takes over what nodes compute: pictures where the engine takes them, means of the others."""
+    """Adds what nodes compute: pictures where the engine takes them, means of the others."""
     cut = mixture.cutout()
     for name, channel in measured.items():
-        if name not in principled.COMPUTED and name != "far":
+        if name not in COMPUTED and name != "far":
             continue  # a part of a mix
         picture, mean = channel.picture, channel.mean
         if name == "alpha" and cut and cut[1]:
             mean = 1 - mean
             picture = replace(picture, image=1 - picture.image) if picture else None
-        if picture and name not in principled.UNIFORM:
+        if picture and name not in UNIFORM:
             result.pictures.setdefault(name, picture)
             result.notes += [picture.warning] if picture.warning else []
         elif name != "normal":
-            result.notes.append(f"{principled.COMPUTED[name]} is shown as its average")
+            result.notes.append(f"{COMPUTED[name]} is shown as its average")
         if name == "alpha":
             result.row["alpha"] = float(np.clip(mean.mean(), 0.0, 1.0))
-        elif name in principled.COMPUTED and name not in ("normal", *_TINTED):
+        elif name in COMPUTED and name not in ("normal", *_TINTED):
             color = tuple(float(v) for v in mean)
-            result.values[name] = color if name in principled.COLORS else (sum(color) / len(color),)
+            result.values[name] = color if name in COLORS else (sum(color) / len(color),)
         if name in _TINTED and name not in result.pictures:
             result.pictures[name] = ExportedTexture(mean[None, None].astype(np.float32))
     result.reason = result.reason or "it is computed by nodes"

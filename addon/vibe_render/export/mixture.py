@@ -5,26 +5,31 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import bpy
 import numpy as np
 
 from ..core.schema_import import schema
-from ..scene.nodes import insets, lacquer, layers
+from ..scene.nodes import inputs, layers
 from ..scene.nodes.layers import TRANSPARENT, Layer, MixSide
 from ..scene.nodes.trails import ValueOrigin, active_links, resolve
+from .textures import ExportedTexture
 
 _HEAD_ON = 0.04  # what a dielectric with the default IOR of 1.5 reflects at Specular IOR Level 0.5
 _USUAL_BLEND = 0.5  # of a Layer Weight node: the IOR is 1 / (1 - blend)
 
 
-class Measured(Protocol):
-    """What a channel was measured to be."""
+@dataclass(frozen=True)
+class MeasuredChannel:
+    """A computed input as it was measured: its mean (1,) or (3,), and its picture if it varies."""
+
+    mean: np.ndarray
+    picture: ExportedTexture | None = None
 
     @property
     def values(self) -> np.ndarray:
-        """(h, w, C), or (1, 1, C) where it is the same everywhere."""
+        """(h, w, C), or (1, 1, C) where it does not vary."""
+        return self.picture.image if self.picture else self.mean[None, None].astype(np.float32)
 
 
 @dataclass
@@ -50,11 +55,11 @@ class Mixture:
             origin = resolve(side.factor)
             if origin.source and origin.source not in (known.source for known in mixture.factors):
                 mixture.factors.append(origin)
-        mixture.colors = [insets.artists(color) for color in layers.colors(material)]
+        mixture.colors = [inputs.artists_origin(color) for color in layers.colors(material)]
         return mixture
 
     def cutout(self) -> tuple[ValueOrigin, bool] | None:
-        """The factor of a last mix with a Transparent BSDF, if it is computed, and whether it is the latter's share."""
+        """The factor of a last mix with a Transparent BSDF, if it is computed, and whether it is the latter's weight."""
         clear = [layer for layer in self.layers if layer.kind == TRANSPARENT]
         if len(clear) != 1 or len(clear[0].sides) != 1:
             return None
@@ -62,19 +67,19 @@ class Mixture:
         return (origin, clear[0].sides[0].second) if origin.source else None
 
     def channels(self) -> dict[str, ValueOrigin]:
-        """What has to be measured of it."""
-        wanted = {f"mix{number}": origin for number, origin in enumerate(self.factors)}
+        """The origins of all that has to be measured."""
+        channels = {f"mix{number}": origin for number, origin in enumerate(self.factors)}
         if len(self.colors) > 1:
             computed = ((n, origin) for n, origin in enumerate(self.colors) if origin.source)
-            wanted |= {f"color{number}": origin for number, origin in computed}
-        return wanted
+            channels |= {f"color{number}": origin for number, origin in computed}
+        return channels
 
-    def share(self, layer: Layer, measured: Mapping[str, Measured], coats: bool = False) -> np.ndarray:
-        """How much of the surface a shader makes: (h, w, 1) or (1, 1, 1).
+    def share(self, layer: Layer, measured: Mapping[str, MeasuredChannel], coats: bool = False) -> np.ndarray:
+        """The part of the surface that a shader makes: (h, w, 1) or (1, 1, 1).
 
         Args:
-            measured: What `channels` give.
-            coats: Whether what shows at grazing angles lies on top of the rest, which is whole then.
+            measured: The values of `channels`.
+            coats: Whether shaders at grazing angles lie on top of the rest, which is whole then.
         """
         total: np.ndarray = np.ones((1, 1, 1), np.float32)
         for side in layer.sides:
@@ -85,7 +90,7 @@ class Mixture:
             total = total * (factor if side.second else 1.0 - factor)
         return total
 
-    def _factor(self, side: MixSide, measured: Mapping[str, Measured]) -> np.ndarray:
+    def _factor(self, side: MixSide, measured: Mapping[str, MeasuredChannel]) -> np.ndarray:
         source = resolve(side.factor).source
         numbers = [n for n, origin in enumerate(self.factors) if origin.source == source]
         channel = measured.get(f"mix{numbers[0]}") if source and numbers else None
@@ -93,8 +98,8 @@ class Mixture:
             return np.full((1, 1, 1), side.share if side.second else 1.0 - side.share, np.float32)
         return np.clip(channel.values[..., :1], 0.0, 1.0)
 
-    def opacity(self, measured: Mapping[str, Measured]) -> np.ndarray:
-        """What transparent shaders leave of the surface: (h, w, 1) or (1, 1, 1)."""
+    def opacity(self, measured: Mapping[str, MeasuredChannel]) -> np.ndarray:
+        """The part of the surface that transparent shaders leave: (h, w, 1) or (1, 1, 1)."""
         total: np.ndarray = np.ones((1, 1, 1), np.float32)
         for layer in self.layers:
             if layer.kind == TRANSPARENT and (layer.sides or len(self.layers) == 1):
@@ -102,19 +107,19 @@ class Mixture:
                 total = total - self.share(layer, measured) * clear
         return np.clip(total, 0.0, 1.0)
 
-    def color(self, material: bpy.types.Material, measured: Mapping[str, Measured]) -> np.ndarray:
+    def color(self, material: bpy.types.Material, measured: Mapping[str, MeasuredChannel]) -> np.ndarray:
         """The color that several shaders of a body make together, untinted: (h, w, 3) or (1, 1, 3)."""
         total, weight = np.zeros((1, 1, 3), np.float32), np.full((1, 1, 1), 1e-6, np.float32)
         for layer in layers.body(material):
             entry = layer.shader.entry("Base Color")
             assert entry
-            origin = insets.artists(entry)
+            origin = inputs.artists_origin(entry)
             share = self.share(layer, measured, coats=True)
             total = total + share * self._color(origin, measured)
             weight = weight + share
         return (total / weight).astype(np.float32)
 
-    def _color(self, origin: ValueOrigin, measured: Mapping[str, Measured]) -> np.ndarray:
+    def _color(self, origin: ValueOrigin, measured: Mapping[str, MeasuredChannel]) -> np.ndarray:
         places = [(each.source, each.socket) for each in self.colors]
         same = [
             n
@@ -126,15 +131,15 @@ class Mixture:
             return channel.values
         return np.array(origin.socket.default_value[:3], np.float32)[None, None]
 
-    def glow(self, measured: Mapping[str, Measured]) -> np.ndarray | None:
-        """The share (h, w, 1) that an Emission node makes of what is not transparent; None if it is all or nothing."""
+    def glow(self, measured: Mapping[str, MeasuredChannel]) -> np.ndarray | None:
+        """The part (h, w, 1) of what is not transparent that an Emission node makes; None if it is all or nothing."""
         lights = [layer for layer in self.layers if layer.matter == "light"]
         if not lights or not lights[0].sides:
             return None
         share = self.share(lights[0], measured) / np.maximum(self.opacity(measured), 1e-3)
         return None if (share > 0.99).all() else share
 
-    def values(self, base: Layer, measured: Mapping[str, Measured]) -> dict[str, schema.Values]:
+    def values(self, base: Layer, measured: Mapping[str, MeasuredChannel]) -> dict[str, schema.Values]:
         """Inputs of a Principled BSDF for the shaders that are mixed with the one that has the base color."""
         shares = {layer.matter: 0.0 for layer in self.layers}
         for layer in self.layers:
@@ -144,18 +149,20 @@ class Mixture:
         values: dict[str, schema.Values] = {}
         if shares.get("glass", 0.0) > 0.0 and base.matter != "light":
             values["transmission"] = (shares["glass"] / whole,)
-        gloss = lacquer.gloss(self.layers, base)
+        gloss = layers.glossy_layer(self.layers, base)
         if base.matter == "metal":
             values["metallic"] = (shares["metal"] / whole,)
-            coat = lacquer.layer(self.layers, base)
-            values |= _coat(coat) if coat else {}
+            coat = layers.lacquer_over(self.layers, base)
+            if coat:  # a glossy shader that a Fresnel node lays over another one
+                strongest, _, roughness = _gloss(coat)
+                values |= {"coat": (min(strongest, 1.0),), "coat_roughness": (roughness,)}
         elif gloss and base.matter == "matte":
             values |= _plastic(gloss, float(self.share(gloss, measured).mean()))
         return values
 
     def coat_ior(self, base: Layer) -> float | None:
         """The IOR of a lacquer: of a glossy shader that a Fresnel node lays over another one."""
-        coat = lacquer.layer(self.layers, base)
+        coat = layers.lacquer_over(self.layers, base)
         node = coat.sides[-1].grazing if coat else None
         return _ior(node) if node else None
 
@@ -178,12 +185,6 @@ def _ior(node: bpy.types.Node) -> float:
     linked = active_links(node.inputs["Blend"])
     blend = _USUAL_BLEND if linked else float(node.inputs["Blend"].default_value)
     return 1.0 / max(1.0 - min(blend, 0.9), 0.1)
-
-
-def _coat(gloss: Layer) -> dict[str, schema.Values]:
-    """A glossy shader that a Fresnel node lays over another one is a lacquer."""
-    strongest, _, roughness = _gloss(gloss)
-    return {"coat": (min(strongest, 1.0),), "coat_roughness": (roughness,)}
 
 
 def _plastic(gloss: Layer, share: float) -> dict[str, schema.Values]:

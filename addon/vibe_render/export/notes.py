@@ -1,21 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a prediction leaves out or approximates, in few lines for the artist."""
+"""Notes for the artist: what spoils a picture whatever its look, and what a prediction approximates."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
+from ..core.schema_import import schema
+from ..scene import scene_context
+from .analysis import SceneAnalysis
+
 _NAMED = 3
 _MOST = 5
 
+_WHOLE_PICTURE = 0.98  # of the picture: what fills this much leaves nothing else to see
 
-def by_reason(notes: Mapping[str, Sequence[str]]) -> list[str]:
-    """One line for each reason, with the things that it is true of.
 
-    As in "Glossy BSDF is approximated in A, B and 7 more."
+def notes_by_reason(notes: Mapping[str, Sequence[str]]) -> list[str]:
+    """Lines such as "Glossy BSDF is approximated in A, B and 7 more.", one for each reason.
 
     Args:
-        notes: Reasons, sentences without their full stops, by the name of a thing; what matters most comes first.
+        notes: Reasons (sentences without full stops) by the name of a thing; the most important thing comes first.
     """
     things: dict[str, list[str]] = {}
     for name, reasons in notes.items():
@@ -31,8 +37,38 @@ def _listed(names: Sequence[str]) -> str:
     return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
-def shortened(lines: Sequence[str]) -> list[str]:
+def shortened_notes(lines: Sequence[str]) -> list[str]:
     """At most five lines, each once, and how many more there are."""
     lines = list(dict.fromkeys(lines))
     rest = len(lines) - _MOST
     return lines if rest <= 0 else [*lines[:_MOST], f"And {rest} more."]
+
+
+def view_notes(analysis: SceneAnalysis) -> list[str]:
+    """Faults of the camera's view, in words for the artist.
+
+    Raises:
+        VibeError: The picture shows nothing but an object that the artist has hidden in the viewport.
+    """
+    objects, shown = analysis.geometry.objects, analysis.visible.object
+    number = int(np.bincount(shown[shown >= 0]).argmax())
+    if (
+        len(objects) < 2
+        or (shown == number).mean() < _WHOLE_PICTURE
+        or analysis.is_subject.sum() == len(objects)
+    ):
+        return []
+    name, parent = objects[number]
+    thing = next((o for o in analysis.scene.objects if o.name_full == (parent or name)), None)
+    if thing is not None and not thing.visible_get(view_layer=scene_context.layer(analysis.scene)):
+        raise schema.VibeError(
+            f'"{thing.name}" fills the picture: it is hidden in the viewport, but not in renders.',
+            "Hide it in renders too (the camera icon in the Outliner), or show it in the viewport.",
+        )
+    low, high = analysis.geometry.boxes[number]
+    eye = np.array(analysis.scene.camera.matrix_world.translation)
+    if ((low < eye) & (eye < high)).all():
+        return [
+            f'The camera is inside "{name}" and sees nothing else: move it out, or hide "{name}" in renders.'
+        ]
+    return []

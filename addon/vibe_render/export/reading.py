@@ -1,21 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads a scene for the engine (a job folder) or for presets (its parameters); the panel and the command line share it."""
+"""Reads a scene for the engine (a job folder, or a sketch of it) or for presets (its parameters)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
 
 import bpy
 from mathutils import Vector
 
 from ..core.schema_import import schema
 from ..scene import fog, scene_context, snapshot
-from ..scene.prepare import prepare
-from ..scene.subject import SubjectChoice, named
+from ..scene.geometry import visibility
+from ..scene.geometry.meshes import box_geometry
+from ..scene.nodes import owned
+from ..scene.prepare import prepare_scene
+from ..scene.subject import SubjectChoice, named_objects
 from .analysis import (
     SceneAnalysis,
     SceneCapture,
@@ -26,9 +28,7 @@ from .analysis import (
     data_blocks,
     with_subject_of,
 )
-from .job_folder import SceneJob, parameters, write_job
-
-T = TypeVar("T")
+from .job_folder import SceneJob, read_parameters, write_job, write_sketch
 
 
 def export_scene(
@@ -37,38 +37,29 @@ def export_scene(
     choice: SubjectChoice,
     first_shot: SceneAnalysis | None = None,
     eyes: Sequence[Vector] = (),
+    measure: bool = True,
 ) -> SceneJob:
     """Adds what the scene lacks and writes its job folder; a failure leaves the scene as it was.
 
     Args:
-        folder: Made if it does not exist.
         first_shot: The analysis of an earlier shot of this scene, whose subject and pivot this shot takes.
         eyes: Positions of the cameras of all its shots: one fog box holds them all.
+        measure: As for `write_job`.
 
     Raises:
         VibeError: The scene cannot be worked with; see `analysis.analyze`.
     """
-
-    def write(analysis: SceneAnalysis) -> SceneJob:
+    with _prepared(scene, choice) as analysis:
         if eyes:
-            fog.plan(scene, fog.domain(_context(analysis), eyes))
-        return write_job(with_subject_of(analysis, first_shot) if first_shot else analysis, folder)
-
-    return _prepared(scene, choice, write)
-
-
-def _context(analysis: SceneAnalysis) -> scene_context.SceneContext:
-    return scene_context.SceneContext(analysis.scene, analysis.objects, Vector(analysis.pivot))
+            fog.plan_fog_box(scene, fog.fog_domain(analysis.context(), eyes))
+        return write_job(with_subject_of(analysis, first_shot) if first_shot else analysis, folder, measure)
 
 
 def prepare_and_capture(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneCapture:
     """First step of an export in two steps: adds what the scene lacks and copies what a render shows.
 
-    Between the steps the caller works out `SceneCapture.visible_scene` in the background, and Blender stays
-    usable. Unlike `export_scene`, this leaves it to the caller to roll back after a failure.
-
-    Raises:
-        VibeError: The scene has no usable camera.
+    Between the steps the caller computes `SceneCapture.visible_scene` in the background, and Blender stays usable.
+    The caller has to roll back after a failure.
     """
     check_camera(scene)
     prepare_and_snapshot(scene, choice)
@@ -80,16 +71,8 @@ def export_captured(
 ) -> SceneJob | None:
     """Second step of an export in two steps: analyzes the captured scene and writes its job folder.
 
-    Args:
-        folder: The job's; it is written to.
-        choice: How the subject is chosen, as in the first step.
-        visible: What `SceneCapture.visible_scene` worked out.
-
     Returns:
-        The job; None if something that was captured has been removed meanwhile: capture again.
-
-    Raises:
-        VibeError: As `export_scene`.
+        The job; None if something that was captured has been removed in between: capture again.
     """
     if scene.camera is None or not snapshot.exists(scene) or not visible.blocks <= data_blocks():
         return None
@@ -98,52 +81,34 @@ def export_captured(
 
 def prepare_and_snapshot(scene: bpy.types.Scene, choice: SubjectChoice) -> None:
     """Adds what the scene lacks and starts its snapshot, by which later changes are undone."""
-    prepare(scene, named(scene, choice))
+    prepare_scene(scene, named_objects(scene, choice))
     snapshot.take(scene)
 
 
 @dataclass(frozen=True)
 class SceneReading:
-    """A scene's parameters for presets: less than a job, and nothing is written to disk.
-
-    Attributes:
-        analysis: The scene's geometry, subject and visible surfaces.
-        instances: Its parameters, by key.
-    """
+    """A scene's parameters for presets, by key, and its analysis: less than a job, and nothing is written to disk."""
 
     analysis: SceneAnalysis
     instances: dict[str, schema.Instance]
 
 
 def read_scene(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneReading:
-    """Reads a scene's parameters without changing it.
-
-    Args:
-        scene: With a camera of its own.
-
-    Raises:
-        VibeError: As `export_scene`.
-    """
+    """Reads the parameters of a scene that has a camera, without changing it; raises as `export_scene`."""
     check_camera(scene)
-    return _reading(analyze(scene, choice))
+    analysis = analyze(scene, choice)
+    return SceneReading(analysis, read_parameters(analysis))
 
 
 def prepare_and_read(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneReading:
-    """Adds what the scene lacks and reads its parameters; a failure leaves the scene as it was.
-
-    Raises:
-        VibeError: As `export_scene`.
-    """
-    return _prepared(scene, choice, _reading)
-
-
-def _reading(analysis: SceneAnalysis) -> SceneReading:
-    return SceneReading(analysis, parameters(analysis))
+    """Adds what the scene lacks and reads its parameters; fails as `export_scene`."""
+    with _prepared(scene, choice) as analysis:
+        return SceneReading(analysis, read_parameters(analysis))
 
 
 @contextmanager
 def rollback_on_failure(scene: bpy.types.Scene) -> Iterator[None]:
-    """Takes back what was recorded inside the block if that ends in an exception."""
+    """Undoes what was recorded inside the block if that ends in an exception."""
     was_vibed, start = snapshot.exists(scene), snapshot.mark(scene)
     try:
         yield
@@ -155,8 +120,24 @@ def rollback_on_failure(scene: bpy.types.Scene) -> Iterator[None]:
         raise
 
 
-def _prepared(scene: bpy.types.Scene, choice: SubjectChoice, read: Callable[[SceneAnalysis], T]) -> T:
+@contextmanager
+def _prepared(scene: bpy.types.Scene, choice: SubjectChoice) -> Iterator[SceneAnalysis]:
+    """The analysis of a scene to which all that it lacks has been added; this is undone after a failure inside the block."""
     check_camera(scene)
     with rollback_on_failure(scene):
         prepare_and_snapshot(scene, choice)
-        return read(analyze(scene, choice))
+        yield analyze(scene, choice)
+
+
+def sketch_scene(scene: bpy.types.Scene, folder: Path, choice: SubjectChoice) -> None:
+    """Writes a sketch: a job folder with bounding boxes in place of meshes, for readers of words.
+
+    Nothing is rendered, and nothing in the scene changes. Raises as `analysis.analyze`.
+    """
+    check_camera(scene)
+    depsgraph = scene_context.depsgraph(scene)
+    camera = visibility.ray_camera(scene)
+    shown = {obj for obj in scene_context.shown(scene) if not owned.is_unseen(obj)}
+    geometry = box_geometry(depsgraph, shown, camera)
+    visible = VisibleScene(geometry, visibility.visible_surfaces(camera, geometry), frozenset())
+    write_sketch(analyze(scene, choice, visible), folder)

@@ -38,8 +38,7 @@ class ExportedTexture:
         image: (H, W, C) float32 linear, row 0 at the bottom.
         extension: "REPEAT", "EXTEND" or "CLIP".
         warning: What is only approximate about it, "" if nothing.
-        window: For what the camera sees: left, bottom, right and top in parts of its picture. None for a
-            texture over UVs.
+        window: Left, bottom, right and top in parts of the camera's picture; None for a texture over UVs.
         plane: For a flat surface seen straight on: the 2 x 4 matrix that takes world-space points to the image.
     """
 
@@ -51,7 +50,7 @@ class ExportedTexture:
 
 
 def uv_mapping(source: bpy.types.NodeSocket | None) -> tuple[str, np.ndarray]:
-    """Which UV map the texture behind an output reads, and the 3x3 matrix of its Mapping node."""
+    """The UV map that the texture behind an output reads, and the 3x3 matrix of its Mapping node."""
     node = plain_image(source, ("Color", "Alpha"))
     if node is not None:
         return _coordinates(node) or ("", np.eye(3))
@@ -59,12 +58,8 @@ def uv_mapping(source: bpy.types.NodeSocket | None) -> tuple[str, np.ndarray]:
     return (maps[0] if maps else ""), np.eye(3)
 
 
-def over_uvs(material: bpy.types.Material, channel: str, origin: ValueOrigin) -> ExportedTexture | None:
-    """The picture of an input that depends on nothing but UVs in the unit square; otherwise None.
-
-    Args:
-        channel: "alpha", or a color that is not tinted.
-    """
+def uv_texture(material: bpy.types.Material, channel: str, origin: ValueOrigin) -> ExportedTexture | None:
+    """The picture of an input ("alpha", or an untinted color) that depends only on UVs in the unit square; else None."""
     source = origin.source
     assert source
     node = plain_image(source, ("Color", "Alpha") if channel == "alpha" else ("Color",))
@@ -72,7 +67,7 @@ def over_uvs(material: bpy.types.Material, channel: str, origin: ValueOrigin) ->
         if not _reads_uv_only(source):
             return None
         with bake.emitting(material, origin) as glowing:
-            return ExportedTexture(bake.plane_of(glowing, _BAKED))
+            return ExportedTexture(bake.bake_uvs(glowing, _BAKED))
     alpha = channel == "alpha" and source.name == "Alpha"
     image = image_alpha(node.image) if alpha else image_colors(node.image)
     if image is None:
@@ -83,26 +78,13 @@ def over_uvs(material: bpy.types.Material, channel: str, origin: ValueOrigin) ->
     return ExportedTexture(image, {"MIRROR": "REPEAT"}.get(node.extension, node.extension))
 
 
-Mask = np.ndarray
-"""(R, R) bool, row 0 at the bottom: where the camera sees something, on a coarse grid over the picture."""
-
-
-def measured(
-    scene: bpy.types.Scene, material: bpy.types.Material, origin: ValueOrigin, mask: Mask
+def mean_color(
+    scene: bpy.types.Scene, material: bpy.types.Material, origin: ValueOrigin, mask: np.ndarray
 ) -> np.ndarray:
-    """The mean color that an output gives over the visible part of a material.
+    """The mean color (3,) that an output gives over the part of a material where a camera mask (R, R) is true, linear.
 
     An image that is read directly counts whole. Of a material that the camera does not see, the unit square of its
     UVs counts: mirrors and light that bounces may show it.
-
-    Args:
-        scene: The scene, for the render that measures.
-        material: The material that the output belongs to.
-        origin: The output, inside node groups or not.
-        mask: where the camera sees the material.
-
-    Returns:
-        (3,) float32, linear.
     """
     assert origin.source
     plain = plain_image(origin.source)
@@ -111,8 +93,8 @@ def measured(
         return image.reshape(-1, 3).mean(0)
     with bake.emitting(material, origin) as glowing:
         if not mask.any():
-            return bake.plane_of(glowing, _VIEW).mean((0, 1))
-        view = bake.view_of(scene, glowing, _VIEW)
+            return bake.bake_uvs(glowing, _VIEW).mean((0, 1))
+        view = bake.bake_view(scene, glowing, _VIEW)
     rows, columns = ((np.arange(len(mask)) + 0.5) / len(mask) * side for side in view.shape[:2])
     return view[rows.astype(int)][:, columns.astype(int)][mask].mean(0)
 
@@ -121,7 +103,7 @@ def image_colors(image: bpy.types.Image | None) -> np.ndarray | None:
     """A linear copy of an image with at most 1024 pixels a side; None if its file is missing."""
     if image is None or not image.size[0] or not image.size[1]:
         return None
-    colors = shrink(bake.pixels(image), _LONGEST)
+    colors = shrink(bake.image_pixels(image), _LONGEST)
     if image.is_float or image.colorspace_settings.is_data:
         return colors
     return to_linear(colors).astype(np.float32)
@@ -131,23 +113,13 @@ def image_alpha(image: bpy.types.Image | None) -> np.ndarray | None:
     """The alpha (H, W, 1) of an image with at most 1024 pixels a side; None if its file is missing."""
     if image is None or not image.size[0] or not image.size[1]:
         return None
-    width, height = image.size
     if image.channels < 4:
         return np.ones((1, 1, 1), np.float32)
-    flat = np.empty(width * height * image.channels, np.float32)
-    image.pixels.foreach_get(flat)
-    return shrink(flat.reshape(height, width, image.channels)[..., 3:4], _LONGEST)
+    return shrink(bake.image_channels(image)[..., 3:4], _LONGEST)
 
 
 def shrink(image: np.ndarray, longest: int) -> np.ndarray:
-    """Averages blocks of pixels until no side is longer than `longest`; pixels left over at the ends are dropped.
-
-    Args:
-        image: (H, W, C).
-
-    Returns:
-        The same array if it is small enough, else (H // step, W // step, C).
-    """
+    """Averages blocks of pixels (H, W, C) until no side is longer than `longest`; pixels left over at the ends are dropped."""
     step = -(-max(image.shape[:2]) // longest)
     if step == 1:
         return image
@@ -160,14 +132,10 @@ def shrink(image: np.ndarray, longest: int) -> np.ndarray:
 def plain_image(
     source: bpy.types.NodeSocket | None, outputs: tuple[str, ...] = ("Color",)
 ) -> bpy.types.Node | None:
-    """The image texture node behind an output, if its image is laid flat over a UV map.
+    """The image texture node behind an output, if its image is a still one and laid flat over a UV map; else None.
 
     Args:
-        source: The output; reroutes before it are followed.
         outputs: Names of the outputs of image textures that count.
-
-    Returns:
-        None if there is another node, or the image is a sequence, a movie or projected in another way.
     """
     while source is not None and source.node.type == "REROUTE":
         links = active_links(source.node.inputs[0])

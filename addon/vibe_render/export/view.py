@@ -1,34 +1,40 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Camera, lights and film for the engine: the properties that no vibe changes."""
+"""Camera, lights and film for the engine: the properties that no vibe changes; and what words may add to them."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import bpy
+import numpy as np
+from bpy.types import Collection, Object, Scene
 from mathutils import Vector
 
-from ..render import light_factors
-from ..scene import orbits, scene_context
-from ..scene.lights.registry import type_of
-from ..scene.nodes import light_nodes
-from . import light_linking
+from ..core.journal import Journal
+from ..core.schema_import import schema
+from ..render import bake
+from ..scene import bindings, orbits, prepare, scene_context
+from ..scene.light_types import type_of
+from ..scene.nodes import backgrounds, layers, light_nodes
 from .analysis import SceneAnalysis
 
 MOST_INSTANCES = 24
 """So many instances of lights are predicted at most."""
 
+_SEEN_WORLD = 0.05  # of what is around the subject: less world than this is out of sight
 
-def camera(analysis: SceneAnalysis) -> dict[str, Any]:
+
+def camera_row(analysis: SceneAnalysis) -> dict[str, Any]:
     """The camera's entry in scene.json."""
     thing = analysis.scene.camera
     data = thing.data
     return {
         "name": thing.name_full,
         "type": data.type,
-        "residual": _rows(orbits.Pose.of(thing, Vector(analysis.pivot)).residual),
+        "residual": [*map(list, orbits.Pose.of(thing, Vector(analysis.pivot)).residual)],
         "ortho_scale": data.ortho_scale,
         "shift": [data.shift_x, data.shift_y],
         "sensor_fit": data.sensor_fit,
@@ -45,36 +51,28 @@ def _focus(camera: bpy.types.Object) -> dict[str, Any]:
     length = 1.0 if data.type == "ORTHO" else data.lens * 1e-3
     focus = {"aperture": length / (2 * max(dof.aperture_fstop, 1e-5)), "focus_distance": dof.focus_distance}
     if dof.focus_object:
-        focus["focus_point"] = list(_focused(dof).translation)
+        thing = dof.focus_object
+        bone = thing.pose.bones.get(dof.focus_subtarget) if thing.pose else None
+        matrix = thing.matrix_world @ bone.matrix if bone else thing.matrix_world
+        focus["focus_point"] = list(matrix.translation)
     return focus
 
 
-def _focused(dof: bpy.types.CameraDOFSettings) -> Any:
-    """The world-space matrix of the object, or of its bone, that is in focus."""
-    thing = dof.focus_object
-    bone = thing.pose.bones.get(dof.focus_subtarget) if thing.pose else None
-    return thing.matrix_world @ bone.matrix if bone else thing.matrix_world
-
-
-def lights(analysis: SceneAnalysis) -> list[dict[str, Any]]:
-    """The lights' entries in scene.json.
-
-    Raises:
-        VibeError: A light's type is unknown.
-    """
+def light_rows(analysis: SceneAnalysis) -> list[dict[str, Any]]:
+    """The lights' entries in scene.json."""
     pivot = Vector(analysis.pivot)
-    context = scene_context.SceneContext(analysis.scene, analysis.objects, pivot)
+    context = analysis.context()
     roles = scene_context.light_roles(context)
-    here = [light(o, role, pivot) for o, role in roles.items() if analysis.scene in o.users_scene]
-    rows = here + _instanced(context, roles)
+    here = [_light_row(o, role, pivot) for o, role in roles.items() if analysis.scene in o.users_scene]
+    rows = here + _instanced_light_rows(context, roles)
     for row in rows:
         lamp = bpy.data.objects.get(row["name"])
-        if lamp and (unlit := light_linking.unlit(lamp, analysis.geometry.objects)):
+        if lamp and (unlit := _unlit_objects(lamp, analysis.geometry.objects)):
             row["unlit"] = unlit
     return rows
 
 
-def _instanced(
+def _instanced_light_rows(
     context: scene_context.SceneContext, roles: Mapping[bpy.types.Object, str]
 ) -> list[dict[str, Any]]:
     """The entries of lights that instances show, the nearest ones, each with the values of its data-block's owner."""
@@ -85,21 +83,21 @@ def _instanced(
         place = {
             "name": owner.name_full,
             "fixed": True,
-            "residual": _rows(matrix.to_3x3().normalized()),
+            "residual": [*map(list, matrix.to_3x3().normalized())],
             "position": list(matrix.translation),
         }
-        rows.append(light(obj, roles[owner], context.pivot) | place)
+        rows.append(_light_row(obj, roles[owner], context.pivot) | place)
     rows.sort(key=lambda row: (Vector(row["position"]) - context.pivot).length)
     return rows[:MOST_INSTANCES]
 
 
-def light(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
+def _light_row(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
     """One light's entry in scene.json."""
     data = thing.data
     row: dict[str, Any] = {
         "name": thing.name_full,
         "type": type_of(thing).name,
-        "residual": _rows(orbits.Pose.of(thing, pivot).residual),
+        "residual": [*map(list, orbits.Pose.of(thing, pivot).residual)],
         "position": list(thing.matrix_world.translation),
         "shadow": data.use_shadow,
         "normalize": getattr(data, "normalize", True),
@@ -107,16 +105,12 @@ def light(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
         "soft_falloff": getattr(data, "use_soft_falloff", True),
         "use_temperature": getattr(data, "use_temperature", False),
         "role": role,
-        "tint": light_nodes.factor(data) or light_factors.mean(thing, pivot),
+        "tint": light_nodes.factor(data) or bake.mean_light_factor(thing, pivot),
     }
     return row | type_of(thing).exported(thing)
 
 
-def _rows(matrix: Any) -> list[list[float]]:
-    return [list(row) for row in matrix]
-
-
-def film(scene: bpy.types.Scene) -> dict[str, Any]:
+def film_row(scene: bpy.types.Scene) -> dict[str, Any]:
     """The view transform's entry in scene.json."""
     view = scene.view_settings
     space = getattr(getattr(bpy.data, "colorspace", None), "working_space", "Linear Rec.709")
@@ -142,32 +136,108 @@ def ocio_config() -> str:
     return next((path for path in candidates if path and os.path.isfile(path)), "")
 
 
-def ignored(scene: bpy.types.Scene) -> list[str]:
+def ignored_settings(scene: bpy.types.Scene) -> list[str]:
     """Settings of the picture that the prediction leaves out."""
-    notes = []
-    if scene.view_settings.use_curve_mapping:
-        notes.append("The view transform's curves are left out of the prediction.")
-    if getattr(scene.view_settings, "use_white_balance", False):
-        notes.append("The view transform's white balance is left out of the prediction.")
-    if scene.render.use_motion_blur:
-        notes.append("Motion blur is left out of the prediction.")
-    if scene.render.use_freestyle:
-        notes.append("Freestyle lines are in the pictures, not in the prediction.")
-    if scene.render.use_border:
-        notes.append("The render border is left out: the whole picture is predicted and rendered.")
-    notes += light_linking.ignored(scene)
-    lamps = [o for o in scene.objects if o.type == "LIGHT" and scene_context.visible(scene, o)]
+    view, render = scene.view_settings, scene.render
+    settings = {
+        "The view transform's curves are left out of the prediction.": view.use_curve_mapping,
+        "The view transform's white balance is left out of the prediction.": getattr(
+            view, "use_white_balance", False
+        ),
+        "Motion blur is left out of the prediction.": render.use_motion_blur,
+        "Freestyle lines are in the pictures, not in the prediction.": render.use_freestyle,
+        "The render border is left out: the whole picture is predicted and rendered.": render.use_border,
+    }
+    notes = [note for note, used in settings.items() if used]
+    notes += _ignored_links(scene)
+    lights = [o for o in scene.objects if o.type == "LIGHT" and scene_context.visible(scene, o)]
     instances = scene_context.instanced_lights(scene)
-    lamps += dict.fromkeys(o for o, _ in instances if o not in lamps)
-    for lamp in lamps:
-        if not scene_context.placed(lamp):
-            notes.append(f"{lamp.name} has no usable place: it is left out.")
-        elif light_nodes.factor(lamp.data) is None:
-            notes.append(f"The nodes of {lamp.name} are shown as their average: without a pattern.")
-        notes += type_of(lamp).approximations(lamp)
+    lights += dict.fromkeys(o for o, _ in instances if o not in lights)
+    for light in lights:
+        if not scene_context.has_finite_place(light):
+            notes.append(f"{light.name} has no usable place: it is left out.")
+        elif light_nodes.factor(light.data) is None:
+            notes.append(f"The nodes of {light.name} are shown as their average: without a pattern.")
+        notes += type_of(light).approximations(light)
     if len(instances) > MOST_INSTANCES:
         left = len(instances) - MOST_INSTANCES
         notes.append(f"{left} instances of lights, the farthest, are left out of the prediction.")
-    if scene.render.use_multiview:
+    if render.use_multiview:
         notes.append("Stereo is left out: the picture is what the camera itself sees.")
     return notes
+
+
+def _unlit_objects(light: Object, objects: Sequence[tuple[str, str]]) -> list[int]:
+    """The numbers of the objects (named as in `SceneGeometry.objects`) that light linking keeps a light from."""
+    collection = light.light_linking.receiver_collection
+    if collection is None:
+        return []
+    included, excluded = _linked_names(collection, "INCLUDE"), _linked_names(collection, "EXCLUDE")
+    rows = [{name for name in names if name} for names in objects]
+    return [
+        number for number, names in enumerate(rows) if names & excluded or (included and not names & included)
+    ]
+
+
+def _linked_names(collection: Collection, state: str) -> set[str]:
+    """Names of the objects that a collection of receivers has in a state."""
+    pairs = zip(collection.objects, collection.collection_objects, strict=True)
+    names = {o.name_full for o, row in pairs if row.light_linking.link_state == state}
+    children = zip(collection.children, collection.collection_children, strict=True)
+    for child, row in children:
+        if row.light_linking.link_state == state:
+            names |= {o.name_full for o in child.all_objects}
+    return names
+
+
+def _ignored_links(scene: Scene) -> list[str]:
+    """Notes on light linking that the prediction leaves out."""
+    notes = []
+    for obj in (o for o in scene.objects if scene_context.visible(scene, o)):
+        linking = obj.light_linking
+        if linking.blocker_collection:
+            notes.append(
+                f"Shadow linking of {obj.name} is left out: in the prediction all objects cast its shadows."
+            )
+        surfaces = [slot.material for slot in obj.material_slots if slot.material]
+        glows = obj.type in scene_context.GEOMETRY and any(
+            layers.emitted_radiance(material) > 0.0 for material in surfaces
+        )
+        if linking.receiver_collection and glows:
+            notes.append(f"{obj.name} is linked to some objects; in the prediction its glow lights all.")
+    return notes
+
+
+def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[str, schema.Instance]]:
+    """Entries and parameters of the lights that words may add; these are in the scene only inside this function."""
+    scene, pivot = analysis.scene, Vector(analysis.pivot)
+    known = schema.added_lights.ADDED_LIGHTS
+    names = [name for name in known if name not in bpy.data.objects]
+    journal = Journal()
+    try:
+        added = bindings.add_lights(journal, scene, names, analysis.objects)
+        scene_context.layer(scene).update()
+        corners = scene_context.bounds(scene, analysis.objects or scene_context.meshes(scene))
+        size = prepare.card_size(*corners)
+        rows = [
+            _light_row(obj, known[obj.name].role, pivot) | ({"card": size} if known[obj.name].pattern else {})
+            for obj in added
+        ]
+        bound = bindings.instances(scene, analysis.objects, analysis.pivot, ("light",))
+        ours = {k: replace(i, role=known[i.owner].role) for k, i in bound.items() if i.owner in names}
+    finally:
+        journal.undo()
+        scene_context.layer(scene).update()
+    return rows, ours
+
+
+def standby_backdrop(
+    analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]
+) -> dict[str, schema.Instance]:
+    """The parameters (by key) of a backdrop that the world may get; none where the picture does not show the world."""
+    scene, shown = analysis.scene, analysis.visible.object
+    mine = np.append(analysis.is_subject, False)[shown]
+    world_is_seen = (shown < 0).sum() >= _SEEN_WORLD * max((~mine).sum(), 1)
+    if scene.render.film_transparent or not world_is_seen:
+        return {}
+    return backgrounds.offered_backdrop(scene.world, instances)

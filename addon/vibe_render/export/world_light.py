@@ -11,9 +11,8 @@ import bpy
 import numpy as np
 
 from ..render import bake
-from ..scene.nodes import backgrounds, insets, shaders
-from ..scene.nodes.factor import FACTOR
-from ..scene.nodes.tint import TINT
+from ..scene.nodes import backgrounds, inputs, trails
+from ..scene.nodes.inputs import FACTOR, TINT
 from .textures import image_colors
 
 _HEIGHT, _SAMPLES = 256, 32
@@ -29,7 +28,6 @@ class WorldPictures:
     Attributes:
         light: (H, 2H, 3) float32 linear; None for a world of one color.
         backdrop: The same as the camera sees it, where that is another picture.
-        note: What is approximated, or "".
     """
 
     light: np.ndarray | None = None
@@ -43,19 +41,19 @@ def pictures(world: bpy.types.World | None) -> WorldPictures:
         return WorldPictures()
     parted = backgrounds.has_backdrop(world)
     backdrop = _backdrop(world) if parted else None
-    if backgrounds.mixed(world):
+    if backgrounds.mixed_backgrounds(world):
         light, seen = _mix(world)
         return WorldPictures(light, backdrop if parted else seen)
-    image, note = _environment(world, backgrounds.single(world))
+    image, note = _environment(world, backgrounds.single_background(world))
     return WorldPictures(image, backdrop, note)
 
 
 def _environment(
-    world: bpy.types.World, background: shaders.NodeInGroups | None
+    world: bpy.types.World, background: trails.NodeInGroups | None
 ) -> tuple[np.ndarray | None, str]:
-    """The picture of a single Background, unturned; None for one color. And what is approximated."""
+    """The picture of a single Background, not rotated (None for one color), and a note on what is approximated."""
     color = background.entry("Color") if background else None
-    source = insets.artists(color).source if color else None
+    source = inputs.artists_origin(color).source if color else None
     if source is None:
         return None, ""
     node = source.node
@@ -67,19 +65,19 @@ def _environment(
     if source.id_data != world.node_tree:
         return None, "the world's color is computed inside a node group and is shown as one color"
     with _plain(world, source) as twin:
-        return bake.panorama_of(twin, _HEIGHT, _SAMPLES), ""
+        return bake.bake_world(twin, _HEIGHT, _SAMPLES), ""
 
 
 def _backdrop(world: bpy.types.World) -> np.ndarray | None:
-    """What the camera alone sees, without what parameters do to it; None for one color, or the same picture."""
+    """The picture for the camera alone, without parameters; None for one color, or the same picture."""
     if backgrounds.shares_picture(world):
         return None
-    single = backgrounds.single(world, backgrounds.BACKDROP)
+    single = backgrounds.single_background(world, backgrounds.BACKDROP)
     color = single.entry("Color") if single else None
-    if color and insets.artists(color).source is None:
+    if color and inputs.artists_origin(color).source is None:
         return None
     with _untinted(world) as (twin, _):
-        if copy := backgrounds.single(twin, backgrounds.BACKDROP):
+        if copy := backgrounds.single_background(twin, backgrounds.BACKDROP):
             for link in copy.node.inputs["Strength"].links:
                 copy.node.id_data.links.remove(link)
             copy.node.inputs["Strength"].default_value = 1.0
@@ -93,37 +91,34 @@ def _mix(world: bpy.types.World) -> tuple[np.ndarray, np.ndarray | None]:
         paths = [(tree, node) for tree in trees for node in tree.nodes if node.type == "LIGHT_PATH"]
         if not paths:
             return seen, None
+        # Replace them by their values for rays from matte surfaces.
         for tree, node in paths:
-            _pin(tree, node)
+            for output in node.outputs:
+                targets = [link.to_socket for link in output.links]
+                if targets:
+                    constant = tree.nodes.new("ShaderNodeValue").outputs[0]
+                    constant.default_value = _LIGHT.get(output.name, 0.0)
+                    for target in targets:
+                        tree.links.new(constant, target)
         return _panorama(twin), seen
 
 
 def _panorama(world: bpy.types.World) -> np.ndarray:
     """A world's picture; one texel where it is the same all around."""
-    picture = bake.panorama_of(world, _MIX_HEIGHT, _MIX_SAMPLES)
+    picture = bake.bake_world(world, _MIX_HEIGHT, _MIX_SAMPLES)
     even = float(np.ptp(picture, axis=(0, 1)).max()) < 1e-5 * float(picture.max())
     return picture[:1, :1] if even else picture
 
 
-def _pin(tree: bpy.types.NodeTree, path: bpy.types.Node) -> None:
-    """Puts constants in the place of a Light Path node: what it says of rays that matte surfaces send."""
-    for output in path.outputs:
-        targets = [link.to_socket for link in output.links]
-        if targets:
-            constant = tree.nodes.new("ShaderNodeValue").outputs[0]
-            constant.default_value = _LIGHT.get(output.name, 0.0)
-            for target in targets:
-                tree.links.new(constant, target)
-
-
 @contextmanager
 def _untinted(world: bpy.types.World) -> Iterator[tuple[bpy.types.World, list[bpy.types.NodeTree]]]:
-    """A copy of a world, its groups included, without what our insets do, and its trees; removed afterwards."""
-    twin = _twin(world)
+    """A copy of a world, its groups included, with neutral insets, and its trees; removed afterwards."""
+    twin = world.copy()
+    twin.cycles.sampling_method = "NONE"  # it lights nothing, and a map of its light can take minutes
     _unlink(twin.node_tree, ("Volume",))
     trees = [twin.node_tree]
     for tree in trees:  # grows by the groups inside
-        insets.neutral(tree, (TINT, FACTOR))
+        inputs.neutralize(tree, (TINT, FACTOR))
         for node in tree.nodes:
             if node.type == "GROUP" and node.node_tree:
                 node.node_tree = node.node_tree.copy()
@@ -136,12 +131,6 @@ def _untinted(world: bpy.types.World) -> Iterator[tuple[bpy.types.World, list[bp
             bpy.data.node_groups.remove(tree)
 
 
-def _twin(world: bpy.types.World) -> bpy.types.World:
-    twin = world.copy()
-    twin.cycles.sampling_method = "NONE"  # it lights nothing, and a map of its light can take minutes
-    return twin
-
-
 def _unlink(tree: bpy.types.NodeTree, names: tuple[str, ...]) -> None:
     for node in [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputWorld"]:
         for link in [link for name in names for link in node.inputs[name].links]:
@@ -150,8 +139,9 @@ def _unlink(tree: bpy.types.NodeTree, names: tuple[str, ...]) -> None:
 
 @contextmanager
 def _plain(world: bpy.types.World, source: bpy.types.NodeSocket) -> Iterator[bpy.types.World]:
-    """A copy of a world that shows what an output gives, unturned, at strength 1; removed afterwards."""
-    twin = _twin(world)
+    """A copy of a world that shows the value of an output, not rotated, at strength 1; removed afterwards."""
+    twin = world.copy()
+    twin.cycles.sampling_method = "NONE"
     tree = twin.node_tree
     exit_ = next(s for s in tree.nodes[source.node.name].outputs if s.identifier == source.identifier)
     background = tree.nodes.new("ShaderNodeBackground")

@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line of `batch.py`. No bpy here."""
+"""The command line of batch.py: its arguments, and what it prints. No bpy here."""
 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import sys
+import time
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
-from ..core.schema_import import checks, command_line, options, schema
+from ..core.schema_import import checks, command_line, errors, messages, options, schema
 
 _COMMANDS = {
     "run": ("scene",),
@@ -29,7 +32,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def parse(argv: Sequence[str]) -> argparse.Namespace:
-    """Reads the arguments that follow "--".
+    """Reads the arguments that follow "--"; every mistake in them is a VibeError.
 
     The command is given either by words, as the `vibe` command does (`run SCENE...`, `demo`, `export SCENE`,
     `apply PRESET SCENE`, `revert FILE`), or by options for the file that Blender has open (`--apply PRESET`,
@@ -38,9 +41,6 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     Returns:
         A namespace with `command`, `scene` (a path, "" for the open file; `scenes` are all of them), `preset`, and
         the options.
-
-    Raises:
-        VibeError: For every mistake in them.
     """
     args = _parser().parse_args(list(argv))
     args.command = "revert" if args.revert else "apply" if args.preset else "demo" if args.demo else "run"
@@ -74,37 +74,77 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
 
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="batch.py", description="Vibe Render inside Blender, without a window.")
-    parser.add_argument(
-        "words",
-        nargs="*",
-        metavar="WORD",
-        help="run SCENE | demo | export SCENE | apply PRESET SCENE | revert FILE",
-    )
-    parser.add_argument("--events", action="store_true", help="print events for the vibe command")
-    parser.add_argument("--scene", default="", help="a .blend or a mesh (default: the open file)")
-    parser.add_argument(
-        "--apply",
-        dest="preset",
-        default="",
-        metavar="PRESET",
-        help="apply a preset instead: a file, or a name",
-    )
-    parser.add_argument(
-        "--revert", action="store_true", help="take every vibe out of the file again, in place"
-    )
-    parser.add_argument("--demo", action="store_true", help="use a scene that is built for it")
-    parser.add_argument("--out", type=Path, default=None, metavar="DIR", help="folder for what is written")
-    parser.add_argument("--engine", default="", metavar="PYTHON", help="Python that has the engine")
+    add = parser.add_argument
+    commands = "run SCENE | demo | export SCENE | apply PRESET SCENE | revert FILE"
+    add("words", nargs="*", metavar="WORD", help=commands)
+    add("--events", action="store_true", help="print events for the vibe command")
+    add("--scene", default="", help="a .blend or a mesh (default: the open file)")
+    preset = "apply a preset instead: a file, or a name"
+    add("--apply", dest="preset", default="", metavar="PRESET", help=preset)
+    add("--revert", action="store_true", help="take every vibe out of the file again, in place")
+    add("--demo", action="store_true", help="use a scene that is built for it")
+    add("--out", type=Path, default=None, metavar="DIR", help="folder for what is written")
+    add("--engine", default="", metavar="PYTHON", help="Python that has the engine")
     table = [option for option in options.TABLE if option.blender]
     command_line.add_options(parser, options.HEADINGS, table)
     return parser
 
 
 def arguments_of_process() -> list[str]:
-    """What follows "--" where Blender runs this file, everything where Python does."""
+    """The arguments: those after "--" where Blender runs this file, all where Python does."""
     return sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
 
 
 def _listed(given: Sequence[str]) -> list[str]:
     """Names from "A,B" lists; a name may hold spaces."""
     return list(dict.fromkeys(name.strip() for part in given for name in part.split(",") if name.strip()))
+
+
+class Reporter:
+    """Prints lines for people, or lines `VIBE {json}` for the `vibe` command; `doing` is the present stage."""
+
+    def __init__(self, events: bool) -> None:
+        self._events = events
+        self._start = time.monotonic()
+        self._round = 0
+        self.doing = "starting"
+
+    def stage(self, name: str) -> None:
+        """Reports a new stage."""
+        self.doing = name
+        self._print({"type": "stage", "name": name}, f"{time.monotonic() - self._start:5.1f} s  {name}")
+
+    def note(self, line: str) -> None:
+        """Reports a note for the artist."""
+        self._print({"type": "note", "line": line}, f"Note: {line}")
+
+    def engine(self, message: messages.Message) -> None:
+        """Reports a stage or progress message of the engine."""
+        if isinstance(message, messages.Stage):
+            self.stage(message.name)
+        elif isinstance(message, messages.Progress):
+            line = ""
+            if message.round != self._round:
+                self._round = message.round
+                line = f"round {message.round} of {message.rounds}: {message.seconds_left:.0f} s left"
+            self._print({"type": "progress", **asdict(message)}, line)
+
+    def result(self, lines: list[str], stopped: bool = False, missing: Sequence[str] = ()) -> None:
+        """Reports the result in lines, whether Ctrl-C ended the search early, and words that the picture does not show."""
+        event = {"type": "result", "lines": lines, "stopped": stopped, "missing": list(missing)}
+        self._print(event, "\n".join(lines))
+
+    def error(self, error: schema.VibeError) -> None:
+        """Reports an error."""
+        if self._events:
+            unexpected = isinstance(error, errors.UnexpectedError)
+            event = {"type": "error", "message": error.message, "remedy": error.remedy}
+            self._print({**event, "unexpected": unexpected}, "")
+        else:
+            print(f"vibe: {error}", file=sys.stderr, flush=True)
+
+    def _print(self, event: dict[str, Any], line: str) -> None:
+        if self._events:
+            print(f"VIBE {json.dumps(event)}", flush=True)
+        elif line:
+            print(line, flush=True)

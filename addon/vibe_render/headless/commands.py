@@ -1,50 +1,60 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The commands of a headless run: those of `vibe.py`; export, apply a preset, revert, render frames."""
+"""The commands of a headless run: vibe, export, apply a preset, revert, render frames; and `serve`, which runs many of them."""
 
 from __future__ import annotations
 
 import argparse
+import json
+import os
+import queue
+import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 
 import bpy
 
-from ..core.outputs import Outputs
-from ..core.schema_import import labels, schema
+from ..core.files import Outputs
+from ..core.schema_import import errors, labels, schema
+from ..engine.process import Engine
 from ..export import reading
-from ..looks import fit, library
+from ..looks import library, transfer
 from ..render import final_render
-from ..scene import bindings, snapshot, stored_subject
+from ..scene import bindings, snapshot
+from ..scene.subject import remember_subject
 from . import summary, vibe
-from .reporter import Reporter
+from .arguments import Reporter, parse
 from .scenes import check_writable, open_blend, open_scene, save_blend
 from .shots import Framing, RequestedShot
+
+_GRACE = 5.0
+"""Seconds from the end of the input to the end of a busy process."""
 
 
 def export(args: argparse.Namespace, reporter: Reporter) -> None:
     """Writes a job folder of a scene; its file stays as it is."""
     scene, choice, _ = open_scene(args, reporter)
     reporter.stage("reading the scene")
-    reading.export_scene(scene, args.out, choice)
+    reading.export_scene(scene, args.out, choice, measure=not args.names_only)
     reporter.result([f"Written: {args.out}"])
 
 
 def apply(args: argparse.Namespace, reporter: Reporter) -> None:
     """Puts a preset on a scene, renders it before and after, and saves it."""
-    look = library.named(args.preset)
+    look = library.preset_named(args.preset)
     with Outputs(args.out) as out:
         scene, choice, _ = open_scene(args, reporter)
         scene_reading = reading.prepare_and_read(scene, choice)
-        analysis, fitted = scene_reading.analysis, fit.fit(look, scene_reading)
+        analysis, fitted = scene_reading.analysis, transfer.fit_look(look, scene_reading)
         if not fitted.values:
             raise schema.VibeError("Nothing in this scene takes what the preset holds.", "Use another scene.")
         reporter.stage("rendering before")
-        final_render.render(scene, out.path("before.png"), args.size, args.samples, args.seed)
+        final_render.render_picture(scene, out.path("before.png"), args.size, args.samples, args.seed)
         skipped = bindings.write(scene, fitted.values, analysis.objects, analysis.pivot)
         if choice.explicit:
-            stored_subject.remember(scene, analysis.objects)
+            remember_subject(scene, analysis.objects)
         reporter.stage("rendering after")
-        final_render.render(scene, out.path("after.png"), args.size, args.samples, args.seed)
+        final_render.render_picture(scene, out.path("after.png"), args.size, args.samples, args.seed)
         save_blend(out.path("vibed.blend"))
     lines = [f"Did not fit: {line}" for line in fitted.rest]
     lines += [f"Did not fit: {labels.title(key)}: {reason}" for key, reason in skipped.items()]
@@ -95,3 +105,40 @@ COMMANDS: dict[str, Callable[[argparse.Namespace, Reporter], None]] = {
     "revert": revert,
     "frames": frames,
 }
+
+
+def serve() -> None:
+    """Runs command lines with one warm engine: a worker of `vibe batch`.
+
+    Every line of the standard input is a command line of `batch.py`, as a JSON list. Each ends with a "result" or an
+    "error" event. The end of the input ends the process, also in the middle of a command.
+    """
+    lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(lines,), daemon=True).start()
+    reporter = Reporter(events=True)
+    engine = Engine(listener=reporter.engine)
+    engine.start()
+    try:
+        while line := lines.get():
+            try:
+                engine.start()  # a new one if it died, or the last command failed
+                args = parse(json.loads(line))
+                if args.command == "run":
+                    vibe.HeadlessVibe(args, reporter, engine).run()
+                else:
+                    COMMANDS[args.command](args, reporter)
+            except Exception as error:  # the next command opens a file of its own
+                known = error if isinstance(error, schema.VibeError) else None
+                reporter.error(known or errors.unexpected(error, reporter.doing))
+                engine.stop(patience=0.1)  # it may be in the middle of something
+    finally:
+        engine.stop()
+
+
+def _listen(lines: queue.SimpleQueue[str | None]) -> None:
+    """Reads in a thread, so that this process ends soon after its parent, also while Blender is busy."""
+    for line in sys.stdin:
+        lines.put(line)
+    lines.put(None)
+    threading.Event().wait(_GRACE)
+    os._exit(1)

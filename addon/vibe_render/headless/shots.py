@@ -17,26 +17,18 @@ from ..export import reading
 from ..export.job_folder import SceneJob
 from ..scene import fog, scene_context
 from ..scene.subject import SubjectChoice
-from . import fluids
-from .reporter import Reporter
-from .scenes import open_scene
+from .arguments import Reporter
+from .scenes import fluid_note, open_scene
 
 
 @dataclass(frozen=True)
 class RequestedShot:
-    """A shot that the command line asks for.
+    """A shot that the command line asks for."""
 
-    Attributes:
-        scene: Its file; "" for the open one.
-        camera: Its camera's name; "" for the scene's active one.
-        frame: Its frame; None for the scene's present one.
-        name: For people, such as "Close · frame 50"; "" for a single shot.
-    """
-
-    scene: str
-    camera: str = ""
-    frame: int | None = None
-    name: str = ""
+    scene: str  # a file; "" for the open one
+    camera: str = ""  # a name; "" for the scene's active one
+    frame: int | None = None  # None for the scene's present one
+    name: str = ""  # for people, such as "Close · frame 50"; "" for a single shot
 
 
 def shots_of(args: argparse.Namespace) -> list[RequestedShot]:
@@ -50,12 +42,12 @@ def shots_of(args: argparse.Namespace) -> list[RequestedShot]:
     if len(shots) == 1:
         return shots
     stems = {scene: Path(scene).stem if len(args.scenes) > 1 else "" for scene in args.scenes}
-    return [replace(shot, name=_name(stems[shot.scene], shot)) for shot in shots]
 
+    def name(shot: RequestedShot) -> str:
+        frame = "" if shot.frame is None else f"frame {shot.frame}"
+        return " · ".join(filter(None, (stems[shot.scene], shot.camera, frame)))
 
-def _name(stem: str, shot: RequestedShot) -> str:
-    frame = "" if shot.frame is None else f"frame {shot.frame}"
-    return " · ".join(part for part in (stem, shot.camera, frame) if part)
+    return [replace(shot, name=name(shot)) for shot in shots]
 
 
 class Framing:
@@ -100,7 +92,6 @@ class ShotList:
         folder: The parent of the job folders.
 
     Attributes:
-        shots: The requested shots.
         jobs: The exported job of each shot.
         subjects: The names of each shot's subject.
         bare: Whether the first shot is a bare mesh.
@@ -135,26 +126,22 @@ class ShotList:
             folder = self._folder / str(number)
             self._reporter.stage("reading the scene")
             self.jobs.append(reading.export_scene(scene, folder, choice, around, eyes))
-            notes = [fluids.note()] if fluids.note() else []
+            notes = [note] if (note := fluid_note()) else []
             self.jobs[-1].warnings[:0] = notes
-            for note in [*self.jobs[-1].view_notes, *notes]:
-                self._reporter.note(note)
+            for line in [*self.jobs[-1].view_notes, *notes]:
+                self._reporter.note(line)
             self.subjects.append({o.name_full for o in self.jobs[-1].analysis.objects})
-            if planned := fog.planned(scene):
+            if planned := fog.planned_fog_box(scene):
                 self._fog[shot.scene] = planned
 
     def show(self, number: int) -> SceneJob:
-        """Sets a shot's camera and frame; if another .blend is open, opens and prepares the shot's.
-
-        Returns:
-            The shot's job.
-        """
+        """Opens and prepares a shot's .blend if another is open, sets its camera and frame, and returns its job."""
         shot = self.shots[number]
         is_open = self._open == shot.scene
         scene, choice = self._shown(number)
         if not is_open:
             if shot.scene in self._fog:
-                fog.plan(scene, self._fog[shot.scene])
+                fog.plan_fog_box(scene, self._fog[shot.scene])
             reading.prepare_and_snapshot(scene, choice)
             for each in self.siblings(number):
                 objects = tuple(o for o in scene.objects if o.name_full in self.subjects[each])

@@ -13,10 +13,8 @@ from typing import Any
 import bpy
 
 from ..core.schema_import import labels, messages, schema
-from ..export.notes import shortened
-from ..session.notes.claims import claim_lines
-from ..session.notes.model import model_lines
-from ..session.notes.words import word_notes
+from ..export.notes import shortened_notes
+from ..run.notes import claim_lines, model_lines, word_notes
 from .shots import ShotList
 
 _SHOWN = 8
@@ -33,7 +31,6 @@ def report_fields(
     """The content of report.json: the engine's report with ours. Measurements of several shots are averaged.
 
     Args:
-        measured: The engine's measurements of each shot.
         skipped: By key, why a value was not written.
     """
     fields = dict(result.report)
@@ -92,7 +89,7 @@ def numbered(name: str, number: int) -> str:
 
 
 def _prediction(measured: Sequence[messages.Finished]) -> dict[str, Any]:
-    """How far the predictions are from Cycles, means over the shots: `delta_e` is that of the one that is shown."""
+    """Differences between the predictions and Cycles, means over the shots; `delta_e` is that of the prediction that is shown."""
     rows = [each.prediction for each in measured]
     names = [name for name in rows[0] if all(name in row for row in rows)]
     prediction = {name: _mean([row[name] for row in rows]) for name in names}
@@ -106,9 +103,9 @@ def _mean(rows: Sequence[dict[str, float]]) -> dict[str, float]:
 
 
 def _warnings(shot_list: ShotList, result: messages.Result) -> list[str]:
-    """What the prediction leaves out, in words for the artist."""
+    """Notes on what the prediction leaves out, for the artist."""
     ours = [warning for job in shot_list.jobs for warning in job.warnings]
-    return shortened([*ours, *result.report.get("anchored", {}).get("notes", [])])
+    return shortened_notes([*ours, *result.report.get("anchored", {}).get("notes", [])])
 
 
 def closing_lines(
@@ -132,11 +129,8 @@ def closing_lines(
         if result.report["prompt"].strip():
             lines.append(f"{who}Similarity to the words {s['before']:.3f} -> {s['after']:.3f}.")
         lines.append(f"{who}The prediction is {_apart(each.prediction['shown'])} away from Cycles.")
-        if "before_last_anchor" in each.prediction:
-            lines.append(
-                f"{who}Before Cycles had shown it these very values, it was "
-                f"{_apart(each.prediction['before_last_anchor'])} away."
-            )
+        if before := each.prediction.get("before_last_anchor"):
+            lines.append(f"{who}Before Cycles had shown it these very values, it was {_apart(before)} away.")
     return lines
 
 
@@ -147,11 +141,7 @@ def _apart(figures: dict[str, float]) -> str:
 
 
 def change_lines(instances: dict[str, schema.Instance], values: dict[str, Any]) -> list[str]:
-    """The visible changes as lines, the largest on the perceptual scale first.
-
-    Args:
-        instances: The scene's parameters before, by key.
-    """
+    """The visible changes of these parameters as lines, the largest on the perceptual scale first."""
     rows = []
     for key, value in values.items():
         instance = instances.get(key)
@@ -168,11 +158,7 @@ def change_lines(instances: dict[str, schema.Instance], values: dict[str, Any]) 
 
 
 class Stopwatch:
-    """The seconds of each stage of a run.
-
-    Attributes:
-        seconds: By the stage's name.
-    """
+    """The seconds of each stage of a run, by the stage's name."""
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = {}

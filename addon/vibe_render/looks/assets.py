@@ -6,24 +6,134 @@ Copies of the data-blocks are written and then removed: the open file stays as i
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import tempfile
+import uuid
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import bmesh
 import bpy
-from bpy.types import ID, Material
+import numpy as np
+from bpy.types import ID, Material, Scene
 from mathutils import Matrix, Vector
 
 from ..core import compat
 from ..core.files import whole
 from ..core.schema_import import schema
 from ..export.analysis import SceneAnalysis
+from ..render import final_render
 from ..scene import scene_context
 from ..scene.nodes import grade, owned
-from . import asset_catalog, asset_preview, thumbnail
+from ..scene.stage import area_light, framing_camera, plain_world
+from . import thumbnail
 
+CATALOG_FILE = "blender_assets.cats.txt"
+_SPACE = uuid.UUID("5b1f2a86-6f0c-4f6e-9a43-2f5d8b0c7e11")
+"""Our namespace: a catalog of ours has the same id in every library."""
+_HEAD = """# This is an Asset Catalog Definition file for Blender.
+#
+# Empty lines and lines starting with `#` will be ignored.
+# The first non-ignored line should be the version indicator.
+# Other lines are of the format "UUID:catalog/path/for/assets:simple catalog name"
+
+VERSION 1
+
+"""
+
+_BALL_SAMPLES = 48
+_KINDS = ("scenes", "objects", "meshes", "lights", "cameras", "worlds", "materials")
+"""Collections of a preview, in the order of their removal."""
 _TOP = "Vibe Render"
+
+
+def catalog_identifier(path: str) -> str:
+    """The id of a catalog of ours, such as "Vibe Render/Materials"."""
+    return str(uuid.uuid5(_SPACE, path))
+
+
+def catalog_root(folder: Path, libraries: Iterable[str]) -> Path:
+    """The folder whose catalog file counts for the assets of a .blend, among the artist's asset libraries."""
+    folder = folder.resolve()
+    for library in filter(None, libraries):
+        place = Path(library).resolve()
+        if place == folder or place in folder.parents:
+            return place
+    return next((place for place in (folder, *folder.parents) if (place / CATALOG_FILE).is_file()), folder)
+
+
+def add_catalogs(place: Path, paths: Iterable[str]) -> None:
+    """Adds catalogs, such as "Vibe Render/Materials", to the catalog file in a folder.
+
+    Raises:
+        VibeError: The file cannot be read or written, or is of a newer version.
+    """
+    file = place / CATALOG_FILE
+    try:
+        text = file.read_text(encoding="utf-8") if file.exists() else _HEAD
+        lines = [line.strip() for line in text.splitlines()]
+        if "VERSION 1" not in lines:
+            raise schema.VibeError(f"{file} is of another version.", "Choose another folder.")
+        present = {line.partition(":")[0] for line in lines}
+        rows = [f"{catalog_identifier(path)}:{path}:{path.replace('/', '-')}" for path in paths]
+        missing = [row for row in rows if row.partition(":")[0] not in present]
+        if not missing:
+            return
+        with whole(file) as part:
+            part.write_text(text.rstrip("\n") + "\n" + "\n".join(missing) + "\n", encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise schema.VibeError(f"{file} cannot be changed: {error}.", "Choose another folder.") from error
+
+
+def _set_preview(block: ID, pixels: np.ndarray) -> None:
+    """Gives a data-block a preview: pixels (H, W, 4) as displays show them, 0 to 1, row 0 at the bottom."""
+    preview = block.preview_ensure()
+    preview.image_size = (pixels.shape[1], pixels.shape[0])
+    preview.image_pixels_float.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
+
+
+def _material_balls(materials: Sequence[Material]) -> list[np.ndarray]:
+    """Small Cycles renders of a ball of each material, as for `_set_preview`. Nothing of them stays in the file."""
+    before = {block for kind in _KINDS for block in getattr(bpy.data, kind)}
+    try:
+        scene, ball = _ball_stage()
+        with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
+            pictures, path = [], Path(folder) / "ball.png"
+            for material in materials:
+                ball.data.materials[0] = material
+                final_render.render_picture(scene, path, thumbnail.SIZE, _BALL_SAMPLES)
+                pictures.append(thumbnail.read_picture(path))
+            return pictures
+    finally:
+        temporary = [(kind, b) for kind in _KINDS for b in list(getattr(bpy.data, kind)) if b not in before]
+        for kind, block in temporary:
+            getattr(bpy.data, kind).remove(block)
+
+
+def _ball_stage() -> tuple[Scene, bpy.types.Object]:
+    """A scene of a ball under two area lights and a gray world, on a transparent background."""
+    scene = bpy.data.scenes.new("Vibe Preview")
+    scene.render.resolution_x = scene.render.resolution_y = thumbnail.SIZE
+    scene.render.film_transparent = True
+    scene.view_settings.view_transform = "Standard"
+    mesh = bpy.data.meshes.new("Vibe Preview")
+    shape = bmesh.new()
+    shape.loops.layers.uv.new()
+    bmesh.ops.create_uvsphere(shape, u_segments=64, v_segments=32, radius=1.0, calc_uvs=True)
+    shape.to_mesh(mesh)
+    shape.free()
+    mesh.shade_smooth()
+    mesh.materials.append(None)
+    ball = bpy.data.objects.new("Vibe Preview", mesh)
+    scene.collection.objects.link(ball)
+    middle = np.zeros(3)
+    framing_camera(scene, np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * 0.62,
+                       (0.0, 12.0), fov=30.0, fill=0.92)  # fmt: skip
+    area_light(scene, "Vibe Preview", (-45.0, 40.0), 4.0, 2.0, 0.9, middle)
+    area_light(scene, "Vibe Preview", (140.0, 30.0), 4.0, 1.5, 0.8, middle)
+    plain_world(scene, (0.5, 0.5, 0.5), strength=0.35)
+    return scene, ball
 
 
 @dataclass
@@ -45,7 +155,7 @@ class _Crate:
     def mark(self, block: ID, catalog: str, words: str) -> None:
         """Makes a copy an asset."""
         block.asset_mark()
-        block.asset_data.catalog_id = asset_catalog.identifier(f"{_TOP}/{catalog}")
+        block.asset_data.catalog_id = catalog_identifier(f"{_TOP}/{catalog}")
         block.asset_data.description = words
         block.asset_data.author = _TOP
         self.assets.append((block, catalog))
@@ -56,48 +166,47 @@ class _Crate:
             getattr(bpy.data, collection).remove(block)
 
 
-def export(
+def export_assets(
     analysis: SceneAnalysis, name: str, words: str, materials: Iterable[Material], path: Path, picture: Path
 ) -> list[str]:
-    """Writes the look that a scene has now.
+    """Writes the look that a scene has now; returns the names of the assets.
 
     Args:
         materials: The materials that belong to the look.
         path: The .blend to write, or to replace.
         picture: A thumbnail of the look: the preview of assets that are no materials.
 
-    Returns:
-        The names of the assets.
-
     Raises:
         VibeError: There is nothing to export, or the files cannot be written.
     """
     crate = _Crate(name)
     try:
-        surfaces = [_material(crate, material, words) for material in materials]
-        for pack in (_world, _rig, _grade, _fog):
+        surfaces = [crate.keep("materials", material.copy(), material.name) for material in materials]
+        for surface in surfaces:
+            crate.mark(surface, "Materials", words)
+        if world := analysis.scene.world:
+            crate.mark(crate.keep("worlds", world.copy(), "World"), "Worlds", words)
+        for pack in (_rig, _grade, _fog):
             pack(crate, analysis, words)
         if not crate.assets:
             raise schema.VibeError("There is nothing to export.", "Vibe the scene first, or apply a preset.")
-        _show(crate, surfaces, picture)
-        _write(path, {block for block, _ in crate.assets})
+        # Materials show themselves, other assets the look.
+        look = thumbnail.read_picture(picture)
+        pictures = dict(zip(surfaces, _material_balls(surfaces), strict=True))
+        for block, _ in crate.assets:
+            _set_preview(block, pictures.get(block, look))
+        # Write the copies, and their catalogs to the library that the file is in.
+        blocks = {block for block, _ in crate.assets}
+        with whole(path) as part:
+            bpy.data.libraries.write(
+                str(part), blocks, path_remap="RELATIVE_ALL", fake_user=True, compress=True
+            )
         libraries = [library.path for library in bpy.context.preferences.filepaths.asset_libraries]
         catalogs = dict.fromkeys(f"{_TOP}/{catalog}" for _, catalog in crate.assets)
-        asset_catalog.add(asset_catalog.root(path.parent, libraries), catalogs)
+        add_catalogs(catalog_root(path.parent, libraries), catalogs)
         return [block.name for block, _ in crate.assets]
     finally:
         crate.empty()
-
-
-def _material(crate: _Crate, material: Material, words: str) -> Material:
-    twin = crate.keep("materials", material.copy(), material.name)
-    crate.mark(twin, "Materials", words)
-    return twin
-
-
-def _world(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
-    if analysis.scene.world:
-        crate.mark(crate.keep("worlds", analysis.scene.world.copy(), "World"), "Worlds", words)
 
 
 def _rig(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
@@ -129,18 +238,6 @@ def _grade(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
 
 def _fog(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
     """The material of the fog box, for any box."""
-    box = owned.find(analysis.scene.objects, owned.FOG)
+    box = owned.find_owned(analysis.scene.objects, owned.FOG)
     if box is not None and not box.hide_render:
         crate.mark(crate.keep("materials", box.data.materials[0].copy(), "Fog"), "Fogs", words)
-
-
-def _show(crate: _Crate, surfaces: list[Material], picture: Path) -> None:
-    look = thumbnail.pixels(picture)
-    pictures = dict(zip(surfaces, asset_preview.balls(surfaces), strict=True))
-    for block, _ in crate.assets:
-        asset_preview.put(block, pictures.get(block, look))
-
-
-def _write(path: Path, blocks: set[ID]) -> None:
-    with whole(path) as part:
-        bpy.data.libraries.write(str(part), blocks, path_remap="RELATIVE_ALL", fake_user=True, compress=True)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The preset library: the looks that come with Vibe Render, and the artist's own in a folder of theirs.
 
-A preset is NAME.json with a picture NAME.jpg beside it. Other files in the folders are never touched.
+A preset is NAME.json with a picture NAME.jpg next to it. Other files in the folders are never touched.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from functools import lru_cache
 from pathlib import Path
 
 from ..core.files import whole
+from ..core.preferences import own_folder
 from ..core.schema_import import preset, schema
-from ..core.user_folder import own_folder
-from . import take, thumbnail
+from . import thumbnail, transfer
 
 SHIPPED = Path(__file__).parent / "shipped"
 """The folder of the looks that come with Vibe Render."""
@@ -30,13 +30,7 @@ _JPEG = b"\xff\xd8\xff"
 
 @dataclass(frozen=True)
 class Look:
-    """A preset in the library.
-
-    Attributes:
-        path: Its file.
-        preset: Its content; None where the file cannot be read.
-        problem: Why it cannot be read.
-    """
+    """A preset in the library; without content but with a problem where its file cannot be read."""
 
     path: Path
     preset: preset.Preset | None
@@ -63,65 +57,43 @@ class Look:
         return self.path.with_suffix(PICTURE)
 
     def matches(self, words: str) -> bool:
-        """Whether its name and prompt together contain each of these words, or parts of words.
-
-        Args:
-            words: Separated by spaces; upper and lower case are the same.
-        """
+        """Whether its name and prompt together contain each of these words (or parts of words), in any case."""
         text = f"{self.name} {self.prompt}".casefold()
         return all(word in text for word in words.casefold().split())
 
 
-def folder(create: bool = False) -> Path:
-    """The folder of the artist's own presets.
-
-    Args:
-        create: Make it if it is missing.
-    """
+def preset_folder(create: bool = False) -> Path:
+    """The folder of the artist's own presets."""
     return own_folder("presets", create)
 
 
-def looks(words: str = "") -> list[Look]:
-    """The artist's own presets by name, then the shipped ones.
-
-    Args:
-        words: Only those that match; see `Look.matches`.
-    """
+def all_looks(words: str = "") -> list[Look]:
+    """The artist's own presets by name, then the shipped ones; only those that match words (see `Look.matches`)."""
     all_looks: list[Look] = []
-    for place in (folder(), SHIPPED):
+    for place in (preset_folder(), SHIPPED):
         theirs = [_read(path, *_stamp(path)) for path in place.glob("[!.]*.json")]
         all_looks += sorted(theirs, key=lambda look: (look.name.casefold(), look.path.name))
     return [look for look in all_looks if look.matches(words)]
 
 
-def named(preset_: str) -> preset.Preset:
-    """The preset that the command line names.
-
-    Args:
-        preset_: The path of a file, or a name in the library.
-
-    Raises:
-        VibeError: There is none, or it cannot be read.
-    """
+def preset_named(preset_: str) -> preset.Preset:
+    """The preset that the command line names by a file's path or a name in the library."""
     path = Path(preset_).expanduser()
     if path.suffix == ".json" or path.is_file():
-        return take.load(path)
-    return take.load(find(preset_).path)
+        return transfer.load_preset(path)
+    return transfer.load_preset(find_preset(preset_).path)
 
 
-def find(name: str) -> Look:
-    """The preset of a name.
-
-    Args:
-        name: The name, or its beginning if only one preset starts so. Upper and lower case are the same.
+def find_preset(name: str) -> Look:
+    """The preset of a name, or of its beginning if only one preset starts so, in any case.
 
     Raises:
         VibeError: There is none, or more than one.
     """
-    library, wanted = looks(), name.casefold().strip()
+    library, folded = all_looks(), name.casefold().strip()
     for same in (
-        lambda look: look.name.casefold() == wanted,
-        lambda look: look.name.casefold().startswith(wanted),
+        lambda look: look.name.casefold() == folded,
+        lambda look: look.name.casefold().startswith(folded),
     ):
         chosen = [look for look in library if same(look)]
         if len({look.name for look in chosen}) == 1:
@@ -130,53 +102,35 @@ def find(name: str) -> Look:
     raise schema.VibeError(f"There is no preset {name!r}.", f"Name a file, or one of: {listed}.")
 
 
-def at(path: str) -> Look:
-    """The preset at a path of the library.
-
-    Raises:
-        VibeError: It is gone.
-    """
-    for look in looks():
-        if str(look.path) == path:
-            return look
-    raise schema.VibeError("That preset is gone.", "Choose another.")
+def preset_at(path: str) -> Look:
+    """The preset at a path of the library; a VibeError if it is gone."""
+    look = next((look for look in all_looks() if str(look.path) == path), None)
+    if look is None:
+        raise schema.VibeError("That preset is gone.", "Choose another.")
+    return look
 
 
 def path_for(place: Path, name: str) -> Path:
-    """The file for a preset: letters, digits and dashes, valid on every system.
-
-    Args:
-        name: Of the preset, in any script; at most 50 letters of it are used.
-    """
+    """The file for a preset's name, in any script: letters, digits and dashes, valid on every system."""
     plain = unicodedata.normalize("NFKD", name).casefold()
     words = re.sub(r"[^\w]+", "-", plain).strip("-")[:50]
     return place / f"{words or 'look'}.json"
 
 
-def save(look: preset.Preset, picture: Path | None = None) -> Look:
-    """Adds a preset to the artist's own.
+def save_preset(look: preset.Preset, picture: Path | None = None) -> Look:
+    """Adds a preset to the artist's own, with a number in its name where another preset has it.
 
     Args:
-        look: Its name is numbered where another preset has it.
-        picture: A JPEG of it; None, or a file that is none, leaves it without.
-
-    Returns:
-        The preset as the library holds it.
+        picture: A JPEG of it; a file that is none is ignored.
 
     Raises:
         VibeError: The folder cannot be written.
     """
-    return _write(folder(create=True), look, picture)
+    return _write(preset_folder(create=True), look, picture)
 
 
-def rename(look: Look, name: str) -> Look:
-    """Gives one of the artist's presets another name.
-
-    Args:
-        name: The new one; numbered where another preset has it.
-
-    Returns:
-        The preset as the library holds it.
+def rename_preset(look: Look, name: str) -> Look:
+    """Gives one of the artist's presets another name, numbered where another preset has it.
 
     Raises:
         VibeError: The name is empty, the preset is shipped or broken, or the folder cannot be written.
@@ -189,11 +143,11 @@ def rename(look: Look, name: str) -> Look:
         raise schema.VibeError(look.problem, "Delete it, or correct the file.")
     renamed = _write(look.path.parent, replace(look.preset, name=name), look.picture, look.path)
     if renamed.path != look.path:
-        delete(look)
+        delete_preset(look)
     return renamed
 
 
-def delete(look: Look) -> None:
+def delete_preset(look: Look) -> None:
     """Deletes one of the artist's presets and its picture.
 
     Raises:
@@ -209,21 +163,18 @@ def delete(look: Look) -> None:
         ) from error
 
 
-def bring(path: Path) -> Look:
+def import_preset(path: Path) -> Look:
     """Copies a preset file into the artist's own presets.
 
     Raises:
         VibeError: The file is no preset, or the folder cannot be written.
     """
-    look = take.load(path)
-    return save(replace(look, name=look.name or preset.title(path.stem)), path.with_suffix(PICTURE))
+    look = transfer.load_preset(path)
+    return save_preset(replace(look, name=look.name or preset.title(path.stem)), path.with_suffix(PICTURE))
 
 
-def export(look: Look, path: Path) -> None:
-    """Writes a preset, and its picture beside it.
-
-    Args:
-        path: Of the file; another ending becomes ".json".
+def export_preset(look: Look, path: Path) -> None:
+    """Writes a preset to a .json file, with its picture next to it.
 
     Raises:
         VibeError: The preset is broken, or the file cannot be written.
@@ -251,7 +202,7 @@ def _stamp(path: Path) -> tuple[int, int]:
 @lru_cache(maxsize=1000)  # panels ask many times a second
 def _read(path: Path, _time: int, _size: int) -> Look:
     try:
-        return Look(path, take.load(path))
+        return Look(path, transfer.load_preset(path))
     except schema.VibeError as error:
         return Look(path, None, str(error))
 
@@ -284,11 +235,11 @@ def _claimed(path: Path) -> bool:
 
 def _put(path: Path, look: preset.Preset, picture: Path | None) -> None:
     """Writes a preset and its picture, whole or not at all: another Blender may use the folder too."""
-    beside = path.with_suffix(PICTURE)
+    picture_path = path.with_suffix(PICTURE)
     with whole(path, "Check the folder.") as part:
         part.write_text(look.dumps() + "\n", encoding="utf-8")
-        if picture and picture != beside and _is_picture(picture):
-            with whole(beside) as copied:
+        if picture and picture != picture_path and _is_picture(picture):
+            with whole(picture_path) as copied:
                 shutil.copyfile(picture, copied)
 
 

@@ -25,26 +25,22 @@ LEFT_OUT = ("vignette", "glare")
 _MIDDLE = 0.18
 
 
-def identity() -> dict[str, tuple[float, ...]]:
+def neutral_grade() -> dict[str, tuple[float, ...]]:
     """The grade's neutral values, by name."""
     rows = [p for p in schema.PARAMETERS if p.group == "film" and p.blender.startswith("Vibe Grade")]
     return {p.name: (p.default,) * p.components for p in rows}
 
 
-def graded(
+def graded_colors(
     colors: np.ndarray, values: Mapping[str, Sequence[float]], below_black: bool = False
 ) -> np.ndarray:
-    """Applies the grade.
+    """Applies the grade to colors (N, 3), scene-linear Rec.709, at least 0.
 
     Args:
-        colors: (N, 3) scene-linear Rec.709, at least 0.
         values: By name ("contrast", …), in the schema's units; missing ones are neutral.
         below_black: Whether negative values from saturation stay, unless hue or gamma come after it.
-
-    Returns:
-        (N, 3) scene-linear.
     """
-    v = {name: np.array(values.get(name, neutral)) for name, neutral in identity().items()}
+    v = {name: np.array(values.get(name, neutral)) for name, neutral in neutral_grade().items()}
     c = colors * 2.0 ** v["grade_exposure"]
     c = np.maximum(((c - 1.0) * (2.0 - v["lift"]) + 1.0) * v["gain"], 0.0) ** (1.0 / v["midtone"])
     c = _MIDDLE * (c / _MIDDLE) ** v["contrast"]
@@ -64,11 +60,8 @@ def _turned(c: np.ndarray, sixths: np.ndarray) -> np.ndarray:
     return brightest - chroma * np.clip(away - 1.0, 0.0, 1.0)
 
 
-def table(values: Mapping[str, Sequence[float]], size: int = SIZE) -> np.ndarray:
+def grade_table(values: Mapping[str, Sequence[float]], size: int = SIZE) -> np.ndarray:
     """The display colors of a grade, on a grid of the colors that go in.
-
-    Args:
-        values: As for `graded`.
 
     Returns:
         (size³, 3) sRGB, red changing fastest; black is at 0, white at 1. May leave [0, 1].
@@ -76,25 +69,18 @@ def table(values: Mapping[str, Sequence[float]], size: int = SIZE) -> np.ndarray
     steps = np.linspace(0.0, 1.0, size)
     blue, green, red = np.meshgrid(steps, steps, steps, indexing="ij")
     colors = to_linear(np.stack([red, green, blue], -1).reshape(-1, 3))
-    return to_srgb(graded(colors, values, below_black=True))
+    return to_srgb(graded_colors(colors, values, below_black=True))
 
 
-def write(path: Path, name: str, values: Mapping[str, Sequence[float]]) -> None:
-    """Writes a .cube file, whole or not at all.
-
-    Args:
-        values: As for `graded`.
-
-    Raises:
-        VibeError: The file cannot be written.
-    """
+def write_cube(path: Path, name: str, values: Mapping[str, Sequence[float]]) -> None:
+    """Writes a .cube file, whole or not at all; raises a VibeError if it cannot be written."""
     title = "".join(c for c in name if c.isprintable() and c != '"')
     head = (
         "# Vibe Render: the grade of a look. In and out: sRGB (Rec.709 primaries, display-referred).\n"
         "# Without vignette, bloom and view transform: for pictures rendered with the view Standard.\n"
         f'TITLE "{title}"\nLUT_3D_SIZE {SIZE}\n'
     )
-    rows = table(values)
+    rows = grade_table(values)
     with whole(path) as part, part.open("w", encoding="utf-8", newline="\n") as file:
         file.write(head)
         file.write("%.6f %.6f %.6f\n" * len(rows) % tuple(rows.ravel().tolist()))

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core.files import whole
 from ..core.schema_import import schema
-from ..render import final_render
+from ..render import bake, final_render
 
 SIZE = 128  # pixels
 SUFFIX = ".jpg"
@@ -19,32 +19,31 @@ _QUALITY = 92
 _SAMPLES = 48
 
 
-def render(scene: bpy.types.Scene, out: Path) -> None:
-    """Renders the scene small with Cycles, and writes the square in the middle as a JPEG.
-
-    Raises:
-        VibeError: Blender cannot render, or the file cannot be written.
-    """
+def render_thumbnail(scene: bpy.types.Scene, out: Path) -> None:
+    """Renders the scene small with Cycles, and writes the square in the middle as a JPEG."""
     width, height = scene.render.resolution_x, scene.render.resolution_y
     longer = round(SIZE * max(width, height) / min(width, height))
     with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
         picture = Path(folder) / "whole.png"
-        final_render.render(scene, picture, longer, _SAMPLES)
-        shrink(picture, out)
+        final_render.render_picture(scene, picture, longer, _SAMPLES)
+        save_thumbnail(picture, out)
 
 
-def shrink(picture: Path, out: Path) -> None:
+def save_thumbnail(picture: Path, out: Path) -> None:
     """Writes the square in the middle of a picture, `SIZE` pixels wide, as a JPEG; whole or not at all.
 
     Raises:
         VibeError: The picture cannot be read, or the file cannot be written.
     """
     try:
-        middle = _middle(picture)
+        pixels = read_picture(picture)
     except RuntimeError as error:
         raise schema.VibeError(f"No thumbnail could be made: {error}.", "Check the folder.") from error
+    side = min(pixels.shape[:2])
+    top, left = ((n - side) // 2 for n in pixels.shape[:2])
+    middle = np.ascontiguousarray(pixels[top : top + side, left : left + side])
+    middle[..., 3] = 1.0
     with whole(out, "Check the folder.") as part:
-        side = middle.shape[0]
         small = bpy.data.images.new("Vibe Thumbnail", side, side, alpha=False, is_data=True)
         try:
             small.pixels.foreach_set(middle.ravel())
@@ -55,23 +54,11 @@ def shrink(picture: Path, out: Path) -> None:
             bpy.data.images.remove(small)
 
 
-def pixels(picture: Path) -> np.ndarray:
+def read_picture(picture: Path) -> np.ndarray:
     """(H, W, 4) as stored, 0 to 1, row 0 at the bottom."""
     image = bpy.data.images.load(str(picture))
     try:
         image.colorspace_settings.name = "Non-Color"
-        flat = np.empty(image.size[0] * image.size[1] * 4, np.float32)
-        image.pixels.foreach_get(flat)
-        return flat.reshape(image.size[1], image.size[0], 4)
+        return bake.image_channels(image)
     finally:
         bpy.data.images.remove(image)
-
-
-def _middle(picture: Path) -> np.ndarray:
-    """The largest square in the middle, opaque."""
-    whole = pixels(picture)
-    side = min(whole.shape[:2])
-    top, left = ((n - side) // 2 for n in whole.shape[:2])
-    square = np.ascontiguousarray(whole[top : top + side, left : left + side])
-    square[..., 3] = 1.0
-    return square

@@ -9,17 +9,17 @@ from ..core import compat
 from ..core.schema_import import messages, preset, schema
 from ..core.value_slots import socket_slot
 from ..export import reading
-from ..scene import bindings, stored_subject
+from ..run import result
+from ..scene import bindings
 from ..scene.nodes import grade, owned
-from ..scene.subject import SubjectChoice
-from ..session import result
-from . import fit, lut, take
+from ..scene.subject import SubjectChoice, remember_subject
+from . import lut, transfer
 
 _POWER = "/power"
 
 
-def apply(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectChoice) -> list[str]:
-    """Puts a look on the scene; Strength, Before, Keep and Revert work as after a vibe.
+def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectChoice) -> list[str]:
+    """Applies a look to the scene; Strength, Before, Keep and Revert work as after a vibe.
 
     A look from another preset that has not been kept is taken out first, so that presets can be tried one after the
     other. A failure leaves the scene as it was.
@@ -37,38 +37,33 @@ def apply(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectChoice) ->
     try:
         with reading.rollback_on_failure(scene):
             scene_reading = reading.prepare_and_read(scene, choice)
-            rest = _apply(scene, look, scene_reading)
+            subject, pivot = scene_reading.analysis.objects, scene_reading.analysis.pivot
+            fitted = transfer.fit_look(look, scene_reading)
+            if not fitted.values:
+                message = "Nothing in this scene takes what the preset holds."
+                raise schema.VibeError(message, "See what it is for in its description.")
+            # New lights are dark at strength 0.
+            added = {
+                key: [0.0]
+                for key in fitted.values
+                if key.endswith(_POWER) and key not in scene_reading.instances
+            }
+            bindings.write(scene, added, subject, pivot)
+            as_result = messages.Result(
+                fitted.values, {}, ""
+            )  # no reasons: the preset's name is above the list
+            result.apply(scene, look.prompt or look.name, as_result, subject, pivot, fresh_list=True)
     except BaseException:
         settings.show_original = shown
         raise
     settings.vibed_preset = look.name
     if choice.explicit:
-        stored_subject.remember(scene, scene_reading.analysis.objects)
-    return rest
-
-
-def _apply(scene: bpy.types.Scene, look: preset.Preset, scene_reading: reading.SceneReading) -> list[str]:
-    fitted, analysis = fit.fit(look, scene_reading), scene_reading.analysis
-    if not fitted.values:
-        raise schema.VibeError(
-            "Nothing in this scene takes what the preset holds.", "See what it is for in its description."
-        )
-    added = {
-        key: [0.0] for key in fitted.values if key.endswith(_POWER) and key not in scene_reading.instances
-    }
-    bindings.write(scene, added, analysis.objects, analysis.pivot)  # new lights are dark at strength 0
-    as_result = messages.Result(fitted.values, {}, "")  # no reasons: the preset's name is above the list
-    result.apply(
-        scene, look.prompt or look.name, as_result, analysis.objects, analysis.pivot, fresh_list=True
-    )
+        remember_subject(scene, subject)
     return fitted.rest
 
 
-def capture(scene: bpy.types.Scene, choice: SubjectChoice, name: str) -> preset.Preset:
-    """The scene's present look: the values now of all that the last vibe or preset changed.
-
-    Args:
-        scene: The scene; it shows the vibe, not the original, afterwards.
+def capture_preset(scene: bpy.types.Scene, choice: SubjectChoice, name: str) -> preset.Preset:
+    """The scene's present look: all that the last vibe or preset changed. The scene shows the vibe afterwards.
 
     Raises:
         VibeError: There is no such look, or the scene cannot be read.
@@ -78,7 +73,7 @@ def capture(scene: bpy.types.Scene, choice: SubjectChoice, name: str) -> preset.
     scene_reading = reading.read_scene(scene, choice)
     changed = (change.name for change in settings.changes)
     values = {key: scene_reading.instances[key].value for key in changed if key in scene_reading.instances}
-    look = take.extract(settings.vibed_prompt, scene_reading, values, name, settings.vibed_goals)
+    look = transfer.extract_look(settings.vibed_prompt, scene_reading, values, name, settings.vibed_goals)
     if not look.roles:
         raise schema.VibeError("There is no look to save.", "Vibe the scene first, or apply a preset.")
     return look
@@ -89,7 +84,7 @@ def grade_values(scene: bpy.types.Scene) -> dict[str, tuple[float, ...]]:
     nodes = owned.group_nodes(compat.compositor(scene), grade.NAME)
     if not nodes:
         return {}
-    rows = [row for row in bindings.BINDINGS if row.parameter.name in lut.identity()]
+    rows = [row for row in bindings.BINDINGS if row.parameter.name in lut.neutral_grade()]
     sockets = {row: nodes[0].inputs[row.parameter.blender.rpartition(" > ")[2]] for row in rows}
     return {
         row.parameter.name: row.codec.decode(socket_slot(socket).get()) for row, socket in sockets.items()

@@ -15,14 +15,14 @@ from pathlib import Path
 import bpy
 from bpy.types import Object, Scene
 
-from ..core.overrides import changed
+from ..core.compat import changed
 from ..core.schema_import import messages, schema
 from ..scene import bindings, scene_context
 from ..scene.copies import copied_scene
 from . import final_render
 
 
-def answer(
+def answer_anchor(
     scene: Scene, folder: Path, request: messages.Anchor, subject: Sequence[Object], pivot: Sequence[float]
 ) -> messages.Anchored:
     """Renders the anchor that the engine requests; a failure becomes its answer and does not end the vibe."""
@@ -52,24 +52,19 @@ def render_anchor(
 ) -> dict[str, str]:
     """Renders the scene at other values, denoised, before compositor and view transform, to a multilayer EXR.
 
-    The file has the layers "Combined", "Noisy Image" and one "Combined_…" of every light group, in scene-linear
-    light. It appears whole or not at all, and the scene is left exactly as it was.
+    The file has the layers "Combined", "Noisy Image" and one "Combined_…" of every light group, in scene-linear light.
+    It appears whole or not at all, and the scene is left exactly as it was.
 
     Args:
-        values: Parameter key to components; those of the film have no part in scene-linear light.
-        subject: As for `bindings.write`.
-        pivot: As for `bindings.write`.
+        values, subject, pivot: As for `bindings.write`; values of the film are ignored.
         size: Longer side of the picture, pixels; the scene's aspect is kept.
         samples: Most samples in a pixel.
 
     Returns:
-        Light group to whose light it holds: "light/NAME" or "world". Other light is only in the whole.
-
-    Raises:
-        VibeError: A value is not usable, or the file cannot be written.
+        Light group to the owner of its light: "light/NAME" or "world". Other light is only in the whole.
     """
-    lit = {key: value for key, value in values.items() if not key.startswith("film/")}
-    with bindings.trial(scene, lit, subject, pivot), copied_scene(scene) as twin:
+    linear_values = {key: value for key, value in values.items() if not key.startswith("film/")}
+    with bindings.trial(scene, linear_values, subject, pivot), copied_scene(scene) as twin:
         layer = scene_context.layer(twin)
         layer.cycles.denoising_store_passes = True
         with _light_groups(scene, layer) as groups:
@@ -80,22 +75,21 @@ def render_anchor(
 @contextmanager
 def _light_groups(scene: Scene, layer: bpy.types.ViewLayer) -> Iterator[dict[str, str]]:
     """A light group for every light that can be edited, and for the world; the artist's are put back afterwards."""
+    # Lights that share their data are one group.
+    sharing: dict[bpy.types.ID, list[bpy.types.ID]] = {}
+    instanced = dict.fromkeys(light for light, _ in scene_context.instanced_lights(scene))
+    for light in dict.fromkeys([*scene_context.lights(scene), *instanced]):
+        sharing.setdefault(light.data, []).append(light)
+    emitters = [(f"light/{members[0].name_full}", members) for members in sharing.values()]
+    if scene.world:
+        emitters.append(("world", [scene.world]))
     groups: dict[str, str] = {}
     with ExitStack() as stack:
-        for owner, members in _emitters(scene):
+        for owner, members in emitters:
+            if not all(member.is_editable for member in members):
+                continue
             group = layer.lightgroups.add(name=f"Vibe {len(groups)}").name
             groups[group] = owner
             for member in members:
                 stack.enter_context(changed(member, lightgroup=group))
         yield groups
-
-
-def _emitters(scene: Scene) -> list[tuple[str, list[bpy.types.ID]]]:
-    """The light groups: a key and its lights; lights that share their data are one group."""
-    sharing: dict[bpy.types.ID, list[bpy.types.ID]] = {}
-    instanced = dict.fromkeys(light for light, _ in scene_context.instanced_lights(scene))
-    for light in dict.fromkeys([*scene_context.lights(scene), *instanced]):
-        sharing.setdefault(light.data, []).append(light)
-    lights = [(f"light/{members[0].name_full}", members) for members in sharing.values()]
-    world = [("world", [scene.world])] if scene.world else []
-    return [(owner, members) for owner, members in [*lights, *world] if all(m.is_editable for m in members)]

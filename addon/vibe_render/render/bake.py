@@ -11,71 +11,62 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from bpy.types import Light, Object, Scene
+from mathutils import Vector
 
+from ..core.compat import assign, changed
 from ..core.files import whole
-from ..core.overrides import changed
 from ..scene.copies import copied_scene
+from ..scene.light_types import type_of
+from ..scene.nodes import light_nodes
 from ..scene.nodes.trails import ValueOrigin, group_output, same_socket
 
+_FACTOR_HEIGHT, _FACTOR_SAMPLES = 32, 64
+_WATTS = 1000.0
 
-def render_linear(scene: bpy.types.Scene, samples: int, bounces: int = 0) -> np.ndarray:
-    """Renders the scene with Cycles as it is set up.
 
-    Returns:
-        (H, W, 3) float32, scene linear, row 0 at the bottom.
-    """
-    cycles = scene.cycles
+def _render_linear(scene: bpy.types.Scene, samples: int) -> np.ndarray:
+    """Renders the scene with Cycles as it is set up: (H, W, 3) float32, scene linear, row 0 at the bottom."""
     scene.render.engine = "CYCLES"
+    exact = {"samples": samples, "use_denoising": False, "use_adaptive_sampling": False}
     with (
         tempfile.TemporaryDirectory() as folder,
-        changed(
-            cycles,
-            device="CPU",
-            samples=samples,
-            use_denoising=False,
-            max_bounces=bounces,
-            use_adaptive_sampling=False,
-        ),
+        changed(scene.cycles, device="CPU", max_bounces=0, **exact),
     ):
         path = Path(folder) / "linear.exr"
-        picture = scene.render.image_settings
-        if hasattr(picture, "media_type"):
-            picture.media_type = "IMAGE"
-        picture.file_format, picture.color_depth, picture.color_mode = "OPEN_EXR", "32", "RGB"
+        # Later settings of a file are valid only after the earlier ones.
+        kind = {"media_type": "IMAGE", "file_format": "OPEN_EXR", "color_depth": "32", "color_mode": "RGB"}
+        assign(scene.render.image_settings, **kind)
         with whole(path) as part:
             scene.render.filepath = str(part)
             bpy.ops.render.render(scene=scene.name, layer=scene.view_layers[0].name, write_still=True)
         image = bpy.data.images.load(str(path))
         try:
-            return pixels(image)
+            return image_pixels(image)
         finally:
             bpy.data.images.remove(image)
 
 
-def pixels(image: bpy.types.Image) -> np.ndarray:
-    """The stored pixels of an image: (H, W, 3) float32, row 0 at the bottom, in its own color space.
-
-    What is not finite counts as 0, as it does in Cycles.
-    """
+def image_channels(image: bpy.types.Image) -> np.ndarray:
+    """The stored pixels of an image: (H, W, C) float32, row 0 at the bottom, in its own color space."""
     width, height = image.size
     flat = np.empty(width * height * image.channels, np.float32)
     image.pixels.foreach_get(flat)
-    flat = np.nan_to_num(flat, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
-    values = flat.reshape(height, width, image.channels)
+    return flat.reshape(height, width, image.channels)
+
+
+def image_pixels(image: bpy.types.Image) -> np.ndarray:
+    """Red, green and blue of `image_channels`; what is not finite counts as 0, as it does in Cycles."""
+    values = np.nan_to_num(image_channels(image), copy=False, nan=0.0, posinf=0.0, neginf=0.0)
     return values[..., :3] if image.channels >= 3 else np.repeat(values[..., :1], 3, axis=-1)
 
 
 @contextmanager
 def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.types.Material]:
-    """A copy of a material that emits the value of one of its outputs; removed after the block.
-
-    Args:
-        material: The artist's; left as it is.
-        origin: Where the output is: in the material's own tree, or in node groups, which are copied for the time.
-    """
+    """A copy of a material (and of the groups on the way) that emits one of its outputs; removed after the block."""
     twin = material.copy()
     tree = twin.node_tree
-    exit_, groups = _led_out(tree, origin)
+    exit_, groups = _exposed_output(tree, origin)
     glow = tree.nodes.new("ShaderNodeEmission")
     tree.links.new(exit_, glow.inputs["Color"])
     for output in [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial"]:
@@ -91,10 +82,10 @@ def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.
             bpy.data.node_groups.remove(group)
 
 
-def _led_out(
+def _exposed_output(
     tree: bpy.types.NodeTree, origin: ValueOrigin
 ) -> tuple[bpy.types.NodeSocket, list[bpy.types.NodeTree]]:
-    """An output in a tree that gives the value of one inside its node groups, and the copies of groups made for it."""
+    """An output in a tree for the value of one inside its node groups, and the copies of groups made for it."""
     groups, holders = [], []
     for name in (group.name for group in origin.inside):
         holders.append(tree.nodes[name])
@@ -111,7 +102,7 @@ def _led_out(
     return socket, groups
 
 
-def view_of(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -> np.ndarray:
+def bake_view(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -> np.ndarray:
     """The camera's view of the scene when everything has this (glowing) material: (H, W, 3) linear."""
     sides = scene.render.resolution_x, scene.render.resolution_y
     width, height = (max(16, round(size * side / max(sides))) for side in sides)  # Blender refuses fewer
@@ -120,12 +111,12 @@ def view_of(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -> 
     ) as twin:
         twin.world = None
         twin.view_layers[0].material_override = material
-        return render_linear(twin, samples=4)
+        return _render_linear(twin, samples=4)
 
 
-def plane_of(material: bpy.types.Material, size: int) -> np.ndarray:
+def bake_uvs(material: bpy.types.Material, size: int) -> np.ndarray:
     """A (glowing) material over the unit square of its UVs: (size, size, 3) linear, row 0 at v = 0."""
-    with empty_scene(size, size) as scene:
+    with _empty_scene(size, size) as scene:
         mesh = bpy.data.meshes.new("Vibe Bake")
         mesh.from_pydata([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [], [(0, 1, 2, 3)])
         mesh.uv_layers.new().uv.foreach_set("vector", [0, 0, 1, 0, 1, 1, 0, 1])
@@ -135,32 +126,32 @@ def plane_of(material: bpy.types.Material, size: int) -> np.ndarray:
         scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 1.0
         scene.camera.location = (0.5, 0.5, 1.0)
         try:
-            return render_linear(scene, samples=4)
+            return _render_linear(scene, samples=4)
         finally:
             bpy.data.objects.remove(plane)
             bpy.data.meshes.remove(mesh)
 
 
-def panorama_of(world: bpy.types.World, height: int, samples: int) -> np.ndarray:
+def bake_world(world: bpy.types.World, height: int, samples: int) -> np.ndarray:
     """A world as an environment texture: (height, 2 * height, 3) linear, row 0 straight down."""
-    with empty_scene(2 * height, height) as scene:
+    with _empty_scene(2 * height, height) as scene:
         scene.world = world
-        return panorama(scene, samples)
+        return _bake_panorama(scene, samples)
 
 
-def panorama(scene: bpy.types.Scene, samples: int) -> np.ndarray:
-    """What is around the camera of a scene of ours, likewise."""
+def _bake_panorama(scene: bpy.types.Scene, samples: int) -> np.ndarray:
+    """The surroundings of the camera of a scene of ours, laid out as in `bake_world`."""
     camera = scene.camera
     camera.data.type = "PANO"
     target = camera.data if hasattr(camera.data, "panorama_type") else camera.data.cycles
     target.panorama_type = "EQUIRECTANGULAR"
     # The middle of an environment texture is +X, with +Z upwards.
     camera.rotation_euler = (math.pi / 2, 0.0, -math.pi / 2)
-    return render_linear(scene, samples)
+    return _render_linear(scene, samples)
 
 
 @contextmanager
-def empty_scene(width: int, height: int) -> Iterator[bpy.types.Scene]:
+def _empty_scene(width: int, height: int) -> Iterator[bpy.types.Scene]:
     """A new scene with nothing but a camera."""
     scene = bpy.data.scenes.new("Vibe Bake")
     data = bpy.data.cameras.new("Vibe Bake")
@@ -175,3 +166,74 @@ def empty_scene(width: int, height: int) -> Iterator[bpy.types.Scene]:
         bpy.data.objects.remove(camera)
         bpy.data.cameras.remove(data)
         bpy.data.scenes.remove(scene)
+
+
+def mean_light_factor(light: Object, pivot: Vector) -> tuple[float, float, float]:
+    """The mean factor of a light's nodes (IES, gobos) on its light toward the pivot, without a Blackbody's temperature.
+
+    The light shines on a ball around it that is as wide as the subject is far: with its nodes, and without.
+    """
+    endless = not type_of(light).has_position
+    way = pivot - light.matrix_world.translation
+    toward = -light.matrix_world.col[2].xyz if endless else way
+    with _lit_ball(light, 1.0 if endless else max(way.length, 1e-3)) as (scene, data):
+        light_nodes.whiten(data)
+        with_nodes = _bake_panorama(scene, _FACTOR_SAMPLES)
+        light_nodes.flatten(data)
+        without_nodes = _bake_panorama(scene, _FACTOR_SAMPLES)
+    weight = _weights(toward.normalized())
+    total = (without_nodes * weight).sum((0, 1))
+    if total.max() <= 0.0:  # it looks away from the subject
+        weight = np.ones_like(weight)
+        total = (without_nodes * weight).sum((0, 1))
+    red, green, blue = ((with_nodes * weight).sum((0, 1)) / np.maximum(total, 1e-9)).tolist()
+    return red, green, blue
+
+
+def _weights(toward: Vector) -> np.ndarray:
+    """(H, 2H, 1): solid angle of each texel of a panorama, times the cosine to a direction."""
+    elevation = ((np.arange(_FACTOR_HEIGHT) + 0.5) / _FACTOR_HEIGHT - 0.5) * math.pi
+    azimuth = (0.5 - (np.arange(2 * _FACTOR_HEIGHT) + 0.5) / (2 * _FACTOR_HEIGHT)) * 2 * math.pi
+    across = np.cos(elevation)[:, None]
+    x, y, z = across * np.cos(azimuth), across * np.sin(azimuth), np.sin(elevation)[:, None]
+    return (across * np.maximum(x * toward.x + y * toward.y + z * toward.z, 0.0))[..., None]
+
+
+@contextmanager
+def _lit_ball(light: Object, radius: float) -> Iterator[tuple[Scene, Light]]:
+    """A scene with a copy of a light in the middle of a ball, and the copy's data."""
+    data, mesh = light.data.copy(), bpy.data.meshes.new("Vibe Bake")
+    _make_ball(mesh, radius)
+    lamp, ball = bpy.data.objects.new("Vibe Bake", data), bpy.data.objects.new("Vibe Bake", mesh)
+    data.energy, data.color = _WATTS, (1.0, 1.0, 1.0)
+    if hasattr(data, "use_temperature"):
+        data.use_temperature = False
+    lamp.visible_camera = ball.visible_shadow = False
+    matrix = light.matrix_world.copy()
+    matrix.translation = (0.0, 0.0, 0.0)
+    lamp.matrix_world = matrix
+    try:
+        with _empty_scene(2 * _FACTOR_HEIGHT, _FACTOR_HEIGHT) as scene:
+            for obj in (lamp, ball):
+                scene.collection.objects.link(obj)
+            yield scene, data
+    finally:
+        bpy.data.objects.remove(lamp)
+        bpy.data.objects.remove(ball)
+        bpy.data.lights.remove(data)
+        bpy.data.meshes.remove(mesh)
+
+
+def _make_ball(mesh: bpy.types.Mesh, radius: float) -> None:
+    rows, columns = 16, 32
+    points = [
+        (
+            radius * math.sin(math.pi * r / rows) * math.cos(2 * math.pi * c / columns),
+            radius * math.sin(math.pi * r / rows) * math.sin(2 * math.pi * c / columns),
+            radius * math.cos(math.pi * r / rows),
+        )
+        for r in range(rows + 1)
+        for c in range(columns)
+    ]
+    cells = [(r * columns + c, r * columns + (c + 1) % columns) for r in range(rows) for c in range(columns)]
+    mesh.from_pydata(points, [], [(a, b, b + columns, a + columns) for a, b in cells])

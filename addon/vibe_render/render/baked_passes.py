@@ -2,24 +2,28 @@
 """Baked passes: the values of node networks at every pixel of the camera's picture, from one Cycles render.
 
 Each computed input of a material is sent to an AOV output for a moment, so every network that Cycles knows arrives,
-wherever it gets its coordinates from, for all materials at once.
+wherever it gets its coordinates from, for all materials at once. Flat grounds and walls are captured straight on as
+well, because mirrors show parts outside the picture.
 """
 
 from __future__ import annotations
 
+import struct
+import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
-from ..core.overrides import changed
+from ..core.compat import changed
 from ..scene import scene_context
 from ..scene.copies import copied_scene
 from ..scene.nodes.trails import ValueOrigin
-from . import exr
-from .planar_captures import CapturePlane, straight_on
+from . import final_render
 
 COLORS = ("base_color", "emission_color", "specular_tint", "normal")
 """Channels of three components, with "color0", "color1" …; the others have one.
@@ -32,18 +36,22 @@ _SAMPLES = 4
 _FAR_SIDE, _FAR_SAMPLES = 384, 2  # what only mirrors show need not be as fine
 _GROWN = 4  # pixels by which a map reaches beyond where its material is seen
 _INDEX, _SQUARE = "Vibe Index", "Vibe Square"
+_FLAT = 1e-4  # deviation, in parts of the extent, that counts as flat
+_REACH = 3.0  # times the camera's distance from the subject: patterns beyond are too small to be told apart
 
 
 @dataclass(frozen=True)
 class PassRequest:
-    """A computed input to bake: its material, its channel, and where it is computed.
-
-    `origin` is None for the normal that Displacement makes where it is rendered as bump.
-    """
+    """A computed input to bake. Its `origin` is None for the normal that Displacement makes where it is rendered as bump."""
 
     material: bpy.types.Material
     channel: str
     origin: ValueOrigin | None
+
+    @property
+    def tree(self) -> bpy.types.NodeTree:
+        """The tree that computes the input."""
+        return self.origin.socket.id_data if self.origin else self.material.node_tree
 
 
 @dataclass(frozen=True)
@@ -61,31 +69,30 @@ class BakedPicture:
     mean: np.ndarray
 
 
-def measure(
-    scene: bpy.types.Scene, wanted: Sequence[PassRequest], plane: CapturePlane | None = None
+def bake_passes(
+    scene: bpy.types.Scene, requests: Sequence[PassRequest], plane: CapturePlane | None = None
 ) -> dict[tuple[str, str], BakedPicture]:
-    """Bakes computed inputs with one render.
-
-    Args:
-        plane: Captured straight on, instead of what the scene's camera sees.
+    """Bakes computed inputs with one render of the camera's view, or of a plane captured straight on.
 
     Returns:
-        By full name of the material and channel; without inputs that the camera does not see, and without
-        materials of linked libraries.
+        By full name of the material and channel; without inputs that are not seen, and materials of linked libraries.
     """
-    wanted = [w for w in wanted if _editable(w)]
-    if not wanted:
+    requests = [r for r in requests if not (r.material.library or r.tree.library or r.tree.override_library)]
+    if not requests:
         return {}
-    names = list(dict.fromkeys(w.material.name_full for w in wanted))
+    materials = {r.material.name_full: r.material for r in reversed(requests)}
+    names = list(dict.fromkeys(r.material.name_full for r in requests))
+    channels = sorted({r.channel for r in requests})
+    # Materials may share a node group, and outputs of one name would add up.
+    outputs = {(r.tree.as_pointer(), r.channel): r for r in requests}
     sides = (_FAR_SIDE, _FAR_SIDE) if plane else (scene.render.resolution_x, scene.render.resolution_y)
     scale = min(1.0, _LONGEST / max(sides))
     width, height = (max(16, round(scale * side)) for side in sides)  # Blender refuses fewer
     with ExitStack() as stack:
-        for w in _once(wanted):
-            stack.enter_context(_sent(w, f"Vibe {w.channel}"))
+        for request in outputs.values():
+            stack.enter_context(_sent(request, f"Vibe {request.channel}"))
         for number, name in enumerate(names, 1):
-            material = next(w.material for w in wanted if w.material.name_full == name)
-            stack.enter_context(_marked(material, float(number)))
+            stack.enter_context(_marked(materials[name], float(number)))
         twin = stack.enter_context(
             copied_scene(
                 scene,
@@ -97,39 +104,21 @@ def measure(
         )
         if plane:
             stack.enter_context(straight_on(twin, plane))
-        channels = sorted({w.channel for w in wanted})
         passes = _render(twin, channels, _FAR_SAMPLES if plane else _SAMPLES)
     index, square = passes[_INDEX][..., 0], passes[_SQUARE][..., 0]
     alone = np.abs(square - index * index) < 1e-3 * (1 + square)
     baked = {}
-    for w in wanted:
-        number = names.index(w.material.name_full) + 1
-        shown = alone & (np.abs(index - number) < 1e-3)
-        values = passes[f"Vibe {w.channel}"][..., : 3 if _is_color(w.channel) else 1]
+    for request in requests:
+        name, channel = request.material.name_full, request.channel
+        shown = alone & (np.abs(index - names.index(name) - 1) < 1e-3)
         if shown.any():
-            baked[w.material.name_full, w.channel] = _cropped(values, shown)
+            values = passes[f"Vibe {channel}"][..., : 3 if _is_color(channel) else 1]
+            baked[name, channel] = _cropped(values, shown)
     return baked
 
 
 def _is_color(channel: str) -> bool:
     return channel in COLORS or channel.startswith("color")
-
-
-def _editable(w: PassRequest) -> bool:
-    """Whether nodes can be added where the value is computed."""
-    tree = _tree(w)
-    return w.material.library is None and tree.library is None and tree.override_library is None
-
-
-def _once(wanted: Sequence[PassRequest]) -> list[PassRequest]:
-    """What has to be sent: materials may share a node group, and outputs of one name would add up."""
-    places = {(_tree(w).as_pointer(), w.channel): w for w in wanted}
-    return list(places.values())
-
-
-def _tree(w: PassRequest) -> bpy.types.NodeTree:
-    """Where a value is computed."""
-    return w.origin.socket.id_data if w.origin else w.material.node_tree
 
 
 def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dict[str, np.ndarray]:
@@ -156,20 +145,20 @@ def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dic
         ),
         changed(layer, pass_alpha_threshold=0.0, material_override=None),
     ):
-        return exr.passes_of(twin)
+        return render_passes(twin)
 
 
 @contextmanager
-def _sent(w: PassRequest, name: str) -> Iterator[None]:
-    """An AOV output for a value, in the tree that computes it."""
-    tree = _tree(w)
+def _sent(request: PassRequest, name: str) -> Iterator[None]:
+    """An AOV output for the value, in the tree that computes it."""
+    tree = request.tree
     added = []
     try:
         output = tree.nodes.new("ShaderNodeOutputAOV")
         added.append(output)
         output.aov_name = name
-        source = w.origin.source if w.origin else None
-        if w.channel == "normal":
+        source = request.origin.source if request.origin else None
+        if request.channel == "normal":
             if source is None:
                 added.append(tree.nodes.new("ShaderNodeNewGeometry"))
                 source = added[-1].outputs["Normal"]
@@ -179,7 +168,7 @@ def _sent(w: PassRequest, name: str) -> Iterator[None]:
             half.inputs[1].default_value = half.inputs[2].default_value = (0.5, 0.5, 0.5)
             tree.links.new(source, half.inputs[0])
             source = half.outputs[0]
-        tree.links.new(source, output.inputs["Color" if _is_color(w.channel) else "Value"])
+        tree.links.new(source, output.inputs["Color" if _is_color(request.channel) else "Value"])
         yield
     finally:
         for node in added:
@@ -188,7 +177,7 @@ def _sent(w: PassRequest, name: str) -> Iterator[None]:
 
 @contextmanager
 def _marked(material: bpy.types.Material, number: float) -> Iterator[None]:
-    """AOV outputs that tell where a material is seen, and where it is seen alone."""
+    """AOV outputs for the places where a material is seen, and where it is seen alone."""
     nodes = material.node_tree.nodes
     added = []
     try:
@@ -230,3 +219,134 @@ def _grown(values: np.ndarray, covered: np.ndarray, rest: np.ndarray) -> np.ndar
         values[fresh] = total[fresh] / count[fresh][:, None]
         covered = covered | fresh
     return np.where(covered[..., None], values, rest)
+
+
+@dataclass(frozen=True)
+class CapturePlane:
+    """A square of a flat surface: center (3,), axes right, up and out (3, 3) in columns, and side in meters."""
+
+    center: np.ndarray
+    axes: np.ndarray
+    side: float
+
+    @property
+    def mapping(self) -> list[list[float]]:
+        """2 rows (4,) that take a point (x, y, z, 1) to the square, [0, 1] from its lower left."""
+        rows = self.axes.T[:2] / self.side
+        return np.column_stack((rows, 0.5 - rows @ self.center)).tolist()
+
+
+def capture_plane(corners: np.ndarray, pivot: np.ndarray, distance: float) -> CapturePlane | None:
+    """The square that triangles (F, 3, 3) fill, at a camera's distance in meters; None if they are not in one plane."""
+    edges = corners[:, 1:] - corners[:, :1]
+    areas = np.cross(edges[:, 0], edges[:, 1])
+    out = areas[np.argmax(np.linalg.norm(areas, axis=1))]
+    out = out / max(np.linalg.norm(out), 1e-20)
+    points = corners.reshape(-1, 3)
+    extent = float(np.ptp(points, axis=0).max())
+    if extent <= 0 or np.abs((points - points[0]) @ out).max() > _FLAT * extent:
+        return None
+    helper = np.array([1.0, 0.0, 0.0]) if abs(out[0]) < 0.7 else np.array([0.0, 1.0, 0.0])
+    right = helper - out * (helper @ out)
+    right /= np.linalg.norm(right)
+    axes = np.column_stack((right, np.cross(out, right), out))
+    flat = (points - pivot) @ axes
+    low, high = (
+        np.clip(f(flat, axis=0)[:2], -_REACH * distance, _REACH * distance) for f in (np.min, np.max)
+    )
+    if (high - low).min() <= 0:
+        return None
+    middle = np.append((low + high) / 2, flat[0, 2])
+    return CapturePlane(pivot + axes @ middle, axes, float((high - low).max()))
+
+
+@contextmanager
+def straight_on(scene: bpy.types.Scene, plane: CapturePlane) -> Iterator[None]:
+    """Gives a scene a camera that sees a plane and nothing in front of or behind it, inside the block."""
+    data = bpy.data.cameras.new("Vibe Bake")
+    camera = bpy.data.objects.new("Vibe Bake", data)
+    scene.collection.objects.link(camera)
+    data.type, data.ortho_scale = "ORTHO", plane.side
+    above = max(plane.side, 1e-3)
+    data.clip_start, data.clip_end = above * (1 - 1e-3), above * (1 + 1e-3)
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = plane.axes, plane.center + plane.axes[:, 2] * above
+    camera.matrix_world = Matrix(pose.tolist())
+    scene.camera = camera
+    try:
+        yield
+    finally:
+        bpy.data.objects.remove(camera)
+        bpy.data.cameras.remove(data)
+
+
+def render_passes(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
+    """Renders a scene as it is set up; its first view layer's passes by name.
+
+    Returns:
+        (H, W, C) float32 each, row 0 at the bottom; the channels in the order R, G, B, A or X, Y, Z, W.
+    """
+    layer = scene_context.layer(scene)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "passes.exr"
+        final_render.write_layers(scene, layer, path, exr_codec="NONE", use_exr_interleave=True)
+        channels = read_exr(path)
+    passes: dict[str, dict[str, np.ndarray]] = {}
+    for name, values in channels.items():
+        owner, _, letter = name.rpartition(".")
+        if owner.startswith(f"{layer.name}."):
+            passes.setdefault(owner[len(layer.name) + 1 :], {})[letter] = values
+    order = "RGBAXYZW"
+    return {
+        name: np.stack([letters[k] for k in sorted(letters, key=order.index)], -1)
+        for name, letters in passes.items()
+    }
+
+
+def read_exr(path: Path) -> dict[str, np.ndarray]:
+    """Channels (H, W) float32 of an OpenEXR file by their full names, row 0 at the bottom.
+
+    Blender's own Python can write such files, not read them. Only what Blender writes with the settings of `render_passes` is
+    understood: one part, scan lines, no compression, 32-bit floats (openexr.com/en/latest/OpenEXRFileLayout.html).
+
+    Raises:
+        ValueError: The file is of another kind.
+    """
+    data = path.read_bytes()
+    if data[:4] != b"v/1\x01" or data[5] & 0b11010:  # tiles, deep data, several parts
+        raise ValueError(f"{path.name} is not a plain OpenEXR file")
+    header, start = _header(data)
+    if header["compression"] != b"\0":
+        raise ValueError(f"{path.name} is compressed")
+    left, low, right, high = struct.unpack("<4i", header["dataWindow"])
+    width, height = right - left + 1, high - low + 1
+    names = _channels(header["channels"])
+    line = 4 * width * len(names)
+    begin = start + 8 * height  # after the table of lines, which follow one another
+    rows = np.frombuffer(data, np.uint8, height * (line + 8), begin).reshape(height, line + 8)
+    values = np.ascontiguousarray(rows[:, 8:]).view("<f4").reshape(height, len(names), width)
+    return {name: values[::-1, i] for i, name in enumerate(names)}
+
+
+def _header(data: bytes) -> tuple[dict[str, bytes], int]:
+    """The attributes by name, and where they end."""
+    attributes, at = {}, 8
+    while data[at]:
+        name_end = data.index(b"\0", at)
+        kind_end = data.index(b"\0", name_end + 1)
+        size = struct.unpack_from("<i", data, kind_end + 1)[0]
+        attributes[data[at:name_end].decode()] = data[kind_end + 5 : kind_end + 5 + size]
+        at = kind_end + 5 + size
+    return attributes, at + 1
+
+
+def _channels(table: bytes) -> list[str]:
+    """The names of the channels, in the order of the lines' content."""
+    names, at = [], 0
+    while table[at]:
+        end = table.index(b"\0", at)
+        if struct.unpack_from("<i", table, end + 1)[0] != 2:
+            raise ValueError("a channel does not hold 32-bit floats")
+        names.append(table[at:end].decode())
+        at = end + 17
+    return names

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Final pictures: the scene's own render with Cycles, and a mask of where the subject is in it.
-
-A copy of the scene is rendered: the artist's own settings of the render and its file are not touched.
-"""
+"""Final pictures: the scene's own render with Cycles, a mask of the subject in it, and a note on a black one."""
 
 from __future__ import annotations
 
@@ -15,31 +12,33 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ..core import compat
+from ..core.compat import assign, changed
 from ..core.files import whole
-from ..core.overrides import assign, changed
 from ..scene.copies import copied_scene
 from ..scene.geometry.meshes import has_surface
+from ..scene.nodes import grade
+from . import bake
 
 _NOISE = 0.05
 """Where a pixel's noise is below this, sampling it stops: the denoiser does the rest."""
 
 _MASK_SAMPLES = 16
 
+_BLACKEST = 0.02  # of white, as the picture is stored: what is darker everywhere shows nothing
 
-def render(
+
+def render_picture(
     scene: bpy.types.Scene, path: Path, size: int, samples: int, seed: int = 0, exact: bool = False
 ) -> None:
     """Renders the current frame with Cycles on the CPU, compositor and view transform included, to a PNG.
 
-    The file appears whole or not at all.
+    The file appears whole or not at all; a VibeError says why it cannot be written.
 
     Args:
         size: Longer side of the picture, pixels; the scene's aspect is kept.
         samples: Most samples in a pixel.
         exact: Take every sample of every pixel, and leave the noise as it is: for measurements.
-
-    Raises:
-        VibeError: The file cannot be written.
     """
     with copied_scene(scene, graded=True) as twin:
         _set_up(twin, size, samples, seed)
@@ -49,7 +48,7 @@ def render(
 
 
 def render_final(scene: bpy.types.Scene, path: Path) -> None:
-    """Renders the current frame with Cycles as the scene says, at its own size and samples, to a PNG; see `render`."""
+    """Renders the current frame to a PNG as the scene is set up, but with Cycles; see `render_picture`."""
     own = {name: getattr(scene.render, name) for name in ("use_sequencer", "use_border", "use_multiview")}
     with copied_scene(scene, graded=True, engine="CYCLES", **own) as twin:
         _write(twin, path, "RGBA" if scene.render.film_transparent else "RGB")
@@ -58,30 +57,21 @@ def render_final(scene: bpy.types.Scene, path: Path) -> None:
 def render_layers(
     twin: bpy.types.Scene, layer: bpy.types.ViewLayer, path: Path, size: int, samples: int, seed: int
 ) -> None:
-    """Renders one view layer as `render` does, with all its passes to a compressed file as of `write_layers`."""
+    """Renders one view layer as `render_picture` does, with all its passes to a compressed file of `write_layers`."""
     _set_up(twin, size, samples, seed)
     write_layers(twin, layer, path, exr_codec="ZIP")
 
 
 def write_layers(twin: bpy.types.Scene, layer: bpy.types.ViewLayer, path: Path, **options: Any) -> None:
-    """Renders one view layer, as the scene is set up, with all its passes to a multilayer EXR of 32-bit floats.
-
-    The file appears whole or not at all. Raises as `render` does.
-
-    Args:
-        twin: A scene of ours, whose settings of the file may change.
-    """
+    """Renders one view layer of a scene of ours with all its passes to a multilayer EXR of 32-bit floats."""
     kind = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER", "color_depth": "32"}
     _write_as(twin, path, kind | options, layer=layer.name)
 
 
 def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable[bpy.types.Object]) -> None:
-    """Renders where the subject is in the picture: a gray PNG, white where it covers a pixel all.
+    """Renders a gray PNG that is white where the subject covers a pixel all; `size` is its longer side, pixels.
 
-    What stands before the subject hides it; fog and the grade do not. Raises as `render` does.
-
-    Args:
-        size: Longer side of the picture, pixels.
+    Objects in front of the subject hide it; fog and the grade do not.
     """
     theirs = {o.name_full for o in subject}
     with ExitStack() as stack:
@@ -100,7 +90,6 @@ def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable
 
 
 def _set_up(twin: bpy.types.Scene, size: int, samples: int, seed: int) -> None:
-    """Sets a scene of ours up for one picture of this size."""
     render = twin.render
     width, height = render.resolution_x, render.resolution_y
     factor = size / max(width, height)
@@ -135,7 +124,6 @@ def _can_denoise() -> bool:
 
 
 def _write(twin: bpy.types.Scene, path: Path, mode: str) -> None:
-    """Renders to a PNG, atomically."""
     kind = {"media_type": "IMAGE", "file_format": "PNG"}
     _write_as(twin, path, {**kind, "color_mode": mode, "color_depth": "8", "compression": 15})
 
@@ -161,14 +149,33 @@ def _keep_alpha(rendered: Path, path: Path) -> None:
     source.alpha_mode = "CHANNEL_PACKED"
     source.colorspace_settings.name = "Non-Color"
     width, height = source.size
-    flat = np.empty(width * height * 4, np.float32)
-    source.pixels.foreach_get(flat)
+    alpha = bake.image_channels(source)[..., 3:]
     bpy.data.images.remove(source)
     mask = bpy.data.images.new("Vibe Mask", width, height, alpha=False, is_data=True)
     try:
-        mask.pixels.foreach_set(np.repeat(flat[3::4, None], 4, axis=1).ravel())
+        mask.pixels.foreach_set(np.repeat(alpha, 4, axis=2).ravel())
         with whole(path) as part:
             mask.filepath_raw, mask.file_format = str(part), "PNG"
             mask.save()
     finally:
         bpy.data.images.remove(mask)
+
+
+def black_note(scene: bpy.types.Scene, picture: Path) -> str:
+    """A note on a black picture of a scene; "" for any other."""
+    image = bpy.data.images.load(str(picture))
+    try:
+        image.colorspace_settings.name = "Non-Color"
+        shows = bool(bake.image_pixels(image).max() >= _BLACKEST)
+    finally:
+        bpy.data.images.remove(image)
+    if shows:
+        return ""
+    if grade.cut_off(compat.compositor(scene)):
+        return (
+            "The scene renders black: no picture reaches the output of its compositor. Connect one, or take the "
+            "compositor out."
+        )
+    return (
+        "The scene renders black: no light reaches what the camera sees. Switch a light on, or ask for one."
+    )

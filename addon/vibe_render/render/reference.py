@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The picture that a look is to be like: a file, an image of the .blend, or a slot of the render result; a file for the engine."""
+"""The picture that a look is to be like (a file, an image of the .blend, or a render slot), as a file for the engine."""
 
 from __future__ import annotations
 
@@ -10,14 +10,15 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..core.overrides import changed
+from ..core.compat import changed
 from ..core.schema_import import schema
+from . import bake
 
 _NAME = "reference"
 
 
-def name(settings: Any) -> str:
-    """What the picture is called; "" if none is given."""
+def picture_name(settings: Any) -> str:
+    """The name of the picture; "" if none is given."""
     if settings.like_from == "FILE":
         return Path(settings.like.replace("\\", "/")).name
     if settings.like_from == "IMAGE":
@@ -25,34 +26,31 @@ def name(settings: Any) -> str:
     return f"render slot {settings.like_slot}" if settings.like_from == "SLOT" else ""
 
 
-def wanted(prompt: str, like: str) -> str:
-    """What was asked for, as panels show it: the words in quotation marks, and the picture's name."""
+def request_title(prompt: str, like: str) -> str:
+    """The request, as panels show it: the words in quotation marks, and the picture's name."""
     parts = [f"“{prompt}”" if prompt else "", f"like {like}" if like else ""]
     return " ".join(filter(None, parts))
 
 
-def obstacle(settings: Any) -> str:
-    """Why the picture that is chosen cannot be used; "" if it can, or there is none."""
+def picture_obstacle(settings: Any) -> str:
+    """The reason why the chosen picture cannot be used; "" if it can, or there is none."""
     if settings.like_from == "FILE" and settings.like and not Path(_absolute(settings.like)).is_file():
-        return f"There is no picture {name(settings)}"
+        return f"There is no picture {picture_name(settings)}"
     if settings.like_from == "SLOT" and _render_result() is None:
         return "Nothing has been rendered yet"
     return ""
 
 
-def file(scene: bpy.types.Scene, folder: Path) -> str:
-    """The path of the picture; what is not a file of its own is saved into the folder first.
-
-    Returns:
-        An absolute path; "" if no picture is given.
+def picture_path(scene: bpy.types.Scene, folder: Path) -> str:
+    """The absolute path of the picture, "" without one; what is not a file is saved into the folder first.
 
     Raises:
         VibeError: It is missing, or has no pixels.
     """
     settings = scene.vibe
-    if not name(settings):
+    if not picture_name(settings):
         return ""
-    if reason := obstacle(settings):
+    if reason := picture_obstacle(settings):
         raise schema.VibeError(f"{reason}.", "Choose another one, or give words only.")
     if settings.like_from == "FILE":
         return _absolute(settings.like)
@@ -71,10 +69,8 @@ def _save_image(image: bpy.types.Image, folder: Path) -> Path:
     width, height = image.size
     if width * height == 0:  # reads the file, or fails to
         raise schema.VibeError(f"The image {image.name} has no pixels.", "Choose another one.")
-    pixels = np.empty(width * height * image.channels, np.float32)
-    image.pixels.foreach_get(pixels)
     rgba = np.ones((width * height, 4), np.float32)
-    rgba[:, : image.channels] = pixels.reshape(-1, image.channels)
+    rgba[:, : image.channels] = bake.image_channels(image).reshape(-1, image.channels)
     if image.channels < 3:
         rgba[:, :3] = rgba[:, :1]
     path = folder / f"{_NAME}.{'exr' if image.is_float else 'png'}"

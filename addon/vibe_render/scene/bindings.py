@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What every parameter of the schema is in Blender: one row each. `read` and `write` are loops over the rows."""
+"""The place of every parameter of the schema in Blender: one row each. `read` and `write` are loops over the rows."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 from bpy.types import Object, Scene
 from mathutils import Vector
@@ -15,21 +17,37 @@ from ..core.journal import Journal
 from ..core.schema_import import labels, schema
 from ..core.value_slots import ValueSlot
 from . import locators as at
-from . import own_backdrop, prepare, scene_context, snapshot
-from .codecs import COLOR, DEGREES, LENS, NUMBER, Codec
-from .lights.registry import type_of
-from .nodes.backgrounds import BACKDROP
+from . import prepare, scene_context, snapshot
+from .light_types import type_of
+from .nodes import backgrounds
+from .nodes.backgrounds import BACKDROP, LIGHT
+
+
+@dataclass(frozen=True)
+class Codec:
+    """A pair of inverse functions between the value that Blender stores and the schema's components."""
+
+    decode: Callable[[Any], schema.Values]
+    encode: Callable[[schema.Values], Any]
+
+
+NUMBER = Codec(lambda raw: (float(raw),), lambda values: values[0])
+
+COLOR = Codec(lambda raw: tuple(map(float, raw[:3])), lambda values: tuple(values))
+"""Linear RGB; a fourth, stored component is alpha, which stays as it is."""
+
+DEGREES = Codec(lambda raw: (math.degrees(raw),), lambda values: math.radians(values[0]))
+
+LENS = Codec(
+    lambda per_sensor: (math.degrees(2.0 * math.atan(0.5 / per_sensor)),),
+    lambda values: 0.5 / math.tan(math.radians(values[0]) / 2.0),
+)
+"""Focal length as a multiple of the sensor's size, to the field of view."""
 
 
 @dataclass(frozen=True)
 class ParameterBinding:
-    """One row.
-
-    Attributes:
-        parameter: The schema's row.
-        locator: Finds the slot of the value for one owner.
-        codec: Between what is stored there and what the schema means.
-    """
+    """A row: the schema's parameter, the locator of its value slot, the codec of its value."""
 
     parameter: schema.Parameter
     locator: at.Locator
@@ -42,63 +60,63 @@ def _row(family: str, locator: at.Locator, codec: Codec = NUMBER) -> ParameterBi
 
 # fmt: off
 BINDINGS: tuple[ParameterBinding, ...] = (
-    _row("camera/azimuth",          at.orbit("azimuth")),
-    _row("camera/elevation",        at.orbit("elevation")),
-    _row("camera/distance",         at.orbit("distance")),
-    _row("camera/fov",              at.lens,                            LENS),
+    _row("camera/azimuth",          partial(at.orbit, "azimuth")),
+    _row("camera/elevation",        partial(at.orbit, "elevation")),
+    _row("camera/distance",         partial(at.orbit, "distance")),
+    _row("camera/fov",              at.lens,                                      LENS),
 
-    _row("light/power",             at.lamp("energy")),
-    _row("light/strength",          at.lamp("energy")),
-    _row("light/color",             at.lamp("color"),                   COLOR),
-    _row("light/temperature",       at.lamp_temperature),
-    _row("light/size",              at.lamp_extent),
-    _row("light/angle",             at.lamp_extent,                     DEGREES),
-    _row("light/cone",              at.lamp("spot_size"),               DEGREES),
-    _row("light/azimuth",           at.orbit("azimuth")),
-    _row("light/elevation",         at.orbit("elevation")),
-    _row("light/distance",          at.orbit("distance")),
+    _row("light/power",             partial(at.light_property, "energy")),
+    _row("light/strength",          partial(at.light_property, "energy")),
+    _row("light/color",             partial(at.light_property, "color"),          COLOR),
+    _row("light/temperature",       at.light_temperature),
+    _row("light/size",              at.light_extent),
+    _row("light/angle",             at.light_extent,                              DEGREES),
+    _row("light/cone",              partial(at.light_property, "spot_size"),      DEGREES),
+    _row("light/azimuth",           partial(at.orbit, "azimuth")),
+    _row("light/elevation",         partial(at.orbit, "elevation")),
+    _row("light/distance",          partial(at.orbit, "distance")),
 
-    _row("world/color",             at.background("Color"),             COLOR),
-    _row("world/tint",              at.world_tint(),                    COLOR),
-    _row("world/strength",          at.background("Strength")),
-    _row("world/rotation",          at.world_rotation,                  DEGREES),
-    _row("world/backdrop_color",    at.background("Color", BACKDROP), COLOR),
-    _row("world/backdrop_tint",     at.world_tint(BACKDROP),         COLOR),
-    _row("world/backdrop_strength", at.background("Strength", BACKDROP)),
+    _row("world/color",             partial(at.background, "Color", LIGHT),       COLOR),
+    _row("world/tint",              partial(at.world_tint, LIGHT),                COLOR),
+    _row("world/strength",          partial(at.background, "Strength", LIGHT)),
+    _row("world/rotation",          at.world_rotation,                            DEGREES),
+    _row("world/backdrop_color",    partial(at.background, "Color", BACKDROP),    COLOR),
+    _row("world/backdrop_tint",     partial(at.world_tint, BACKDROP),             COLOR),
+    _row("world/backdrop_strength", partial(at.background, "Strength", BACKDROP)),
 
-    _row("material/base_color",     at.surface_color,                   COLOR),
-    _row("material/tint",           at.material_tint("Tint"),           COLOR),
+    _row("material/base_color",     at.surface_color,                             COLOR),
+    _row("material/tint",           partial(at.material_tint, "Tint"),            COLOR),
     _row("material/recolor",        at.recolor),
-    _row("material/metallic",       at.shader("Metallic")),
-    _row("material/roughness",      at.shader("Roughness")),
-    _row("material/ior",            at.shader("IOR")),
-    _row("material/specular",       at.shader("Specular IOR Level")),
-    _row("material/specular_tint",  at.shader("Specular Tint"),         COLOR),
-    _row("material/coat",           at.coat),
+    _row("material/metallic",       partial(at.shader, "Metallic")),
+    _row("material/roughness",      partial(at.shader, "Roughness")),
+    _row("material/ior",            partial(at.shader, "IOR")),
+    _row("material/specular",       partial(at.shader, "Specular IOR Level")),
+    _row("material/specular_tint",  partial(at.shader, "Specular Tint"),          COLOR),
+    _row("material/coat",           at.coat_weight),
     _row("material/coat_roughness", at.coat_roughness),
-    _row("material/sheen",          at.shader("Sheen Weight")),
-    _row("material/transmission",   at.shader("Transmission Weight")),
-    _row("material/emission_color", at.glow_color,                      COLOR),
+    _row("material/sheen",          partial(at.shader, "Sheen Weight")),
+    _row("material/transmission",   partial(at.shader, "Transmission Weight")),
+    _row("material/emission_color", at.glow_color,                                COLOR),
     _row("material/emission",       at.glow_strength),
 
-    _row("volume/density",          at.volume("Density")),
-    _row("volume/color",            at.volume("Color"),                 COLOR),
-    _row("volume/anisotropy",       at.volume("Anisotropy")),
-    _row("volume/falloff",          at.volume("Height Falloff")),
-    _row("volume/offset",           at.volume("Height Offset")),
+    _row("volume/density",          partial(at.volume, "Density")),
+    _row("volume/color",            partial(at.volume, "Color"),                  COLOR),
+    _row("volume/anisotropy",       partial(at.volume, "Anisotropy")),
+    _row("volume/falloff",          partial(at.volume, "Height Falloff")),
+    _row("volume/offset",           partial(at.volume, "Height Offset")),
 
-    _row("film/exposure",           at.view("exposure")),
-    _row("film/gamma",              at.view("gamma")),
-    _row("film/grade_exposure",     at.graded("Exposure")),
-    _row("film/lift",               at.graded("Lift"),                  COLOR),
-    _row("film/midtone",            at.graded("Midtone"),               COLOR),
-    _row("film/gain",               at.graded("Gain"),                  COLOR),
-    _row("film/contrast",           at.graded("Contrast")),
-    _row("film/saturation",         at.graded("Saturation")),
-    _row("film/hue",                at.graded("Hue"),                   DEGREES),
-    _row("film/grade_gamma",        at.graded("Gamma")),
-    _row("film/vignette",           at.graded("Vignette")),
-    _row("film/glare",              at.graded("Glare")),
+    _row("film/exposure",           partial(at.view, "exposure")),
+    _row("film/gamma",              partial(at.view, "gamma")),
+    _row("film/grade_exposure",     partial(at.graded, "Exposure")),
+    _row("film/lift",               partial(at.graded, "Lift"),                   COLOR),
+    _row("film/midtone",            partial(at.graded, "Midtone"),                COLOR),
+    _row("film/gain",               partial(at.graded, "Gain"),                   COLOR),
+    _row("film/contrast",           partial(at.graded, "Contrast")),
+    _row("film/saturation",         partial(at.graded, "Saturation")),
+    _row("film/hue",                partial(at.graded, "Hue"),                    DEGREES),
+    _row("film/grade_gamma",        partial(at.graded, "Gamma")),
+    _row("film/vignette",           partial(at.graded, "Vignette")),
+    _row("film/glare",              partial(at.graded, "Glare")),
 )
 # fmt: on
 
@@ -125,29 +143,23 @@ def instances(
     groups: Sequence[str] = schema.GROUPS,
     everything: bool = False,
 ) -> dict[str, schema.Instance]:
-    """Every parameter that the scene has, with its value, its role, and why it is locked if it is.
+    """Every parameter that the scene has, with its value, its role, and the reason if it is locked.
 
     Args:
-        scene: The scene; nothing in it is changed.
         subject: The objects that the picture is about.
         pivot: Center of their bounding box, world space: what cameras and lights orbit.
         groups: Of the schema: only parameters of these.
-        everything: Whether materials that the camera does not see count too.
+        everything: Include materials that the camera does not see.
     """
     context = scene_context.SceneContext(scene, tuple(subject), Vector(pivot), everything)
-    lengths = scene_context.references(context)
+    lengths = scene_context.scene_lengths(context)
     by_key = {}
     for row, owner, slot in _slots(context, groups):
-        reference = {"": 1.0, **lengths, **owner.references}[row.parameter.reference]
+        reference = {"": 1.0, **lengths, **owner.lengths}[row.parameter.reference]
         value = row.codec.decode(slot.get())
         instance = schema.Instance(row.parameter, owner.name, value, reference, owner.role, slot.locked)
         by_key[instance.key] = instance
     return by_key
-
-
-def references(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, float]:
-    """The scene-wide lengths that bounds are multiples of (names in schema.REFERENCES), meters."""
-    return scene_context.references(scene_context.SceneContext(scene, tuple(subject), Vector(pivot)))
 
 
 def read(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, schema.Values]:
@@ -160,13 +172,11 @@ def write(
 ) -> dict[str, str]:
     """Writes values into the scene, recorded in its snapshot; a failure leaves the scene as it was.
 
+    Keys of one of our own lights (see `schema.added_lights`) that the scene lacks add it. Keys of a backdrop that is to
+    differ from the world give the world one.
+
     Args:
         values: Parameter key to components, in the schema's units.
-        subject: As for `instances`.
-        pivot: As for `instances`.
-
-    Keys of one of our own lights (see `schema.added_lights`) that is not there add it, and those of a backdrop that is to
-    differ from the world part the two.
 
     Returns:
         The keys that have been left alone, and why: locked, or nothing of that name in the scene.
@@ -205,20 +215,19 @@ def put(
     subject: Sequence[Object],
     pivot: Sequence[float],
 ) -> dict[str, str]:
-    """Writes values and leaves it to the caller to take them back or to keep the journal.
-
-    Args:
-        journal: Records them, also those before a failure.
-        scene: As for `write`.
-        values: As for `write`.
-        subject: As for `write`.
-        pivot: As for `write`.
-    """
+    """Writes values as `write` does, and leaves it to the caller to keep the journal or to undo it."""
     for key, value in values.items():
-        _check(key, value)
-    if any(key in own_backdrop.OF_WORLD for key in values):
+        group, _, name = schema.split_key(key)
+        parameter = schema.FAMILIES.get(f"{group}/{name}")
+        if parameter and len(value) != parameter.components:
+            message = f"{labels.title(key)} needs {parameter.components} numbers, not {len(value)}."
+            raise schema.VibeError(message, "Correct the value.")
+        if not all(map(math.isfinite, value)):
+            message = f"{labels.title(key)} is not a finite number: {tuple(value)}."
+            raise schema.VibeError(message, "Correct the value.")
+    if any(key in backgrounds.WORLD_OF_BACKDROP for key in values):
         world = instances(scene, subject, pivot, ("world",))
-        values = own_backdrop.made(journal, scene.world, world, values)
+        values = backgrounds.with_backdrop(journal, scene.world, world, values)
     rest = dict.fromkeys(values, "there is nothing of that name in this scene")
     owners = {owner for group, owner, _ in map(schema.split_key, values) if group == "light"}
     add_lights(journal, scene, owners, subject)
@@ -236,32 +245,10 @@ def put(
 def add_lights(
     journal: Journal, scene: Scene, names: Collection[str], subject: Sequence[Object]
 ) -> list[Object]:
-    """Adds those of our lights that are named and missing from the scene.
-
-    Args:
-        names: Of `schema.added_lights.ADDED_LIGHTS`; others are passed over.
-        subject: What they are to light; without it, everything that a render sees.
-
-    Returns:
-        The lights that have been added.
-    """
+    """Adds those of `schema.added_lights.ADDED_LIGHTS` that are named and missing, to light the subject (or all there is)."""
     known = schema.added_lights.ADDED_LIGHTS
     missing = [name for name in known if name in names and name not in scene.objects]
     if not missing:
         return []
     corners = scene_context.bounds(scene, subject or scene_context.meshes(scene))
     return [prepare.add_light(journal, scene, name, *corners) for name in missing]
-
-
-def _check(key: str, value: Sequence[float]) -> None:
-    group, _, name = schema.split_key(key)
-    parameter = schema.FAMILIES.get(f"{group}/{name}")
-    if parameter and len(value) != parameter.components:
-        raise schema.VibeError(
-            f"{labels.title(key)} needs {parameter.components} numbers, not {len(value)}.",
-            "Correct the value.",
-        )
-    if not all(map(math.isfinite, value)):
-        raise schema.VibeError(
-            f"{labels.title(key)} is not a finite number: {tuple(value)}.", "Correct the value."
-        )

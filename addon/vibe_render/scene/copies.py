@@ -3,29 +3,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from typing import Any
+from typing import Any, TypeVar
 
 import bpy
 
 from ..core import compat
-from ..core.overrides import changed
+from ..core.compat import changed
+from . import scene_context
 
 _COARSE_LIGHT = {"sampling_method": "MANUAL", "sample_map_resolution": 512}
 """A map of a world's light that is computed in a moment. Cycles' own choice may take a minute for stars of noise."""
+
+T = TypeVar("T")
+_SMALL = 32  # pixels; Blender refuses fewer than 16
 
 
 @contextmanager
 def copied_scene(scene: bpy.types.Scene, graded: bool = False, **render: Any) -> Iterator[bpy.types.Scene]:
     """A copy of the scene that shares its objects; removed after the block.
 
-    Output, passes and the picture of a render belong to a scene: those of the artist are left alone this way. The
-    sequencer, borders and stereo are off.
+    Its output, passes and render result are its own. Sequencer, borders and stereo are off.
 
     Args:
-        scene: The artist's; left as it is.
-        graded: Keep the compositor; its File Output nodes write nothing. Otherwise it is left out.
+        graded: Keep the compositor; its File Output nodes write nothing.
         **render: Settings of the copy's `render`.
     """
     with ExitStack() as stack:
@@ -37,20 +39,51 @@ def copied_scene(scene: bpy.types.Scene, graded: bool = False, **render: Any) ->
                 stack.callback(bpy.data.node_groups.remove, tree)
         else:
             compat.drop_compositor(twin)
-            render = {
-                "use_freestyle": False,
-                **render,
-            }  # lines cost time, and crash an engine that draws nothing
+            # Lines cost time, and crash an engine that draws nothing.
+            render = {"use_freestyle": False, **render}
         settings = {"use_sequencer": False, "use_border": False, "use_multiview": False, **render}
         for name, value in settings.items():
             setattr(twin.render, name, value)
-        if scene.world and _is_computed(scene.world):
-            stack.enter_context(changed(scene.world.cycles, **_COARSE_LIGHT))
+        # Where nodes without a texture give a world's light, Cycles decides how finely it is sampled.
+        world = scene.world
+        tree = compat.node_tree(world) if world else None
+        computed = tree and all(node.bl_idname != "ShaderNodeTexEnvironment" for node in tree.nodes)
+        if computed and world.is_editable and world.cycles.sampling_method == "AUTOMATIC":
+            stack.enter_context(changed(world.cycles, **_COARSE_LIGHT))
         yield twin
 
 
-def _is_computed(world: bpy.types.World) -> bool:
-    """Whether nodes without a picture give a world's light, and Cycles decides how finely it is sampled."""
-    tree = compat.node_tree(world)
-    pictures = any(node.bl_idname == "ShaderNodeTexEnvironment" for node in tree.nodes) if tree else True
-    return world.is_editable and not pictures and world.cycles.sampling_method == "AUTOMATIC"
+def evaluate_render(scene: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], T]) -> T:
+    """Calls `read` with the dependency graph of a final render of the current frame, and returns its result.
+
+    Render-level modifiers and render visibility count. Python can only ask for the viewport's version of a scene; a render
+    engine is handed the other one, so this registers one for a moment. Nothing is rendered, nothing in the file changes.
+    """
+    results: list[T] = []
+    errors: list[Exception] = []
+
+    class Viewer(bpy.types.RenderEngine):
+        bl_idname = "VIBE_VIEWER"
+        bl_label = "Vibe Render (export)"
+
+        def render(self, depsgraph: bpy.types.Depsgraph) -> None:
+            try:
+                results.append(read(depsgraph))
+            except Exception as error:
+                errors.append(error)
+
+    bpy.utils.register_class(Viewer)
+    try:
+        with copied_scene(
+            scene,
+            engine=Viewer.bl_idname,
+            resolution_percentage=100,
+            resolution_x=_SMALL,
+            resolution_y=_SMALL,
+        ) as twin:
+            bpy.ops.render.render(scene=twin.name, layer=scene_context.layer(twin).name)
+    finally:
+        bpy.utils.unregister_class(Viewer)
+    if errors:
+        raise errors[0]
+    return results[0]

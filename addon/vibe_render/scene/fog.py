@@ -33,54 +33,45 @@ _IDENTITY = {
 
 @dataclass(frozen=True)
 class FogDomain:
-    """Where the fog is.
-
-    Attributes:
-        center: Of the box, world space.
-        half_size: Half the box's sides, meters.
-        base: Height of the subject's base, from which height fog is measured.
-    """
+    """The fog's box: center (world space), half its sides in meters, and the height at which z is 0: the subject's base."""
 
     center: Vector
     half_size: Vector
     base: float
 
 
-def find(scene: Scene) -> Object | None:
+def find_fog(scene: Scene) -> Object | None:
     """The scene's fog box; None as long as there has been no fog."""
-    return owned.find(scene.objects, NAME)
+    return owned.find_owned(scene.objects, NAME)
 
 
 _PLANNED: dict[int, FogDomain] = {}
 """Boxes that are not there yet, of scenes that are seen by several cameras or at several frames."""
 
 
-def plan(scene: Scene, shape: FogDomain) -> None:
+def plan_fog_box(scene: Scene, shape: FogDomain) -> None:
     """Sets the box that will be made, whatever the camera and the frame are by then."""
     _PLANNED[scene.session_uid] = shape
 
 
-def planned(scene: Scene) -> FogDomain | None:
-    """The box that `plan` has set; None without one."""
+def planned_fog_box(scene: Scene) -> FogDomain | None:
+    """The box that `plan_fog_box` has set; None without one."""
     return _PLANNED.get(scene.session_uid)
 
 
-def domain(context: scene_context.SceneContext, eyes: Sequence[Vector] = ()) -> FogDomain:
+def fog_domain(context: scene_context.SceneContext, eyes: Sequence[Vector] = ()) -> FogDomain:
     """The scene's box of fog, or the one that would be made.
 
-    It holds the camera, and as much of the visible scene as lies within four camera distances:
+    It holds the camera and other eyes, and as much of the visible scene as lies within four camera distances:
     beyond, fog would hide it, but a longer way through fog would put out the world's light.
-
-    Args:
-        eyes: Where other cameras stand that it is to hold.
     """
-    box = find(context.scene)
+    box = find_fog(context.scene)
     if box is not None:
         low, high = (box.matrix_world @ Vector(box.bound_box[i]) for i in (0, 6))
         return FogDomain((low + high) / 2.0, (high - low) / 2.0, box.matrix_world.translation.z)
-    if shape := planned(context.scene):
+    if shape := planned_fog_box(context.scene):
         return shape
-    view = scene_context.references(context)["view_distance"]
+    view = scene_context.scene_lengths(context)["view_distance"]
     low, high = scene_context.bounds(context.scene, scene_context.meshes(context.scene))
     base = scene_context.bounds(context.scene, context.subject or scene_context.meshes(context.scene))[0].z
     reach, least = Vector((4.0, 4.0, 4.0)) * view, Vector((1.5, 1.5, 0.0)) * view
@@ -96,41 +87,38 @@ def _each(pick: Callable, *vectors: Vector) -> Vector:
 
 
 @dataclass
-class FogDensitySlot:
-    """Value slot: the density, and whether renders see the box: fog of density 0 would cost time too."""
+class _FogDensitySlot:
+    """Value slot: extinction at the base, 1/m. Renders do not see the box at 0: fog of density 0 would cost time too."""
 
     box: Object
     input: ValueSlot
 
     @property
     def locked(self) -> str:
-        """Why it must be left alone."""
         return self.input.locked
 
     def get(self) -> float:
-        """Extinction at the base, 1/m."""
         return 0.0 if self.box.hide_render else self.input.get()
 
     def set(self, journal: Journal, raw: float) -> None:
-        """Thickens or thins the fog."""
         self.input.set(journal, raw)
         PropertySlot(self.box, "hide_render").set(journal, raw <= 0.0)
 
 
-def slot(context: scene_context.SceneContext, name: str) -> ValueSlot:
+def fog_slot(context: scene_context.SceneContext, name: str) -> ValueSlot:
     """An input of the scene's fog. The box is made when a density above 0 is written, not before."""
 
     def find_input() -> ValueSlot | None:
-        box = find(context.scene)
+        box = find_fog(context.scene)
         nodes = owned.group_nodes(compat.node_tree(box.data.materials[0]), NAME) if box else []
         if box is None or not nodes:
             return None
         socket = nodes[0].inputs[name]
         density = socket_slot(socket, locks.of_socket(socket, None))
-        return FogDensitySlot(box, density) if name == "Density" else density
+        return _FogDensitySlot(box, density) if name == "Density" else density
 
     # Measured now: the box that was exported must not depend on a camera that is moved meanwhile.
-    shape = domain(context) if name == "Density" else None
+    shape = fog_domain(context) if name == "Density" else None
 
     def make(journal: Journal) -> ValueSlot | None:
         if shape is None:
@@ -147,7 +135,7 @@ def _box(journal: Journal, scene: Scene, shape: FogDomain) -> None:
     mesh = journal.new("meshes", NAME)
     box = journal.new("objects", NAME, mesh)
     for block in (mesh, box):
-        owned.mark(block, NAME)
+        owned.mark_owned(block, NAME)
     low, high = shape.center - shape.half_size - origin, shape.center + shape.half_size - origin
     corners = [(x, y, z) for x in (low.x, high.x) for y in (low.y, high.y) for z in (low.z, high.z)]
     faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -162,7 +150,7 @@ def _box(journal: Journal, scene: Scene, shape: FogDomain) -> None:
 
 def _material(journal: Journal) -> Material:
     material = journal.new("materials", NAME)
-    owned.mark(material, NAME)
+    owned.mark_owned(material, NAME)
     tree = compat.enable_nodes(material)
     tree.nodes.clear()
     output = tree.nodes.new("ShaderNodeOutputMaterial")
@@ -175,13 +163,13 @@ def _material(journal: Journal) -> Material:
 
 
 def _group(journal: Journal) -> NodeTree:
-    tree, new = owned.group(journal, NAME, "ShaderNodeTree")
+    tree, new = owned.owned_group(journal, NAME, "ShaderNodeTree")
     if new:
-        owned.socket(tree, "Density", "NodeSocketFloat", 0.0, 0.0, 1000.0)
-        owned.socket(tree, "Color", "NodeSocketColor", (0.8, 0.8, 0.8, 1.0))
-        owned.socket(tree, "Anisotropy", "NodeSocketFloat", 0.0, -0.99, 0.99)
-        owned.socket(tree, "Height Falloff", "NodeSocketFloat", 0.0, 0.0, 1000.0)
-        owned.socket(tree, "Height Offset", "NodeSocketFloat", 0.0, -1000.0, 1000.0)
+        owned.group_input(tree, "Density", "NodeSocketFloat", 0.0, 0.0, 1000.0)
+        owned.group_input(tree, "Color", "NodeSocketColor", (0.8, 0.8, 0.8, 1.0))
+        owned.group_input(tree, "Anisotropy", "NodeSocketFloat", 0.0, -0.99, 0.99)
+        owned.group_input(tree, "Height Falloff", "NodeSocketFloat", 0.0, 0.0, 1000.0)
+        owned.group_input(tree, "Height Offset", "NodeSocketFloat", 0.0, -1000.0, 1000.0)
         tree.interface.new_socket("Volume", in_out="OUTPUT", socket_type="NodeSocketShader")
         _fill(tree)
     return tree

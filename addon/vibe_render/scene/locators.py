@@ -12,14 +12,12 @@ from bpy.types import Camera, Light, Material, Object, Scene, World
 
 from ..core import compat, locks
 from ..core.journal import Journal
-from ..core.value_slots import LazySlot, PropertySlot, ValueSlot, together
+from ..core.value_slots import PropertySlot, ValueSlot, together
 from . import fog
-from .lights.registry import type_of
-from .nodes import backgrounds, environment_rotation, grade, inputs, lacquer, layers, light_nodes, shaders
+from .light_types import type_of
+from .nodes import backgrounds, grade, inputs, layers, light_nodes, trails
 from .nodes.backgrounds import LIGHT
-from .nodes.factor import FACTOR
-from .nodes.insets import Inset
-from .nodes.tint import TINT
+from .nodes.inputs import FACTOR, TINT, Inset
 from .nodes.trails import NodeEntry
 from .orbits import OrbitSlot, Pose
 from .scene_context import SceneContext
@@ -27,21 +25,17 @@ from .scene_context import SceneContext
 Locator = Callable[[SceneContext, Any], ValueSlot | None]
 
 
-def orbit(name: str) -> Locator:
+def orbit(name: str, context: SceneContext, obj: Object) -> ValueSlot | None:
     """A coordinate of a camera or light on its orbit; lights that instances show stand where those are."""
-
-    def locate(context: SceneContext, obj: Object) -> ValueSlot | None:
-        if obj.type == "LIGHT" and context.scene not in obj.users_scene:
-            return None
-        if obj not in context.poses:
-            context.poses[obj] = Pose.of(obj, context.pivot)
-        return OrbitSlot(context.poses[obj], name)
-
-    return locate
+    if obj.type == "LIGHT" and context.scene not in obj.users_scene:
+        return None
+    if obj not in context.poses:
+        context.poses[obj] = Pose.of(obj, context.pivot)
+    return OrbitSlot(context.poses[obj], name)
 
 
 @dataclass
-class LensSlot:
+class _LensSlot:
     """Value slot: the focal length of a camera in multiples of its sensor's size."""
 
     camera: Camera
@@ -52,91 +46,76 @@ class LensSlot:
         return self.camera.sensor_height if self.camera.sensor_fit == "VERTICAL" else self.camera.sensor_width
 
     def get(self) -> float:
-        """Millimeters per millimeter."""
         return self.camera.lens / self._sensor
 
     def set(self, journal: Journal, raw: float) -> None:
-        """Changes the focal length."""
         PropertySlot(self.camera, "lens").set(journal, raw * self._sensor)
 
 
 def lens(context: SceneContext, obj: Object) -> ValueSlot | None:
     """The focal length of a perspective camera."""
-    return LensSlot(obj.data, locks.of_property(obj.data, "lens")) if obj.data.type == "PERSP" else None
+    return _LensSlot(obj.data, locks.of_property(obj.data, "lens")) if obj.data.type == "PERSP" else None
 
 
-def lamp(name: str) -> Locator:
+def light_property(name: str, context: SceneContext, obj: Object) -> ValueSlot | None:
     """A property of a light's data. Lights that share it have it once, with the first of them."""
-
-    def locate(context: SceneContext, obj: Object) -> ValueSlot | None:
-        if name not in obj.data.bl_rna.properties:
-            return None
-        return PropertySlot(obj.data, name, _lamp_lock(context, obj, name))
-
-    return locate
+    if name not in obj.data.bl_rna.properties:
+        return None
+    return PropertySlot(obj.data, name, _light_lock(context, obj, name))
 
 
-def _lamp_lock(context: SceneContext, obj: Object, name: str) -> str:
-    first = context.first_lamps.get(obj.data, obj)
+def _light_lock(context: SceneContext, obj: Object, name: str) -> str:
+    first = context.first_lights.get(obj.data, obj)
     if first != obj:
         return f'"{obj.name}" shares its light data with "{first.name}"'
     return locks.of_property(obj.data, name)
 
 
-def lamp_extent(context: SceneContext, obj: Object) -> ValueSlot:
-    """How large a light is, as its type says it: a radius, a size or an angle."""
+def light_extent(context: SceneContext, obj: Object) -> ValueSlot:
+    """The slot of a light's radius, size or angle."""
     light_type = type_of(obj)
-    return light_type.extent_slot(obj.data, _lamp_lock(context, obj, light_type.extent_property))
+    return light_type.extent_slot(obj.data, _light_lock(context, obj, light_type.extent_property))
 
 
 @dataclass
-class TemperatureSlot:
+class _TemperatureSlot:
     """Value slot: the temperature of a light, where 6500 K is also what a light without one has."""
 
     light: Light
     locked: str
 
     def get(self) -> float:
-        """Kelvin."""
         return self.light.temperature if self.light.use_temperature else 6500.0
 
     def set(self, journal: Journal, raw: float) -> None:
-        """Changes the temperature, and turns its use on if that is needed."""
         if raw == self.get():
             return
         PropertySlot(self.light, "use_temperature").set(journal, True)
         PropertySlot(self.light, "temperature").set(journal, raw)
 
 
-def lamp_temperature(context: SceneContext, obj: Object) -> ValueSlot | None:
+def light_temperature(context: SceneContext, obj: Object) -> ValueSlot | None:
     """The temperature of a light, where Blender has it: that of a Blackbody node, if it has its color from one."""
     if light_nodes.kelvin(obj.data) and not getattr(obj.data, "use_temperature", False):
-        return inputs.slot(lambda: light_nodes.kelvin(obj.data))
+        return inputs.input_slot(lambda: light_nodes.kelvin(obj.data))
     if not compat.HAS_TEMPERATURE:
         return None
-    return TemperatureSlot(obj.data, _lamp_lock(context, obj, "temperature"))
+    return _TemperatureSlot(obj.data, _light_lock(context, obj, "temperature"))
 
 
-def shader(name: str) -> Locator:
-    """An input of the shader of a material's surface, in the words of the Principled BSDF.
-
-    Anything that is computed is locked.
-    """
-
-    def locate(context: SceneContext, material: Material) -> ValueSlot | None:
-        return inputs.slot(lambda: layers.entry(material, name))
-
-    return locate
+def shader(name: str, context: SceneContext, material: Material) -> ValueSlot | None:
+    """An input of a surface's shader, named as by the Principled BSDF. Anything that is computed is locked."""
+    return inputs.input_slot(lambda: layers.entry(material, name))
 
 
-def coat(context: SceneContext, material: Material) -> ValueSlot | None:
-    """How strong a coat is: the input of the shader, or the color of a glossy one that lies over a metal."""
-    return shader("Coat Weight")(context, material) or lacquer.weight(material)
+def coat_weight(context: SceneContext, material: Material) -> ValueSlot | None:
+    """The weight of a coat: the input of the shader, or the color of a glossy one that lies over a metal."""
+    return shader("Coat Weight", context, material) or layers.lacquer_weight(material)
 
 
 def coat_roughness(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The roughness of the same."""
-    return shader("Coat Roughness")(context, material) or lacquer.roughness(material)
+    """The roughness of a coat: likewise."""
+    return shader("Coat Roughness", context, material) or layers.lacquer_roughness(material)
 
 
 def surface_color(context: SceneContext, material: Material) -> ValueSlot | None:
@@ -144,122 +123,94 @@ def surface_color(context: SceneContext, material: Material) -> ValueSlot | None
     if compat.node_tree(material) is None:
         return PropertySlot(material, "diffuse_color", locks.of_property(material, "diffuse_color"))
     colors = layers.colors(material)
-    return inputs.slot(lambda: layers.colors(material)[0], tinted=True) if len(colors) == 1 else None
+    return inputs.input_slot(lambda: layers.colors(material)[0], tinted=True) if len(colors) == 1 else None
 
 
 def glow_color(context: SceneContext, material: Material) -> ValueSlot | None:
     """The emission color, or the owned tint on one that is computed."""
     find = partial(layers.entry, material, "Emission Color")
-    return inputs.slot(find, tinted=True) or TINT.slot(find, "Tint")
+    return inputs.input_slot(find, tinted=True) or TINT.slot(find, "Tint")
 
 
 def glow_strength(context: SceneContext, material: Material) -> ValueSlot | None:
     """The emission strength, or the owned factor of one that is computed."""
     find = partial(layers.entry, material, "Emission Strength")
-    return inputs.slot(find, tinted=True) or FACTOR.slot(find, "Factor")
+    return inputs.input_slot(find, tinted=True) or FACTOR.slot(find, "Factor")
 
 
-def material_tint(name: str) -> Locator:
+def material_tint(name: str, context: SceneContext, material: Material) -> ValueSlot | None:
     """An input of the owned tint on a base color that is computed, or on each of several that are mixed."""
-
-    def locate(context: SceneContext, material: Material) -> ValueSlot | None:
-        count = len(layers.colors(material))
-        slots = [TINT.slot(partial(_color, material, n), name, plain=count > 1) for n in range(count)]
-        return together([slot for slot in slots if slot])
-
-    return locate
+    count = len(layers.colors(material))
+    slots = [TINT.slot(partial(_color, material, n), name, plain=count > 1) for n in range(count)]
+    return together([slot for slot in slots if slot])
 
 
 def recolor(context: SceneContext, material: Material) -> ValueSlot | None:
-    """How much the owned tint grays a computed base color; where there is none, a computed glow."""
+    """The part of a computed base color, or else of a computed glow, that the owned tint makes gray."""
     glow = partial(layers.entry, material, "Emission Color")
-    return material_tint("Recolor")(context, material) or TINT.slot(glow, "Recolor")
+    return material_tint("Recolor", context, material) or TINT.slot(glow, "Recolor")
 
 
 def _color(material: Material, number: int) -> NodeEntry | None:
     return layers.colors(material)[number]
 
 
-def background(name: str, part: str = LIGHT) -> Locator:
+def background(name: str, part: str, context: SceneContext, world: World) -> ValueSlot | None:
     """An input of a world's background; a computed color has a tint instead, of a mix each strength a factor."""
-
-    def locate(context: SceneContext, world: World) -> ValueSlot | None:
-        if backgrounds.mixed(world, part):
-            return _of_all(world, part, "Strength", FACTOR, "Factor") if name == "Strength" else None
-        if backgrounds.single(world, part) is None:
-            plain = part == LIGHT and name == "Color" and compat.node_tree(world) is None
-            return PropertySlot(world, "color", locks.of_property(world, "color")) if plain else None
-        return inputs.slot(partial(_single, world, part, name), tinted=name == "Color")
-
-    return locate
+    if backgrounds.mixed_backgrounds(world, part):
+        return _of_all(world, part, "Strength", FACTOR, "Factor") if name == "Strength" else None
+    if backgrounds.single_background(world, part) is None:
+        plain = part == LIGHT and name == "Color" and compat.node_tree(world) is None
+        return PropertySlot(world, "color", locks.of_property(world, "color")) if plain else None
+    return inputs.input_slot(partial(_single, world, part, name), tinted=name == "Color")
 
 
-def world_tint(part: str = LIGHT) -> Locator:
+def world_tint(part: str, context: SceneContext, world: World) -> ValueSlot | None:
     """The owned tint on a computed background, or on each of several that are mixed."""
-
-    def locate(context: SceneContext, world: World) -> ValueSlot | None:
-        if backgrounds.mixed(world, part):
-            return _of_all(world, part, "Color", TINT, "Tint")
-        return TINT.slot(partial(_single, world, part, "Color"), "Tint")
-
-    return locate
+    if backgrounds.mixed_backgrounds(world, part):
+        return _of_all(world, part, "Color", TINT, "Tint")
+    return TINT.slot(partial(_single, world, part, "Color"), "Tint")
 
 
 def _single(world: World, part: str, name: str) -> NodeEntry | None:
-    node = backgrounds.single(world, part)
+    node = backgrounds.single_background(world, part)
     return node.entry(name) if node else None
 
 
 def _of_all(world: World, part: str, entry: str, inset: Inset, name: str) -> ValueSlot | None:
     """An input of the inset on an input of each Background that is mixed."""
-    count = len(backgrounds.entries(world, part, entry))
+    count = len(backgrounds.mixed_entries(world, part, entry))
     slots = [inset.slot(partial(_mixed, world, part, entry, n), name, plain=True) for n in range(count)]
     return together([slot for slot in slots if slot])
 
 
 def _mixed(world: World, part: str, entry: str, number: int) -> NodeEntry | None:
-    return backgrounds.entries(world, part, entry)[number]
+    return backgrounds.mixed_entries(world, part, entry)[number]
 
 
 def world_rotation(context: SceneContext, world: World) -> ValueSlot | None:
-    """The turn of an environment texture around the vertical axis; none where it is one of several Backgrounds."""
-    background = backgrounds.single(world)
-    return environment_rotation.slot(background) if background else None
+    """The rotation of an environment texture around the vertical axis; None if it is one of several Backgrounds."""
+    background = backgrounds.single_background(world)
+    return backgrounds.rotation_slot(background) if background else None
 
 
-def volume(name: str) -> Locator:
+def volume(name: str, context: SceneContext, scene: Scene) -> ValueSlot | None:
     """A value of the fog: of the artist's world volume if there is one, else of the owned box."""
 
-    def locate(context: SceneContext, scene: Scene) -> ValueSlot | None:
-        node = shaders.world_volume(scene.world) if scene.world else None
-        if node is None:
-            return fog.slot(context, name)
-        if name not in node.node.inputs:
-            return None
-        return inputs.slot(lambda: _world_volume(scene, name))
+    def find() -> NodeEntry | None:
+        node = trails.world_volume(scene.world) if scene.world else None
+        return node.entry(name) if node else None
 
-    return locate
+    if scene.world and trails.world_volume(scene.world):
+        return inputs.input_slot(find)
+    return fog.fog_slot(context, name)
 
 
-def _world_volume(scene: Scene, name: str) -> NodeEntry | None:
-    node = shaders.world_volume(scene.world) if scene.world else None
-    return node.entry(name) if node else None
-
-
-def view(name: str) -> Locator:
+def view(name: str, context: SceneContext, scene: Scene) -> ValueSlot:
     """A property of the scene's view transform."""
-
-    def locate(context: SceneContext, scene: Scene) -> ValueSlot:
-        settings = scene.view_settings
-        return PropertySlot(settings, name, locks.of_property(settings, name))
-
-    return locate
+    return PropertySlot(scene.view_settings, name, locks.of_property(scene.view_settings, name))
 
 
-def graded(name: str) -> Locator:
+def graded(name: str, context: SceneContext, scene: Scene) -> ValueSlot | None:
     """An input of the owned compositor group."""
-
-    def locate(context: SceneContext, scene: Scene) -> LazySlot | None:
-        return grade.slot(scene, name)
-
-    return locate
+    return grade.grade_slot(scene, name)

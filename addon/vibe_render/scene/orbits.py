@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from bpy.types import Object
 from mathutils import Matrix, Vector
 
@@ -12,20 +14,26 @@ from ..core import locks
 from ..core.journal import Journal
 from ..core.schema_import import schema
 from ..core.value_slots import PropertySlot, same
-from .lights.registry import type_of
+from .light_types import type_of
+
+
+def orbit_matrix(
+    pivot: Sequence[float] | np.ndarray, azimuth: float, elevation: float, distance: float
+) -> Matrix:
+    """World matrix of a camera or light on an orbit (angles in degrees, see `schema.orbit`), looking at the pivot."""
+    rotation = Matrix(schema.orbit.frame(azimuth, elevation)).to_4x4()
+    place = Vector(pivot) + distance * Vector(schema.orbit.direction(azimuth, elevation))
+    return Matrix.Translation(place) @ rotation
 
 
 @dataclass
 class Pose:
-    """Where an object stands and how it is turned relative to the pivot.
+    """The place and rotation of a camera or light relative to the pivot (world space).
 
     Attributes:
-        obj: A camera or light.
-        pivot: What it orbits, world space.
-        azimuth: Degrees.
-        elevation: Degrees.
+        azimuth, elevation: Degrees.
         distance: Meters.
-        residual: Its rotation relative to looking straight at the pivot; kept on its way.
+        residual: Its rotation relative to looking straight at the pivot; stays when it moves.
     """
 
     obj: Object
@@ -37,7 +45,7 @@ class Pose:
 
     @classmethod
     def of(cls, obj: Object, pivot: Vector) -> Pose:
-        """The present pose; of a sun, where its light comes from."""
+        """The present pose; of a sun, in the direction that its light comes from."""
         rotation = _rotation(obj)
         offset = obj.matrix_world.translation - pivot
         toward = type_of(obj).offset(obj, pivot, rotation) if obj.type == "LIGHT" else offset
@@ -71,7 +79,7 @@ class OrbitSlot:
 
     @property
     def locked(self) -> str:
-        """Why the object must stay where it is."""
+        """The reason why the object must stay where it is."""
         return locks.of_pose(self.pose.obj)
 
     def get(self) -> float:

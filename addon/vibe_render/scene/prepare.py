@@ -1,23 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Gives a scene what a vibe needs and it lacks: a world, a camera, a light, a material. Revert takes it away."""
+"""Prepares a scene for a vibe: adds what it lacks, and copies materials that the subject shares. Revert takes it away."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import radians, tan
+from collections.abc import Iterable, Sequence
+from math import pi, radians, tan
 
 import bpy
-from bpy.types import Object, Scene
-from mathutils import Matrix, Vector
+import numpy as np
+from bpy.types import Material, Object, Scene
+from mathutils import Vector
 
 from ..core import compat
 from ..core.journal import Journal
 from ..core.schema_import import schema
-from . import emission, scene_context, snapshot
-from .lights.area import AreaLightType
-from .lights.registry import light_type
-from .nodes import backgrounds, owned, shaders
+from . import scene_context, snapshot
+from .light_types import AreaLightType, light_type
+from .nodes import backgrounds, layers, owned
 from .nodes.trails import active_links
+from .orbits import orbit_matrix
 
 _PLACES = {
     "key": (-40.0, 40.0, 0.4, 1.2),
@@ -35,39 +36,39 @@ radiance of a white surface that faces it."""
 OURS = {"key": "Vibe Key", "fill": "Vibe Fill", "rim": "Vibe Rim"}
 """By the role that a scene lacks, the light that it gets."""
 _SUN = 0.526  # degrees
-_LIT = 0.1  # radiance of white at the subject from which a scene is lit
+_LEAST_LIGHT = 0.1  # radiance of white at the subject from which a scene is lit
 _CLEAR = 0.2  # of the way from the subject to a wall: how far from the wall a light stands
 LIGHT_TYPE = AreaLightType.name
 """The type of a light that is added for a role."""
 
 
-def prepare(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
+def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
     """Adds what is missing, marked as ours and recorded in the scene's snapshot.
 
     Args:
-        subject: What the picture is about; without it, everything that a render sees.
+        subject: The objects that the picture is about; without any, everything that a render sees.
 
     Returns:
-        What has been added, in words for the artist.
+        The additions, in words for the artist.
     """
     about = list(subject) or scene_context.meshes(scene)
     low, high = scene_context.bounds(scene, about)
     with snapshot.transaction(scene) as journal:
         added = [
-            _world(journal, scene),
-            _camera(journal, scene, low, high),
-            _key(journal, scene, low, high),
-            *(_material(journal, obj) for obj in about),
+            _add_world(journal, scene),
+            _add_camera(journal, scene, low, high),
+            _add_key(journal, scene, low, high),
+            *(_add_material(journal, obj) for obj in about),
         ]
     scene_context.layer(scene).update()
     return [words for words in added if words]
 
 
-def _world(journal: Journal, scene: Scene) -> str:
+def _add_world(journal: Journal, scene: Scene) -> str:
     if scene.world is None:
         world = journal.new("worlds", "Vibe World")
         compat.enable_nodes(world)
-        owned.mark(world, "Vibe World")
+        owned.mark_owned(world, "Vibe World")
         journal.set(scene, "world", world)
         return "a world"
     if sum(other.world == scene.world for other in bpy.data.scenes) > 1:
@@ -76,34 +77,30 @@ def _world(journal: Journal, scene: Scene) -> str:
     return ""
 
 
-def _camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
+def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
     if scene.camera is not None:
         return ""
     data = journal.new("cameras", "Vibe Camera")
     camera = journal.new("objects", "Vibe Camera", data)
     for block in (data, camera):
-        owned.mark(block, "Vibe Camera")
-    distance = 1.2 * (high - low).length / 2.0 / tan(data.angle / 2.0) * _portrait(scene)
+        owned.mark_owned(block, "Vibe Camera")
+    # The lens is fitted on the longer side of the picture; the shorter one has to see all too.
+    sides = (scene.render.resolution_x, scene.render.resolution_y)
+    distance = 1.2 * (high - low).length / 2.0 / tan(data.angle / 2.0) * (max(sides) / min(sides))
     data.clip_end = max(data.clip_end, 10.0 * distance)
     data.clip_start = min(data.clip_start, 0.01 * distance)
-    _stand(camera, (low + high) / 2.0, 25.0, 15.0, distance)
+    camera.matrix_world = orbit_matrix((low + high) / 2.0, 25.0, 15.0, distance)
     scene.collection.objects.link(camera)
     journal.set(scene, "camera", camera)
     return "a camera"
 
 
-def _portrait(scene: Scene) -> float:
-    """By how much the shorter side of the picture sees less than the longer one, on which the lens is fitted."""
-    sides = (scene.render.resolution_x, scene.render.resolution_y)
-    return max(sides) / min(sides)
-
-
-def _key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
+def _add_key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
     graph = scene_context.depsgraph(scene)
     if (
         scene_context.lights(scene)
         or scene_context.instanced_lights(scene)
-        or emission.light_at(graph, scene_context.meshes(scene), (low + high) / 2.0) > _LIT
+        or _light_of_surfaces(graph, scene_context.meshes(scene), (low + high) / 2.0) > _LEAST_LIGHT
     ):
         return ""
     light = add_light(journal, scene, "Vibe Key", low, high)
@@ -114,22 +111,25 @@ def _key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
 
 
 def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vector) -> Object:
-    """Adds one of our lights to a scene, in a collection of its own; the camera does not see its shape.
+    """Adds one of `schema.added_lights.ADDED_LIGHTS` to a scene, in a collection of its own.
 
-    Args:
-        name: Of `schema.added_lights.ADDED_LIGHTS`.
-        low: Least corner of what it is to light, world space.
+    The camera does not see its shape. `low` and `high` are the world-space corners of what it is to light.
     """
     what = schema.added_lights.ADDED_LIGHTS[name]
     azimuth, elevation, size, brightness = _PLACES[what.part]
     data = journal.new("lights", name, what.type)
     light = journal.new("objects", name, data)
     for block in (data, light):
-        owned.mark(block, name)
+        owned.mark_owned(block, name)
     pivot = (low + high) / 2.0
     front = schema.orbit.angles(scene.camera.matrix_world.translation - pivot)[0] if scene.camera else 0.0
     toward = Vector(schema.orbit.direction(front + azimuth, elevation))
-    distance = _inside(scene, pivot, toward, (high - low).length / 2.0, light_distance(low, high))
+    # No wall around the subject may stand in its way.
+    distance, gap = added_light_distance(low, high), 1.01 * (high - low).length / 2.0
+    start, graph = pivot + gap * toward, scene_context.depsgraph(scene)
+    hit, wall, *_ = scene.ray_cast(graph, start, toward, distance=max(distance - gap, 1e-3))
+    if hit:
+        distance = (wall - pivot).length - _CLEAR * (wall - start).length
     kind = light_type(what.type)
     setattr(data, kind.extent_property, size * distance if kind.has_position else radians(_SUN))
     data.energy = brightness * schema.radiometry.unit_energy(
@@ -137,20 +137,24 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     )
     light.visible_camera = False
     # a sun may stand anywhere: in the middle its card turns with it around what it lights
-    _stand(light, pivot, front + azimuth, elevation, 0.0 if what.pattern else distance)
-    collection = _collection(journal, scene)
+    light.matrix_world = orbit_matrix(pivot, front + azimuth, elevation, 0.0 if what.pattern else distance)
+    collection = owned.find_owned(scene.collection.children, schema.added_lights.COLLECTION)
+    if collection is None:
+        collection = journal.new("collections", schema.added_lights.COLLECTION)
+        owned.mark_owned(collection, schema.added_lights.COLLECTION)
+        scene.collection.children.link(collection)
     collection.objects.link(light)
     if what.pattern:
-        collection.objects.link(_card(journal, light, what.pattern, card_size(low, high)))
+        collection.objects.link(_add_card(journal, light, what.pattern, card_size(low, high)))
     return light
 
 
 def card_size(low: Vector, high: Vector) -> float:
-    """Size of the card before a light that casts a pattern on what has these corners, meters."""
+    """Size of the card before a light that casts a pattern, meters, for the corners of what it lights."""
     return (high - low).length / 2.0
 
 
-def _card(journal: Journal, light: Object, pattern: str, size: float) -> Object:
+def _add_card(journal: Journal, light: Object, pattern: str, size: float) -> Object:
     """A card that only shadow rays see, before a light and turned with it."""
     lights = schema.added_lights
     quads = lights.card(pattern, size)
@@ -160,7 +164,7 @@ def _card(journal: Journal, light: Object, pattern: str, size: float) -> Object:
     )
     card = journal.new("objects", lights.CARD, mesh)
     for block in (mesh, card):
-        owned.mark(block, lights.CARD)
+        owned.mark_owned(block, lights.CARD)
     card.parent = light
     card.location = (0.0, 0.0, lights.CARD_AWAY * size)
     for ray in ("camera", "diffuse", "glossy", "transmission", "volume_scatter"):
@@ -168,61 +172,108 @@ def _card(journal: Journal, light: Object, pattern: str, size: float) -> Object:
     return card
 
 
-def _collection(journal: Journal, scene: Scene) -> bpy.types.Collection:
-    """The collection of our lights in a scene."""
-    name = schema.added_lights.COLLECTION
-    found = owned.find(scene.collection.children, name)
-    if found is None:
-        found = journal.new("collections", name)
-        owned.mark(found, name)
-        scene.collection.children.link(found)
-    return found
-
-
-def _inside(scene: Scene, pivot: Vector, toward: Vector, radius: float, distance: float) -> float:
-    """The distance of a light that no wall around the subject stands in the way of, meters."""
-    start = pivot + 1.01 * radius * toward
-    graph = scene_context.depsgraph(scene)
-    hit, place, *_ = scene.ray_cast(graph, start, toward, distance=max(distance - 1.01 * radius, 1e-3))
-    return (place - pivot).length - _CLEAR * (place - start).length if hit else distance
-
-
-def light_distance(low: Vector, high: Vector) -> float:
-    """How far from the middle of what they light our lights stand, meters."""
+def added_light_distance(low: Vector, high: Vector) -> float:
+    """The distance of our lights from the middle of what they light, meters."""
     return 1.5 * max((high - low).length, 1e-3)
 
 
 def _is_lit(scene: Scene) -> bool:
+    """Whether the world lights the scene."""
     if scene.world is None:
         return False
-    single = backgrounds.single(scene.world)
-    mixed = [layer.shader for layer in backgrounds.mixed(scene.world)]
-    return any(_lights(background) for background in mixed or ([single] if single else []))
+    single = backgrounds.single_background(scene.world)
+    mixed = [each.shader for each in backgrounds.mixed_backgrounds(scene.world)]
+    for background in mixed or ([single] if single else []):
+        color, strength = background.node.inputs["Color"], background.node.inputs["Strength"]
+        if active_links(color) or active_links(strength):
+            return True
+        if max(color.default_value[:3]) * strength.default_value > _LEAST_LIGHT:
+            return True
+    return False
 
 
-def _lights(background: shaders.NodeInGroups) -> bool:
-    color, strength = background.node.inputs["Color"], background.node.inputs["Strength"]
-    if active_links(color) or active_links(strength):
-        return True
-    return max(color.default_value[:3]) * strength.default_value > _LIT
-
-
-def _stand(obj: Object, pivot: Vector, azimuth: float, elevation: float, distance: float) -> None:
-    rotation = Matrix(schema.orbit.frame(azimuth, elevation))
-    place = pivot + distance * Vector(schema.orbit.direction(azimuth, elevation))
-    obj.matrix_world = Matrix.Translation(place) @ rotation.to_4x4()
-
-
-def _material(journal: Journal, obj: Object) -> str:
+def _add_material(journal: Journal, obj: Object) -> str:
     data = obj.data
     filled = [slot for slot in obj.material_slots if slot.material]
     if filled or data.library or data.override_library or not hasattr(data, "materials"):
         return ""
     material = journal.new("materials", f"Vibe {obj.name}")
     compat.enable_nodes(material)
-    owned.mark(material, "material")
+    owned.mark_owned(material, "material")
     if obj.material_slots:
         journal.set(obj.material_slots[0], "material", material)
     else:
         journal.append_material(data, material)
     return f'a material for "{obj.name}"'
+
+
+def _light_of_surfaces(depsgraph: bpy.types.Depsgraph, objects: Iterable[Object], place: Vector) -> float:
+    """Radiance of a white surface at a place that faces all that glows, as if nothing stood in the way."""
+    total = 0.0
+    for obj in objects:
+        strengths = [
+            layers.emitted_radiance(slot.material) if slot.material else 0.0 for slot in obj.material_slots
+        ]
+        if any(strengths):
+            evaluated = obj.evaluated_get(depsgraph)
+            if mesh := evaluated.to_mesh():
+                total += _light_of_mesh(mesh, np.array(evaluated.matrix_world), strengths, place)
+                evaluated.to_mesh_clear()
+    return total
+
+
+def _light_of_mesh(mesh: bpy.types.Mesh, matrix: np.ndarray, strengths: list[float], place: Vector) -> float:
+    """The sum of radiance x area / (pi d^2) over a mesh's faces, half of which look the other way."""
+    count = len(mesh.polygons)
+    area, index, center = np.zeros(count), np.zeros(count, np.int32), np.zeros(3 * count)
+    mesh.polygons.foreach_get("area", area)
+    mesh.polygons.foreach_get("material_index", index)
+    mesh.polygons.foreach_get("center", center)
+    way = center.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3] - np.array(place)
+    scale = abs(np.linalg.det(matrix[:3, :3])) ** (2.0 / 3.0)
+    strength = np.array(strengths)[np.clip(index, 0, len(strengths) - 1)]
+    factor = np.minimum(0.5 * scale * area / (pi * np.maximum((way**2).sum(1), 1e-6)), 1.0)
+    return float((strength * factor).sum())
+
+
+def shared_materials(subject: Sequence[Object]) -> dict[Material, list[Object]]:
+    """The subject's materials that objects outside of it use too, with those objects, in this or other scenes.
+
+    Those from a library are left out: nobody may change them.
+    """
+    inside, theirs = set(subject), {m for obj in subject for m in _materials_of(obj) if m.is_editable}
+    users: dict[Material, list[Object]] = {}
+    for obj in bpy.data.objects:
+        if obj in inside or not obj.users_scene or owned.is_unseen(obj):
+            continue
+        for material in theirs.intersection(_materials_of(obj)):
+            users.setdefault(material, []).append(obj)
+    return users
+
+
+def separate_materials(scene: Scene, subject: Sequence[Object]) -> None:
+    """Gives the subject copies of its own, recorded in the scene's snapshot."""
+    inside = set(subject)
+    with snapshot.transaction(scene) as journal:
+        for material in shared_materials(subject):
+            twin = journal.copy("materials", material)
+            for obj in subject:
+                if obj.is_editable:
+                    _replace_material(journal, obj, inside, material, twin)
+
+
+def _materials_of(obj: Object) -> set[Material]:
+    return {slot.material for slot in obj.material_slots if slot.material}
+
+
+def _replace_material(
+    journal: Journal, obj: Object, inside: set[Object], old: Material, new: Material
+) -> None:
+    """Puts a material into an object's slots; a mesh that others use keeps its own."""
+    for slot in obj.material_slots:
+        if slot.material != old:
+            continue
+        others = (other for other in bpy.data.objects if other.data == obj.data and other not in inside)
+        if slot.link == "DATA" and (not obj.data.is_editable or any(others)):
+            journal.set(slot, "link", "OBJECT")
+        journal.set(slot, "material", new)

@@ -14,28 +14,27 @@ from bpy.types import Light, Material, Object, Scene
 from mathutils import Matrix, Vector
 
 from ..core.schema_import import schema
-from . import emission
-from .lights.registry import type_of
-from .nodes import owned
+from .light_types import type_of
+from .nodes import layers, owned
 
 GEOMETRY = {"MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES", "POINTCLOUD"}
 
 
 @dataclass(frozen=True)
 class Owner:
-    """Something that has parameters.
+    """An owner of parameters.
 
     Attributes:
         name: Its name in keys; "" for what a scene has one of.
         thing: Its data-block.
         role: "subject" or "surroundings" for materials; "key", "fill" or "rim" for lights.
-        references: Its own lengths, by the names of the schema's REFERENCES.
+        lengths: Its own lengths, by the names of the schema's REFERENCES.
     """
 
     name: str
     thing: Any
     role: str = ""
-    references: dict[str, float] = field(default_factory=dict)
+    lengths: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -43,7 +42,6 @@ class SceneContext:
     """A scene, its subject, and the pivot of its orbits.
 
     Attributes:
-        scene: The scene.
         subject: The objects that the picture is about.
         pivot: The center of their bounding box, world space, which cameras and lights orbit.
         everything: Whether materials that the camera does not see count too.
@@ -65,24 +63,20 @@ class SceneContext:
         return instanced_lights(self.scene)
 
     @functools.cached_property
-    def first_lamps(self) -> dict[Light, Object]:
+    def first_lights(self) -> dict[Light, Object]:
         """By light data, the first of the lights that share it."""
         return {light.data: light for light in reversed(lights(self.scene))}
 
 
 def layer(scene: Scene) -> bpy.types.ViewLayer:
-    """The view layer that we see the scene through: the first that is rendered."""
+    """The first view layer that is rendered."""
     return next((each for each in scene.view_layers if each.use), scene.view_layers[0])
 
 
 def visible(scene: Scene, obj: Object) -> bool:
     """Whether a render shows the object (its own flags, its collections', its view layer's)."""
-    return not hidden(obj) and obj.name in layer(scene).objects
-
-
-def hidden(obj: Object) -> bool:
-    """Whether an object of a view layer is left out of renders, by its own flags or its collections'."""
-    return obj.hide_render or all(c.hide_render for c in obj.users_collection)
+    hidden = obj.hide_render or all(c.hide_render for c in obj.users_collection)
+    return not hidden and obj.name in layer(scene).objects
 
 
 def shown(scene: Scene) -> set[Object]:
@@ -102,12 +96,12 @@ def depsgraph(scene: Scene) -> bpy.types.Depsgraph:
 
 def lights(scene: Scene) -> list[Object]:
     """The lights that a render sees, by name; those whose place is not a number light nothing."""
-    objects = [o for o in scene.objects if o.type == "LIGHT" and visible(scene, o) and placed(o)]
+    objects = [o for o in scene.objects if o.type == "LIGHT" and visible(scene, o) and has_finite_place(o)]
     return sorted(objects, key=lambda o: o.name_full)
 
 
 def instanced_lights(scene: Scene) -> list[tuple[Object, Matrix]]:
-    """The lights that instances of collections and of geometry nodes show: each with its place, world space, as often as shown."""
+    """The lights that instances of collections and geometry nodes show, with their matrices, as often as shown."""
     found = []
     for item in depsgraph(scene).object_instances:
         if item.is_instance and item.object.type == "LIGHT":
@@ -119,7 +113,7 @@ def instanced_lights(scene: Scene) -> list[tuple[Object, Matrix]]:
     return found
 
 
-def placed(obj: Object) -> bool:
+def has_finite_place(obj: Object) -> bool:
     """Whether an object's place is finite; broken drivers and constraints leave it otherwise."""
     return all(math.isfinite(v) for row in obj.matrix_world for v in row)
 
@@ -131,16 +125,15 @@ def meshes(scene: Scene) -> list[Object]:
 
 
 def materials(scene: Scene, subject: Sequence[Object], everything: bool = False) -> dict[Material, str]:
-    """The materials that the camera sees, and whether they are the subject's or the surroundings'.
+    """The materials that the camera sees, those of instances too, with their role: subject or surroundings.
 
-    Instances of collections and geometry nodes are looked into. What the frame leaves out is left
-    out, unless it glows, or `everything` is asked for.
+    Those outside the frame are left out, unless they glow, or `everything` is set.
     """
     graph = depsgraph(scene)
     chosen, to_clip = set(subject), None if everything else frustum(scene)
     roles: dict[Material, str] = {}
     used: dict[tuple[int, int], list[Material]] = {}
-    glow = functools.cache(emission.radiance)
+    glow = functools.cache(layers.emitted_radiance)
     for item in graph.object_instances:
         if item.object.type not in GEOMETRY or not item.show_self:
             continue
@@ -149,19 +142,16 @@ def materials(scene: Scene, subject: Sequence[Object], everything: bool = False)
             continue
         role = "subject" if original in chosen or parent in chosen else "surroundings"
         key = original.as_pointer(), item.object.data.as_pointer()
-        materials_of = used[key] if key in used else used.setdefault(key, _used(item.object))
+        if key not in used:
+            slots = [slot.material for slot in item.object.material_slots]
+            slots += getattr(item.object.data, "materials", None) or []
+            used[key] = [m.original for m in slots if m]
         # Of thousands of instances that have the same materials, one in the frame is enough.
-        new = [m for m in materials_of if roles.get(m) not in ("subject", role)]
+        new = [m for m in used[key] if roles.get(m) not in ("subject", role)]
         if new and not (to_clip is None or in_frame(to_clip, item)):
             new = [m for m in new if glow(m) > 0.0]
         roles.update(dict.fromkeys(new, role))
     return dict(sorted(roles.items(), key=lambda pair: pair[0].name_full))
-
-
-def _used(evaluated: Object) -> list[Material]:
-    slots = [slot.material for slot in evaluated.material_slots]
-    slots += getattr(evaluated.data, "materials", None) or []
-    return [m.original for m in slots if m]
 
 
 def frustum(scene: Scene) -> Matrix | None:
@@ -200,7 +190,7 @@ def bounds(scene: Scene, objects: Iterable[Object]) -> tuple[Vector, Vector]:
     return Vector(map(min, zip(*corners, strict=True))), Vector(map(max, zip(*corners, strict=True)))
 
 
-def references(context: SceneContext) -> dict[str, float]:
+def scene_lengths(context: SceneContext) -> dict[str, float]:
     """The scene-wide lengths that the schema's bounds are multiples of (see schema.REFERENCES)."""
     low, high = bounds(context.scene, context.subject or meshes(context.scene))
     height = max(high.z - low.z, 1e-3)
@@ -221,9 +211,11 @@ def owners(context: SceneContext, group: str) -> list[Owner]:
     if group == "camera":
         return [Owner("", scene.camera)] if scene.camera and scene.camera.type == "CAMERA" else []
     if group == "light":
-        roles, far = light_roles(context), _only_instanced(context)
-        lengths = {o: far.get(o) or light_distance(o, context.pivot) for o in roles}
-        return [Owner(o.name_full, o, roles[o], _light_lengths(lengths[o])) for o in roles]
+        distances = _light_distances(context)
+        return [
+            Owner(o.name_full, o, role, light_lengths(distances[o]))
+            for o, role in light_roles(context).items()
+        ]
     if group == "material":
         return [
             Owner(m.name_full, m, role)
@@ -234,63 +226,51 @@ def owners(context: SceneContext, group: str) -> list[Owner]:
     return [Owner("", scene)]
 
 
-def light_distance(obj: Object, pivot: Vector) -> float:
-    """From a light to the pivot, meters; never 0."""
-    return max((obj.matrix_world.translation - pivot).length, 1e-3)
+def light_lengths(distance: float) -> dict[str, float]:
+    """The lengths of a light, by the names of the schema's REFERENCES."""
+    return {"light_distance": distance, "light_distance_squared": distance * distance}
 
 
-def _only_instanced(context: SceneContext) -> dict[Object, float]:
-    """The lights that stand in the scene only as instances, one for each data-block, and the distance of the nearest, meters."""
-    shown = {o.data for o in lights(context.scene)}
+def _light_distances(context: SceneContext) -> dict[Object, float]:
+    """Distances of the lights from the pivot, meters; never 0.
+
+    Lights that only instances show follow those of the scene: one for each data-block, with its nearest instance.
+    """
+    distances = {
+        o: max((o.matrix_world.translation - context.pivot).length, 1e-3) for o in lights(context.scene)
+    }
+    here = {o.data for o in distances}
     first: dict[Light, Object] = {}
-    found: dict[Object, float] = {}
     for obj, matrix in context.instanced_lights:
-        if obj.data not in shown:
+        if obj.data not in here:
             owner = first.setdefault(obj.data, obj)
             distance = max((matrix.translation - context.pivot).length, 1e-3)
-            found[owner] = min(found.get(owner, math.inf), distance)
-    return found
-
-
-def _light_lengths(distance: float) -> dict[str, float]:
-    return {"light_distance": distance, "light_distance_squared": distance * distance}
+            distances[owner] = min(distances.get(owner, math.inf), distance)
+    return distances
 
 
 def light_roles(context: SceneContext) -> dict[Object, str]:
     """Assigns roles to the lights: "rim" from behind the subject, the brightest other one "key", the rest "fill".
 
     Lights that only instances show follow those of the scene, one for each data-block.
-
-    Raises:
-        VibeError: A light's type is unknown.
     """
-    far, objects = _only_instanced(context), lights(context.scene)
-    rims = {o for o in objects if _from_behind(o, context)}
-    objects += far
-    front = [o for o in objects if o not in rims] or objects
-    key = max(
-        front, key=lambda o: _brightness(o, far.get(o) or light_distance(o, context.pivot)), default=None
-    )
-    return {o: "key" if o is key else "rim" if o in rims else "fill" for o in objects}
-
-
-def towards_light(obj: Object, pivot: Vector) -> Vector:
-    """Unit vector (3,), world space, from the pivot toward where the light comes from."""
-    offset = type_of(obj).offset(obj, pivot, obj.matrix_world.to_3x3().normalized())
-    return offset.normalized() if offset.length > 1e-6 else Vector((0.0, 0.0, 1.0))
+    distances = _light_distances(context)
+    rims = {o for o in lights(context.scene) if _from_behind(o, context)}
+    front = [o for o in distances if o not in rims] or [*distances]
+    key = max(front, key=lambda o: _brightness(o, distances[o]), default=None)
+    return {o: "key" if o is key else "rim" if o in rims else "fill" for o in distances}
 
 
 def _from_behind(obj: Object, context: SceneContext) -> bool:
-    camera = context.scene.camera
-    view = (
-        (camera.matrix_world.translation - context.pivot)
-        if camera
-        else Vector(schema.orbit.direction(0.0, 0.0))
-    )
-    flat, light = view.xy, towards_light(obj, context.pivot).xy
-    if flat.length < 1e-6 or light.length < 0.2:  # straight above is nobody's back
+    """Whether a light shines from behind the subject, as the camera sees it."""
+    camera, pivot = context.scene.camera, context.pivot
+    front = Vector(schema.orbit.direction(0.0, 0.0))
+    view = (camera.matrix_world.translation - pivot if camera else front).xy
+    offset = type_of(obj).offset(obj, pivot, obj.matrix_world.to_3x3().normalized())
+    light = (offset.normalized() if offset.length > 1e-6 else Vector((0.0, 0.0, 1.0))).xy
+    if view.length < 1e-6 or light.length < 0.2:  # straight above is nobody's back
         return False
-    return flat.normalized().dot(light.normalized()) < -0.2
+    return view.normalized().dot(light.normalized()) < -0.2
 
 
 def _brightness(obj: Object, distance: float) -> float:

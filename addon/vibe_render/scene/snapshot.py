@@ -14,7 +14,8 @@ from bpy.types import Scene
 from ..core import stored_journal
 from ..core.journal import Journal
 from ..core.schema_import import schema
-from . import scene_context, stored_subject
+from . import scene_context
+from .subject import forget_subject
 
 KEY = "vibe_snapshot"
 
@@ -22,7 +23,7 @@ KEY = "vibe_snapshot"
 def take(scene: Scene) -> None:
     """Starts a snapshot, which `revert` returns to; one that exists already stays."""
     if not exists(scene):
-        _store(scene, Journal())
+        stored_journal.store(scene, KEY, Journal())
 
 
 def exists(scene: Scene) -> bool:
@@ -40,14 +41,14 @@ def revert(scene: Scene) -> list[str]:
     """Restores every value, link and data-block that has been touched since `take`, and forgets it.
 
     Returns:
-        What could not be restored because the artist has removed it meanwhile.
+        What could not be restored because the artist has removed it, in words.
 
     Raises:
         VibeError: There is no snapshot, or one of a newer version, or a damaged one.
     """
     journal = _load(scene)
     forget(scene)  # first: it counts as a user of what is to be removed
-    stored_subject.forget(scene)
+    forget_subject(scene)
     lost = journal.undo()
     scene_context.layer(scene).update()
     return lost
@@ -64,7 +65,7 @@ def rollback(scene: Scene, first: int) -> None:
     forget(scene)
     journal.undo(first)
     if first:
-        _store(scene, journal)
+        stored_journal.store(scene, KEY, journal)
 
 
 @contextmanager
@@ -79,7 +80,7 @@ def transaction(scene: Scene) -> Iterator[Journal]:
         raise
     if journal.entries:
         whole.extend(journal)
-        _store(scene, whole)
+        stored_journal.store(scene, KEY, whole)
 
 
 def _load(scene: Scene) -> Journal:
@@ -98,7 +99,3 @@ def _load(scene: Scene) -> Journal:
             "What this scene was like before its vibe is damaged in this file.",
             "Press Keep: the values stay as they are now, and the next vibe starts from them.",
         ) from error
-
-
-def _store(scene: Scene, journal: Journal) -> None:
-    stored_journal.store(scene, KEY, journal)

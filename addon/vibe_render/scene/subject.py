@@ -1,31 +1,30 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Subject of a picture: named objects, a collection, the selection, or the most prominent things in view."""
+"""Subject of a picture: named objects, a collection, the selection, the last one, or the most prominent objects in view."""
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from bpy.types import Object, Scene
 
 from ..core.schema_import import schema
 from .geometry.triangles import SceneGeometry
 from .geometry.visibility import RAYS, VisibleSurfaces
-from .stored_subject import recall
 
 _PROMINENT = 0.1  # of the most prominent object's weight: what is less is decoration
 _FLAT = 0.35  # height over width of things that others stand on
 _SLACK = 0.02  # of a box's widest side: so far a part may stick out of the thing
 
+SUBJECT_KEY = "vibe_subject"
+
 
 @dataclass(frozen=True)
 class SubjectChoice:
-    """How the subject is chosen; with no field set, by what the picture shows.
-
-    Attributes:
-        objects: Names of objects or collections.
-        selected: Take the selected objects.
-    """
+    """The artist's choice of a subject: names of objects or collections, or the selection; without either, automatic."""
 
     objects: tuple[str, ...] = ()
     selected: bool = False
@@ -36,28 +35,28 @@ class SubjectChoice:
         return self.selected or bool(self.objects)
 
 
-def choose(
+def choose_subject(
     scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces, choice: SubjectChoice
 ) -> np.ndarray:
-    """Which objects of the geometry are the subject: (number of objects,) bool, at least one True.
+    """The objects of the geometry that are the subject: (number of objects,) bool, at least one True.
 
     Raises:
         VibeError: A name is unknown, or nothing of what was chosen shows in the render.
     """
-    names = {o.name_full for o in named(scene, choice)}
+    names = {o.name_full for o in named_objects(scene, choice)}
     if not names:
-        return automatic(scene, geometry, surfaces)
+        return automatic_subject(scene, geometry, surfaces)
     chosen = np.array([name in names or parent in names for name, parent in geometry.objects])
     if not chosen.any():
         if not choice.explicit:  # what was chosen once is not in the picture now
-            return automatic(scene, geometry, surfaces)
+            return automatic_subject(scene, geometry, surfaces)
         raise schema.VibeError(
             "The chosen subject has no mesh that a render shows.", "Choose another object."
         )
     return chosen
 
 
-def named(scene: bpy.types.Scene, choice: SubjectChoice) -> list[bpy.types.Object]:
+def named_objects(scene: bpy.types.Scene, choice: SubjectChoice) -> list[bpy.types.Object]:
     """The chosen or stored objects with their children; empty if the subject is to be found automatically.
 
     Raises:
@@ -71,31 +70,38 @@ def named(scene: bpy.types.Scene, choice: SubjectChoice) -> list[bpy.types.Objec
             raise schema.VibeError(f"There is no object or collection {name!r}.", f"There are: {near}.")
         chosen += collection.all_objects if collection else [scene.objects[name]]
     if choice.selected:
-        chosen += [o for o in scene.objects if o.select_get()] or recall(scene)
+        chosen += [o for o in scene.objects if o.select_get()] or recall_subject(scene)
         if not chosen:
             raise schema.VibeError("Nothing is selected.", "Select the subject, or leave the choice to us.")
     if not choice.explicit:
-        chosen = recall(scene)
+        chosen = recall_subject(scene)
     return list(dict.fromkeys(o for thing in chosen for o in (thing, *thing.children_recursive)))
 
 
-def automatic(scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces) -> np.ndarray:
-    """Finds the prominent things in view, without their grounds and backdrops: (number of objects,) bool.
+def automatic_subject(
+    scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces
+) -> np.ndarray:
+    """The prominent objects in view, without their grounds and backdrops: (number of objects,) bool.
 
-    Surroundings are things that reach three sides of the picture, that enclose the camera, or that
-    are flat and leave the picture or carry another thing; but what lies among the parts of the subject is another part.
+    Surroundings are objects that reach three sides of the picture, that enclose the camera, or that are flat and leave
+    the picture or carry another object; but objects among the parts of the subject are parts of it.
 
     Raises:
         VibeError: The camera sees nothing.
     """
     count = len(geometry.objects)
     seen = surfaces.object >= 0
-    weight = np.bincount(surfaces.object[seen], _centrality()[seen], minlength=count)
+    # What is in the middle of the picture counts most: weights of the rays are (R, R).
+    u = (np.arange(RAYS) + 0.5) / RAYS * 2 - 1
+    centrality = np.exp(-1.5 * (u[:, None] ** 2 + u**2))
+    weight = np.bincount(surfaces.object[seen], centrality[seen], minlength=count)
     if not weight.any():
         raise schema.VibeError("The camera sees no mesh.", "Point the scene's camera at something.")
     visible = weight > 0
     borders = _borders(surfaces.object, count)
-    loose = visible & ~_enclosing(scene, geometry.boxes) & (borders < 3)
+    eye = np.array(scene.camera.matrix_world.translation)
+    enclosing = ((geometry.boxes[:, 0] < eye) & (eye < geometry.boxes[:, 1])).all(1)
+    loose = visible & ~enclosing & (borders < 3)
     apart = loose.copy()  # of thousands of objects, few are visible
     apart[visible] &= ~_grounds(geometry.boxes[visible], borders[visible])
     if not apart.any():  # a close-up fills the picture, and is what it is about
@@ -104,26 +110,15 @@ def automatic(scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: Visible
     return subject | (loose & ~_thin(geometry.boxes) & _within(geometry.boxes, subject))
 
 
-def _centrality() -> np.ndarray:
-    """(R, R): weight of each ray for prominence, 1 in the middle of the picture."""
-    u = (np.arange(RAYS) + 0.5) / RAYS * 2 - 1
-    return np.exp(-1.5 * (u[:, None] ** 2 + u**2))
-
-
-def _enclosing(scene: bpy.types.Scene, boxes: np.ndarray) -> np.ndarray:
-    eye = np.array(scene.camera.matrix_world.translation)
-    return ((boxes[:, 0] < eye) & (eye < boxes[:, 1])).all(1)
-
-
 def _borders(owner: np.ndarray, count: int) -> np.ndarray:
-    """(N,): on how many of the picture's four sides an object shows."""
+    """(N,): the number of the picture's four sides at which an object is visible."""
     sides = (owner[0], owner[-1], owner[:, 0], owner[:, -1])
     shown = np.concatenate([np.unique(side) for side in sides])
     return np.bincount(shown[shown >= 0], minlength=count)
 
 
 def _grounds(boxes: np.ndarray, borders: np.ndarray) -> np.ndarray:
-    """(N,): of visible things, flat ones that leave the picture or that another stands on or in front of."""
+    """(N,): of visible objects, flat ones that leave the picture or that another stands on or in front of."""
     size = boxes[:, 1] - boxes[:, 0]
     widest = np.maximum(size.max(1), 1e-9)
     low = size[:, 2] < _FLAT * widest
@@ -143,7 +138,28 @@ def _thin(boxes: np.ndarray) -> np.ndarray:
 
 
 def _within(boxes: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-    """(N,): things that lie in the box around all that is chosen."""
+    """(N,): objects inside the box around all chosen ones."""
     low, high = boxes[chosen, 0].min(0), boxes[chosen, 1].max(0)
     slack = _SLACK * (high - low).max()
     return ((boxes[:, 0] >= low - slack) & (boxes[:, 1] <= high + slack)).all(1)
+
+
+def remember_subject(scene: Scene, subject: Iterable[Object]) -> None:
+    """Stores a subject that the artist has chosen."""
+    scene[SUBJECT_KEY] = json.dumps([thing.name_full for thing in subject])
+
+
+def recall_subject(scene: Scene) -> list[Object]:
+    """The stored subject's objects that still exist; empty without a stored subject."""
+    try:
+        names = json.loads(scene.get(SUBJECT_KEY, "[]"))
+    except (TypeError, ValueError):  # somebody else's file
+        return []
+    stored = {name for name in names if isinstance(name, str)} if isinstance(names, list) else set()
+    return [thing for thing in scene.objects if thing.name_full in stored]
+
+
+def forget_subject(scene: Scene) -> None:
+    """Forgets the stored subject: the next one is found automatically."""
+    if SUBJECT_KEY in scene:
+        del scene[SUBJECT_KEY]

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels, operators, properties and preferences in Blender."""
+"""Everything in Blender's window, a module for each feature: its panel, its buttons and its fields."""

@@ -1,18 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live in the panel: its switch, what a letter that is typed does, and the timer of its steps."""
+"""Live in the panel: its switch, the timer of its steps, the look of the words so far, and its keys.
+
+While Live is on, Enter in the prompt begins the search, and Esc takes the look away. Blender does not report how a text
+field was left, and the field takes the press of the key: an add-on only gets its release.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 import bpy
 
-from ..core import drawing
-from ..core.schema_import import faults, schema
-from ..session.state import addon_state
-from . import obstacles
+from ..core.schema_import import errors, schema
+from ..run.live import Live
+from ..run.state import addon_state
+from . import bases, drawing
 
 _TICK = 0.02  # seconds between two steps
+_KEYS = {"vibe.entered": ("RET", "NUMPAD_ENTER"), "vibe.escaped": ("ESC",)}
+_keys: list[tuple[Any, Any]] = []  # keymap and item of each key that is registered
 
 
 def switched(window_manager: Any, context: bpy.types.Context) -> None:
@@ -24,8 +31,8 @@ def switched(window_manager: Any, context: bpy.types.Context) -> None:
 
 
 def typed(settings: Any, context: bpy.types.Context) -> None:
-    """A letter was typed into the prompt, or taken away."""
-    if not context.window_manager.vibe_live or addon_state.running or obstacles.untouchable(context):
+    """Follows the prompt after a letter was typed or taken away."""
+    if not context.window_manager.vibe_live or addon_state.running or bases.untouchable(context):
         return
     addon_state.live_for(context).typed(settings.prompt)
     if not bpy.app.timers.is_registered(_tick):
@@ -43,7 +50,7 @@ def _tick() -> float | None:
     except schema.VibeError as error:
         failure = error
     except Exception as error:  # an artist must never be left with a stuck panel
-        failure = faults.unexpected(error, "looking at the words")
+        failure = errors.unexpected(error, "looking at the words")
     if failure:
         addon_state.end_live()
         addon_state.failure = failure
@@ -56,3 +63,89 @@ def stop() -> None:
     """Ends the timer, when the add-on is switched off."""
     if bpy.app.timers.is_registered(_tick):
         bpy.app.timers.unregister(_tick)
+
+
+def draw(layout: bpy.types.UILayout, context: bpy.types.Context, live: Live) -> None:
+    """The look of the words so far, and which of them it does not show."""
+    if not live.look:
+        return
+    box = layout.box()
+    if icon := drawing.icon(live.before, live.preview):
+        box.template_icon(icon_value=icon, scale=8.5)
+    draw_words(box, context, live.words)
+    drawing.see_rendered(box, context)
+
+
+def draw_words(layout: bpy.types.UILayout, context: bpy.types.Context, words: Mapping[str, bool]) -> None:
+    """The words that the look so far does not show."""
+    if not words:
+        return
+    missing = [word for word, shown in words.items() if not shown]
+    text = "The look so far shows all words" if len(words) > 1 else "The look so far shows the word"
+    if missing:
+        verb = "does" if len(missing) == 1 else "do"
+        text = f"{len(missing)} of {len(words)} words {verb} not show yet: {', '.join(missing)}"
+    drawing.paragraph(layout, context, text, "TIME" if missing else "CHECKMARK")
+
+
+class VIBE_OT_entered(bpy.types.Operator):
+    """Begin the search for the words that were typed"""
+
+    bl_idname = "vibe.entered"
+    bl_label = "Vibe It from the Prompt"
+    bl_options: ClassVar[set[str]] = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Only over our panel, and only for words that nobody has searched for yet."""
+        live = addon_state.live
+        return bool(live and live.typing and _over_our_panel(context) and bpy.ops.vibe.run.poll())
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        bpy.ops.vibe.run("INVOKE_DEFAULT")
+        return {"FINISHED"}
+
+
+class VIBE_OT_escaped(bpy.types.Operator):
+    """Take the look of what was typed out of the scene"""
+
+    bl_idname = "vibe.escaped"
+    bl_label = "Take the Look Away"
+    bl_options: ClassVar[set[str]] = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Only over our panel, and only where there is a look."""
+        live = addon_state.live
+        return bool(live and live.typing and not addon_state.running and _over_our_panel(context))
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        if addon_state.live:
+            addon_state.live.clear()
+        drawing.redraw()
+        return {"FINISHED"}
+
+
+def _over_our_panel(context: bpy.types.Context) -> bool:
+    return context.region is not None and context.region.active_panel_category == "Vibe"
+
+
+def register_keys() -> None:
+    """Listens for the keys."""
+    config = bpy.context.window_manager.keyconfigs.addon
+    if config is None:  # without a window
+        return
+    keymap = config.keymaps.new(name="User Interface")
+    for operator, keys in _KEYS.items():
+        for key in keys:
+            _keys.append((keymap, keymap.keymap_items.new(operator, key, "RELEASE")))
+
+
+def unregister_keys() -> None:
+    """Inverse of `register_keys`."""
+    for keymap, item in _keys:
+        keymap.keymap_items.remove(item)
+    _keys.clear()
+
+
+CLASSES = (VIBE_OT_entered, VIBE_OT_escaped)

@@ -2,6 +2,8 @@
 # mypy: disable-error-code="valid-type"
 """The panel's fields, kept in the scene at `scene.vibe`. Groups and options come from the schema."""
 
+from collections.abc import Callable, Iterable, Mapping
+from types import MappingProxyType
 from typing import Any
 
 import bpy
@@ -16,15 +18,57 @@ from bpy.props import (
     StringProperty,
 )
 
+from ..core import compat, preferences
 from ..core.schema_import import labels, messages, options, schema, targets
 from ..render import reference
-from ..scene import stored_subject
-from ..scene.subject import SubjectChoice
-from ..session import preferences, result
-from . import live, option_properties
-from .picture_properties import PictureSettings
+from ..run import result
+from ..scene.subject import SubjectChoice, forget_subject
+from . import live
+from .picture import PictureSettings
 
 _LEFT_ALONE = ("camera",)  # unless asked: the artist framed the shot
+
+_Update = Callable[[Any, bpy.types.Context], None]
+
+
+def declare(
+    name: str,
+    preferences: bool,
+    table: Iterable[options.Option] = options.TABLE,
+    updates: Mapping[str, _Update] = MappingProxyType({}),
+) -> type:
+    """A class whose annotations are properties for options of the schema, to be inherited by the one that Blender registers.
+
+    Args:
+        preferences: For the add-on's preferences, else for the scene.
+        table: The options; those with choices, whose titles are the panel's, are left out.
+        updates: Option -> function that is called when it changes.
+    """
+    rows = [row for row in table if row.panel and row.panel.preferences == preferences and not row.choices]
+    properties = {row.name: _property(row, updates.get(row.name)) for row in rows}
+    return type(name, (), {"__annotations__": properties, "__module__": __name__})
+
+
+def _property(row: options.Option, update: _Update | None) -> Any:
+    panel = row.panel
+    assert panel is not None
+    facts: dict[str, Any] = {"name": panel.title, "description": panel.description}
+    if isinstance(row.default, bool):
+        return BoolProperty(**facts, default=row.default)
+    if isinstance(row.default, int):
+        bounds = panel.bounds or row.bounds
+        facts |= {"min": bounds[0], "max": bounds[1]} if bounds else {}
+        return IntProperty(**facts, default=row.default)
+    if update:
+        facts["update"] = update
+    if panel.suggestions:
+        facts |= {
+            "search": lambda _owner, _context, _text: panel.suggestions,
+            "search_options": {"SUGGESTION"},
+        }
+    facts |= {"options": {"TEXTEDIT_UPDATE"}} if panel.live else {}
+    facts |= {"subtype": "FILE_PATH", "options": compat.RELATIVE_PATHS} if panel.path else {}
+    return StringProperty(**facts, default=panel.default, maxlen=panel.length)
 
 
 class VibeChange(bpy.types.PropertyGroup):
@@ -45,7 +89,7 @@ class VibeLock(bpy.types.PropertyGroup):
 
 
 class VibeTarget(bpy.types.PropertyGroup):
-    """What a word of the prompt describes, against what it is taken for. Its `name` is the word."""
+    """The artist's target for a word of the prompt. Its `name` is the word."""
 
     target: StringProperty(
         description="A name in the scene, or one of lights, world, image, not used and so on"
@@ -82,10 +126,10 @@ def _dim(settings: "VibeSettings", context: bpy.types.Context) -> None:
 
 
 def _choose_anew(settings: "VibeSettings", context: bpy.types.Context) -> None:
-    stored_subject.forget(settings.id_data)
+    forget_subject(settings.id_data)
 
 
-_Options = option_properties.declare("VibeOptions", preferences=False, updates={"prompt": live.typed})
+_Options = declare("VibeOptions", preferences=False, updates={"prompt": live.typed})
 _EFFORT = options.named("budget").panel
 
 
@@ -160,18 +204,18 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
     pivot: FloatVectorProperty(size=3, description="What lights and camera orbit: the subject's center")
 
     def choice(self) -> SubjectChoice:
-        """What the picture is about."""
+        """The artist's choice of the subject."""
         if self.subject == "COLLECTION" and self.collection:
             return SubjectChoice(objects=(self.collection.name,))
         return SubjectChoice(selected=self.subject == "SELECTED")
 
-    def told(self) -> list[str]:
-        """What the artist says that words of the prompt describe: "copper=Cup"."""
-        said = (each for each in self.targets if targets.is_said(each.name, self.prompt))
-        return [f"{each.name}={each.target}" for each in said]
+    def target_pairs(self) -> list[str]:
+        """The artist's targets for words of the prompt: "copper=Cup"."""
+        present = (each for each in self.targets if targets.is_said(each.name, self.prompt))
+        return [f"{each.name}={each.target}" for each in present]
 
-    def tell(self, word: str, target: str) -> None:
-        """Keeps what the artist says that a word describes.
+    def set_target(self, word: str, target: str) -> None:
+        """Keeps the artist's target for a word.
 
         Args:
             word: As `--target` calls it.
@@ -181,15 +225,15 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         if place >= 0:
             self.targets.remove(place)
         if target:
-            told = self.targets.add()
-            told.name, told.target = word, target
+            added = self.targets.add()
+            added.name, added.target = word, target
 
     def groups(self) -> tuple[str, ...]:
         """The groups that a vibe may change."""
         return tuple(g for g in schema.GROUPS if getattr(self, f"change_{g}"))
 
     def engine_options(self, context: bpy.types.Context) -> messages.Options:
-        """What the engine is asked to do."""
+        """The options of a vibe, from these fields and the add-on's preferences."""
         saved = preferences.get(context)
         own = schema.Budget(self.rounds, self.steps, self.size, 1, "")
         budget = schema.BUDGETS.get(self.budget.lower(), own)
@@ -198,13 +242,13 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
             owner = saved if row.panel and row.panel.preferences else self
             if row.panel and owner:
                 chosen[row.name] = getattr(owner, row.name)
-        chosen |= {name: getattr(budget, name) for name in schema.budgets.NUMBERS}
+        chosen |= {name: getattr(budget, name) for name in schema.limits.NUMBERS}
         chosen["device"] = chosen.get("device", "").strip().lower() or "auto"
         patterns = filter(None, (pattern.strip() for pattern in self.lock.split(",")))
         chosen |= {"groups": self.groups(), "lock": [*patterns, *self.locks.keys()]}
-        chosen |= {"target": self.told()}
+        chosen |= {"target": self.target_pairs()}
         chosen |= {"like": "", "like_only": ()}  # whoever reads the scene saves the picture, and knows where
-        if picture := reference.name(self):
+        if picture := reference.picture_name(self):
             chosen |= {"like": picture, "like_only": self.traits()}
         return messages.Options.from_dict(chosen | {"online": preferences.online()})
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is said of the words that a picture shows, and of those that it does not."""
 
-from vibe_render.session.notes.claims import claim_lines, words_shown
+from vibe_render.run.notes import claim_lines, words_shown
 
 
 def row(word, holds, measure="warmth", thing="picture", after=3.2):

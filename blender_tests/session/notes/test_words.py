@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What people are told about their words."""
 
-from vibe_render.session.notes.words import word_notes
+from vibe_render.run.notes import word_notes
 
 
 def test_words_left_out_guesses_and_contradictions_are_told():

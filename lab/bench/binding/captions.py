@@ -14,8 +14,8 @@ from lab.bench.binding import caption_files, prompts, table
 from lab.bench.binding.judge import SentenceVerdict, judge
 from lab.bench.binding.reading import read
 from lab.bench.sealed.table import share
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.schema import atomic
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
 
 
 def measure(out: Path, captions: str, misses: bool = False) -> dict[str, Any]:

@@ -18,8 +18,8 @@ from lab.bench.binding.reading import SentenceReading, read
 from lab.train import binding
 from lab.train.sentences import read_folder
 from lab.train.sentences.labels import SENTENCE_KINDS, LabeledSentence
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.schema import VibeError, atomic
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
 
 
 def run(

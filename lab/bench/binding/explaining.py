@@ -13,11 +13,10 @@ from lab.bench.binding import table
 from lab.train.sentences.labels import LabeledScene, LabeledSentence
 from lab.train.sentences.stand_in import SceneStandIn, stand_in
 from proxy_renderer.goals.resolve import goals_or_why
-from proxy_renderer.planning.advice import OfflineAdvisor
-from proxy_renderer.planning.explanation import explain
-from proxy_renderer.prompt.types import Parsed
-from proxy_renderer.prompt.understood import Understood
+from proxy_renderer.planning.advice import OfflineAdvisor, explain
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.parser import Understood
+from proxy_renderer.words.types import Parsed
 
 _LEAST, _MOST = 35, 45  # words of a prompt that counts as one of forty
 
@@ -42,8 +41,8 @@ def explained(text: str, whole: SceneStandIn) -> Parsed:
     Raises:
         VibeError: The prompt asks for no look.
     """
-    advice = OfflineAdvisor(goals_or_why(Understood(text, whole.words))).advise(
-        None, whole.instances, whole.context
+    advice = OfflineAdvisor(goals_or_why(Understood(text, whole.scene))).advise(
+        None, whole.instances, whole.scene
     )
     explain(advice.goals, advice.prompts, advice.plan)
     return advice.goals.parsed

@@ -10,7 +10,7 @@ from lab.bench.binding.places import matched
 from lab.bench.binding.reading import Reach, SentenceReading
 from lab.bench.binding.targets import MATTER, SentenceTargets, painted
 from lab.train.sentences.labels import LabeledSentence, LookWord
-from proxy_renderer.prompt.lexicon.vocabulary import Vocabulary
+from proxy_renderer.words.lexicon.vocabulary import Vocabulary
 
 
 @dataclass(frozen=True)

@@ -9,16 +9,16 @@ from dataclasses import dataclass, replace
 
 from lab.train.sentences.labels import LabeledScene
 from lab.train.sentences.stand_in import STANDBY, SceneStandIn, stand_in
-from proxy_renderer.goals.meaning import wishes_of
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.planning.lights.lacking import lacking
+from proxy_renderer.goals.wish import wishes_of
+from proxy_renderer.planning.missing import missing_lights
 from proxy_renderer.planning.owners import Owners
-from proxy_renderer.prompt.binding.model import FactWeights
-from proxy_renderer.prompt.lexicon.entries import OWNERS, Effect
-from proxy_renderer.prompt.lexicon.vocabulary import Vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.types import GLOW, Attribute, Parsed
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.lexicon.entries import OWNERS, Effect
+from proxy_renderer.words.lexicon.vocabulary import Vocabulary
+from proxy_renderer.words.model import FactWeights
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import GLOW, Attribute, Parsed
 
 _MATTER = ("finish", "material", "color")
 
@@ -85,11 +85,11 @@ def read(
     whole = stand_in(scene)
     start = time.perf_counter()
     try:
-        parsed = parse(text, whole.words, vocabulary, weights)
+        parsed = parse(text, whole.scene, vocabulary, weights)
     except VibeError as error:
         return SentenceReading((), {}, time.perf_counter() - start, error.message)
     own = {light.name: light.role for light in scene.lights}
-    names = lacking(goals_of(parsed, vocabulary), whole.instances, whole.context, STANDBY, vocabulary)
+    names = missing_lights(goals_of(parsed, vocabulary), whole.instances, whole.scene, STANDBY, vocabulary)
     binding = _Binding(parsed, whole.with_lights(names), vocabulary)
     reaches = tuple(map(binding.reach, (a for a in parsed.attributes if not a.cause)))
     seconds = time.perf_counter() - start
@@ -105,7 +105,7 @@ class _Binding:
 
     def __init__(self, parsed: Parsed, scene: SceneStandIn, vocabulary: Vocabulary) -> None:
         self.vocabulary = vocabulary
-        self.owners = Owners(parsed, scene.instances, scene.context, vocabulary)
+        self.owners = Owners(parsed, scene.instances, scene.scene, vocabulary)
 
     def reach(self, attribute: Attribute) -> Reach:
         """What an attribute changes; negated words reach what they would change."""

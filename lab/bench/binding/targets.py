@@ -8,8 +8,8 @@ from collections.abc import Mapping
 
 from lab.bench.binding.reading import Reach
 from lab.train.sentences.labels import LabeledSentence, LabelTarget, LookWord
-from proxy_renderer.prompt.lexicon.vocabulary import Vocabulary
-from proxy_renderer.prompt.names import is_detail, plain_name
+from proxy_renderer.words.lexicon.vocabulary import Vocabulary
+from proxy_renderer.words.names import is_detail, plain_name
 
 MATTER = ("materials", "subject", "surroundings", "others")
 """Kinds of targets that are materials."""

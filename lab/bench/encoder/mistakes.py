@@ -11,7 +11,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from lab.train.evaluate import Mistake
-from proxy_renderer.engine.report import save_image
+from proxy_renderer.engine.pictures import save_image
 
 _SIDE, _GAP, _TEXT, _COLUMNS, _MOST = 200, 10, 92, 6, 24
 _PAPER, _INK, _TRUE, _FALSE = (24, 24, 26), (236, 236, 236), (130, 210, 140), (230, 130, 120)

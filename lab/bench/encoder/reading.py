@@ -34,14 +34,14 @@ from lab.train.pictures.looks import INDEX, NAMES
 from lab.train.text.captions import caption, sayable
 from lab.train.text.wording import WordingSplit
 from proxy_renderer.guidance.encoder import Encoder, load_encoder
-from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
-from proxy_renderer.prompt.lexicon.entries import normalize
-from proxy_renderer.prompt.lexicon.nearest import Nearest
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.parser import parse
-from proxy_renderer.prompt.prompts import compose
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.planning.captions import compose
 from proxy_renderer.schema import VibeError, atomic
+from proxy_renderer.words.lexicon.entries import normalize
+from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.lexicon.word_table import Nearest
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneDescription
 
 WORDS = Path(__file__).parents[1] / "unseen_words.txt"
 TEST = 200_000
@@ -148,7 +148,7 @@ def _in_other_words(classes: dict[str, str], noun: str, wording: float) -> str:
     if not sentence:
         return ""
     try:
-        return compose(parse(sentence, SceneWords())).whole or sentence
+        return compose(parse(sentence, SceneDescription())).whole or sentence
     except VibeError:  # the language has no word of it
         return sentence
 

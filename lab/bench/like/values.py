@@ -9,8 +9,7 @@ from typing import Any
 
 import torch
 
-from proxy_renderer.color.blackbody import blackbody
-from proxy_renderer.color.tensors import luminance
+from proxy_renderer.color.tensors import blackbody, luminance
 from proxy_renderer.schema import orbit
 
 _KELVIN = torch.arange(1500.0, 12001.0, 50.0)

@@ -10,10 +10,9 @@ from typing import Any
 import torch
 
 from lab.bench.paper.finished import FinishedPicture
-from proxy_renderer.color.blackbody import blackbody
 from proxy_renderer.color.constants import XYZ_FROM_REC709
-from proxy_renderer.color.differences import ciede2000
 from proxy_renderer.color.floats import oklab_from_srgb, srgb_from_linear
+from proxy_renderer.color.tensors import blackbody, ciede2000
 
 FinalValues = Mapping[str, Mapping[str, Any]]
 """Of a finished scene: `parameters` of report.json."""

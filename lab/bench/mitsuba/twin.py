@@ -15,11 +15,14 @@ import numpy as np
 from torch import Tensor
 
 from proxy_renderer.render.geometry.camera import view_of
-from proxy_renderer.render.lights.types import light_sources, light_type
-from proxy_renderer.render.lights.types.area import AreaLight
-from proxy_renderer.render.lights.types.light_source import LightSource
-from proxy_renderer.render.lights.types.point import PointLight
-from proxy_renderer.render.lights.types.sun import SunLight
+from proxy_renderer.render.lights.light_source import LightSource
+from proxy_renderer.render.lights.light_types import (
+    AreaLight,
+    PointLight,
+    SunLight,
+    light_sources,
+    light_type,
+)
 from proxy_renderer.scene import SceneData
 from proxy_renderer.scene.values import RenderValues
 from proxy_renderer.schema import VibeError

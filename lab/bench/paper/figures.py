@@ -9,7 +9,7 @@ from pathlib import Path
 from PIL import Image
 
 from lab.bench.paper.pairs import Pair
-from proxy_renderer.engine.report import save_image
+from proxy_renderer.engine.pictures import save_image
 from proxy_renderer.vlm import judge
 
 

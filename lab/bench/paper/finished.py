@@ -15,7 +15,7 @@ from scipy import ndimage
 from proxy_renderer.claims.measures.picture import MeasuredPicture
 from proxy_renderer.color import arrays
 from proxy_renderer.color.tensors import lab_from_srgb
-from proxy_renderer.engine.report import load_picture
+from proxy_renderer.engine.pictures import load_picture
 from proxy_renderer.render.gbuffer import GBuffer
 
 FloatArray = NDArray[np.float64]

@@ -8,7 +8,7 @@ import torch
 
 from lab import judge
 from lab.bench.paper.finished import FloatArray
-from proxy_renderer.guidance import augment
+from proxy_renderer.guidance import regions
 
 
 class Judge:
@@ -29,7 +29,7 @@ class Judge:
         """
         with torch.no_grad():
             batch = torch.from_numpy(np.stack([before, after])).float().permute(0, 3, 1, 2)
-            features = self._encoder.encode_images(augment.whole(batch, self._encoder.size))
+            features = self._encoder.encode_images(regions.whole(batch, self._encoder.size))
             earlier, later = (features @ self._encoder.encode_texts([prompt]).T)[:, 0].tolist()
         return round(later - earlier, 4)
 

@@ -10,8 +10,8 @@ import numpy as np
 import torch
 
 from lab.bench.paper.finished import FinishedPicture, FloatArray, luminance
-from proxy_renderer.claims.measures import registry
-from proxy_renderer.color.differences import ciede2000
+from proxy_renderer.claims import measures
+from proxy_renderer.color.tensors import ciede2000
 
 _FLOOR = 0.004
 """Linear luminance below which differences are not seen on a display in a lit room."""
@@ -19,10 +19,10 @@ _FLOOR = 0.004
 FOG = "fog"
 """The measure that needs the same picture without its fog."""
 
-UNITS = {**{name: m.unit for name, m in registry.MEASURES.items()}, FOG: ""}
-NOTICES = {**{name: m.notice for name, m in registry.MEASURES.items()}, FOG: 0.04}
+UNITS = {**{name: m.unit for name, m in measures.MEASURES.items()}, FOG: ""}
+NOTICES = {**{name: m.notice for name, m in measures.MEASURES.items()}, FOG: 0.04}
 SAYS = {
-    **{name: m.says for name, m in registry.MEASURES.items()},
+    **{name: m.says for name, m in measures.MEASURES.items()},
     FOG: "share of local contrast that fog takes away",
 }
 """By name, as `traits.toml` has them: unit, the least difference that people notice, and what it is."""
@@ -38,7 +38,7 @@ def taken(name: str, shot: FinishedPicture, region: str) -> float:
     if name == FOG:
         return fog(shot, region)
     where = torch.from_numpy(shot.region(region))
-    return float(registry.MEASURES[name].take(shot.measured, where)[0])
+    return float(measures.MEASURES[name].take(shot.measured, where)[0])
 
 
 def color_error(shot: FinishedPicture, region: str, lab: tuple[float, float, float]) -> float:

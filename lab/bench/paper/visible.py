@@ -10,7 +10,7 @@ import torch
 from scipy import ndimage
 
 from lab.bench.paper.finished import FinishedPicture
-from proxy_renderer.color.differences import ciede2000
+from proxy_renderer.color.tensors import ciede2000
 
 _LEAST, _PLAIN = 3.0, 12.0
 """CIEDE2000 across an outline: hardly seen, plain to see."""

@@ -21,7 +21,7 @@ from pathlib import Path
 import torch
 from torch import Tensor
 
-from proxy_renderer.engine.allocator import keep_freed_memory
+from proxy_renderer.engine.worker import keep_freed_memory
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import pipeline
 from proxy_renderer.optimize.looks import EarlyLook

@@ -16,8 +16,8 @@ from lab.bench.sealed.prompts import SealedJob
 from lab.bench.sealed.rules import rule
 from lab.bench.wild import product
 from lab.methods import OURS, Variation
-from proxy_renderer.prompt.lexicon.user_words import default_vocabulary
 from proxy_renderer.schema import atomic
+from proxy_renderer.words.lexicon.user_words import default_vocabulary
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ from lab.bench.metrics import difference
 from lab.bench.mitsuba.steps import VARIANT
 from lab.bench.mitsuba.twin import DEPTH, learned
 from proxy_renderer.blender.launch import environment
-from proxy_renderer.engine.report import load_picture, save_picture
+from proxy_renderer.engine.pictures import load_picture, save_picture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import SceneData, load_scene
 from proxy_renderer.schema import VibeError

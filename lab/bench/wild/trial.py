@@ -12,9 +12,9 @@ from typing import Any
 
 from lab.bench.wild import product
 from proxy_renderer.blender import launch
-from proxy_renderer.engine.report import load_picture
+from proxy_renderer.engine.pictures import load_picture
 from proxy_renderer.schema import atomic
-from proxy_renderer.schema.verdicts import missing_by_word
+from proxy_renderer.schema.messages import missing_by_word
 
 _SHORT = ("--rounds", "1", "--steps", "8", "--samples", "64", "--figures")
 """A short vibe: what is tried is whether a scene can be read, changed, predicted and given back."""

@@ -38,7 +38,7 @@ def hide(name: str, folder: Path, seed: str, groups: list[str], size: int, sampl
     instances = bindings.instances(analysis.scene, analysis.objects, analysis.pivot)
     hidden = hidden_values(instances, seed, groups)
     with bindings.trial(analysis.scene, hidden, analysis.objects, analysis.pivot) as left:
-        final_render.render(analysis.scene, folder / "goal.png", size, samples)
+        final_render.render_picture(analysis.scene, folder / "goal.png", size, samples)
     hidden = {key: value for key, value in hidden.items() if key not in left}
     roles = {key: instances[key].role for key in hidden}
     return {

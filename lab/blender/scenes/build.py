@@ -15,9 +15,9 @@ from vibe_render.core import compat
 from vibe_render.core.color import Color
 from vibe_render.core.schema_import import schema
 from vibe_render.scene import bindings, scene_context, snapshot
-from vibe_render.scene.lights.light_type import SIZE
-from vibe_render.scene.lights.registry import light_type
-from vibe_render.scene.stage import parts
+from vibe_render.scene.light_types import SIZE, light_type
+from vibe_render.scene.orbits import orbit_matrix
+from vibe_render.scene.stage import cyclorama, floor, framing_camera, mesh_object, plain_material, plain_world
 
 from lab.blender.scenes.places import PLACES
 from lab.blender.scenes.props import PROPS
@@ -65,7 +65,7 @@ def build(recipe: SceneRecipe, seed: int) -> tuple[Scene, list[Object]]:
 
 def _camera(scene: Scene, view: CameraRecipe, points: np.ndarray, luck: random.Random) -> None:
     angles = (view.azimuth + luck.uniform(-12, 12), view.elevation + luck.uniform(-3, 3))
-    camera = parts.camera(scene, points, angles, view.fov, view.fill)
+    camera = framing_camera(scene, points, angles, view.fov, view.fill)
     if view.orthographic:
         away = (camera.location - Vector((points.min(0) + points.max(0)) / 2)).length
         camera.data.type, camera.data.ortho_scale = "ORTHO", 2 * away * math.tan(math.radians(view.fov) / 2)
@@ -87,17 +87,17 @@ def _stage(scene: Scene, recipe: SceneRecipe, luck: random.Random) -> None:
         return
     ground = material("Ground", recipe.ground, luck)
     if recipe.stage == "cove":
-        parts.cyclorama(scene, 7.0, 6.0, recipe.view.azimuth, ground)
+        cyclorama(scene, 7.0, 6.0, recipe.view.azimuth, ground)
     elif recipe.stage == "room":
         _room(scene, recipe, ground, luck)
     else:
-        parts.floor(scene, 30.0, ground)
+        floor(scene, 30.0, ground)
 
 
 def _room(scene: Scene, recipe: SceneRecipe, ground: bpy.types.Material, luck: random.Random) -> None:
     """Floor, ceiling and back wall, and walls of other colors on the left and on the right."""
     colors = dict(zip(("Left", "Right"), recipe.walls, strict=True))
-    walls = {name: parts.material(name, shifted(color, luck), 0.9) for name, color in colors.items()}
+    walls = {name: plain_material(name, shifted(color, luck), 0.9) for name, color in colors.items()}
     w, d, h = 2.6, 2.4, 3.6
     corners = np.array([[x, y, z] for x in (-w, w) for y in (-4.5, d) for z in (0, h)], float)
     sides = {
@@ -108,7 +108,7 @@ def _room(scene: Scene, recipe: SceneRecipe, ground: bpy.types.Material, luck: r
         "Right Wall": ((4, 5, 7, 6), walls["Right"]),
     }
     for name, (quad, stuff) in sides.items():
-        parts.mesh_object(scene, name, corners[list(quad)], [(0, 1, 2, 3)], stuff)
+        mesh_object(scene, name, corners[list(quad)], [(0, 1, 2, 3)], stuff)
 
 
 def _lamp(scene: Scene, name: str, lamp: LightRecipe, pivot: Vector, luck: random.Random) -> None:
@@ -122,12 +122,12 @@ def _lamp(scene: Scene, name: str, lamp: LightRecipe, pivot: Vector, luck: rando
     for key, value in lamp.settings.items():
         setattr(data, key, value)
     thing = bpy.data.objects.new(name, data)
-    thing.matrix_world = parts.pose(pivot, *angles, lamp.distance)
+    thing.matrix_world = orbit_matrix(pivot, *angles, lamp.distance)
     scene.collection.objects.link(thing)
 
 
 def _world(scene: Scene, world: WorldRecipe, seed: int, luck: random.Random) -> None:
-    parts.world(scene, shifted(world.color, luck), world.strength)
+    plain_world(scene, shifted(world.color, luck), world.strength)
     tree = compat.enable_nodes(scene.world)
     background = next(n for n in tree.nodes if n.bl_idname == "ShaderNodeBackground")
     if world.picture:

@@ -8,7 +8,7 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from lab.train.pictures import looks
-from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
+from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 
 WHOLE, ALONE, EMPTY = 0, 1, 2
 _SEEN_ALONE = (

@@ -19,8 +19,8 @@ from scipy.ndimage import uniform_filter
 
 from lab.train.pictures.shapes import Random, shape
 from lab.train.pictures.surfaces import Shape, grid
-from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.schema.orbit import direction, frame
+from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 
 VOID, SUBJECT, STAGE = 0, 1, 2
 FAR = 8.0

@@ -26,9 +26,9 @@ from lab.train.pictures.bank import SIDES
 from lab.train.pictures.shapes import shape
 from lab.train.pictures.surfaces import bent
 from proxy_renderer.blender.launch import environment, events
-from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.orbit import frame
+from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 
 SAMPLES = 24
 _TWINNED = ("subject_finish", "subject_metal", "light_softness")

@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 
 from proxy_renderer.color.floats import linear_from_srgb, srgb_from_hex
-from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES, COLORS
+from proxy_renderer.words.lexicon.quantities import ATTRIBUTES, COLORS
 
 NAMES = tuple(ATTRIBUTES)
 INDEX = {name: i for i, name in enumerate(NAMES)}

@@ -8,13 +8,12 @@ from dataclasses import replace
 from itertools import groupby
 
 from lab.train.sentences.labels import LabeledSentence, LookWord
-from proxy_renderer.prompt.languages.gloss import gloss
-from proxy_renderer.prompt.languages.pieces import Piece
-from proxy_renderer.prompt.lexicon.vocabulary import Vocabulary
-from proxy_renderer.prompt.types import SceneWords
+from proxy_renderer.words.foreign import Piece, gloss
+from proxy_renderer.words.lexicon.vocabulary import Vocabulary
+from proxy_renderer.words.types import SceneDescription
 
 
-def glossed(sentence: LabeledSentence, scene: SceneWords, vocabulary: Vocabulary) -> LabeledSentence:
+def glossed(sentence: LabeledSentence, scene: SceneDescription, vocabulary: Vocabulary) -> LabeledSentence:
     """A sentence in English words; itself where it is English.
 
     Words of one label that do not stand together any more are labeled each.

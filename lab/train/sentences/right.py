@@ -7,11 +7,10 @@ import re
 from difflib import SequenceMatcher
 
 from lab.train.sentences.labels import ROLES, LabeledScene, LabeledSentence, LabelTarget, LookWord
-from proxy_renderer.prompt.binding.pairs import PromptPairs, TargetPair
-from proxy_renderer.prompt.binding.targets import MATTER, TINGE
-from proxy_renderer.prompt.lexicon.vocabulary import as_meant, shipped_vocabulary
-from proxy_renderer.prompt.names import is_detail
-from proxy_renderer.prompt.types import GLOW
+from proxy_renderer.words.lexicon.vocabulary import as_meant, shipped_vocabulary
+from proxy_renderer.words.names import is_detail
+from proxy_renderer.words.targets import MATTER, TINGE, PromptPairs, TargetPair
+from proxy_renderer.words.types import GLOW
 
 _WORD = re.compile(r"\d+|[^\W\d_]+(?:['’][a-z]+)?")  # "2900K" is read as "2900 kelvin"
 _NAMED = ("light", "lights", "key", "fill", "rim", "air", "surroundings")
@@ -70,15 +69,14 @@ def _unlabeled(
     if any(themselves):
         return [t or (known and r) for t, r in zip(themselves, right, strict=True)]
     around = [
-        not a_thing and pair.becoming.slot == "setting" and pair.target.kind == "surroundings"
-        for pair in pairs
+        not a_thing and pair.sense.slot == "setting" and pair.target.kind == "surroundings" for pair in pairs
     ]
     return [r or a for r, a in zip(right, around, strict=True)]
 
 
 def _directs(pair: TargetPair) -> bool:
     """Whether a word says where the light comes from that it describes."""
-    entry = shipped_vocabulary().entries.get(pair.becoming.entry)
+    entry = shipped_vocabulary().entries.get(pair.sense.entry)
     effects = entry.effects if entry else ()
     return any(e.name in ("azimuth", "elevation") and not e.weak for e in effects)
 
@@ -132,7 +130,7 @@ def is_right(pair: TargetPair, wanted: LabelTarget, scene: LabeledScene) -> bool
     if wanted.kind == "picture" and kind in ("shadow", "highlight"):
         return True
     if wanted.kind == "picture" and kind in ("light", "air"):
-        return pair.becoming.slot in _GENERAL and pair.becoming.way == "own"
+        return pair.sense.slot in _GENERAL and pair.sense.way == "own"
     return kind == wanted.kind
 
 

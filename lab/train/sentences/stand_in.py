@@ -7,10 +7,9 @@ import math
 from dataclasses import dataclass, replace
 
 from lab.train.sentences.labels import LabeledScene
-from proxy_renderer.planning.types import Glow, PlanContext
-from proxy_renderer.prompt.types import LightWords, SceneWords
-from proxy_renderer.scene.plain import plain_instances
+from proxy_renderer.scene.data import plain_instances
 from proxy_renderer.schema import Instance, radiometry
+from proxy_renderer.words.types import Glow, LightDescription, SceneDescription
 
 STANDBY = {"Vibe Key": "key", "Vibe Fill": "fill", "Vibe Rim": "rim"}
 """Lights that a scene gets if words ask for them, with their roles."""
@@ -24,14 +23,12 @@ class SceneStandIn:
     """A labeled scene in the terms of the reader and the planner.
 
     Attributes:
-        words: Its names.
+        scene: Its names and what the planner knows about it.
         instances: Its parameters by key.
-        context: What the planner knows about it.
     """
 
-    words: SceneWords
+    scene: SceneDescription
     instances: dict[str, Instance]
-    context: PlanContext
 
     def with_lights(self, names: list[str]) -> SceneStandIn:
         """The scene with some of the lights on standby in it.
@@ -43,12 +40,8 @@ class SceneStandIn:
             return self
         added = plain_instances([(name, "AREA", STANDBY[name]) for name in names], ())
         theirs = {key: i for key, i in added.items() if i.owner in names}
-        context = replace(
-            self.context,
-            added_lights=tuple(names),
-            light_types=self.context.light_types | dict.fromkeys(names, "AREA"),
-        )
-        return replace(self, instances=self.instances | theirs, context=context)
+        lights = {name: LightDescription("AREA", STANDBY[name]) for name in names}
+        return SceneStandIn(replace(self.scene, added_lights=lights), self.instances | theirs)
 
 
 def stand_in(scene: LabeledScene) -> SceneStandIn:
@@ -58,22 +51,19 @@ def stand_in(scene: LabeledScene) -> SceneStandIn:
         scene: The scene. Its key light is the brightest, or else the first one that is named.
     """
     mine = scene.materials_of("subject")
-    words = SceneWords(
+    described = SceneDescription(
         subject=scene.subject[0] if len(scene.subject) == 1 else "",
         objects={name: "subject" if name in scene.subject else "surroundings" for name in scene.objects},
         materials={name: "subject" if name in mine else "surroundings" for name in scene.materials},
         object_materials=scene.objects,
-        lights={x.name: LightWords(x.type, x.role, x.turn, x.lights) for x in scene.lights},
+        lights={x.name: LightDescription(x.type, x.role, x.turn, x.lights) for x in scene.lights},
         glows=scene.glows,
         groups=_groups(scene),
         places=scene.places,
-    )
-    context = PlanContext(
-        light_types={light.name: light.type for light in scene.lights},
-        glows={name: _glow(scene, name) for name in scene.glows},
+        emitters={name: _glow(scene, name) for name in scene.glows},
         world_share=_SKY if scene.sky else 0.0 if scene.materials_of("surroundings") else None,
     )
-    return SceneStandIn(words, _instances(scene, words), context)
+    return SceneStandIn(described, _instances(scene, described))
 
 
 def _groups(scene: LabeledScene) -> dict[str, tuple[str, ...]]:
@@ -85,9 +75,9 @@ def _groups(scene: LabeledScene) -> dict[str, tuple[str, ...]]:
     return children | scene.collections
 
 
-def _instances(scene: LabeledScene, words: SceneWords) -> dict[str, Instance]:
+def _instances(scene: LabeledScene, described: SceneDescription) -> dict[str, Instance]:
     lights = [(light.name, light.type, light.role) for light in scene.lights]
-    instances = plain_instances(lights, words.materials.items())
+    instances = plain_instances(lights, described.materials.items())
     main = next((x.name for x in scene.lights if x.role == "key"), lights[0][0] if lights else "")
     values: dict[str, float] = {}
     for light in scene.lights:

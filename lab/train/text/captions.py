@@ -26,7 +26,7 @@ from lab.train.text.wording import (
     color_names,
     phrases,
 )
-from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
+from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 
 _PLAIN = {
     "light_side": SIDE_WORDS, "light_softness": SOFT_WORDS, "light_temperature": TEMPERATURE_WORDS, "fog": FOG_WORDS,

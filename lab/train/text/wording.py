@@ -7,8 +7,8 @@ from functools import cache
 
 from lab.heads.classes import classes_of
 from proxy_renderer.color.shades import basic
-from proxy_renderer.prompt.lexicon.entries import VocabularyEntry
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.lexicon.entries import VocabularyEntry
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
 
 AttributeClasses = dict[str, str]
 """Attribute name → class, for those that a picture shows or a caption mentions."""

@@ -8,8 +8,8 @@ from collections.abc import Container, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from proxy_renderer.prompt.lexicon.entries import normalize
-from proxy_renderer.prompt.lexicon.word_table import KINDS
+from proxy_renderer.words.lexicon.entries import normalize
+from proxy_renderer.words.lexicon.word_table import KINDS
 
 SENSES = 3
 """Of a word, the most frequent ones are looked at."""

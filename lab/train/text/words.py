@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes prompt/lexicon/words.safetensors: a small vector for every English word that may speak of a look.
+"""Makes words/lexicon/words.safetensors: a small vector for every English word that may speak of a look.
 
 The language side knows a few thousand words by heart; any other one falls to the nearest of them. What "near" means
 is distilled from three sources, none of which is needed, or loaded, when the product runs:
@@ -30,8 +30,8 @@ import numpy as np
 
 from lab.train.text.minilm import MiniLM
 from lab.train.text.wordnet import SENSES, WordNet, candidates, read_wordnet
-from proxy_renderer.prompt.lexicon.vocabulary import Vocabulary, shipped_vocabulary
-from proxy_renderer.prompt.lexicon.word_table import FILE
+from proxy_renderer.words.lexicon.vocabulary import Vocabulary, shipped_vocabulary
+from proxy_renderer.words.lexicon.word_table import FILE
 
 DIMENSIONS = 96
 LICENSE = "Derived from WordNet 3.1 (c) Princeton University, all-MiniLM-L6-v2 (Apache-2.0) and GloVe (PDDL)"

@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures of color: of a thing, of a region, of what is dark and of what is light."""
+"""Measures of color: of things, of the light, and of a picture's tones."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+
 import torch
+import torch.nn.functional as F
 from torch import Tensor
 
 from .picture import MeasuredPicture
+from .tone import lightness_below
 
 _REST = 0.1
 """Share of a region's darkest pixels, and of its lightest, that say nothing of its color: shadows and highlights."""
@@ -17,24 +21,25 @@ _MIRRORED = 0.4
 _PLAIN = 1.0
 """Chroma, OKLab times 100, that pixels count for beside their own, where lightness is read: gray things have none."""
 
-_ACCENT = 0.1
-"""Share of a region that one of several colors of light has to tint."""
+_ACCENT = 0.1  # share of a region that one of several colors of light has to tint
 
 _ENDS = 0.3
 """Share of the darkest, or of the lightest, pixels that tints of shadows and of lights are read from."""
 
+_GRAY = 10.0
+"""C* of CIE Lab at which a pixel counts half for a color cast: about what people call gray at a glance."""
+
+_DARKEST, _LEAST = 25.0, 0.02
+"""L* below which a pixel says less of a cast, the less the darker, and what black counts."""
+
+_PATCH = 24  # patches of a dark channel along the longer side of a picture
+
 
 def color(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Color of a region without its deepest shadows and its highlights, as people name it.
+    """Color of a region without its deepest shadows and its highlights, as people name it: (3,) OKLab, times 100.
 
     Its lightness is that of where its color shows: what mirrors a white wall says little of a teal. Hue and chroma are those
     of its darker part.
-
-    Args:
-        where: (H, W) bool, the region.
-
-    Returns:
-        (3,) OKLab, times 100.
     """
     light, seen = picture.oklab[..., 0].detach()[where], picture.oklab[where]
     low, matte, high = torch.quantile(light, light.new_tensor([_REST, 1 - _MIRRORED, 1 - _REST]))
@@ -45,21 +50,14 @@ def color(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def tint(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Where the mean color lies off gray: (2,) a* and b* of CIE Lab.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Mean distance from gray: (2,) a* and b* of CIE Lab."""
     return picture.lab[..., 1:][where].mean(0)
 
 
 def accent(picture: MeasuredPicture, where: Tensor, direction: Tensor) -> Tensor:
-    """How far the part of a region that lies farthest in a color's direction does so: (1,) a* and b* along it.
-
-    Two lights of two colors tint different parts of a picture, and its mean by neither.
+    """Distance from gray along a color's direction of the part of a region that lies farthest in it: (1,) a* and b*.
 
     Args:
-        where: (H, W) bool, the region.
         direction: (2,) unit vector in a* and b*.
     """
     along = picture.lab[..., 1:][where] @ direction
@@ -67,29 +65,17 @@ def accent(picture: MeasuredPicture, where: Tensor, direction: Tensor) -> Tensor
 
 
 def lightness(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Mean lightness: (1,) L*.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Mean lightness: (1,) L*."""
     return picture.lab[..., 0][where].mean()[None]
 
 
 def chroma(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Mean distance from gray: (1,) C* of CIE Lab.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Mean distance from gray: (1,) C* of CIE Lab."""
     return _chroma_of(picture, where).mean()[None]
 
 
 def vividest(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Distance from gray that all but the most vivid thirtieth of the pixels keep below: (1,) C* of CIE Lab.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Distance from gray that all but the most vivid thirtieth of the pixels keep below: (1,) C* of CIE Lab."""
     return _chroma_of(picture, where).quantile(1 - 1 / 30)[None]
 
 
@@ -99,39 +85,23 @@ def _chroma_of(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How far the mean color lies towards orange, or, below 0, towards blue: (1,) b* and half of a*.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Distance of the mean color towards orange, or, below 0, towards blue: (1,) b* and half of a*."""
     _, a, b = picture.lab[where].mean(0)
     return (b + 0.5 * a)[None]
 
 
 def shadow_warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Warmth of the darkest part of a region: (1,), see `warmth`.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Warmth of the darkest part of a region: (1,), see `warmth`."""
     return warmth(picture, where & (_rank(picture, where) <= _ENDS))
 
 
 def highlight_warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Warmth of the lightest part of a region: (1,), see `warmth`.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Warmth of the lightest part of a region: (1,), see `warmth`."""
     return warmth(picture, where & (_rank(picture, where) >= 1 - _ENDS))
 
 
 def brown_distance(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Mean distance of colors from the one line of brown tints that a sepia print has: (1,) Lab; gray is 5 away.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Mean distance of colors from the one line of brown tints that a sepia print has: (1,) Lab; gray is 5 away."""
     _, a, b = picture.lab[where].unbind(-1)
     along = 0.34, 0.94  # hue of sepia, 70 degrees
     brown, across = a * along[0] + b * along[1], b * along[0] - a * along[1]
@@ -145,3 +115,97 @@ def _rank(picture: MeasuredPicture, where: Tensor) -> Tensor:
     order = light[where].argsort().argsort()
     rank[where] = (order.to(light) + 0.5) / max(len(order), 1)
     return rank
+
+
+SHADOWS, MIDTONES, LIGHTS = (0.02, 0.25), (0.25, 0.75), (0.75, 0.98)
+"""Shares of the pixels in order of lightness that shadows, midtones and lights are read from."""
+
+
+def mean(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Mean color of a region: (3,) OKLab, times 100."""
+    return picture.oklab[where].mean(0)
+
+
+class RegionMeans:
+    """The measure `mean` of many regions at once, (H, W) bool each, by any number."""
+
+    def __init__(self, regions: Mapping[int, Tensor]) -> None:
+        self._numbers = tuple(regions)
+        pixels = [where.flatten().nonzero(as_tuple=True)[0] for where in regions.values()]
+        self._pixels = torch.cat(pixels)
+        self._counts = self._pixels.new_tensor([len(each) for each in pixels])
+        self._owners = torch.arange(len(pixels), device=self._pixels.device).repeat_interleave(self._counts)
+
+    def of(self, picture: MeasuredPicture) -> dict[int, Tensor]:
+        """An image's means, each (3,) OKLab, times 100, by the regions' numbers."""
+        colors = picture.oklab.flatten(0, 1)[self._pixels]
+        sums = colors.new_zeros(len(self._counts), 3).index_add(0, self._owners, colors)
+        return dict(zip(self._numbers, (sums / self._counts[:, None]).unbind(), strict=True))
+
+
+def tone(share: float) -> Callable[[MeasuredPicture, Tensor], Tensor]:
+    """The measure of the lightness below which a share of a region lies: (1,) L*."""
+
+    def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
+        return lightness_below(picture, where, share)[None]
+
+    return take
+
+
+def spread(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """From the darkest to the lightest tenth of a region: (1,) L*."""
+    return (lightness_below(picture, where, 0.9) - lightness_below(picture, where, 0.1))[None]
+
+
+def cast(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Distance from gray, a region's grayest pixels counting most: (2,) a* and b* of CIE Lab."""
+    lab = picture.lab[where]
+    return grayness(lab) @ lab[:, 1:]
+
+
+def cast_between(low: float, high: float) -> Callable[[MeasuredPicture, Tensor], Tensor]:
+    """The measure of the cast, see `cast`, of what lies between two shares of a region in order of lightness: (2,)."""
+
+    def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
+        lab = picture.lab[where]
+        order = lab[:, 0].detach().argsort()
+        first, last = round(low * (len(order) - 1)), round(high * (len(order) - 1))
+        some = lab[order[first : last + 1]]
+        return grayness(some) @ some[:, 1:]
+
+    return take
+
+
+def from_right(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Lightness of the right third of a region less that of its left third: (1,) L*."""
+    return _across(picture, where, 1)[None]
+
+
+def from_above(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Lightness of the upper third of a region less that of its lower third: (1,) L*."""
+    return -_across(picture, where, 0)[None]
+
+
+def veil(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Light that lies over everything, as haze does: (1,) the dark channel of a region, in percent (He, Sun and Tang 2009).
+
+    In a clear image nearly every patch has something dark or colorful in it, where one of red, green and blue is low.
+    """
+    width = 2 * (max(where.shape) // _PATCH // 2) + 1
+    least = -F.max_pool2d(-picture.display.amin(-1)[None, None], width, stride=1, padding=width // 2)[0, 0]
+    return 100 * least[where].mean()[None]
+
+
+def grayness(lab: Tensor) -> Tensor:
+    """Weights (N,) of pixels (N, 3) CIE Lab in a cast, of sum 1 and without gradients; black is gray in any light, and counts little."""
+    lab = lab.detach()
+    weights = (lab[:, 0] / _DARKEST).clamp(_LEAST, 1.0) / (1 + lab[:, 1:].square().sum(-1) / _GRAY**2)
+    return weights / weights.sum()
+
+
+def _across(picture: MeasuredPicture, where: Tensor, axis: int) -> Tensor:
+    """() L* of the last third of a region's pixels along an axis, less that of the first."""
+    place = where.nonzero()[:, axis].to(picture.lab)
+    low, high = torch.quantile(place, place.new_tensor([1 / 3, 2 / 3]))
+    light = picture.lab[..., 0][where]
+    return light[place >= high].mean() - light[place <= low].mean()

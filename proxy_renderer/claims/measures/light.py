@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures of light: where the shading says that it comes from, how hard its shadows are, rims and highlights."""
+"""Measures of shading: where light comes from, shadows, highlights, what surfaces do with light, and how much the air hides."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 
 import torch
 import torch.nn.functional as F
@@ -11,59 +12,45 @@ from torch import Tensor
 
 from .picture import FEW, GRAIN, MeasuredPicture, largest_around
 
-_FLOOR = 0.004
-"""Linear luminance below which differences are not seen on a display in a lit room."""
-
-_HIGHLIGHTS = (0.03, 0.06)
-"""How far the sides of a highlight are, in roots of a region's area."""
+_FLOOR = 0.004  # linear luminance below which differences are not seen on a display in a lit room
+_HIGHLIGHTS = (0.03, 0.06)  # how far the sides of a highlight are, in roots of a region's area
 
 _BEND = 0.5
 """Cosine between normals beyond which two places do not lie on one surface, but on both sides of an edge."""
 
-_EVEN = 0.15
-"""Stops per pixel by which a texture may change: the edges of a pattern are no shadows."""
+_EVEN = 0.15  # stops per pixel by which a texture may change: the edges of a pattern are no shadows
+_SPOT = 0.002  # the share of a region that the sharpest highlight fills at least
 
-_SPOT = 0.002
-"""The share of a region that the sharpest highlight fills at least."""
+_CLEAR = 1e-3  # weight of what no fog hides
+_END = 0.2  # share of a thing that is its foot, or its head
+
+_EVEN_FIT = 0.02  # share of the mean light by which grain makes light differ
+_STEADY = 1e-4  # of a fit: keeps it solvable where normals hardly turn
+_STEEPEST = (0.97, 0.995)  # shares of a region's slopes, in order, that its sharpest edges lie between
+_GRAZING = 3.0  # power with which sheen grows towards the edge: it is no matter of the last pixel alone
+_OBLIQUE = 0.5  # cosine between normal and view where sheen is given: 60 degrees
+_MIRROR_HIGHLIGHTS = 0.99  # share of a region that is no highlight
 
 
 def light_right(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How far the light comes from the right: (1,) in [-1, 1], in the camera's space.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Share of light from the right: (1,) in [-1, 1], in the camera's space."""
     return _shading(picture, where)[0:1]
 
 
 def light_up(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How far the light comes from above: (1,) in [-1, 1], in the camera's space.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Share of light from above: (1,) in [-1, 1], in the camera's space."""
     return _shading(picture, where)[1:2]
 
 
 def light_front(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How far the light comes from the camera's side: (1,) in [-1, 1].
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Share of light from the camera's side: (1,) in [-1, 1]."""
     return _shading(picture, where)[2:3]
 
 
 def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """The steepest slope of light where surfaces are smooth, even and of one material: edges of shadows.
+    """The steepest slope of light where surfaces are smooth, even and of one material: edges of shadows, (1,) stops per pixel.
 
-    Highlights, too, have steep slopes under small lamps.
-
-    Args:
-        where: (H, W) bool, the region.
-
-    Returns:
-        (1,) stops per pixel of a picture of 192; 0 if fewer than 32 pixels can be measured.
+    Highlights, too, have steep slopes under small lights. It is per pixel of an image of 192; 0 if fewer than 32 can be measured.
     """
     seen = picture.seen
     material = seen.material.float()
@@ -82,13 +69,10 @@ def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def key_to_fill(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much more light falls on the sides that the key reaches than on those that only the fill does: (1,) stops.
+    """Light on the sides that the key reaches, relative to those that only the fill does: (1,) stops.
 
     Between the tenths of the region in most and in least light, each material by itself, so that dark paint is no shade;
     the brightest percent, highlights, is left out.
-
-    Args:
-        where: (H, W) bool, the region.
     """
     light, material = (picture.shading.clamp_min(0) + _FLOOR).log2()[where], picture.seen.material[where]
     spans, counts = [], []
@@ -104,11 +88,7 @@ def key_to_fill(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def rim(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much lighter the lightest fifth of a region's outline is than its inside: (1,) L*.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Lightness of the lightest fifth of a region's outline less that of its inside: (1,) L*."""
     light, band = picture.lab[..., 0], 2 * max(min(where.shape) // 96, 1) + 1
     inside = -largest_around(-where.float(), band) > 0
     edge = where & ~inside
@@ -119,16 +99,10 @@ def rim(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def gloss(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Contrast of highlights: how far the brightest small spots and streaks rise above both of their sides.
+    """Contrast of highlights: (1,) L* by which the brightest small spots and streaks rise above both of their sides.
 
     What people call glossy has highlights of high contrast and sharpness (Marlow, Kim and Anderson 2012); both
     raise it, for the sides are near. Light that only grows towards an outline has one side, and is none.
-
-    Args:
-        where: (H, W) bool, the region.
-
-    Returns:
-        (1,) L*; 0 for a region of fewer than 32 pixels.
     """
     count = int(where.sum())
     if count < FEW:
@@ -205,3 +179,113 @@ def _blurred(field: Tensor) -> Tensor:
     kernel = field.new_tensor([tap, 1.0, tap]) / (1 + 2 * tap)
     padded = F.pad(field[None, None], (1, 1, 1, 1), mode="replicate")
     return F.conv2d(padded, torch.outer(kernel, kernel)[None, None])[0, 0]
+
+
+def haze(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Share of the light of what is seen there that fog takes away: (1,) in [0, 1].
+
+    The world has no distance; a region that shows little else is measured with it.
+    """
+    passing = picture.seen.transmittance
+    surfaces = where & (picture.seen.material >= 0)
+    return 1.0 - passing[surfaces if surfaces.sum() > 0.1 * where.sum() else where].mean()[None]
+
+
+def mist_below(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Share of light that the air takes away from the lowest fifth of a target in the frame, less that of its highest: (1,).
+
+    Mist that lies on the ground hides the foot and leaves the head; all of a target is about as far away.
+    """
+    row = where.nonzero()[:, 0].to(picture.seen.transmittance)
+    high, low = torch.quantile(row, row.new_tensor([_END, 1 - _END]))
+    passing = picture.seen.transmittance[where]
+    return (passing[row <= high].mean() - passing[row >= low].mean())[None]
+
+
+def air_lightness(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Lightness of a region, weighted by how much the air hides it: (1,) L*; its mean lightness without fog.
+
+    More air does not make it lighter: thin fog shows the dark that is behind it, and is not white for that.
+    """
+    veil = (1.0 - picture.seen.transmittance.detach())[where] + _CLEAR
+    return (picture.lab[..., 0][where] @ veil / veil.sum())[None]
+
+
+def unscattered(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Share of the differences of light on a surface that are images of other objects, mirrored or from behind: (1,).
+
+    Scattered light changes slowly with a surface's direction and place (Ramamoorthi and Hanrahan 2001): what is linear in
+    the one and quadratic in the other has nearly all of it. Metal and glass scatter none. Shadows and creases change
+    quickly too, so that intricate objects have some of it in any case.
+    """
+
+    def share(light: Tensor, normal: Tensor, place: Tensor) -> Tensor:
+        kept = light <= torch.quantile(light.detach(), _MIRROR_HIGHLIGHTS)
+        light, normal, place = light[kept], normal[kept], place[kept]
+        basis = torch.cat((normal, place, place.square(), place[:, :1] * place[:, 1:]), 1)
+        left = light - _fitted(basis, light)[1]
+        grain = (_EVEN_FIT * light.mean()).square() + 1e-10
+        return left.square().mean() / ((light - light.mean()).square().mean() + grain)
+
+    return _by_material(picture, where, share)
+
+
+def sheen(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Light of a surface that is seen from 60 degrees beyond scattered light, as a share of the mean: (1,); without highlights.
+
+    Velvet and dust glow along their edges, on the side of the light and on the other.
+    """
+
+    def rise(light: Tensor, normal: Tensor, place: Tensor) -> Tensor:
+        kept = light <= torch.quantile(light.detach(), _MIRROR_HIGHLIGHTS)
+        light, normal = light[kept], normal[kept]
+        edge = (1.0 - normal[:, 2:]).clamp(0.0, 1.0) ** _GRAZING
+        slope = _fitted(torch.cat((edge, normal), 1), light)[0][0]
+        return slope * (1.0 - _OBLIQUE) ** _GRAZING / light.mean().clamp_min(1e-4)
+
+    return _by_material(picture, where, rise)
+
+
+def sharpness(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Sharpness of reflections: the steepest slopes of lightness inside of surfaces, (1,) L* per pixel of an image of 192."""
+    material = picture.seen.material.float()
+    same = largest_around(material, 3) == -largest_around(-material, 3)
+    inside = where & same & ~(largest_around(~where, 5) > 0)
+    if inside.sum() < FEW:
+        return picture.luminance.new_zeros(1)
+    rows, columns = torch.gradient(picture.lab[..., 0])
+    slope = (rows.square() + columns.square() + 1e-8).sqrt()[inside].sort().values
+    first, last = (round(share * len(slope)) for share in _STEEPEST)
+    return slope[first : max(last, first + 1)].mean()[None] * (max(where.shape) / GRAIN)
+
+
+def _by_material(
+    picture: MeasuredPicture, where: Tensor, take: Callable[[Tensor, Tensor, Tensor], Tensor]
+) -> Tensor:
+    """(1,) mean over a region's pixels of what is taken off each of its materials; 0 where none has enough pixels."""
+    found = [(take(*rest), count) for count, *rest in _materials(picture, where)]
+    if not found:
+        return picture.luminance.new_zeros(1)
+    total = sum(count for _, count in found)
+    return torch.stack([value * (count / total) for value, count in found]).sum()[None]
+
+
+def _materials(picture: MeasuredPicture, where: Tensor) -> Iterator[tuple[int, Tensor, Tensor, Tensor]]:
+    """Of each material: how many pixels n it has, its light (n,) without textures, its normals (n, 3), its places (n, 2)."""
+    seen = picture.seen
+    where = where & (seen.normal.norm(dim=-1) > 0.5)
+    for number in seen.material[where].unique():
+        mine = where & (seen.material == number)
+        if (count := int(mine.sum())) >= FEW:
+            place = mine.nonzero().to(picture.luminance) / max(where.shape)
+            yield count, picture.shading[mine], seen.normal[mine].to(place), place - place.mean(0)
+
+
+def _fitted(basis: Tensor, light: Tensor) -> tuple[Tensor, Tensor]:
+    """The least-squares fit of light (n,) by columns (n, k) and a constant: the weights (k + 1,), and what it makes (n,)."""
+    columns = torch.cat((basis, torch.ones_like(basis[:, :1])), 1)
+    scale = columns.norm(dim=0).clamp_min(1e-6)
+    even = columns / scale
+    steady = _STEADY * torch.eye(even.shape[1], dtype=even.dtype, device=even.device)
+    weights = torch.linalg.solve(even.T @ even + steady, even.T @ light)
+    return weights / scale, even @ weights

@@ -21,8 +21,7 @@ FEW = 32
 GRAIN = 192
 """Slopes are given per pixel of a picture of this size."""
 
-_DARKEST = 0.05
-"""Of a pattern, relative to its mean: what is darker mirrors rather than scatters light."""
+_DARKEST = 0.05  # of a pattern, relative to its mean: what is darker mirrors rather than scatters light
 
 Part = Literal["subject", "surroundings", "sky", "picture"]
 """A part of the picture that a claim speaks of; the sky is what is seen of the world."""
@@ -30,12 +29,7 @@ Part = Literal["subject", "surroundings", "sky", "picture"]
 
 @dataclass(frozen=True)
 class MeasuredPicture:
-    """A picture of the proxy or of Cycles.
-
-    Attributes:
-        display: (H, W, 3) as shown, sRGB-encoded in [0, 1].
-        seen: What the camera sees there, of the same height and width.
-    """
+    """An image (H, W, 3) of the proxy or of Cycles, sRGB-encoded in [0, 1], and the camera's view there, of the same size."""
 
     display: Float[Tensor, "h w 3"]
     seen: GBuffer
@@ -71,11 +65,7 @@ class MeasuredPicture:
 
 
 def region_of(seen: GBuffer, part: Part, materials: tuple[str, ...] = ()) -> Bool[Tensor, "h w"]:
-    """The pixels that lie wholly in a part of the picture, or show one of these materials.
-
-    Args:
-        materials: Names; none for the whole part.
-    """
+    """The pixels that lie wholly in a part of the image, or show one of these materials, if there are any names."""
     if materials:
         numbers = [i for i, name in enumerate(seen.materials) if name in materials]
         return _inner(torch.isin(seen.material, torch.tensor(numbers, device=seen.material.device)))

@@ -18,9 +18,6 @@ def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """From the darkest to the lightest twentieth, of the region or of the subject in it: (1,) L*.
 
     A small thing in a spot of light is a picture of high contrast, however little of it is light.
-
-    Args:
-        where: (H, W) bool, the region.
     """
     subject = region_of(picture.seen, "subject") & where
     parts = [where, subject] if subject.sum() >= FEW else [where]
@@ -29,40 +26,26 @@ def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def black_point(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How light the darkest fiftieth is: (1,) L*.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Lightness of the darkest fiftieth: (1,) L*."""
     return lightness_below(picture, where, 0.02)[None]
 
 
 def white_point(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How light the lightest fiftieth is: (1,) L*.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Lightness of the lightest fiftieth: (1,) L*."""
     return lightness_below(picture, where, 0.98)[None]
 
 
 def vignette(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much darker the corners are than the middle ring, in the second least darkened corner.
+    """Darkness of the corners relative to the middle ring of the whole image, in the second least darkened one: (1,) L*.
 
     All four count, because light from one side darkens two of them. The subject is left out.
-
-    Args:
-        where: Not read: it is a measure of the whole picture.
-
-    Returns:
-        (1,) L*; 0 if no corner can be measured.
     """
     falls = corner_falls(picture)
     return falls[min(1, len(falls) - 1)][None] if len(falls) else picture.lab.new_zeros(1)
 
 
 def corner_falls(picture: MeasuredPicture) -> Tensor:
-    """How much darker each corner is than the middle ring, the subject left out: (n,) L*, n at most 4, the least first."""
+    """Darkness of each corner relative to the middle ring, the subject left out: (n,) L*, n at most 4, the least first."""
     light, free = picture.lab[..., 0], region_of(picture.seen, "surroundings")
     height, width = light.shape
     y, x = torch.meshgrid(_middles(height, light), _middles(width, light), indexing="ij")
@@ -78,11 +61,7 @@ def corner_falls(picture: MeasuredPicture) -> Tensor:
 
 
 def standing_out(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much lighter a region is than the surroundings, by their medians: (1,) L*; below 0 it is darker.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Lightness of a region less that of the surroundings, by their medians: (1,) L*."""
     return (
         lightness_below(picture, where, 0.5)
         - lightness_below(picture, region_of(picture.seen, "surroundings"), 0.5)
@@ -90,21 +69,13 @@ def standing_out(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def silhouette(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How much darker a region is than the surroundings, less half of its own spread of light: (1,) L*.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Darkness of a region before its surroundings, less half of its own spread of light: (1,) L*."""
     spread = lightness_below(picture, where, 0.9) - lightness_below(picture, where, 0.1)
     return -standing_out(picture, where) - 0.5 * spread
 
 
 def separation(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How far the region's mean color is from that of the ring right around it: (1,) distance in CIE Lab.
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Distance of the region's mean color from that of the ring right around it: (1,) in CIE Lab."""
     width = 2 * max(min(where.shape) // 16, 1) + 1
     ring = (largest_around(where, width) > 0) & ~where
     if not ring.any():
@@ -114,30 +85,17 @@ def separation(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def burnt(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Share of a region that is burnt out, by a soft step at L* 97: (1,) in [0, 1].
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Share of a region that is burnt out, by a soft step at L* 97: (1,) in [0, 1]."""
     return torch.sigmoid(2 * (picture.lab[..., 0][where] - 97.0)).mean()[None]
 
 
 def drowned(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Share of a region that drowns in black, by a soft step at L* 4: (1,) in [0, 1].
-
-    Args:
-        where: (H, W) bool, the region.
-    """
+    """Share of a region that drowns in black, by a soft step at L* 4: (1,) in [0, 1]."""
     return torch.sigmoid(2 * (4.0 - picture.lab[..., 0][where])).mean()[None]
 
 
 def lightness_below(picture: MeasuredPicture, where: Tensor, share: float) -> Tensor:
-    """Lightness () below which a share of the region lies; the mean of the pixels near it, for gradients.
-
-    Args:
-        where: (H, W) bool, the region.
-        share: In [0, 1].
-    """
+    """Lightness () below which a share of the region lies; the mean of the pixels near it, for gradients."""
     light = picture.lab[..., 0][where].sort().values
     middle, reach = share * (len(light) - 1), max(0.01 * len(light), 1.0)
     first, last = max(round(middle - reach), 0), min(round(middle + reach), len(light) - 1)

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The confiner, lines 2 to 5 and 7 of Algorithm 1: what advice says is made ranges of all parameters, and a box of u."""
+"""Lines 3 to 5 and 7 of Algorithm 1: the plan of a round, its ranges, and their box in u."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from enum import Enum
 
 import torch
 from torch import Tensor
@@ -14,24 +15,79 @@ from ...claims.claim import Claim
 from ...planning.advice import Advice, Advisor
 from ...planning.types import Plan, PlanEntry
 from ...schema import Instance, Values
-from .. import context, headroom
-from ..plan import carry, feasible_ranges
+from ...words.types import SceneDescription
+from ..scene_facts import light_sizes, nearer_lights
 from ..shots import ShotState
-from ..vector import ParameterVector, around, opened, project
-from . import starts
+from ..vector import ParameterVector, around, feasible_ranges, opened, project
+
+_NEAR = 0.25  # of a range on either side of a start: a variant stays what it is
 
 
-@dataclass
+@dataclass(frozen=True)
 class Start:
-    """Where a refinement starts.
+    """The start of a refinement.
 
     Attributes:
         u: (N,) the point.
-        drawn: (N,) bool, the components that were drawn at random; they stay near u. None for the artist's scene.
+        shots: As they are corrected so far.
+        drawn: (N,) bool, components that stay near the start, so that variants stay different; None where all are free.
+        first: Number of the first round, over all starts.
     """
 
     u: Tensor
+    shots: Sequence[ShotState]
     drawn: Tensor | None = None
+    first: int = 0
+
+
+class RoundPlace(Enum):
+    """The place where a round begins."""
+
+    START = "at the start"
+    LAST_END = "where the last round ended"
+    BEST_END = "where the best round ended: the last one came no nearer to the words"
+    MIDDLE = "in the middle of all ranges: no round came nearer"
+
+
+@dataclass(frozen=True)
+class RoundReach:
+    """The part of the ranges that a round may reach.
+
+    Attributes:
+        share: From where it begins, of each component's feasible range.
+        opening: By how much ranges that words name are wider than the plan's on either side.
+    """
+
+    share: float = 1.0
+    opening: float = 0.0
+
+
+@dataclass(frozen=True)
+class RoundStart:
+    """A round before it is planned.
+
+    Attributes:
+        start: Of the refinement.
+        place: Where it begins.
+        u: (N,) the point.
+        shots: As they are corrected at that point.
+        number: Over all starts, from 0.
+        earlier: The plan of the round before; empty for the first.
+        reach: How far from u it may go.
+    """
+
+    start: Start
+    place: RoundPlace
+    u: Tensor
+    shots: Sequence[ShotState]
+    number: int
+    earlier: Plan
+    reach: RoundReach = RoundReach()
+
+    @classmethod
+    def at(cls, start: Start) -> RoundStart:
+        """The first round from a start."""
+        return cls(start, RoundPlace.START, start.u, start.shots, start.first, Plan())
 
 
 @dataclass
@@ -45,7 +101,9 @@ class Confined:
         lower: (N,) lower corner of the feasible box in u.
         upper: (N,) upper corner.
         u: (N,) the point, projected into the box.
-        opening: By how much ranges are wider than the plan's, since claims are missed; 0 in the first round.
+        shots: They draw and judge; all of them are corrected near the point.
+        number: Of the round, over all starts.
+        opening: By how much ranges are wider than the plan's, because claims are missed; 0 in the first round.
     """
 
     advice: Advice
@@ -54,105 +112,75 @@ class Confined:
     lower: Tensor
     upper: Tensor
     u: Tensor
+    shots: Sequence[ShotState]
+    number: int = 0
     opening: float = 0.0
-
-
-@dataclass(frozen=True)
-class RoundReach:
-    """How far a round may go.
-
-    Attributes:
-        share: From where it begins, of each component's feasible range.
-        opening: By how much ranges that words name are wider than the plan's on either side, likewise.
-    """
-
-    share: float = 1.0
-    opening: float = 0.0
-
-
-UNBOUND = RoundReach()
-"""A round may go as far as its plan says, and no farther."""
 
 
 class Confiner:
-    """Of one vibe.
-
-    Args:
-        vector: The parameters of u.
-        shots: One or several; plans are made for the first.
-        advisor: Understands words and picture, and plans.
-        replan: Makes the plan of a round from the scene's parameters and the advisor's plan, see `Method.plan`.
-
-    Attributes:
-        advisor: As given.
-    """
+    """Plans the rounds of one vibe; `replan` makes the plan of a round of the advisor's, see `Method.plan`."""
 
     def __init__(
         self,
         vector: ParameterVector,
         shots: Sequence[ShotState],
+        described: SceneDescription,
         advisor: Advisor,
         replan: Callable[[Mapping[str, Instance], Plan], Plan],
     ) -> None:
-        self._vector, self._shots, self.advisor, self._replan = vector, shots, advisor, replan
-        self._widest = _sizes(shots)
+        self._vector, self._described, self.advisor, self._replan = vector, described, advisor, replan
+        self._widest: dict[str, float] = {}  # key of a light's size -> the most that it may be in any shot
+        for shot in shots:
+            for own, size in light_sizes(shot.scene, shot.proxy.geometry).items():
+                key = shot.names[own]
+                self._widest[key] = min(self._widest.get(key, size), size)
 
-    def advise(self, u: Tensor, earlier: Plan) -> Advice:
-        """The advice for the first shot at u (N,); its plan has entries of the others for what only they have.
-
-        Args:
-            u: (N,) the point.
-            earlier: The plan of the round before; empty for the first.
-        """
+    def advise(self, shots: Sequence[ShotState], u: Tensor, earlier: Plan) -> Advice:
+        """The advice for the first shot at u (N,); its plan has entries of the others for what only they have."""
         advice: Advice | None = None
         entries: dict[str, PlanEntry] = {}
-        for shot in self._shots:
+        for shot in shots:
             if advice and all(key in entries for key in shot.names.values()):
                 continue
-            picture = shot.draw(u)
-            now = context.plan_context(shot.proxy, shot.vector.values(u), picture)
-            asked = self.advisor.advise(picture.display, shot.vector.instances, now)
-            unplaced = {key: entry for key, entry in asked.plan.items() if key not in asked.placed}
-            mine = asked.plan | headroom.nearer(shot.scene, shot.proxy.geometry, unplaced)
-            entries = {shot.names[own]: entry for own, entry in mine.items()} | entries
-            advice = advice or asked
+            own_advice = shot.advised(self.advisor, u, self._described)
+            unplaced = {key: e for key, e in own_advice.plan.items() if key not in own_advice.placed}
+            plan = own_advice.plan | nearer_lights(shot.scene, shot.proxy.geometry, unplaced)
+            entries = {shot.names[own]: entry for own, entry in plan.items()} | entries
+            advice = advice or own_advice
         assert advice is not None
         instances = self._vector.instances
         plan = carry(Plan({key: entries[key] for key in instances}, advice.plan.notes), earlier)
         return replace(advice, plan=self._replan(instances, plan))
 
     def confined(
-        self, advice: Advice, u: Tensor, start: Start | None, reach: RoundReach, claims: Sequence[Claim]
+        self, advice: Advice, u: Tensor, here: RoundStart, shots: Sequence[ShotState], claims: Sequence[Claim]
     ) -> Confined:
-        """The round of a plan: its ranges, their box, and u projected into it.
-
-        Args:
-            u: (N,) the point.
-            start: Where this refinement started; None for the artist's scene.
-            reach: How far from u the round may go.
-        """
+        """The round of a plan: its ranges, their box, and u (N,) projected into it."""
+        reach, drawn = here.reach, here.start.drawn
         ranges = self._ranges(advice.plan, u, reach.opening, claims)
         lower, upper = self._vector.bounds(ranges)
-        if start and start.drawn is not None:
-            lower, upper = starts.corral(start.u, lower, upper, start.drawn)
+        if drawn is not None:
+            near = around(here.start.u, lower, upper, _NEAR)
+            lower, upper = torch.where(drawn, near[0], lower), torch.where(drawn, near[1], upper)
         lower, upper = around(u, lower, upper, reach.share)
-        return Confined(advice, advice.plan, ranges, lower, upper, project(u, lower, upper), reach.opening)
+        u = project(u, lower, upper)
+        return Confined(advice, advice.plan, ranges, lower, upper, u, shots, here.number, reach.opening)
 
     def middle(self, now: Confined) -> Tensor:
-        """(N,) another start: what is relevant stands in the middle of its range."""
+        """(N,) another start: relevant values stand in the middle of their ranges."""
         movable = self._vector.mark(key for key, entry in now.plan.items() if entry.priority is not None)
         return torch.where(movable & (now.upper > now.lower), (now.lower + now.upper) / 2, now.u)
 
     def _ranges(
         self, plan: Plan, u: Tensor, opening: float, claims: Sequence[Claim]
     ) -> dict[str, tuple[Values, Values]]:
-        """The plan's ranges at u (N,), those that words name opened; lamps stay so small that they touch nothing."""
+        """The plan's ranges at u (N,), those that words name opened; lights stay so small that they touch nothing."""
         vector = self._vector
         ranges = feasible_ranges(plan, vector.instances, vector.values(u))
         if opening:
             named = {key for key, entry in plan.items() if self._opens(key, entry)}
-            measured = {claim.measure for claim in claims if claim.word and claim.part == "picture"}
-            whole = [key for key in named if self._family(key) in {f"film/{name}" for name in measured}]
+            measured = {f"film/{c.measure}" for c in claims if c.word and c.part == "picture"}
+            whole = [key for key in named if vector.instances[key].parameter.family in measured]
             share = torch.where(vector.mark(named), opening, 0.0).masked_fill(vector.mark(whole), math.inf)
             low, high = map(vector.plain, opened(*vector.bounds(ranges), share, vector.encode({})))
             ranges |= {key: (low[key], high[key]) for key in named}
@@ -162,20 +190,17 @@ class Confiner:
         return ranges
 
     def _opens(self, key: str, entry: PlanEntry) -> bool:
-        """Whether a range may open while claims are missed: one that words name, but no finish, which is what its word says."""
+        """True for ranges that may open while claims are missed: those that words name, but no finish, which is what its word says."""
         parameter = self._vector.instances[key].parameter
         finish = parameter.group == "material" and parameter.kind != "color"
         return entry.is_named and not (entry.usual or finish)
 
-    def _family(self, key: str) -> str:
-        return self._vector.instances[key].parameter.family
 
+def carry(plan: Plan, earlier: Plan) -> Plan:
+    """The plan, with values that an earlier round (empty for the first) supported and this one does not held in their range.
 
-def _sizes(shots: Sequence[ShotState]) -> dict[str, float]:
-    """Key of a lamp's size -> the most that it may be in any shot."""
-    widest: dict[str, float] = {}
-    for shot in shots:
-        for own, size in headroom.sizes(shot.scene, shot.proxy.geometry).items():
-            key = shot.names[own]
-            widest[key] = min(widest.get(key, size), size)
-    return widest
+    Without it a value would stay where the earlier round moved it, though its reason says otherwise.
+    """
+    gone = {k: e for k, e in earlier.items() if e.prior < 1.0 and plan[k].prior == 1.0}
+    held = {key: replace(entry, priority=None) for key, entry in gone.items()}
+    return Plan({**plan, **held}, plan.notes)

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the key light stands in a picture of this very scene: looks by the proxy, before values are sought.
+"""The direction of the key light in a reference image of the same scene, found by the proxy before values are sought.
 
-A shadow that lies elsewhere has no slope towards where it belongs, so directions are what a search finds worst. Light adds up:
-the key's share from a direction is one picture, and how strong it is beside the rest is tried on the two. Only where in the
-picture it is lighter is compared, since exposure and grade are not known yet.
+A shadow that lies elsewhere has no slope towards where it belongs, so a search finds directions worst. Light adds up: the key's
+light from a direction is one image, and its strength relative to the rest is tried on the two. Only the pattern of lightness
+is compared, for exposure and grade are not known yet.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 
 import torch
 import torch.nn.functional as F
@@ -18,7 +18,7 @@ from torch import Tensor
 from ...color.tensors import lab_from_srgb
 from ...render.proxy import Proxy
 from ...scene import SceneData
-from ..context import picture_size
+from ..shots import picture_size
 from ..vector import ParameterVector
 
 _TURNS = tuple(range(-180, 180, 40))  # degrees of azimuth from the artist's
@@ -27,45 +27,42 @@ _FINER = ((-20, 0), (20, 0), (0, -15), (0, 15))
 _SIZE = 48  # longer side of the pictures, pixels
 _STRENGTHS, _EXPOSURES = (0.25, 0.5, 1.0, 2.0, 4.0), (0.5, 1.0, 2.0)
 _CELLS = 24
-_BETTER = 0.01
-"""Correlation by which another direction has to be better than the artist's."""
+_BETTER = 0.01  # correlation by which another direction has to be better than the artist's
 
 
 def with_key_turned(
     scene: SceneData, vector: ParameterVector, u: Tensor, lower: Tensor, upper: Tensor, goal: Tensor
 ) -> Tensor:
-    """A point whose key light comes from where it does in a picture; u itself where none is better, or it may not turn.
+    """A point whose key light comes from where it does in an image; u itself where none is better, or it may not turn.
 
     Args:
-        vector: The parameters of u.
         u: (N,) within the box.
         lower: (N,) its lower corner.
         upper: (N,) its upper corner.
-        goal: (H, W, 3) the picture, sRGB-encoded.
+        goal: (H, W, 3) the image, sRGB-encoded.
     """
-    movable = vector.mark(vector.instances) & (upper > lower)
-    keys = [key for key in _azimuths(vector) if bool(movable[vector.slices[key]].all())]
+    keys = [
+        key
+        for key, instance in vector.instances.items()
+        if instance.parameter.family == "light/azimuth"
+        and instance.role == "key"
+        and bool((upper > lower)[vector.slices[key]].all())
+    ]
     if len(keys) != 1:
         return u
-    look = _Look(scene, vector, keys[0].removesuffix("/azimuth"), u, goal)
-    here = look.likeness(u)
+    turned = _TurnedKey(scene, vector, keys[0].removesuffix("/azimuth"), u, goal)
+    here = turned.likeness(u)
     own = vector.instances[keys[0]].value[0]
     coarse = [(own + turn, height) for turn, height in itertools.product(_TURNS, _HEIGHTS)]
-    best, most = look.best_of(coarse, (lower, upper), (u, here))
-    azimuth, elevation = look.direction(best)
+    best, most = turned.best_of(coarse, (lower, upper), (u, here))
+    azimuth, elevation = turned.direction(best)
     finer = [(azimuth + turn, elevation + rise) for turn, rise in _FINER]
-    best, most = look.best_of(finer, (lower, upper), (best, most))
+    best, most = turned.best_of(finer, (lower, upper), (best, most))
     return best if most > here + _BETTER else u
 
 
-def _azimuths(vector: ParameterVector) -> Iterator[str]:
-    for key, instance in vector.instances.items():
-        if instance.parameter.family == "light/azimuth" and instance.role == "key":
-            yield key
-
-
-class _Look:
-    """How like a picture the scene is, its key light turned."""
+class _TurnedKey:
+    """Compares the scene with an image, its key light turned."""
 
     def __init__(
         self, scene: SceneData, vector: ParameterVector, light: str, u: Tensor, goal: Tensor
@@ -81,7 +78,7 @@ class _Look:
             dark = {self._power: torch.zeros(1)}
             self._rest = self._proxy.render(vector.decode(u) | dark).linear
 
-    def turned(self, azimuth: float, elevation: float) -> Tensor:
+    def point(self, azimuth: float, elevation: float) -> Tensor:
         """(N,) the point with the key light in a direction, degrees."""
         values = self._vector.encode(dict(zip(self._keys, ((azimuth,), (elevation,)), strict=True)))
         point = self._u.clone()
@@ -100,26 +97,25 @@ class _Look:
         box: tuple[Tensor, Tensor],
         best: tuple[Tensor, float],
     ) -> tuple[Tensor, float]:
-        """The best of some directions within a box, degrees, and of the best so far: the point, and how like it is."""
+        """The best point of some directions within a box, degrees, and of the best so far, with its likeness."""
         for azimuth, elevation in directions:
-            point = self.turned(azimuth, elevation).clamp(*box)
+            point = self.point(azimuth, elevation).clamp(*box)
             if (likeness := self.likeness(point)) > best[1]:
                 best = point, likeness
         return best
 
     @torch.no_grad()
     def likeness(self, u: Tensor) -> float:
-        """The greatest correlation of lightness with the picture, over strengths of the key and exposures."""
+        """The greatest correlation of lightness with the image, over strengths of the key and exposures."""
         key = self._proxy.render(self._vector.decode(u)).linear - self._rest
         tried = itertools.product(_STRENGTHS, _EXPOSURES)
         lights = [(exposure * (strength * key + self._rest)).clamp_min(0.0) for strength, exposure in tried]
-        shown = self._proxy.film.show(torch.cat(lights), {}).view(
-            -1, *key.shape
-        )  # all at once: it is quicker
+        # all at once: it is quicker
+        shown = self._proxy.film.show(torch.cat(lights), {}).view(-1, *key.shape)
         rows = torch.cat([self._goal, *map(_cells, shown)]).view(len(lights) + 1, -1)
         return float(torch.nan_to_num(torch.corrcoef(rows)[0, 1:]).max())
 
 
 def _cells(display: Tensor) -> Tensor:
-    """(n,) L* of the cells of a picture (H, W, 3)."""
+    """(n,) L* of the cells of an image (H, W, 3)."""
     return F.adaptive_avg_pool2d(lab_from_srgb(display)[..., 0][None, None], _CELLS).flatten()

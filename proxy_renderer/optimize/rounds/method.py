@@ -18,8 +18,7 @@ from ...planning.types import Plan
 from ...render.proxy import Render
 from ...schema import Instance, VibeError
 from ...schema.messages import Options
-from ..inner.descent import Descent
-from ..inner.least_squares import solve
+from ..least_squares import Descent, solve
 from ..shots import ShotState
 from ..vector import ParameterVector
 from .confiner import Confined
@@ -41,12 +40,7 @@ class Method:
     every_word = False
 
     def plan(self, instances: Mapping[str, Instance], plan: Plan) -> Plan:
-        """The plan of a round (lines 3 to 5).
-
-        Args:
-            instances: The scene's parameters by key.
-            plan: What the words, or a model, plan.
-        """
+        """The plan of a round (lines 3 to 5), from the scene's parameters by key, and the plan of the words or a model."""
         return plan
 
     def claims(self, claims: tuple[Claim, ...]) -> tuple[Claim, ...]:
@@ -56,11 +50,11 @@ class Method:
     def guidance(
         self, encoder: Encoder, prompt: str, advice: Advice, start: Render, every_word: bool = False
     ) -> Guidance:
-        """The judge of a picture's similarity to the words that the encoder is asked for.
+        """The judge of an image's similarity to the words that the encoder is asked for.
 
         Args:
-            advice: The composed captions, and what the words ask for.
-            start: The artist's picture, on which the guidance is calibrated.
+            advice: The composed captions, and the words' wishes.
+            start: The artist's image, on which the guidance is calibrated.
             every_word: Whether that are all words, as in the paper: an artist has named an encoder.
         """
         prompts = advice.prompts if every_word or self.every_word else advice.unmeasured
@@ -71,15 +65,8 @@ class Method:
     def select(
         self, now: Confined, vector: ParameterVector, shots: Sequence[ShotState], u: Tensor, options: Options
     ) -> Selection:
-        """S_K (line 6), and what is minimized over it.
-
-        Args:
-            vector: The parameters of u.
-            u: (N,) where the parameters are chosen.
-            options: K is `top_k`.
-        """
-        box = now.lower, now.upper
-        return select(now.plan, vector, shots, u, *box, options, self.weights, now.opening)
+        """S_K (line 6), chosen at u (N,), and what is minimized over it."""
+        return select(now, vector, shots, u, options, self.weights)
 
     def descend(
         self,
@@ -90,10 +77,9 @@ class Method:
         seed: int,
         follow: Callable[[int, float, Any], bool],
     ) -> Descent:
-        """Lines 8 to 15, from the round's projected point.
+        """Lines 8 to 15, from the round's projected point, where S_K was chosen.
 
         Args:
-            chosen: S_K, and what is minimized; chosen at that point.
             movable: (N,) bool, the components that may move.
             follow: Called with (step from 1, loss, picture) after each step; True ends the loop.
         """

@@ -1,50 +1,52 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rounds of Algorithm 1 of the paper: parse, compose, confine, select, project, inner steps, stabilize.
+"""How one round follows another, and the result of them all.
 
-Every round is anchored: it works with a proxy that Cycles has corrected where the round starts.
+Each round ends with a picture of Cycles. There is no other round when it shows all that the words claim. A round that ended
+farther from them than an earlier one is taken back, and the next has the plan's own ranges again, or may go half as far. When
+that does not help either, one round begins in the middle of all ranges. The best end of all is the result, with least change.
 """
 
 from __future__ import annotations
 
-import math
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import torch
 from torch import Tensor
 
-from ...claims.claim import Claim
+from ...claims.claim import Claim, outside
 from ...goals.resolve import Goals
+from ...planning.captions import Prompts
 from ...planning.types import Plan
-from ...prompt.types import Prompts
 from ...reference.like import Reference
 from ...schema import Values
-from ..anchoring import AnchorState
+from ..least_squares import Descent
 from ..shots import ShotState
 from ..vector import ParameterVector
 from . import starts
-from .confiner import UNBOUND, Confined, RoundReach, Start
-from .easing import eased
-from .key_start import with_key_turned
+from .confiner import Confined, RoundPlace, RoundReach, RoundStart, Start
 from .search import Missed, Search
-
-STRIDE = 0.05
-"""A projection that moves no value by more than this share of its whole range is not worth another anchor."""
+from .selection import Selection
 
 CONVERGED = 0.005
 """A round, other than the first, that lowers the loss by a smaller share is the last one."""
 
 OPENING, WIDEST = 0.5, 1.0
 """Share of their ranges by which the ranges of a round are wider on either side than those of the one before, while
-claims are missed; and the most that it comes to. After a round that went astray in wider ranges they are the plan's again."""
+claims are missed; and the most that it comes to."""
 
 PATIENCE = 2
-"""Rounds that come no nearer to what the words claim, after which one begins elsewhere, or none."""
+"""Rounds that come no nearer to the words' claims, after which one begins elsewhere, or none."""
 
 ALIKE = 0.05
-"""A round for a picture of this very scene that comes nearer to it by a smaller share is the last one: its places are many, and some
-that paint keeps from the picture's color are missed to the end."""
+"""A round for a reference image of the same scene that comes nearer to it by a smaller share is the last one: its places are
+many, and some that paint keeps from the image's color are missed to the end."""
+
+_FAR = 0.05  # of a component's whole range: what has moved less is not worth a picture of Cycles
+_KEPT = (0.0, 0.25, 0.5, 0.75)
+"""Shares of its way from the artist's value that a support may keep, the least first."""
+_SAME = 0.1  # noticeable steps by which a claim may be farther from what is sought
 
 
 @dataclass
@@ -57,15 +59,14 @@ class Outcome:
         plan: That round's plan.
         ranges: Key -> that round's (lower, upper) in schema units, azimuths turned as the values are.
         optimized: Keys that some round optimized.
-        goals: What the words wish for.
-        prompts: What the encoder was asked.
-        claims: What the words, and a picture, claim of ours.
-        rounds: One record per round: parameters, loss at start and end, its terms, how far its end was from what the
-            words claim, steps, seconds.
-        shots: The shots, each with its proxy and guidance.
-        anchors: For each shot, the corrections that hold at u.
+        goals: The words' wishes.
+        prompts: The encoder's captions.
+        claims: Of words and reference image.
+        shots: With their proxies corrected at u.
         loss: At u, when its round ended.
-        reference: The picture in the place of words, or beside them.
+        rounds: One record per round: parameters, loss at start and end, its terms, how far its end was from the
+            words' claims, steps, seconds.
+        reference: The image that replaces words, or adds to them.
         stopped: Whether the observer ended the loop.
         variants: All variants, if several were asked for; the one of least loss first.
     """
@@ -78,205 +79,189 @@ class Outcome:
     goals: Goals
     prompts: Prompts
     claims: tuple[Claim, ...]
-    shots: list[ShotState]
-    anchors: list[AnchorState]
+    shots: Sequence[ShotState]
     loss: float
-    rounds: list[dict[str, Any]] = field(default_factory=list)
+    rounds: list[dict[str, Any]]
     reference: Reference | None = None
     stopped: bool = False
     variants: list[Outcome] = field(default_factory=list)
 
-    def recall(self) -> None:
-        """Corrects the proxies as they were at u."""
-        recall(self.shots, self.anchors)
-
-
-def recall(shots: Sequence[ShotState], anchors: Sequence[AnchorState]) -> None:
-    """Corrects the proxies as they once were.
-
-    Args:
-        anchors: For each, the corrections of that time.
-    """
-    for shot, anchor in zip(shots, anchors, strict=True):
-        shot.anchoring.recall(anchor)
-
 
 @dataclass(frozen=True)
 class RoundEnd:
-    """Where a round ended, seen by Cycles.
+    """The end of a round, as Cycles has it.
 
     Attributes:
         u: (N,) the point.
-        loss: At it.
+        shots: With their proxies corrected there.
+        missed: Distance of its images from the words' claims.
+        loss: At the point, before that correction.
+        start: The round before it was planned.
         confined: The round's plan and ranges.
-        missed: How far its picture is from what the words claim.
-        anchors: For each shot, the corrections that hold there.
+        record: For the report, see `Outcome.rounds`.
+        settled: Whether the steps have hardly lowered the loss.
     """
 
     u: Tensor
-    loss: float
-    confined: Confined
+    shots: Sequence[ShotState]
     missed: Missed
-    anchors: list[AnchorState]
+    loss: float
+    start: RoundStart
+    confined: Confined
+    record: dict[str, Any]
+    settled: bool
+
+    @classmethod
+    def seen(
+        cls,
+        search: Search,
+        start: RoundStart,
+        now: Confined,
+        chosen: Selection,
+        descent: Descent,
+        seconds: float,
+    ) -> RoundEnd:
+        """The end of a round at the point that its steps have led to, of which Cycles renders a picture."""
+        record = {
+            "parameters": chosen.keys,
+            "shared": chosen.shared,
+            "loss": [descent.start_loss, descent.loss],
+            **chosen.objective.account(descent.u),
+            "steps": descent.steps,
+            "repairs": descent.repairs,
+            "advice": now.advice.source,
+            "seconds": round(seconds, 3),
+        }
+        shots, missed = search.seen(now.shots, descent.u, start.number)
+        record["missed"] = missed._asdict()
+        settled = descent.start_loss - descent.loss < CONVERGED * abs(descent.start_loss)
+        now = replace(now, plan=chosen.with_reasons(now.plan))
+        return cls(descent.u, shots, missed, descent.loss, start, now, record, settled)
 
 
-class Refinement:
-    """The rounds from one start.
-
-    Where the paper writes θ, this is u: θ on perceptual scales. Comments name the algorithm's lines. A round begins
-    with a picture of Cycles of where the one before ended. There is no other round when it shows all that the words
-    claim. A round that ended farther from them than an earlier one is taken back, and the next has the plan's own ranges again,
-    or may go half as far. When that does not help either, one round begins in the middle of all ranges. The best end of all is the result,
-    with least change.
-    """
-
-    def __init__(self, search: Search, start: Start) -> None:
-        self._search, self._start = search, start
-        self._u, self._loss, self._reach = start.u, math.inf, UNBOUND
-        self._last: Confined | None = None
-        self._rounds: list[dict[str, Any]] = []
-        self._ends: list[RoundEnd] = []
-        self._settled = self._elsewhere = False
-        # Variants stay near their own start; the middle of ranges as wide as a picture's is no better than any other point.
-        self._tried_elsewhere = start.drawn is not None or search.reference is not None
-
-    def run(self) -> Outcome:
-        """Carries them out."""
-        for _ in range(self._search.rounds):  # 1: r = 0 … R - 1
-            if self._rounds and not self._goes_on():
-                break
-            if not self._round():
-                break
-        if len(self._ends) < len(self._rounds):
-            self._see_end()
-        best = self._eased(_nearest(self._ends))
-        self._search.number += self._search.rounds - len(self._rounds)
-        return self._outcome(best)  # 18
-
-    def _eased(self, best: RoundEnd) -> RoundEnd:
-        """The best end with least change, if Cycles confirms it; see `easing`."""
-        search = self._search
-        if (
-            best.missed.claims
-            or not search.claims_words
-            or self._start.drawn is not None
-            or search.clock.stopped
-        ):
-            return best
-        recall(search.shots, best.anchors)
-        u = eased(search, best.confined.plan, best.u)
-        if u is None:
-            return best
-        end = self._seen(u, best.loss, best.confined)
-        if end.missed.claims:
-            return best
-        search.show(u)
-        return end
-
-    def _goes_on(self) -> bool:
-        """Sees how the last round ended, before a model is asked for another plan; chooses where the next one begins."""
-        self._see_end()
-        if self._search.claims_words and self._ends[-1].missed.claims == 0:
-            return False
-        nearest = _nearest(self._ends)
-        astray = nearest is not self._ends[-1]
-        share, opening = self._reach.share, self._reach.opening
-        widely = astray and opening > 0.0
-        if self._search.claims_words and self._start.drawn is None:
-            opening = 0.0 if widely else min(opening + OPENING, WIDEST)
-        stuck = (
-            self._settled
-            or self._is_as_alike_as_it_gets()
-            or all(end.missed > nearest.missed for end in self._ends[-PATIENCE:])
-        )
-        self._elsewhere = stuck and self._search.claims_words and not self._tried_elsewhere
-        if stuck and not self._elsewhere:
-            return False
-        if astray:
-            self._u, share = nearest.u, share * (1.0 if widely else 0.5)
-            recall(self._search.shots, nearest.anchors)
-        if self._elsewhere:
-            self._tried_elsewhere, share = True, 1.0
-        self._reach = RoundReach(share, opening)
-        return True
-
-    def _is_as_alike_as_it_gets(self) -> bool:
-        """Whether the last round has brought a picture of this very scene hardly nearer."""
-        reference = self._search.reference
-        if not (reference and reference.same) or len(self._ends) < 2:
-            return False
-        before = _nearest(self._ends[:-1]).missed.distance
-        return before - self._ends[-1].missed.distance < ALIKE * before
-
-    def _see_end(self) -> None:
-        """Has Cycles show where the last round ended; its record says how far that is from the words."""
-        assert self._last is not None
-        self._ends.append(self._seen(self._u, self._loss, self._last))
-        self._rounds[-1]["missed"] = self._ends[-1].missed._asdict()
-        if self._start.drawn is None and _nearest(self._ends) is self._ends[-1]:
-            self._search.show(self._u)
-
-    def _seen(self, u: Tensor, loss: float, confined: Confined) -> RoundEnd:
-        """An end at u (N,), of which Cycles renders a picture."""
-        self._search.renew(u, self._search.number - 1)
-        missed = self._search.missed(u)
-        return RoundEnd(u, loss, confined, missed, [shot.anchoring.newest for shot in self._search.shots])
-
-    def _round(self) -> bool:
-        """Lines 2 to 16; returns whether another round may be worth it."""
-        search, started = self._search, time.monotonic()
-        plan = self._last.plan if self._last else Plan()
-        now = search.confine(self._u, plan, self._start, self._reach)  # 2 to 5 and 7
-        if self._elsewhere:
-            now = replace(now, u=search.confiner.middle(now))
-        elif not self._rounds and search.reference and search.reference.same:
-            goal = search.reference.display
-            scene, box = search.shots[0].scene, (now.lower, now.upper)
-            now = replace(now, u=with_key_turned(scene, search.vector, now.u, *box, goal))
-        search.renew(now.u, search.number, slack=STRIDE)
-        chosen = search.select(now, now.u)  # 6: S_K
-        self._last = replace(now, plan=chosen.with_reasons(now.plan))
-        descent = search.descend(now, chosen)  # 8 to 15
-        self._u, self._loss = descent.u, descent.loss  # 16
-        search.number += 1
-        self._rounds.append(
-            {
-                "parameters": chosen.keys,
-                "shared": chosen.shared,
-                "loss": [descent.start_loss, descent.loss],
-                **chosen.objective.account(descent.u),
-                "steps": descent.steps,
-                "repairs": descent.repairs,
-                "advice": now.advice.source,
-                "seconds": round(time.monotonic() - started, 3),
-            }
-        )
-        gained = descent.start_loss - descent.loss
-        self._settled = len(self._rounds) > 1 and gained < CONVERGED * abs(descent.start_loss)
-        return bool(chosen.keys) and not search.clock.stopped
-
-    def _outcome(self, best: RoundEnd) -> Outcome:
-        search, plan = self._search, best.confined.plan
-        if self._start.drawn is not None:
-            plan = starts.with_reasons(plan, search.vector, best.u)
-        return Outcome(
-            vector=search.vector,
-            u=best.u,
-            plan=plan,
-            ranges=best.confined.ranges,
-            optimized={key for record in self._rounds for key in record["parameters"]},
-            goals=best.confined.advice.goals,
-            prompts=best.confined.advice.prompts,
-            claims=search.claims,
-            shots=search.shots,
-            anchors=best.anchors,
-            loss=best.loss,
-            rounds=self._rounds,
-            reference=search.reference,
-            stopped=search.clock.stopped,
-        )
-
-
-def _nearest(ends: list[RoundEnd]) -> RoundEnd:
-    """The end that shows most of what the words claim; of equals the last."""
+def nearest(ends: Sequence[RoundEnd]) -> RoundEnd:
+    """The end that shows most of the words' claims; of equals the last."""
     return min(reversed(ends), key=lambda end: end.missed)
+
+
+def next_round(search: Search, ends: Sequence[RoundEnd]) -> RoundStart | None:
+    """The round that follows the last one; None where that was the last."""
+    last, best = ends[-1], nearest(ends)
+    start, reach = last.start.start, last.start.reach
+    has_claims = claims_words(last.shots)
+    if len(ends) == search.rounds or not last.record["parameters"] or search.clock.stopped:
+        return None
+    if has_claims and not last.missed.claims:
+        return None
+
+    # Ranges open while claims are missed; those of a round that went astray in wider ones are the plan's again.
+    astray = best is not last
+    too_wide = astray and reach.opening > 0.0
+    share, opening = reach.share, reach.opening
+    if has_claims and start.drawn is None:
+        opening = 0.0 if too_wide else min(opening + OPENING, WIDEST)
+    if astray and not too_wide:
+        share *= 0.5
+    place = RoundPlace.BEST_END if astray else RoundPlace.LAST_END
+
+    if is_stuck(search, ends):
+        # Variants stay near their own start; the middle of ranges as wide as an image's is no better than any other point.
+        was_there = any(end.start.place is RoundPlace.MIDDLE for end in ends)
+        if was_there or not has_claims or start.drawn is not None or search.reference:
+            return None
+        place, share = RoundPlace.MIDDLE, 1.0
+    number, earlier = last.start.number + 1, last.confined.plan
+    return RoundStart(start, place, best.u, best.shots, number, earlier, RoundReach(share, opening))
+
+
+def is_stuck(search: Search, ends: Sequence[RoundEnd]) -> bool:
+    """True if another round of the same kind is worth nothing."""
+    last, best = ends[-1], nearest(ends)
+    if len(ends) > 1 and last.settled:
+        return True
+    if len(ends) > 1 and search.reference and search.reference.same:
+        before = nearest(ends[:-1]).missed.distance
+        if before - last.missed.distance < ALIKE * before:
+            return True
+    return all(end.missed > best.missed for end in ends[-PATIENCE:])
+
+
+def claims_words(shots: Sequence[ShotState]) -> bool:
+    """True if the words claim anything that can be measured in the images."""
+    return any(shot.claims and shot.claims.words for shot in shots)
+
+
+def least_change(search: Search, ends: Sequence[RoundEnd]) -> RoundEnd:
+    """The best end; with least change, if that satisfies all claims too, which Cycles has to confirm."""
+    best = nearest(ends)
+    is_done = not best.missed.claims and claims_words(best.shots)
+    if not is_done or best.start.start.drawn is not None or search.clock.stopped:
+        return best
+    u = eased(search, best.shots, best.confined.plan, best.u)
+    if u is None:
+        return best
+    shots, missed = search.seen(best.shots, u, ends[-1].start.number)
+    if missed.claims:
+        return best
+    search.show(shots, u)
+    return replace(best, u=u, shots=shots, missed=missed)
+
+
+def eased(search: Search, shots: Sequence[ShotState], plan: Plan, u: Tensor) -> Tensor | None:
+    """A point with supports as near to the artist's values as the proxy's images allow.
+
+    A round steps at once to where all claims are satisfied, and often past it: a dark car may need a little more light to be
+    told from its floor, and gets a white floor in glaring light, for nothing that is claimed speaks against that.
+
+    Args:
+        shots: With their proxies corrected at u.
+        plan: Says which values only support the words.
+        u: (N,) a point at which all claims are satisfied.
+
+    Returns:
+        (N,) another point that shows each claim as well; None where nothing is gained.
+    """
+    if search.reference:  # of which all values are free alike
+        return None
+    vector = search.vector
+    supports = vector.mark(key for key, e in plan.items() if e.priority is not None and e.prior > 0.0)
+    moved = torch.where(supports, u - vector.encode({}), 0.0)
+    if float(moved.abs().amax()) < _FAR:
+        return None
+    most = _distances(shots, u) + _SAME
+    points = (u - (1.0 - kept) * moved for kept in _KEPT)
+    return next((point for point in points if bool((_distances(shots, point) <= most).all())), None)
+
+
+def _distances(shots: Sequence[ShotState], u: Tensor) -> Tensor:
+    """(C,) noticeable steps between the images of u (N,) and what is sought of each claim, which lies inside of what satisfies it."""
+    found = [torch.zeros(())]
+    with torch.no_grad():
+        for shot in shots:
+            viewed = shot.viewed(u)
+            for value, lower, upper in viewed.aims(viewed.draw(u)):
+                found.append(outside(value, lower, upper).norm().cpu())
+    return torch.stack(found)
+
+
+def outcome_of(search: Search, start: Start, ends: Sequence[RoundEnd], best: RoundEnd) -> Outcome:
+    """The result of the rounds from a start."""
+    plan = best.confined.plan
+    if start.drawn is not None:
+        plan = starts.with_reasons(plan, search.vector, best.u)
+    records = [end.record for end in ends]
+    return Outcome(
+        vector=search.vector,
+        u=best.u,
+        plan=plan,
+        ranges=best.confined.ranges,
+        optimized={key for record in records for key in record["parameters"]},
+        goals=best.confined.advice.goals,
+        prompts=best.confined.advice.prompts,
+        claims=search.judge.claims,
+        shots=best.shots,
+        loss=best.loss,
+        rounds=records,
+        reference=search.reference,
+        stopped=search.clock.stopped,
+    )

@@ -1,89 +1,130 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the rounds of Algorithm 1 share: scene, claims, the confiner, S_K (line 6) and the objective L."""
+"""A vibe's scene, words and method, and the lines of Algorithm 1 that a round consists of."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import torch
 from torch import Tensor
 
 from ...claims.claim import HOLDS, Claim, ClaimSet
-from ...claims.wanted import claims_of
-from ...goals.resolve import Goals, goals_or_why
+from ...claims.measures.picture import MeasuredPicture
+from ...goals.resolve import Goals
 from ...guidance.encoder import Encoder
-from ...guidance.losses import claims_loss
-from ...planning.advice import Advice, Advisor, OfflineAdvisor
-from ...planning.types import LightPlan, Plan
-from ...prompt.lexicon.user_words import default_vocabulary
-from ...prompt.understood import Understood
-from ...reference.advisor import beside
+from ...guidance.guide import Guidance, claims_loss
+from ...planning.advice import Advice, Advisor
+from ...reference.advisor import advisor_with_picture
 from ...reference.like import Reference
 from ...render.proxy import Proxy, Render
 from ...scene import SceneData
 from ...schema import VibeError
 from ...schema.messages import Options
-from .. import context
-from ..inner.descent import Descent
+from ..least_squares import Descent
 from ..looks import Looks
 from ..progress import Clock, Observer
-from ..shots import ShotInput, ShotState, gathered
+from ..shots import ShotInput, ShotState, gathered, inner_size
+from ..stage import StagedScenes, read_stage
 from ..vector import begun
-from .confiner import UNBOUND, Confined, Confiner, RoundReach, Start
+from .confiner import Confined, Confiner, RoundPlace, RoundStart
+from .key_start import with_key_turned
 from .method import Method
 from .selection import Selection
 
-_VALUES = 48  # that a round for a picture may refine, at least
+_VALUES = 48  # that a round for a reference image may refine, at least
+
+_STRIDE = 0.05
+"""A projection that moves no value by more than this share of its whole range is not worth another anchor."""
+
+
+class ImageJudge:
+    """Says how near the images of all shots are to the words; the encoder is asked for all of them with `every_word`.
+
+    Attributes:
+        claims: Of words and reference image; none before `begin`.
+    """
+
+    def __init__(
+        self,
+        method: Method,
+        encoder: Encoder,
+        prompt: str,
+        every_word: bool,
+        word_claims: Callable[[Goals], tuple[Claim, ...]],
+        reference: Reference | None,
+    ) -> None:
+        self._method, self._encoder, self._prompt, self._every_word = method, encoder, prompt, every_word
+        self._word_claims, self._reference = word_claims, reference
+        self.claims: tuple[Claim, ...] = ()
+        self._artist: list[
+            tuple[Render, MeasuredPicture, ClaimSet]
+        ] = []  # of each shot: the artist's image, as measured, its claims
+        self._asked: object = None
+        self._guidance: list[Guidance] = []
+
+    @property
+    def has_begun(self) -> bool:
+        """True if the claims are known."""
+        return bool(self._artist)
+
+    def claims_of(self, goals: Goals, shot: ShotState) -> tuple[Claim, ...]:
+        """The claims of words and reference image about the first shot; about the others the same."""
+        claims = self._word_claims(goals)
+        if self._reference:
+            return self._reference.claims(claims, shot.gbuffer(shot.vector.encode({})))
+        return claims
+
+    def begin(self, shots: Sequence[ShotState], u: Tensor, goals: Goals) -> None:
+        """Settles the claims, and keeps the artist's images, drawn at u (N,): changes and guidance are relative to them."""
+        self.claims = self._method.claims(self.claims_of(goals, shots[0]))
+        for shot in shots:
+            image = shot.draw(u)
+            before = MeasuredPicture(image.display.detach(), shot.gbuffer(u))
+            self._artist.append((image, before, ClaimSet.about(self.claims, before)))
+
+    def equipped(self, shots: Sequence[ShotState], advice: Advice) -> list[ShotState]:
+        """The shots with their claims, and with guidance by a round's advice."""
+        if self._asked != (asked := (advice.prompts, advice.unmeasured)):
+            self._asked = asked
+            self._guidance = [
+                self._method.guidance(self._encoder, self._prompt, advice, image, self._every_word)
+                for image, _, _ in self._artist
+            ]
+        found = []
+        for shot, guidance, (_, before, claims) in zip(shots, self._guidance, self._artist, strict=True):
+            if shot.claims is None:
+                shot = replace(shot, claims=claims, before=before, seen=before.seen)
+            found.append(replace(shot, guidance=guidance))
+        return found
 
 
 class Missed(NamedTuple):
-    """How far pictures are from what the words claim; the least is the best.
+    """Distance of images from the words' claims; the least is the best.
 
     Attributes:
-        distance: Sum over claims of how far each is missed, see `losses.claims_loss`: one that is far off, as a subject that
-            can hardly be seen, counts more than two that nearly hold.
-        claims: How many do not hold.
+        distance: Sum over claims of how far each is missed, see `claims_loss`: one that is far off, as a subject that
+            can hardly be seen, counts more than two that are nearly satisfied.
+        claims: Number of claims that are not satisfied.
     """
 
     distance: float
     claims: int
 
 
-class LightAsked(Protocol):
-    """The light that words ask for, set up in the scene."""
-
-    @property
-    def understood(self) -> Understood:
-        """The words, read against the scene."""
-
-    @property
-    def goals(self) -> Goals | VibeError:
-        """What they wish for; why there is nothing where nothing is understood."""
-
-    @property
-    def plan(self) -> LightPlan | None:
-        """Of all that sheds light."""
-
-    def claims(self, goals: Goals) -> tuple[Claim, ...]:
-        """What the words claim of the image, the light's structure among it."""
-
-
 class Search:
-    """One vibe. Arguments as for `pipeline.run`.
+    """One vibe. Nothing in it changes from round to round but the judge's guidance. Arguments as for `pipeline.run`.
 
     Attributes:
-        several: Whether variants are wanted.
         vector: The parameters of u.
-        shots: One or several, each with its proxy and guidance. Plans are made for the first.
+        shots: One or several, each with its proxy, as loaded. Plans are made for the first.
+        several: Whether variants are asked for.
         rounds: R, the most rounds from each start.
-        method: How it searches.
         clock: Reports progress to the observer.
-        number: Of the current round, over all starts.
-        reference: The picture in the place of words, or beside them; None for words alone.
-        claims: What words and picture claim; none before the artist's picture was seen.
+        reference: The image that replaces words, or adds to them; None for words alone.
         confiner: Plans, and makes boxes of plans.
+        judge: Says how near images are to the words.
         looks: Shown before the end; None where nobody wants them, and for several shots.
     """
 
@@ -94,150 +135,95 @@ class Search:
         options: Options,
         encoder: Encoder,
         observer: Observer,
-        advisor: Advisor | None,
-        light: LightAsked | None = None,
+        advisor: Advisor | None = None,
+        stage: StagedScenes | None = None,
         method: Method | None = None,
     ) -> None:
-        self._light, self.method = light, method or Method()
-        self._encoder, self._prompt = encoder, prompt
+        self.method, self.observer = method or Method(), observer
         self.reference = Reference.of(options, views[0].scene)
-        self.claims: tuple[Claim, ...] = ()
         if self.reference:  # it speaks of all of light and grade at once
             options = replace(options, top_k=max(options.top_k, _VALUES))
-        self.options, self.observer = options, observer
+        self.options = options
 
         def proxy(scene: SceneData) -> Proxy:
-            size = context.inner_size(scene, options, encoder)
+            size = inner_size(scene, options, encoder)
             return Proxy(scene, size, device=str(encoder.device), seed=options.seed)
 
         self.vector, self.shots = gathered(views, options, proxy)
-        if light:
-            understood, goals, plan = light.understood, light.goals, light.plan
-        else:
-            understood, plan = Understood(prompt, context.scene_words(*(v.scene for v in views))), None
-            goals = goals_or_why(understood)
-        offline = OfflineAdvisor(goals, plan)
-        has_words = bool(prompt.strip()) or isinstance(goals, Goals)
-        self.offline, asked = (
-            beside(self.reference, each, has_words, len(views), understood.scene.lights)
-            for each in (offline, advisor or offline)
+        self._stage = stage or read_stage([view.scene for view in views], prompt)
+        words = bool(prompt.strip()) or isinstance(self._stage.goals, Goals)
+        described = self._stage.understood.scene
+        self._offline, asked = (
+            advisor_with_picture(self.reference, each, words, len(views), described.lights)
+            for each in (self._stage.advisor, advisor or self._stage.advisor)
         )
-        self.confiner = Confiner(self.vector, self.shots, asked, self.method.plan)
+        self.confiner = Confiner(self.vector, self.shots, described, asked, self.method.plan)
         self.several = options.variants > 1
-        # Variants share what would be one vibe's time, as far as that goes.
+        # Variants have the time of one vibe in common, as far as that goes.
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds
         self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, observer)
-        self._artists: list[Render] = []
-        self._asked: object = None
-        self.number = 0
-        alone = len(self.shots) == 1
-        self.looks = Looks(self.shots[0]) if alone and observer.wants_looks else None
+        self.judge = ImageJudge(
+            self.method, encoder, prompt, bool(options.encoder), self._stage.claims, self.reference
+        )
+        alone = len(self.shots) == 1 and observer.wants_looks
+        self.looks = Looks(self.shots[0], described) if alone else None
 
     def show_plan(self) -> None:
         """Shows what the words alone give, before the first anchor; the words' own plan, also where a model is asked later."""
         if self.looks is None:
             return
         try:
-            u, advice = self.looks.planned(self.offline)
+            u, advice = self.looks.planned(self._offline)
         except VibeError:  # if nobody else understands the words either, the first round says so
             return
-        self.observer.begin(self.looks.before.display)
+        self.observer.begin(self.looks.before)
         self.observer.look(self.looks.values(u))
-        self.observer.look(self.looks.drawn(u, self._claims_of(advice.goals)))
+        claims = self.judge.claims_of(advice.goals, self.shots[0])
+        self.observer.look(self.looks.drawn(u, claims))
 
-    def show(self, u: Tensor) -> None:
-        """Shows the best look so far.
-
-        Args:
-            u: (N,) where a round has ended.
-        """
+    def show(self, shots: Sequence[ShotState], u: Tensor) -> None:
+        """Shows the best look so far, at u (N,)."""
         if self.looks:
-            self.observer.look(self.looks.drawn(u, self.claims))
+            self.observer.look(self.looks.drawn(u, self.judge.claims, shots[0]))
 
-    def _claims_of(self, goals: Goals) -> tuple[Claim, ...]:
-        """What words and picture claim of the first shot; of the others the same."""
-        claims = self._light.claims(goals) if self._light else claims_of(goals, default_vocabulary())
-        return (
-            self.reference.claims(claims, self.shots[0].seen_now(self.vector.encode({})))
-            if self.reference
-            else claims
-        )
-
-    def renew(self, u: Tensor, number: int, **options: float) -> None:
-        """Corrects the proxies of all shots at u.
-
-        Args:
-            u: (N,) where the loop is.
-            number: Of the round, from 0.
-            **options: As for `Anchoring.renew`.
-        """
-        for shot in self.shots:
-            shot.anchoring.renew(u, number, **options)
-
-    @property
-    def claims_words(self) -> bool:
-        """Whether the words claim anything that can be measured in the pictures."""
-        return any(shot.claims and shot.claims.words for shot in self.shots)
-
-    def missed(self, u: Tensor) -> Missed:
-        """How far the pictures of u (N,) are from the words' claims; as Cycles has them, where it was just asked."""
-        for shot in self.shots:
-            shot.look(u)
-        with torch.no_grad():
-            residuals = [r for shot in self.shots for r in shot.residuals(shot.draw(u))]
-            distance = float(claims_loss(residuals)) if residuals else 0.0
-        return Missed(round(distance, 3), sum(float(r.norm()) > HOLDS for r in residuals))
-
-    def confine(self, u: Tensor, earlier: Plan, start: Start | None, reach: RoundReach = UNBOUND) -> Confined:
-        """Lines 2 to 5 and 7 of Algorithm 1 at u: render, parse, compose, confine, project.
-
-        Args:
-            u: (N,) the point.
-            earlier: The plan of the round before; empty for the first.
-            start: Where this refinement started; None for the artist's scene.
-            reach: How far from u the round may go.
-        """
-        self.renew(u, self.number)
-        advice = self.confiner.advise(u, earlier)
-        self._judge_by(advice, u)
-        for shot in self.shots[1:]:
-            shot.take(advice.plan)
-        if not earlier and not (start and start.drawn is not None):
+    def confine(self, here: RoundStart) -> Confined:
+        """Lines 2 to 5 and 7 of Algorithm 1: render, parse, compose, confine, project."""
+        u = here.u
+        shots = [shot.anchored(u, here.number) for shot in here.shots]
+        advice = self.confiner.advise(shots, u, here.earlier)
+        if not self.judge.has_begun:  # at the artist's own values
+            self.judge.begin(shots, u, advice.goals)
+            self.observer.begin(shots[0].draw(u).display.detach())
+        first, *others = self.judge.equipped(shots, advice)
+        shots = [first, *(shot.planned(advice.plan) for shot in others)]
+        if not here.earlier and here.start.drawn is None:
             u = begun(self.vector, advice.plan, u)
-        return self.confiner.confined(advice, u, start, reach, self.claims)
+        return self.confiner.confined(advice, u, here, shots, self.judge.claims)
 
-    def _judge_by(self, advice: Advice, u: Tensor) -> None:
-        """Has pictures judged as this round's advice says; what the words claim is as understood at first, at u (N,)."""
-        if not self._artists:  # the loop begins, at the artist's own values
-            self._artists = [shot.draw(u) for shot in self.shots]
-            self.observer.begin(self._artists[0].display.detach())
-            self.claims = self.method.claims(self._claims_of(advice.goals))
-            for shot, picture in zip(self.shots, self._artists, strict=True):
-                begun = shot.begin(u, picture)
-                shot.claims = ClaimSet.about(self.claims, begun)
-        asked = advice.prompts, advice.unmeasured
-        if asked != self._asked:
-            self._asked = asked
-            for shot, picture in zip(self.shots, self._artists, strict=True):
-                shot.guidance = self.method.guidance(
-                    self._encoder, self._prompt, advice, picture, bool(self.options.encoder)
-                )
+    def placed(self, now: Confined, here: RoundStart) -> Confined:
+        """The round at the point where its steps begin, with the proxies corrected there."""
+        u = now.u
+        if here.place is RoundPlace.MIDDLE:
+            u = self.confiner.middle(now)
+        elif here.place is RoundPlace.START and self.reference and self.reference.same:
+            goal = self.reference.display
+            u = with_key_turned(self.shots[0].scene, self.vector, u, now.lower, now.upper, goal)
+        return replace(now, u=u, shots=[shot.anchored(u, here.number, _STRIDE) for shot in now.shots])
 
     def select(self, now: Confined, u: Tensor, shots: Sequence[ShotState] = ()) -> Selection:
-        """What is minimized in a round, and over which parameters.
-
-        Args:
-            u: (N,) where the parameters are chosen.
-            shots: Those that judge; all if there are none.
-        """
-        return self.method.select(now, self.vector, shots or self.shots, u, self.options)
+        """S_K (line 6), chosen at u (N,), and the objective over it; `shots` judge, all of the round if there are none."""
+        return self.method.select(now, self.vector, shots or now.shots, u, self.options)
 
     def descend(self, now: Confined, chosen: Selection) -> Descent:
-        """Lines 8 to 15 of Algorithm 1, from the round's projected point.
-
-        Args:
-            chosen: S_K, and what is minimized; chosen at that point.
-        """
+        """Lines 8 to 15 of Algorithm 1, from the round's point, where S_K was chosen."""
         movable = self.vector.mark(chosen.keys) & (now.upper > now.lower)
-        seed, follow = self.options.seed * 1000 + self.number, self.clock.follow(self.number)
+        seed, follow = self.options.seed * 1000 + now.number, self.clock.follow(now.number)
         return self.method.descend(now, chosen, movable, self.options.steps, seed, follow)
+
+    def seen(self, shots: Sequence[ShotState], u: Tensor, number: int) -> tuple[list[ShotState], Missed]:
+        """The shots as Cycles has them at u (N,), in a round of this number, and how far they are there from the claims."""
+        shots = [shot.anchored(u, number).viewed(u) for shot in shots]
+        with torch.no_grad():
+            residuals = [r for shot in shots for r in shot.residuals(shot.draw(u))]
+            distance = float(claims_loss(residuals)) if residuals else 0.0
+        return shots, Missed(round(distance, 3), sum(float(r.norm()) > HOLDS for r in residuals))

@@ -20,34 +20,31 @@ from ...guidance.guide import Weights
 from ...planning.types import Plan
 from ...schema import VibeError
 from ...schema.messages import Options
-from ..inner.least_squares import linearize
-from ..inner.linear_model import LinearModel
+from ..least_squares import LinearModel, linearize
 from ..objective import RoundObjective
 from ..shots import ShotState
-from ..vector import ParameterVector, begun
+from ..vector import ParameterVector
+from .confiner import Confined
 
-_HALF, _MISSED = 1.5, 3.0
-"""Places in the order of priorities that half the gain costs, and how many more where claims are missed for long: what words
-name goes first, but what it cannot earn is left to what can."""
+_HALF = 1.5  # places in the order of priorities that half the gain costs
+_MISSED = 3.0
+"""How many more where claims are missed for long: what words name goes first, but what it cannot earn is left to what can."""
 
 _FAINTEST = 2.0**-20
 
-_NAMED = 0.15
-"""Weight of the pull to where words have the search begin, as to a named color: it gives way to what claims see, not to
-similarity alone."""
-
-ALIKE, _NOTHING_NEW = 0.9, 0.1
-"""Share of what a parameter does to the claims that another one does too, and of its gain that is left beside that one."""
+ALIKE = 0.9
+"""Share of a parameter's effect on the claims that another one has too, from where they do the same."""
+_NOTHING_NEW = 0.1  # share of its gain that is left to it then, up to which it is held
 
 
 @dataclass(frozen=True)
 class Selection:
-    """What a round optimizes.
+    """Parameters that a round optimizes.
 
     Attributes:
-        keys: S_K, what serves most first.
-        objective: What is minimized, differentiable in all that was looked at.
-        shared: Key of a parameter that is held -> the one of S_K that does the same to what the words claim.
+        keys: S_K, the most useful first.
+        objective: Differentiable in all that was looked at.
+        shared: Key of a parameter that is held -> the one of S_K that does the same to the claims.
         model: The objective near the point where they were chosen, over the components of S_K; None if nobody needs it.
     """
 
@@ -57,7 +54,7 @@ class Selection:
     model: LinearModel | None = None
 
     def with_reasons(self, plan: Plan) -> Plan:
-        """The plan, with what is held and why."""
+        """The plan, with the reasons of parameters that are held."""
         held = {
             key: replace(
                 plan[key], reason=f"{plan[key].reason}; held: {other} does the same to what is claimed"
@@ -68,42 +65,38 @@ class Selection:
 
 
 def select(
-    plan: Plan,
+    now: Confined,
     vector: ParameterVector,
     shots: Sequence[ShotState],
     u: Tensor,
-    lower: Tensor,
-    upper: Tensor,
     options: Options,
     weights: Weights,
-    opening: float = 0.0,
 ) -> Selection:
-    """S_K (equation 7): the K parameters that receive gradients.
-
-    Args:
-        vector: The parameters of u.
-        u: (N,) where parameters are chosen.
-        lower: (N,) lower corner of the feasible box.
-        upper: (N,) upper corner.
-        options: K is `top_k`.
-        opening: In [0, 1]: for how long claims have been missed, see `search.Confined`.
+    """S_K (equation 7), chosen at u (N,): the K parameters that receive gradients, `top_k` in the options.
 
     Raises:
         VibeError: Nothing that the words name may change.
     """
+    plan, lower, upper = now.plan, now.lower, now.upper
     # Moving the camera means tracing everything again: only words are worth that.
     probed = {
         k
         for k in relevant(plan, vector, upper > lower)
         if vector.instances[k].parameter.group != "camera" or plan[k].is_named
     }
-    any_hue = {key for key in probed if plan[key].any_hue}
-    held = begun(vector, plan, vector.encode({})), _pull(plan, vector, probed)
-    objective = RoundObjective(
-        shots, vector, probed, lower, upper, *held, weights, any_hue, bool(options.like)
-    )
-    model, parts, low, high = _probe(objective, vector, probed, u, lower, upper)
-    keys, shared = choose(plan, options.top_k, model, parts, low, high, _HALF + _MISSED * opening)
+    objective = RoundObjective(shots, vector, plan, probed, (lower, upper), weights, bool(options.like))
+
+    # The loss near u over all of these keys, in shares of their ranges, and each key's part of it
+    wide = vector.mark(probed) & (upper > lower)
+    before, span = wide.cumsum(0), (upper - lower)[wide]
+    model = linearize(objective, u, wide, span)
+    low, high = (lower - u)[wide] / span, (upper - u)[wide] / span
+    parts = {}
+    for key in sorted(probed):
+        end = int(before[vector.slices[key].stop - 1])
+        parts[key] = slice(end - int(wide[vector.slices[key]].sum()), end)
+
+    keys, shared = choose(plan, options.top_k, model, parts, low, high, _HALF + _MISSED * now.opening)
     mine = torch.zeros(len(low), dtype=torch.bool)
     for key in keys:
         mine[parts[key]] = True
@@ -111,11 +104,7 @@ def select(
 
 
 def relevant(plan: Plan, vector: ParameterVector, wide: Tensor) -> set[str]:
-    """Keys of what a round may change.
-
-    Args:
-        vector: The parameters of u.
-        wide: (N,) bool, the components that have a range.
+    """Keys that a round may change, of components (N,) bool that have a range.
 
     Raises:
         VibeError: Nothing that the words name is among them.
@@ -138,7 +127,7 @@ def choose(
     high: Tensor,
     half: float = _HALF,
 ) -> tuple[list[str], dict[str, str]]:
-    """The K most important parameters, refined by how much each can still lower the loss beside those before it.
+    """The K most important parameters, refined by how much each can still lower the loss next to those before it.
 
     Half the gain costs some places: a parameter at the right end of its range, or one that the loss does not
     depend on, makes room for one that still helps.
@@ -153,7 +142,7 @@ def choose(
         half: Places in the order of priorities that half the gain costs.
 
     Returns:
-        The keys, and what is held -> the key that does the same.
+        The keys, and held ones -> the key that does the same.
     """
     move, free = torch.zeros_like(low), torch.zeros(len(low), dtype=torch.bool)
     left = dict(parts)
@@ -176,30 +165,3 @@ def choose(
         shared |= {key: best for key in same if gains[key] <= _NOTHING_NEW * alone[key]}
         left = {key: other for key, other in left.items() if key not in shared}
     return keys, shared
-
-
-def _probe(
-    objective: RoundObjective,
-    vector: ParameterVector,
-    probed: set[str],
-    u: Tensor,
-    lower: Tensor,
-    upper: Tensor,
-) -> tuple[LinearModel, dict[str, slice], Tensor, Tensor]:
-    """The loss near u over all of these keys, in shares of their ranges; where each key is; the box around u."""
-    wide = vector.mark(probed) & (upper > lower)
-    before, span = wide.cumsum(0), (upper - lower)[wide]
-    model = linearize(objective, u, wide, span)
-    parts = {}
-    for key in sorted(probed):
-        end = int(before[vector.slices[key].stop - 1])
-        parts[key] = slice(end - int(wide[vector.slices[key]].sum()), end)
-    return model, parts, ((lower - u)[wide] / span), ((upper - u)[wide] / span)
-
-
-def _pull(plan: Plan, vector: ParameterVector, probed: set[str]) -> Tensor:
-    """(N,) weight in [0, 1] of the pull home: on what may be optimized though no word named it, and on what has a start."""
-    weight = torch.zeros(vector.size, dtype=torch.float64)
-    for key in probed:
-        weight[vector.slices[key]] = plan[key].prior if plan[key].start is None else _NAMED
-    return weight

@@ -4,22 +4,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import torch
 import torch.nn.functional as F
 from torch import Tensor
 
 from ...color.tensors import lab_from_srgb
+from ...guidance.guide import claims_loss
+from ...guidance.regions import Views
 from ...planning.types import Plan, PlanEntry
 from ...schema import Instance
-from ..vector import ParameterVector, around
+from ..least_squares import fixed_views
+from ..vector import ParameterVector, feasible_ranges
+from .confiner import Confined, RoundStart, Start
+from .search import Search
 
-if TYPE_CHECKING:
-    from ...schema.messages import Options
-
-COARSE_STEPS = 8
+_COARSE_STEPS = 8
 VARIED = "left open by the words: varied, so that the variants differ"
 _PER_VARIANT = 3  # starts for each variant: some come to nothing, some look like others
 _ROAM: dict[str, tuple[float, float, bool]] = {  # how far down and up, and whether by factors
@@ -30,15 +32,67 @@ _ROAM: dict[str, tuple[float, float, bool]] = {  # how far down and up, and whet
     "world/rotation": (-75.0, 75.0, False),
 }
 """What may differ between variants where the words leave it open: all lights turn as one."""
-_NEAR = 0.25  # of a range on either side of a start: a variant stays what it is
 _CELLS = 16
 _LAST = 99  # priority of what no word names
 
 
-def count(options: Options) -> int:
-    """How many starts there are; the first is the artist's scene."""
-    wanted = _PER_VARIANT * options.variants if options.variants > 1 else 1
-    return max(options.starts, wanted)
+def find_starts(search: Search) -> list[Start]:
+    """The artist's scene; with variants or several starts, points drawn in the plan's ranges and tried in a coarse pass.
+
+    Returns:
+        One start for each variant: those of least loss among which the images differ most.
+    """
+    home, options = search.vector.encode({}), search.options
+    number = max(options.starts, _PER_VARIANT * options.variants if search.several else 1)
+    artist = Start(home, search.shots)
+    if number == 1:
+        return [artist]
+    now = search.confine(RoundStart.at(artist))
+    plan = roam(search.vector.instances, now.plan) if search.several else now.plan
+    ranges = feasible_ranges(plan, search.vector.instances, search.vector.values(home))
+    box = search.vector.bounds(ranges)
+    drawn = draw_starts(search.vector, plan, now.u, box, number, options.seed)
+    search.observer.stage(f"trying {number} starts")
+    tried = []
+    for point in drawn:
+        tried.append(_coarse_pass(search, point, now))
+        if search.observer.stopped():
+            break
+    losses = [loss for _, loss, _ in tried]
+    if not search.several:
+        return [Start(tried[losses.index(min(losses))][0], now.shots)]
+    chosen = most_diverse([display for _, _, display in tried], losses, options.variants)
+    own = search.vector.mark(k for k, e in plan.items() if e.priority is not None and k != "film/exposure")
+    return [
+        Start(tried[i][0], now.shots, own if i else None, place * search.rounds)
+        for place, i in enumerate(chosen)
+    ]
+
+
+def _coarse_pass(search: Search, point: Tensor, now: Confined) -> tuple[Tensor, float, Tensor]:
+    """The end point (N,) of a few steps on few views, its loss on all views, and the first shot's image (H, W, 3)."""
+    few = []
+    for shot in now.shots:
+        guidance = copy(shot.guidance)
+        assert guidance is not None
+        guidance.views = Views(1, 1, 1)
+        few.append(replace(shot, guidance=guidance))
+    chosen = search.select(now, point, few)
+    movable = search.vector.mark(chosen.keys) & (now.upper > now.lower)
+    here, seed = replace(now, u=point), search.options.seed
+    u = search.method.descend(
+        here, chosen, movable, _COARSE_STEPS, seed, lambda *_: search.observer.stopped()
+    ).u
+    with torch.no_grad():
+        images = [shot.draw(u) for shot in now.shots]
+        losses = []
+        for shot, image in zip(now.shots, images, strict=True):
+            assert shot.guidance is not None
+            terms = [*shot.guidance(image.display, image.mask, fixed_views()).values()]
+            if residuals := shot.residuals(image):
+                terms.append(search.method.weights.claims * claims_loss(residuals))
+            losses.append(float(sum(terms)))
+    return u, sum(losses) / len(losses), images[0].display
 
 
 def draw_starts(
@@ -48,11 +102,6 @@ def draw_starts(
 
     What the plan optimizes is drawn anew from its range, a color's components at one place in theirs: the corners
     of the box are other hues. What `roam` has opened moves as one.
-
-    Args:
-        vector: The parameters of u.
-        u: (N,) inside the box.
-        box: Lower and upper corner, each (N,).
     """
     generator = torch.Generator().manual_seed(seed)
     keys = [key for key, entry in plan.items() if entry.priority is not None]
@@ -70,11 +119,7 @@ def draw_starts(
 
 
 def roam(instances: Mapping[str, Instance], plan: Plan) -> Plan:
-    """The plan, with ranges to draw from for how the scene is lit where the words leave that open.
-
-    Args:
-        instances: The scene's parameters by key.
-    """
+    """The plan, with ranges to draw from for how the scene is lit where the words leave that open."""
     roaming = Plan(dict(plan), plan.notes)
     for key, entry in plan.items():
         instance = instances[key]
@@ -90,12 +135,7 @@ def roam(instances: Mapping[str, Instance], plan: Plan) -> Plan:
 
 
 def with_reasons(plan: Plan, vector: ParameterVector, u: Tensor) -> Plan:
-    """The plan, with the reason "varied" for what this point has varied.
-
-    Args:
-        vector: The parameters of u.
-        u: (N,) the point.
-    """
+    """The plan, with the reason "varied" for what u (N,) has varied."""
     moved = vector.values(u)
     varied = {
         key: replace(entry, reason=VARIED)
@@ -107,38 +147,13 @@ def with_reasons(plan: Plan, vector: ParameterVector, u: Tensor) -> Plan:
     return Plan({**plan, **varied}, plan.notes)
 
 
-def corral(start: Tensor, lower: Tensor, upper: Tensor, drawn: Tensor) -> tuple[Tensor, Tensor]:
-    """The part of the box (N,) near a start, in the components that were drawn (N,) bool.
-
-    Args:
-        start: (N,) the start.
-        lower: (N,) lower corner of the feasible box.
-        upper: (N,) upper corner.
-        drawn: (N,) bool.
-
-    Returns:
-        The corners of the smaller box, each (N,).
-    """
-    near = around(start, lower, upper, _NEAR)
-    return torch.where(drawn, near[0], lower), torch.where(drawn, near[1], upper)
-
-
 def distance(a: Tensor, b: Tensor) -> float:
-    """How different two pictures look: mean Lab distance of their cells, which ignores fine detail.
-
-    Args:
-        a: (H, W, 3) display values in [0, 1].
-    """
+    """Difference of two images (H, W, 3): mean Lab distance of their cells, which ignores fine detail."""
     return float((_cells(a) - _cells(b)).norm(dim=0).mean())
 
 
 def most_diverse(pictures: list[Tensor], losses: list[float], number: int) -> list[int]:
-    """Indices of pictures that differ most, the first one and others of the better half.
-
-    Args:
-        pictures: (H, W, 3) each.
-        losses: Of the pictures; smaller is better.
-    """
+    """Indices of images (H, W, 3) that differ most, the first one and others of the better half by their losses."""
     ranked = sorted(range(len(losses)), key=losses.__getitem__)
     good = ranked[: max(-(-len(ranked) // 2), number)]
     chosen = [0]
@@ -149,5 +164,5 @@ def most_diverse(pictures: list[Tensor], losses: list[float], number: int) -> li
 
 
 def _cells(display: Tensor) -> Tensor:
-    """(3, 16, 16) mean Lab colors of a picture (H, W, 3)."""
+    """(3, 16, 16) mean Lab colors of an image (H, W, 3)."""
     return F.adaptive_avg_pool2d(lab_from_srgb(display.detach()).permute(2, 0, 1), _CELLS)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The camera: rays through pixels and pixels of points, differentiable in orbit and field of view.
+"""The camera: rays through pixels and pixels of points, differentiable in orbit and field of view; rays cut into segments.
 
 Vectors are planar, (3, N), here and in all shading code: broadcasting per-sample scalars over
 components is then contiguous, which is several times faster on a CPU than (N, 3).
@@ -7,6 +7,7 @@ components is then contiguous, which is several times faster on a CPU than (N, 3
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 
 import torch
@@ -14,7 +15,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from ...scene import SceneData
-from ...scene.values import RenderValues, wanted
+from ...scene.values import RenderValues, needs_gradient
 from .vectors import dot, unit
 
 
@@ -34,32 +35,23 @@ def frame(azimuth: Float[Tensor, ""], elevation: Float[Tensor, ""]) -> Float[Ten
 
 @dataclass(frozen=True)
 class View:
-    """A camera's pose and lens for one render.
+    """A camera's pose and lens for one render."""
 
-    Attributes:
-        position: (3,) in meters.
-        rotation: (3, 3), columns right, up, back.
-        scale: () what one unit on the picture plane spans: at unit depth, or everywhere if orthographic.
-        orthographic: Whether rays are parallel.
-        size: Width and height in pixels.
-        extent: Width and height of the picture in units of the side that the lens angle spans.
-        shift: Lens shift in the same units.
-        clip: Distances of the near and the far plane.
-    """
-
-    position: Float[Tensor, " 3"]
-    rotation: Float[Tensor, "3 3"]
+    position: Float[Tensor, " 3"]  # (3,) in meters
+    rotation: Float[Tensor, "3 3"]  # (3, 3), columns right, up, back
+    # () what one unit on the picture plane spans: at unit depth, or everywhere if orthographic
     scale: Float[Tensor, ""]
-    orthographic: bool
-    size: tuple[int, int]
+    orthographic: bool  # whether rays are parallel
+    size: tuple[int, int]  # width and height in pixels
+    # width and height of the picture in units of the side that the lens angle spans
     extent: tuple[float, float]
-    shift: tuple[float, float]
-    clip: tuple[float, float]
+    shift: tuple[float, float]  # lens shift in the same units
+    clip: tuple[float, float]  # distances of the near and the far plane
 
     @property
     def moving(self) -> bool:
-        """Whether gradients with respect to the camera are wanted."""
-        return wanted(self.position, self.rotation, self.scale)
+        """True if gradients with respect to the camera are wanted."""
+        return needs_gradient(self.position, self.rotation, self.scale)
 
     def detached(self) -> View:
         """The same view without gradients."""
@@ -72,14 +64,7 @@ class View:
         return (*flat.tolist(), *map(float, self.size))
 
     def rays(self, pixel: Float[Tensor, "2 n"]) -> tuple[Float[Tensor, "3 n"], Float[Tensor, "3 n"]]:
-        """Rays through picture positions.
-
-        Args:
-            pixel: (2, N), x to the right and y down, in pixels; centers are at .5.
-
-        Returns:
-            Origins and unit directions, (3, N) each.
-        """
+        """Origins and unit directions, (3, N) each, of rays through pixels (2, N): x to the right, y down, centers at .5."""
         width, height = self.size
         x = ((pixel[0] / width - 0.5) * self.extent[0] + self.shift[0]) * self.scale
         y = ((0.5 - pixel[1] / height) * self.extent[1] + self.shift[1]) * self.scale
@@ -128,3 +113,27 @@ def view_of(scene: SceneData, settings: RenderValues, size: tuple[int, int]) -> 
         shift=camera.shift,
         clip=camera.clip,
     )
+
+
+@dataclass(frozen=True)
+class RaySegments:
+    """Rays from a grid of places, each cut into S segments."""
+
+    start: Tensor  # (3, rows, columns) origins, meters
+    toward: Tensor  # (3, rows, columns) unit directions
+    cuts: Tensor  # (S + 1, …) distances of the segments' ends, meters; they may differ from ray to ray
+    signature: Hashable  # changes when the rays do
+
+    @staticmethod
+    def of(view: View, coarse: int, cuts: Tensor) -> RaySegments:
+        """Camera rays through the centers of blocks of `coarse` x `coarse` pixels."""
+        columns, rows = (max(1, round(n / coarse)) for n in view.size)
+        y, x = torch.meshgrid(torch.arange(rows) + 0.5, torch.arange(columns) + 0.5, indexing="ij")
+        pixel = torch.stack((x * (view.size[0] / columns), y * (view.size[1] / rows))).flatten(1)
+        start, toward = (part.view(3, rows, columns) for part in view.rays(pixel.to(view.position)))
+        return RaySegments(start, toward, cuts, (view.signature(), float(cuts[-1])))
+
+    @property
+    def middles(self) -> Tensor:
+        """Points (3, S, rows, columns) halfway between the cuts."""
+        return self.start[:, None] + self.toward[:, None] * ((self.cuts[1:] + self.cuts[:-1]) / 2)

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from .layers import last_of
-from .samples import Samples
+from .samples import Samples, last_of
 from .visibility import Surface
 
 _CELLS_ACROSS = 96
@@ -21,10 +20,7 @@ _CELLS_ACROSS = 96
 class SparseWeights:
     """A fixed sparse matrix (N, A), applied to (A, C).
 
-    Args:
-        rows: (R,) the rows that are not empty, in order.
-        columns: (R, K) where they have entries; one that is named twice counts twice.
-        weights: (R, K) the entries.
+    The rows (R,) that are not empty, in order, have weights (R, K) in columns (R, K); one that is named twice counts twice.
     """
 
     def __init__(self, rows: Tensor, columns: Tensor, weights: Tensor, shape: tuple[int, int]) -> None:
@@ -69,9 +65,6 @@ class _SparseProduct(torch.autograd.Function):
 class GatherPoints:
     """Samples on a coarse grid, one for each material seen in each cell.
 
-    Args:
-        across: Cells along the picture's longer side.
-
     Attributes:
         index: (A,) the samples.
         smooth: Averages over neighboring gather points, against noise.
@@ -98,14 +91,9 @@ class GatherPoints:
         self._lists = _cell_lists(own, columns, rows, min(most, 9))
         points = _Places(place, surface, samples.hits.distance[:n] * (2.0 / max(columns, rows)))
         self._gather_points = points.pick(self.index)
-        near = range(-3, 4)
-        self.smooth = _spread(
-            self._gather_points, self._gather_points, self._lists, near, nearest=40, width=3.5
-        )
-        near = range(-1, 2)
-        self.smooth_glossy = _spread(
-            self._gather_points, self._gather_points, self._lists, near, nearest=9, width=1.6
-        )
+        pairs = self._gather_points, self._gather_points, self._lists
+        self.smooth = _spread(*pairs, range(-3, 4), nearest=40, width=3.5)
+        self.smooth_glossy = _spread(*pairs, range(-1, 2), nearest=9, width=1.6)
         self.spread = _spread(self._gather_points, points, self._lists, (0, 1), nearest=4, width=1.0)
 
     def turns(self, side: int) -> Tensor:
@@ -120,12 +108,9 @@ class GatherPoints:
     def spread_to(
         self, surface: Surface, place: Tensor, distance: Tensor, chosen: Tensor | None = None
     ) -> SparseWeights:
-        """Interpolates from gather points to other points that the picture shows, or nearly shows.
+        """Interpolates from gather points to others at places (2, N) in pixels, which may lie outside the picture.
 
-        Args:
-            place: (2, N) picture positions in pixels, which may lie outside.
-            distance: (N,) from the camera.
-            chosen: (N,) bool: the points that get light; None for all.
+        Distances (N,) are from the camera. Only the `chosen` (N,) get light; all if None.
         """
         rows, columns = self._lists.shape[:2]
         limit = place.new_tensor([[columns], [rows]]) - 0.5
@@ -192,11 +177,9 @@ def _spread(
         group = (most == n).nonzero()[:, 0]
         if len(group):
             cells = near[:, group].flatten()
-            candidates = [
-                lists[:, :, i].flatten().index_select(0, cells).view(len(near), -1) for i in range(n)
-            ]
-            index, fit = _best(gather_points, points.pick(group), torch.cat(candidates), nearest, width)
-            best[group], weight[group] = index, fit
+            columns = (lists[:, :, i].flatten() for i in range(n))
+            candidates = torch.cat([c.index_select(0, cells).view(len(near), -1) for c in columns])
+            best[group], weight[group] = _best(gather_points, points.pick(group), candidates, nearest, width)
     return SparseWeights(rows, best, weight / weight.sum(1, keepdim=True).clamp_min(1e-20), shape)
 
 

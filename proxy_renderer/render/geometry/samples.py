@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which points of the picture are shaded, and how they add up to pixels."""
+"""The points of the picture that are shaded, found through transparent surfaces, and how they add up to pixels."""
 
 from __future__ import annotations
 
@@ -9,52 +9,38 @@ import torch
 from torch import Tensor
 
 from .camera import View
-from .layers import HitLayers, follow, last_of
 from .vectors import dot
 from .visibility import Hits, RayGeometry, Surface
 
 EDGE_SAMPLES = 5
 _NEIGHBOR = 0.084
-"""What a pixel of one sample takes from each neighbor along an axis: the filter's variance of 0.17 square pixels."""
+"""Share that a pixel of one sample takes from each neighbor along an axis: the filter's variance of 0.17 square pixels."""
 _FILTER_WIDTH = 3.0  # pixels: twice what Blender says (1.5 by default), for Cycles takes it for a radius
+_FAINT = 0.004
+"""Share of a ray below which it is not followed, and a hit does not count."""
+_MOST_LAYERS = 8
 
 
 @dataclass(frozen=True)
 class Samples:
-    """All shaded points of one view, sorted by material, the background last.
+    """All shaded points of one view, sorted by material, the background last."""
 
-    Attributes:
-        size: Width and height of the picture.
-        pixel: (N,) index of the pixel (row-major, row 0 on top) that a sample counts towards.
-        weight: (N,) its share; the shares of a pixel sum to 1.
-        place: (2, N) picture position in pixels.
-        layer: (N,) how many surfaces their rays have passed before, at least.
-        hits: What the samples' rays meet.
-        slices: Material index, first and last-plus-one sample of every material in view.
-        surfaces: How many samples meet a surface; the others see the background.
-        first: (P,) a sample of every pixel.
-        others: (E,) the samples that are no pixel's `first`.
-        plain: (P,) whether a pixel has samples in its middle only.
-        owner: (P,) object that the ray through a pixel's center meets, -1 for none.
-        center_hits: Hits of the rays through the pixels' centers (P,).
-        origin, toward: (3, N) rays, directions of unit length.
-    """
-
-    size: tuple[int, int]
-    pixel: Tensor
-    weight: Tensor
-    place: Tensor
-    layer: Tensor
-    hits: Hits
+    size: tuple[int, int]  # width and height of the picture
+    pixel: Tensor  # (N,) index of the pixel (row-major, row 0 on top) that a sample counts towards
+    weight: Tensor  # (N,) its share; the shares of a pixel sum to 1
+    place: Tensor  # (2, N) picture position in pixels
+    layer: Tensor  # (N,) how many surfaces their rays have passed before, at least
+    hits: Hits  # what the samples' rays meet
+    # material index, first and last-plus-one sample of every material in view
     slices: tuple[tuple[int, int, int], ...]
-    surfaces: int
-    first: Tensor
-    others: Tensor
-    plain: Tensor
-    owner: Tensor
-    center_hits: Hits
-    origin: Tensor
-    toward: Tensor
+    surfaces: int  # how many samples meet a surface; the others see the background
+    first: Tensor  # (P,) a sample of every pixel
+    others: Tensor  # (E,) the samples that are no pixel's `first`
+    plain: Tensor  # (P,) whether a pixel has samples in its middle only
+    owner: Tensor  # (P,) object that the ray through a pixel's center meets, -1 for none
+    center_hits: Hits  # hits of the rays through the pixels' centers (P,)
+    origin: Tensor  # (3, N) rays, directions of unit length
+    toward: Tensor  # (3, N) rays, directions of unit length
 
     def resolve(self, values: Tensor) -> Tensor:
         """Filters samples (C, N) into pixels (C, P)."""
@@ -98,12 +84,10 @@ def _diffuse(picture: Tensor, size: tuple[int, int]) -> Tensor:
 def take(geometry: RayGeometry, view: View, smooth: Tensor) -> Samples:
     """Finds what the view sees: one sample in the middle of plain pixels, several where edges pass.
 
-    Smooth surfaces show pictures of others, whose edges may pass anywhere: they get several as well.
+    Smooth materials (M,) bool show pictures of others, whose edges may pass anywhere: they get several as well.
     Where surfaces are transparent, a ray makes a sample of each, weighted by what it adds.
-
-    Args:
-        smooth: (M,) bool: materials that show sharp reflections.
     """
+    # Rays through the centers show where edges pass.
     width, height = view.size
     centers = pixel_centers(view.size).to(geometry.device)
     origin, toward = view.rays(centers)
@@ -113,6 +97,7 @@ def take(geometry: RayGeometry, view: View, smooth: Tensor) -> Samples:
     if geometry.opacity is not None:
         edge |= _edges(geometry, layers.nearest(len(origin[0])), toward, width, height)
     edge |= smooth[geometry.material[center_hits.triangle.clamp_min(0)]] & center_hits.hit
+    # More rays for these pixels.
     busy = edge.nonzero()[:, 0]
     jitter = _filter_points(geometry.device)
     places = (centers[:, busy, None] + jitter[:, None, :]).flatten(1)
@@ -120,81 +105,47 @@ def take(geometry: RayGeometry, view: View, smooth: Tensor) -> Samples:
     more = follow(geometry, view, more_origin, more_toward)
     kept = (~edge)[layers.ray]
     few = HitLayers(layers.ray[kept], layers.number[kept], layers.hits.pick(kept), layers.weight[kept])
-    owner = busy.repeat_interleave(EDGE_SAMPLES)
-    parts = zip(few.hits.parts, more.hits.parts, strict=True)
-    return _sorted(
-        geometry,
-        view.size,
-        pixel=torch.cat((few.ray, owner[more.ray])),
-        weight=torch.cat((few.weight, more.weight / EDGE_SAMPLES)),
-        place=torch.cat((centers[:, few.ray], places[:, more.ray]), 1),
-        layer=torch.cat((few.number, more.number)),
-        hits=Hits(*(torch.cat(pair) for pair in parts)),
-        center_hits=center_hits,
-        plain=~edge,
-        rays=(
-            torch.cat((origin[:, few.ray], more_origin[:, more.ray]), 1),
-            torch.cat((toward[:, few.ray], more_toward[:, more.ray]), 1),
-        ),
-    )
-
-
-def pixel_centers(size: tuple[int, int]) -> Tensor:
-    """(2, P) picture positions of the middles of all pixels, row by row.
-
-    Args:
-        size: Width and height in pixels.
-    """
-    y, x = torch.meshgrid(torch.arange(size[1]), torch.arange(size[0]), indexing="ij")
-    return torch.stack((x.flatten(), y.flatten())).to(torch.float32) + 0.5
-
-
-def _sorted(
-    geometry: RayGeometry,
-    size: tuple[int, int],
-    pixel: Tensor,
-    weight: Tensor,
-    place: Tensor,
-    layer: Tensor,
-    hits: Hits,
-    center_hits: Hits,
-    plain: Tensor,
-    rays: tuple[Tensor, Tensor],
-) -> Samples:
+    pixel = torch.cat((few.ray, busy.repeat_interleave(EDGE_SAMPLES)[more.ray]))
+    hits = Hits(*(torch.cat(pair) for pair in zip(few.hits.parts, more.hits.parts, strict=True)))
+    # All are sorted by material, those of the background last.
     materials = int(geometry.material.max()) + 1
     owner = torch.where(hits.hit, geometry.material[hits.triangle.clamp_min(0)], materials)
     owner, order = torch.sort(owner, stable=True)
-    counts = torch.bincount(owner, minlength=materials + 1).tolist()
     slices, start = [], 0
-    for material, count in enumerate(counts[:-1]):
+    for material, count in enumerate(torch.bincount(owner, minlength=materials + 1).tolist()[:-1]):
         if count:
             slices.append((material, start, start + count))
         start += count
     pixel = pixel[order]
     index = torch.arange(len(pixel), device=pixel.device)
     first = last_of(pixel, index, int(pixel.max()) + 1)
-    others = index[first[pixel] != index]
     return Samples(
-        size=size,
+        size=view.size,
         pixel=pixel,
-        weight=weight[order],
-        place=place[:, order],
-        layer=layer[order],
+        weight=torch.cat((few.weight, more.weight / EDGE_SAMPLES))[order],
+        place=torch.cat((centers[:, few.ray], places[:, more.ray]), 1)[:, order],
+        layer=torch.cat((few.number, more.number))[order],
         hits=hits.pick(order),
         slices=tuple(slices),
         surfaces=start,
         first=first,
-        others=others,
-        plain=plain,
+        others=index[first[pixel] != index],
+        plain=~edge,
         owner=torch.where(center_hits.hit, geometry.object[center_hits.triangle.clamp_min(0)], -1),
         center_hits=center_hits,
-        origin=rays[0][:, order],
-        toward=rays[1][:, order],
+        origin=torch.cat((origin[:, few.ray], more_origin[:, more.ray]), 1)[:, order],
+        toward=torch.cat((toward[:, few.ray], more_toward[:, more.ray]), 1)[:, order],
     )
 
 
+def pixel_centers(size: tuple[int, int]) -> Tensor:
+    """(2, P) picture positions of the middles of all pixels of a size (width, height), row by row."""
+    y, x = torch.meshgrid(torch.arange(size[1]), torch.arange(size[0]), indexing="ij")
+    return torch.stack((x.flatten(), y.flatten())).to(torch.float32) + 0.5
+
+
 def _edges(geometry: RayGeometry, hits: Hits, toward: Tensor, width: int, height: int) -> Tensor:
-    """(P,) bool: pixels beside which the object, the material, the normal or the depth jumps."""
+    """(P,) bool: pixels next to which the object, the material, the normal or the depth jumps."""
     surface: Surface = geometry.surface(hits, toward)
     index = hits.triangle.clamp_min(0)
     name = torch.where(hits.hit, geometry.object[index] * 4096 + surface.material, -1).view(height, width)
@@ -226,3 +177,72 @@ def _filter_points(device: torch.device) -> Tensor:
     rows = ((index * 2 + 1) % EDGE_SAMPLES + 0.5) / EDGE_SAMPLES  # five rooks that do not attack each other
     offsets = [x[torch.searchsorted(total, c).clamp_max(512)] - 0.5 for c in (columns, rows)]
     return (torch.stack(offsets) * _FILTER_WIDTH).to(device, torch.float32)
+
+
+@dataclass(frozen=True)
+class HitLayers:
+    """Surfaces that rays pass through and end on, nearest first."""
+
+    ray: Tensor  # (N,) index of the ray
+    number: Tensor  # (N,) how many surfaces it has met before
+    hits: Hits  # (N,) what it meets there
+    weight: Tensor  # (N,) the share of the ray that is seen there; the shares of a ray sum to 1
+
+    def strongest(self, count: int) -> Hits:
+        """For every ray (count,) the hit that it shows most of."""
+        return self.hits.pick(last_of(self.ray, torch.argsort(self.weight, stable=True), count))
+
+    def nearest(self, count: int) -> Hits:
+        """For every ray (count,) the first hit that counts."""
+        index = torch.arange(len(self.ray), device=self.ray.device).flip(0)
+        return self.hits.pick(last_of(self.ray, index, count))
+
+
+def follow(geometry: RayGeometry, view: View, origin: Tensor, toward: Tensor) -> HitLayers:
+    """Follows the camera's rays (3, N) from its near to its far plane, through transparent surfaces."""
+    index = torch.arange(origin.shape[1], device=geometry.device)
+    left = torch.ones(len(index), device=geometry.device)
+    near, far = view.span(toward)
+    hits = geometry.nearest(origin + toward * near, toward, "camera")
+    hits = _before(far, Hits(hits.triangle, hits.u, hits.v, hits.distance + near))
+    if geometry.opacity is None:
+        return HitLayers(index, torch.zeros_like(index), hits, left)
+    collected: list[tuple[Tensor, Hits, Tensor]] = []
+    for number in range(_MOST_LAYERS):
+        alpha = geometry.opacity.at(geometry.surface(hits, toward[:, index]), by_camera=number == 0)
+        alpha = torch.where(hits.hit, alpha, 1.0)
+        rest = left * (1 - alpha)
+        ends = (rest < _FAINT) | (number == _MOST_LAYERS - 1)
+        share = torch.where(ends, left, left * alpha)
+        counts = share >= _FAINT
+        collected.append((index[counts], hits.pick(counts), share[counts]))
+        # What is too faint to count is given to what comes after it.
+        rest = torch.where(counts, rest, left)
+        onward = ~ends
+        if not bool(onward.any()):
+            break
+        index, left = index[onward], rest[onward]
+        further = geometry.onward(hits.pick(onward), origin[:, index], toward[:, index], "camera")
+        hits = _before(far[index], further)
+    numbers = [torch.full_like(rays, i) for i, (rays, _, _) in enumerate(collected)]
+    rays, met, shares = zip(*collected, strict=True)
+    merged = Hits(*(torch.cat(p) for p in zip(*(h.parts for h in met), strict=True)))
+    return HitLayers(torch.cat(rays), torch.cat(numbers), merged, torch.cat(shares))
+
+
+def _before(far: Tensor, hits: Hits) -> Hits:
+    """Hits (N,) with those beyond distances (N,) turned into misses."""
+    inside = hits.distance <= far
+    distance = torch.where(inside, hits.distance, torch.inf)
+    return Hits(torch.where(inside, hits.triangle, -1), hits.u, hits.v, distance)
+
+
+def last_of(group: Tensor, order: Tensor, count: int) -> Tensor:
+    """The member (count,) of every group that comes last in an order, a permutation (N,).
+
+    Group is (N,) int64 in [0, count); every group must have a member.
+    """
+    rank = torch.arange(len(order), device=order.device)
+    last = torch.zeros(count, dtype=torch.int64, device=order.device)
+    # Not by assignment: which of several writes to one place wins is not defined.
+    return order[last.scatter_reduce(0, group[order], rank, "amax")]

@@ -18,29 +18,19 @@ RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
 """Kinds of rays that an object may be hidden from, by Blender's names."""
 
 
-@dataclass(frozen=True)
-class TraceResult:
-    """Where N rays end: `triangle` (N,) is -1 for a miss; the weights u and v, and the distance, float32."""
-
-    triangle: np.ndarray
-    u: np.ndarray
-    v: np.ndarray
-    distance: np.ndarray
+TraceResult = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+"""Ends of N rays: triangles (N,), -1 for a miss; the weights u and v, and distances, float32."""
 
 
 class TriangleTree:
-    """Some triangles of a mesh, ready for rays.
-
-    Args:
-        members: (n,) indices of the triangles.
-    """
+    """The triangles of a mesh with indices `members` (n,), ready for rays."""
 
     def __init__(self, mesh: SceneMesh, members: np.ndarray) -> None:
         self._mesh, self._members = mesh, members
 
     @property
     def count(self) -> int:
-        """How many triangles it has."""
+        """Number of triangles."""
         return len(self._members)
 
     @functools.cached_property
@@ -58,19 +48,16 @@ class TriangleTree:
         if before is None:
             answer = self._embree.run(origin, toward, output=1)
         else:
-            answer = self._embree.run(origin, toward, before.distance, query="INTERSECT", output=1)
+            answer = self._embree.run(origin, toward, before[3], query="INTERSECT", output=1)
         met = answer["primID"] >= 0
         triangle = self._members[answer["primID"].clip(0)]
+        u, v, distance = answer["u"], answer["v"], answer["tfar"]
         if before is None:
-            distance = np.where(met, answer["tfar"], np.float32(1e30))
-            return TraceResult(np.where(met, triangle, -1), answer["u"], answer["v"], distance)
-        pairs = (
-            (triangle, before.triangle),
-            (answer["u"], before.u),
-            (answer["v"], before.v),
-            (answer["tfar"], before.distance),
+            return np.where(met, triangle, -1), u, v, np.where(met, distance, np.float32(1e30))
+        triangle, u, v, distance = (
+            np.where(met, new, old) for new, old in zip((triangle, u, v, distance), before, strict=True)
         )
-        return TraceResult(*(np.where(met, new, old) for new, old in pairs))
+        return triangle, u, v, distance
 
     def blocks(self, origin: np.ndarray, toward: np.ndarray, distance: np.ndarray) -> np.ndarray:
         """(N,) bool: rays (N, 3) that meet a triangle before a distance (N,)."""
@@ -92,18 +79,12 @@ def tree_of(mesh: SceneMesh, members: np.ndarray) -> TriangleTree:
 
 @dataclass(frozen=True)
 class TriangleClass:
-    """Triangles that all rays treat alike.
+    """Triangles that all rays treat alike."""
 
-    Attributes:
-        tree: The triangles.
-        hidden: Kinds of rays that pass them, of `RAYS`.
-        clear: Whether they may let light through.
-        material: The glowing material of which they all are, which casts no shadow in its own light; -1 for others.
-    """
-
-    tree: TriangleTree
-    hidden: frozenset[str]
-    clear: bool
+    tree: TriangleTree  # the triangles
+    hidden: frozenset[str]  # kinds of rays that pass them, of `RAYS`
+    clear: bool  # whether they may let light through
+    # the glowing material of which they all are, which casts no shadow in its own light; -1 for others
     material: int
 
 
@@ -112,10 +93,7 @@ def classes_of(
 ) -> list[TriangleClass]:
     """Sorts the triangles of a mesh into classes.
 
-    Args:
-        hidden: For each object the kinds of rays that pass it.
-        clear: (M,) bool: materials that may let light through.
-        apart: Materials with classes of their own.
+    Objects are `hidden` from kinds of rays; `clear` (M,) materials may let light through; those `apart` get own classes.
     """
     kinds = list(dict.fromkeys(hidden))
     kind = np.array([kinds.index(h) for h in hidden])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What rays meet, by Embree. Everything here is a constant of one camera or one light: no gradients."""
+"""Intersections of rays, by Embree. Everything here is a constant of one camera or one light: no gradients."""
 
 from __future__ import annotations
 
@@ -22,18 +22,12 @@ _LAYERS = 8
 
 @dataclass(frozen=True)
 class Hits:
-    """Where N rays end.
+    """Ends of N rays."""
 
-    Attributes:
-        triangle: (N,) int64, -1 for a miss.
-        u, v: (N,) barycentric weights of the triangle's second and third corner.
-        distance: (N,), infinite for a miss.
-    """
-
-    triangle: Tensor
-    u: Tensor
-    v: Tensor
-    distance: Tensor
+    triangle: Tensor  # (N,) int64, -1 for a miss
+    u: Tensor  # (N,) barycentric weights of the triangle's second and third corner
+    v: Tensor  # (N,) barycentric weights of the triangle's second and third corner
+    distance: Tensor  # (N,), infinite for a miss
 
     @property
     def hit(self) -> Tensor:
@@ -64,12 +58,7 @@ class Opacity(Protocol):
 
 
 class RayGeometry:
-    """The scene's triangles, ready for rays and for look-ups.
-
-    Args:
-        mesh: The triangles, world space, meters.
-        hidden: For each object the kinds of rays that pass it, of `RAYS`.
-        device: Where to compute; rays are traced on the CPU.
+    """The scene's triangles, ready for rays and for look-ups. Rays are traced on the CPU, whatever the device.
 
     Attributes:
         corners: (3, F, 3) positions: corner, triangle, component.
@@ -78,7 +67,7 @@ class RayGeometry:
         material, object: (F,) int64.
         opacity: Alpha of what is not opaque; None where everything is.
         glass: (M,) share of light that passes a surface of each material, refracted.
-        size: Diagonal of the bounding box; offsets and tolerances are relative to it.
+        size: Diagonal of the bounding box in meters; offsets and tolerances are relative to it.
     """
 
     def __init__(
@@ -100,11 +89,7 @@ class RayGeometry:
         self._sort()
 
     def let_through(self, glass: Tensor) -> bool:
-        """Sets the transmittance (M,) of each material's glass.
-
-        Returns:
-            Whether it has changed.
-        """
+        """Sets the transmittance (M,) of each material's glass; returns whether it has changed."""
         changed = not torch.equal(glass, self.glass)
         if changed:
             self.glass = glass
@@ -129,9 +114,9 @@ class RayGeometry:
         return met[self.object]
 
     def first_hits(self, origin: Tensor, toward: Tensor, ray: str, numbers: Tensor | None = None) -> Hits:
-        """Where rays (3, N) of a kind with unit directions (3, N) end; a transparent surface stops a share of them.
+        """Ends of rays (3, N) of a kind with unit directions (3, N); a transparent surface stops a share of them.
 
-        Which ones is told by their `numbers` (N,), by default from 0 on: the same rays among others end in the same places.
+        Which ones depends on their `numbers` (N,), by default from 0 on: the same rays among others end in the same places.
         """
         hits = self.nearest(origin, toward, ray)
         if not self._filter:
@@ -152,7 +137,7 @@ class RayGeometry:
         return Hits(*parts)
 
     def onward(self, hits: Hits, origin: Tensor, toward: Tensor, ray: str) -> Hits:
-        """What rays meet after their hits; distances still count from the origin."""
+        """Next surfaces that rays meet after their hits; distances still count from the origin."""
         gap = 1e-5 * (self.size + hits.distance)
         start = hits.distance + gap
         further = self.nearest(origin + toward * start, toward, ray)
@@ -169,24 +154,21 @@ class RayGeometry:
         if met is None:
             none = torch.zeros(origin.shape[1], device=self.device)
             return Hits(torch.full_like(none, -1, dtype=torch.int64), none, none, none + torch.inf)
-        triangle = torch.from_numpy(met.triangle).to(self.device, torch.int64)
-        u, v, distance = (torch.from_numpy(p).to(self.device) for p in (met.u, met.v, met.distance))
+        triangle = torch.from_numpy(met[0]).to(self.device, torch.int64)
+        u, v, distance = (torch.from_numpy(p).to(self.device) for p in met[1:])
         return Hits(triangle, u, v, torch.where(triangle >= 0, distance, torch.inf))
 
     def clear(
         self, origin: Tensor, toward: Tensor, distance: Tensor, without: int = -1, ray: str = "shadow"
     ) -> Tensor:
-        """Share (N,) of light that passes along rays (3, N) over distances (N,).
+        """Share (N,) of light that passes along rays (3, N), in unit directions, over distances (N,) in meters.
 
-        Args:
-            toward: Their directions, of unit length.
-            distance: Their lengths, meters.
-            without: A material that was set apart and does not block them; -1 for none.
+        A material `without` that was set apart does not block them.
         """
         passing = torch.ones(origin.shape[1], device=self.device)
-        blocking = [
-            c for c in self._classes if ray not in c.hidden and (c.material < 0 or c.material != without)
-        ]
+        blocking = [c for c in self._classes if ray not in c.hidden]
+        if without >= 0:
+            blocking = [c for c in blocking if c.material != without]
         limit = distance.clamp_max(1e30).cpu().numpy().astype(np.float32)
         rays = _rows(origin), _rows(toward)
         for solid in (c.tree for c in blocking if not c.clear):
@@ -274,22 +256,14 @@ class RayGeometry:
 
 @dataclass(frozen=True)
 class Surface:
-    """N surface points.
+    """N surface points."""
 
-    Attributes:
-        position: (3, N).
-        normal: (3, N) unit shading normals, on the viewer's side.
-        facet: (3, N) unit normals of the triangles, on the viewer's side.
-        uv: (2, N).
-        material, object: (N,) int64.
-    """
-
-    position: Tensor
-    normal: Tensor
-    facet: Tensor
-    uv: Tensor
-    material: Tensor
-    object: Tensor
+    position: Tensor  # (3, N)
+    normal: Tensor  # (3, N) unit shading normals, on the viewer's side
+    facet: Tensor  # (3, N) unit normals of the triangles, on the viewer's side
+    uv: Tensor  # (2, N)
+    material: Tensor  # (N,) int64
+    object: Tensor  # (N,) int64
 
     def pick(self, index: Tensor | slice) -> Surface:
         """The points at an index."""
@@ -320,13 +294,8 @@ def sphere_points(count: int, copies: int, generator: torch.Generator) -> Tensor
 def shared_points(count: int, turn: Tensor, generator: torch.Generator) -> Tensor:
     """Points in [0, 1)^2 that copies share: (2, copies, count), all shifted by the same random step.
 
-    Every turn takes the next `count` points of the sequence of `sphere_points`, so that copies of different
-    turns add up to one set that spreads as well. Where neighbors are averaged, little noise is left.
-
-    Args:
-        count: Points for each copy.
-        turn: (copies,) from 0 on.
-        generator: For the shift.
+    Every turn (copies,), from 0 on, takes the next `count` points of the sequence of `sphere_points`, so that copies of
+    different turns add up to one set that spreads as well. Where neighbors are averaged, little noise is left.
     """
     points = sphere_points(count * (int(turn.max()) + 1 if len(turn) else 0), 1, generator).to(turn.device)
     return points.view(2, -1, count)[:, turn]

@@ -16,10 +16,10 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from ...scene.values import wanted
+from ...scene.values import needs_gradient
 from ..geometry.vectors import dot, tangents, unit
 from ..material.albedo import basis
-from .types.light_source import DirectIrradiance, LightSource
+from .light_source import DirectIrradiance, LightSource
 
 _LEAST_ALPHA = 2e-3
 _PAIRS = ((0, 0), (1, 1), (0, 1))
@@ -29,36 +29,21 @@ _LEAST_UP = 0.08
 
 @dataclass(frozen=True)
 class AreaSpecular:
-    """A light's highlight at N points, before roughness and Fresnel of the material.
+    """A light's highlight at N points, before roughness and Fresnel of the material."""
 
-    Attributes:
-        strength: (N,) the lamp's radiance times (h.v) / (n.v n.h), 0 below the horizon.
-        curve: (7, N) albedo basis at the half vector, for Fresnel.
-        slope_in, slope_out: (N,) squared tangents of the lamp's and the viewer's angle to the normal.
-        outline: (4, N) left, right, bottom and top of a rectangle seen from the mirror direction, in slopes; or
-            (5, N) for an ellipse, see `_round_place`.
-    """
-
-    strength: Float[Tensor, " n"]
-    curve: Float[Tensor, "7 n"]
-    slope_in: Float[Tensor, " n"]
-    slope_out: Float[Tensor, " n"]
+    strength: Float[Tensor, " n"]  # (N,) the lamp's radiance times (h.v) / (n.v n.h), 0 below the horizon
+    curve: Float[Tensor, "7 n"]  # (7, N) albedo basis at the half vector, for Fresnel
+    slope_in: Float[Tensor, " n"]  # (N,) squared tangents of the lamp's and the viewer's angle to the normal
+    slope_out: Float[Tensor, " n"]  # (N,) squared tangents of the lamp's and the viewer's angle to the normal
+    # (4, N) left, right, bottom and top of a rectangle seen from the mirror direction, in slopes; or (5, N)
+    # for an ellipse, see `_round_place`
     outline: Float[Tensor, "outline n"]
     _lobes: dict[float, Tensor] = field(default_factory=dict, repr=False, compare=False)
 
     def pick(self, index: slice) -> AreaSpecular:
         """The points at an index."""
-        parts = self.strength, self.curve, self.slope_in, self.slope_out, self.outline
-        strength, curve, slope_in, slope_out, outline = (p[..., index] for p in parts)
-        return replace(
-            self,
-            strength=strength,
-            curve=curve,
-            slope_in=slope_in,
-            slope_out=slope_out,
-            outline=outline,
-            _lobes={},
-        )
+        slopes = self.slope_in[index], self.slope_out[index]
+        return AreaSpecular(self.strength[index], self.curve[:, index], *slopes, self.outline[:, index])
 
     def times(self, visible: Float[Tensor, " n"]) -> AreaSpecular:
         """The same, shadowed by visible shares (N,)."""
@@ -69,7 +54,7 @@ class AreaSpecular:
 
         Kept until the roughness changes, unless gradients are wanted.
         """
-        if wanted(roughness, self.strength, self.outline):
+        if needs_gradient(roughness, self.strength, self.outline):
             return self._lobe(roughness)
         key = id(roughness) if roughness.dim() else float(roughness)
         if key not in self._lobes:
@@ -141,9 +126,8 @@ def _round_place(
     head_on = length2 < 1e-8
     x, y = torch.where(head_on, slope, x), torch.where(head_on, 0.0, y)
     radius = product * slope * (yy * x * x - 2 * xy * x * y + xx * y * y).clamp_min(1e-20).rsqrt()
-    radius = radius / (
-        1 + radius * slope / (1 + squared)
-    )  # slopes are tangents: towards the normal they shrink
+    # Slopes are tangents: towards the normal they shrink.
+    radius = radius / (1 + radius * slope / (1 + squared))
     radius2 = radius * radius
     nearest = (slope - radius).clamp_min(0.0)
     along = (aside / up - out) / slope  # the view's component along the lamp's slope
@@ -195,9 +179,7 @@ def _ellipse(outline: Tensor, alpha2: Tensor) -> Tensor:
 def _disc(d: Tensor, a: Tensor) -> Tensor:
     """The lobe's integral over a disc: the view factor of a parallel disc, written without cancellation.
 
-    Args:
-        d: (N,) squared distance of its middle, in units of the lobe's width.
-        a: (N,) squared radius.
+    `d` (N,) is the squared distance of its middle in units of the lobe's width, `a` (N,) the squared radius.
     """
     total = 1 + d + a
     q = (total * total - 4 * a * d).clamp_min(1e-12).sqrt()

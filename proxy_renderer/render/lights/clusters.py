@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Many lights: the strongest are traced each, the others in clusters of such that light what is seen alike.
+"""Many lights: the strongest are traced each, the others in clusters of such that light the visible points alike.
 
 A cluster shares shadow rays, and one of its lights stands for all of them in bounced light (Walter et al., "Lightcuts", 2005).
-Which lights are alike is read from the matrix of what each sends to points that are seen, unshadowed (Hašan et al., "Matrix
+Which lights are alike is read from the matrix of what each sends to visible points, unshadowed (Hašan et al., "Matrix
 row-column sampling for the many-light problem", 2007). What each sends directly, and its highlight, stay its own.
 """
 
@@ -15,38 +15,25 @@ import torch
 from torch import Tensor
 
 from ...color.tensors import luminance
-from ..geometry.k_means import k_means
 from ..geometry.visibility import Surface
-from .types.light_source import LightSource
+from .light_source import LightSource
 
 EXACT = 16
 """So many lights are traced each: half the strongest and as many clusters, where there are more."""
 _POINTS = 256
+_K_MEANS_ROUNDS = 12
 
 
 @dataclass(frozen=True)
 class LightCluster:
-    """Lights that share their shadows.
+    """Lights that share their shadows."""
 
-    Attributes:
-        members: Their indices, the strongest first, which stands for all.
-        shares: What each sends per unit of its color, relative to the first.
-    """
-
-    members: tuple[int, ...]
-    shares: tuple[float, ...]
+    members: tuple[int, ...]  # their indices, the strongest first, which stands for all
+    powers: tuple[float, ...]  # what each sends per unit of its color, relative to the first
 
 
 class LightClusters:
-    """All lights of a view, each in one cluster.
-
-    Args:
-        clusters: In an order of their own.
-
-    Attributes:
-        clusters: As given; their indices are the rows of indirect light.
-        row: The row of each light.
-    """
+    """All lights of a view, each in one cluster; a cluster's index is its row of indirect light, `row` has each light's."""
 
     def __init__(self, clusters: Sequence[LightCluster]) -> None:
         self.clusters = tuple(clusters)
@@ -56,65 +43,66 @@ class LightClusters:
         return len(self.clusters)
 
     def hold(self, lamps: Sequence[LightSource]) -> bool:
-        """Whether they are of as many lights, and none that moves shares its shadows with others."""
+        """True if they are of as many lights, and none that moves shares its shadows with others."""
         alone = (len(self.clusters[self.row[i]].members) == 1 for i, lamp in enumerate(lamps) if lamp.moving)
         return len(lamps) == len(self.row) and all(alone)
 
     def sources(self, lamps: Sequence[LightSource]) -> list[LightSource]:
-        """The light that stands for each cluster, in the color of all.
-
-        Args:
-            lamps: The lights at the values of one render.
-        """
-        return [_source(cluster, lamps) for cluster in self.clusters]
+        """The light that stands for each cluster, in the color of all."""
+        sources = []
+        for cluster in self.clusters:
+            first = lamps[cluster.members[0]]
+            if len(cluster.members) > 1:
+                colors = torch.stack([lamps[i].color for i in cluster.members])
+                first = replace(first, color=colors.new_tensor(cluster.powers) @ colors)
+            sources.append(first)
+        return sources
 
     @staticmethod
     def of(lamps: Sequence[LightSource], moving: Sequence[bool], surface: Surface) -> LightClusters:
-        """Clusters lights by what they send to a surface; few of them stay alone.
-
-        Args:
-            moving: Whether gradients with respect to the place of each are wanted.
-        """
+        """Clusters lights by what they send to a surface; few of them, and those that move, stay alone."""
         if len(lamps) <= EXACT or not len(surface.material):
             return LightClusters([LightCluster((i,), (1.0,)) for i in range(len(lamps))])
         chosen = torch.linspace(0, len(surface.material) - 1, _POINTS).long()
         some = surface.pick(chosen.to(surface.material.device))
-        sent = torch.stack(
-            [lamp.detached().irradiance(some.position, some.normal).irradiance for lamp in lamps]
-        )
+        still = [lamp.detached() for lamp in lamps]
+        sent = torch.stack([lamp.irradiance(some.position, some.normal).irradiance for lamp in still])
         colors = torch.stack([lamp.color.detach() for lamp in lamps])
         matrix = (sent[:, :, None] * colors[:, None]).flatten(1)  # (L, 3 P)
         strength = matrix.norm(dim=1)
         order = strength.argsort(descending=True).tolist()
-        shared = [i for i in order if _shares(lamps[i]) and not moving[i]][EXACT // 2 :]
+        shared = [i for i in order if _may_join(lamps[i]) and not moving[i]][EXACT // 2 :]
         groups = [(i,) for i in order if i not in set(shared)]
         if shared:
             unit = matrix[shared] / strength[shared].clamp_min(1e-20)[:, None]
-            label = k_means(unit.T, min(EXACT // 2, len(shared))).tolist()
-            alike = [
-                tuple(i for i, k in zip(shared, label, strict=True) if k == n) for n in sorted(set(label))
-            ]
-            groups += alike
+            labels = k_means(unit.T, min(EXACT // 2, len(shared))).tolist()
+            for label in sorted(set(labels)):
+                groups.append(tuple(i for i, k in zip(shared, labels, strict=True) if k == label))
         mean = sent.mean(1).clamp_min(1e-20)
-        rows = [(g, tuple((mean[list(g)] / mean[g[0]]).tolist())) for g in groups]
-        return LightClusters([LightCluster(*row) for row in rows])
+        return LightClusters([LightCluster(g, tuple((mean[list(g)] / mean[g[0]]).tolist())) for g in groups])
 
 
 def weights(cluster: LightCluster, lamps: Sequence[LightSource]) -> Tensor:
-    """How often (C,) shadow rays go to each member: as it lights what is seen, but none never."""
+    """Relative number (C,) of shadow rays to each member: by its light on visible points, above 0 for all."""
     bright = luminance(torch.stack([lamps[i].color.detach() for i in cluster.members]))[:, 0]
-    power = (bright * bright.new_tensor(cluster.shares)).clamp_min(0.0)
+    power = (bright * bright.new_tensor(cluster.powers)).clamp_min(0.0)
     return power + 0.1 * power.mean() + 1e-12
 
 
-def _shares(lamp: LightSource) -> bool:
-    """Whether a light may be in a cluster: one that lights some things only has shadows of its own."""
+def _may_join(lamp: LightSource) -> bool:
+    """True if a light may be in a cluster: one that lights some objects only has shadows of its own."""
     return lamp.light.shadow and not lamp.light.unlit and lamp.shadowless < 0 and not lamp.pictured
 
 
-def _source(cluster: LightCluster, lamps: Sequence[LightSource]) -> LightSource:
-    first = lamps[cluster.members[0]]
-    if len(cluster.members) == 1:
-        return first
-    colors = torch.stack([lamps[i].color for i in cluster.members])
-    return replace(first, color=colors.new_tensor(cluster.shares) @ colors)
+def k_means(points: Tensor, count: int) -> Tensor:
+    """The cluster (P,) of each point of (D, P), the same every time; at most `count`, which start far from each other."""
+    centers = points[:, :1]
+    for _ in range(count - 1):
+        away = torch.cdist(points.T, centers.T).amin(1)
+        centers = torch.cat((centers, points[:, away.argmax()][:, None]), 1)
+    label = torch.zeros(points.shape[1], dtype=torch.int64, device=points.device)
+    for _ in range(_K_MEANS_ROUNDS if count > 1 else 0):
+        label = torch.cdist(points.T, centers.T).argmin(1)
+        member = torch.nn.functional.one_hot(label, count).to(points.dtype)
+        centers = (points @ member) / member.sum(0).clamp_min(1.0)
+    return label

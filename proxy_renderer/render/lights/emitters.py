@@ -18,13 +18,12 @@ from torch import Tensor
 
 from ...color.tensors import luminance
 from ...scene import Light
-from ..geometry.directions import cosine_directions
-from ..geometry.k_means import k_means
-from ..geometry.vectors import cross, dot, unit
+from ..geometry.vectors import cosine_directions, cross, dot, unit
 from ..geometry.visibility import RayGeometry, sphere_points
 from ..material.shading_inputs import ShadingInputs
-from .types.local import clipped_sphere
-from .types.point import PointLight
+from .clusters import k_means
+from .light_source import clipped_sphere
+from .light_types import PointLight
 
 _LEAST = 0.25
 """Radiance from which a surface counts as a lamp: less is no brighter than what other lamps light."""
@@ -37,17 +36,12 @@ _ROUND = 0.6
 
 @dataclass(frozen=True)
 class EmitterLight(PointLight):
-    """A part of a glowing surface, in place of a point light.
+    """A part of a glowing surface, in place of a point light."""
 
-    Attributes:
-        form: (3, 3) symmetric: the root of w.form.w is how brightly it shines to the unit vector w and to -w.
-        lean: (3,) what it shines more to w than to -w, as a factor of w.
-        material: Of the surface.
-    """
-
+    # (3, 3) symmetric: the root of w.form.w is how brightly it shines to the unit vector w and to -w
     form: Tensor
-    lean: Tensor
-    material: int
+    lean: Tensor  # (3,) what it shines more to w than to -w, as a factor of w
+    material: int  # of the surface
 
     @property
     def owner(self) -> str:
@@ -75,27 +69,19 @@ class EmitterLight(PointLight):
         even = dot(way, self.form @ way).clamp_min(1e-12).sqrt()
         return (even + self.lean @ way).clamp_min(0.0)
 
-    def surface_cosine(self, cosine: Tensor, share: Tensor) -> Tensor:
-        """What of it is above the horizon counts."""
-        return clipped_sphere(cosine, share)
+    def surface_cosine(self, cosine: Tensor, sine2: Tensor) -> Tensor:
+        """Only its part above the horizon counts."""
+        return clipped_sphere(cosine, sine2)
 
 
-@dataclass(frozen=True)
-class EmitterCluster:
-    """A part of a glowing surface: as a light of color 1, and the power of one of radiance 1."""
-
-    lamp: EmitterLight
-    power: float
+EmitterCluster = tuple[EmitterLight, float]
+"""A part of a glowing surface: as a light of color 1, and the power of one of radiance 1."""
 
 
 class Emitters:
     """Finds small bright surfaces and lights the scene with them; they stay lights even if they fade.
 
-    Args:
-        near: A typical distance of what is seen, meters.
-
-    Attributes:
-        materials: Indices of those that are lamps.
+    `near` is a typical distance of what is seen, meters.
     """
 
     def __init__(self, geometry: RayGeometry, near: float) -> None:
@@ -113,16 +99,9 @@ class Emitters:
         return tuple(self._clusters)
 
     def notice(self, shading_inputs: Sequence[ShadingInputs]) -> bool:
-        """Makes lights of materials that have begun to glow.
-
-        Returns:
-            Whether there are new ones.
-        """
-        new = {
-            material
-            for material, inputs in enumerate(shading_inputs)
-            if material not in self._clusters and float(luminance(inputs.emission.detach())) > _LEAST
-        }
+        """Makes lights of materials that glow for the first time; returns whether there are new ones."""
+        others = [m for m in range(len(shading_inputs)) if m not in self._clusters]
+        new = {m for m in others if float(luminance(shading_inputs[m].emission.detach())) > _LEAST}
         self._geometry.set_apart(new)
         for material in sorted(new):
             with torch.no_grad():
@@ -132,18 +111,14 @@ class Emitters:
     def lamps(self, shading_inputs: Sequence[ShadingInputs]) -> list[EmitterLight]:
         """All clusters as lamps, differentiable in emission."""
         return [
-            replace(cluster.lamp, color=shading_inputs[material].emission * cluster.power)
+            replace(lamp, color=shading_inputs[material].emission * power)
             for material, clusters in self._clusters.items()
-            for cluster in clusters
+            for lamp, power in clusters
         ]
 
 
 def clusters_of(geometry: RayGeometry, material: int, near: float) -> list[EmitterCluster]:
-    """Cuts a material's surface into clusters; none where it is too large for that.
-
-    Args:
-        near: A typical distance of what is seen, meters.
-    """
+    """Cuts a material's surface into clusters; none where it is too large for that at a distance `near` in meters."""
     triangles = (geometry.material == material).nonzero()[:, 0]
     if not len(triangles):
         return []
@@ -161,10 +136,10 @@ def clusters_of(geometry: RayGeometry, material: int, near: float) -> list[Emitt
     else:
         if float(size.max()) > _COARSE * near:
             return []
-    share = area / place.shape[1]
+    point_area = area / place.shape[1]
     parts = [(place[:, g], normal[:, g], outside[g], inside[g]) for g in groups]
-    clusters = [_cluster(*p, share, material, k) for k, p in enumerate(parts)]
-    return [cluster for cluster in clusters if cluster.power > 0]
+    clusters = [_cluster(*p, point_area, material, k) for k, p in enumerate(parts)]
+    return [(lamp, power) for lamp, power in clusters if power > 0]
 
 
 def _points(geometry: RayGeometry, triangles: Tensor) -> tuple[Tensor, Tensor, float]:
@@ -183,7 +158,7 @@ def _points(geometry: RayGeometry, triangles: Tensor) -> tuple[Tensor, Tensor, f
 
 
 def _open(geometry: RayGeometry, material: int, place: Tensor, side: Tensor) -> Tensor:
-    """Where (P,) light that leaves to a side does not meet the same material, as 0 or 1."""
+    """(P,) 1 where light that leaves to a side does not meet the same material, else 0."""
     uv = torch.rand((2, place.shape[1]), generator=torch.Generator().manual_seed(4)).to(place.device)
     toward = cosine_directions(side, uv)
     hits = geometry.nearest(place + side * (1e-5 * geometry.size), toward, "diffuse")
@@ -197,7 +172,7 @@ def _radius(place: Tensor) -> Tensor:
 
 
 def _blob(place: Tensor, sides: Tensor) -> Tensor:
-    """Whether points (3, n) are a round and closed surface: as good as a sphere at any distance."""
+    """True if points (3, n) are a round and closed surface: as good as a sphere at any distance."""
     if place.shape[1] < 4:
         return torch.tensor(False, device=place.device)
     spread = torch.linalg.eigvalsh(torch.cov(place))
@@ -209,12 +184,12 @@ def _cluster(
     normal: Tensor,
     outside: Tensor,
     inside: Tensor,
-    share: float,
+    point_area: float,
     material: int,
     number: int,
 ) -> EmitterCluster:
     """From points (3, n) with normals, seen from outside and inside (n,), that stand for an area each."""
-    even, odd = (outside + inside) / 2 * share, (outside - inside) / 2 * share
+    even, odd = (outside + inside) / 2 * point_area, (outside - inside) / 2 * point_area
     area = float(even.sum())
     form = (normal * even) @ normal.T / max(area, 1e-20)
     around = _sphere().to(place)
@@ -222,16 +197,11 @@ def _cluster(
     form = form / root.mean().clamp_min(1e-6).square()
     lean = 2 * (normal * odd).sum(1) / max(area, 1e-20)
     axes = torch.eye(3, device=place.device)
-    light = Light(
-        f"emitter/{material}/{number}",
-        "POINT",
-        ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
-        (0.0,) * 3,
-    )
-    light = replace(light, soft_falloff=False)
+    turn = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    light = Light(f"emitter/{material}/{number}", "POINT", turn, (0.0, 0.0, 0.0), soft_falloff=False)
     ones, middle = torch.ones(3, device=place.device), place.mean(1)
     lamp = EmitterLight(light, ones, middle, axes, _radius(place), form, lean, material)
-    return EmitterCluster(lamp, 2 * math.pi * area)
+    return lamp, 2 * math.pi * area
 
 
 def _sphere(count: int = 2048) -> Tensor:

@@ -1,8 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The world as a light: radiance by direction, sharp or blurred, irradiance, and its suns."""
+"""The world as a light: radiance by direction, sharp or blurred, irradiance, and its suns.
+
+Head on, a GGX lobe of reflected light is round. The flatter a surface is seen, the narrower the lobe becomes across
+the plane in which light is reflected, while it stays as long along that plane and leans away from the surface: a lamp
+on the horizon draws an upright streak in a floor. A few round lobes one above the other stand for such a lobe, as in
+filtered importance sampling (Krivanek and Colbert 2008), here with directions that stay the same.
+"""
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 
@@ -11,17 +18,28 @@ import torch
 from torch import Tensor
 from torch.nn.functional import grid_sample, interpolate
 
+from ...color.tensors import trilinear
 from ...scene import SceneData
 from ...scene.values import RenderValues
-from ..geometry.directions import texels
-from ..geometry.vectors import dot, unit
-from . import prefilter
+from ..geometry.vectors import dot, texels, unit
+from ..material import albedo
+from ..material.albedo import mirrored, unshadowed, visible_normals
 from .environment_suns import EnvironmentSun, EnvironmentSunLight, split
 
 _ROUGH_HEIGHT = 48
 _SHARP_HEIGHT = 512
 _SOFT = 0.5
 """Roughness that the world is blurred by where a few directions stand for all."""
+SATIN, GLOSSY = 0.2, 0.4
+"""Roughness of the blurred reflections between the mirror image and the diffuse light."""
+_FIRST_BLUR, _BLUR_STEP, _BLURS = 0.1, 0.1, 6
+"""Roughness of the blurred pictures."""
+_BLURRED_HEIGHT = 96
+_ROUGH = 0.3
+"""Roughness from which lobes are so long that they need more parts."""
+_TAP_SIDE = 64
+_NARROWEST = 0.25
+"""Least width of a round lobe relative to the length of what it is a part of: narrower ones would show singly."""
 
 
 class Environment:
@@ -31,7 +49,7 @@ class Environment:
         whole: The picture (1, 3, H, W), one more column at both sides; None for a plain color.
         backdrop: The same as the camera sees it; None for a plain color.
         sharp: The same without the suns that are not wide.
-        blurred: Copies of that, blurred to several degrees: see `prefilter.stack`.
+        blurred: Copies of that, blurred to several degrees: see `blurred_stack`.
         suns: Its bright parts, which `soft` and `harmonics` are without.
         soft: A blurred copy.
         harmonics: (9, 3) spherical harmonics of the radiance; a plain color has only the first.
@@ -49,44 +67,35 @@ class Environment:
             self.harmonics = torch.cat((white, torch.zeros((8, 3), device=device)))
             return
         sharp = _sharp(image, device)
-        parts = split(sharp)
-        self.suns = parts.suns
-        small = interpolate(parts.rest, (_ROUGH_HEIGHT, 2 * _ROUGH_HEIGHT), mode="area")[0]
+        shown, rest, self.suns = split(sharp)
+        small = interpolate(rest, (_ROUGH_HEIGHT, 2 * _ROUGH_HEIGHT), mode="area")[0]
         grid, solid = texels(_ROUGH_HEIGHT, 2 * _ROUGH_HEIGHT, device)
         self.harmonics = harmonics(grid).mul(solid) @ small.flatten(1).T
-        self.whole, self.sharp = _padded(sharp), _padded(parts.shown)
+        self.whole, self.sharp = _padded(sharp), _padded(shown)
         if self.backdrop is None and _shares_picture(scene):
             self.backdrop = self.whole
-        self.blurred = prefilter.stack(parts.shown)
-        self.soft = _padded(prefilter.blurred(small, _SOFT)[None])
+        self.blurred = blurred_stack(shown)
+        self.soft = _padded(blurred(small, _SOFT)[None])
 
 
 @dataclass(frozen=True)
 class Sky:
-    """The world in one render.
+    """The world in one render."""
 
-    Attributes:
-        environment: Its constant part.
-        color: (3,) color or tint, times strength.
-        turn: () rotation of the picture around the vertical, radians.
-        backdrop_color: (3,) the same as `color` for what the camera sees.
-        backdrop_turn: () likewise.
-    """
-
-    environment: Environment
-    color: Tensor
-    turn: Tensor
-    backdrop_color: Tensor
-    backdrop_turn: Tensor
+    environment: Environment  # its constant part
+    color: Tensor  # (3,) color or tint, times strength
+    turn: Tensor  # () rotation of the picture around the vertical, radians
+    backdrop_color: Tensor  # (3,) the same as `color` for what the camera sees
+    backdrop_turn: Tensor  # () likewise
 
     @property
     def plain(self) -> bool:
-        """Whether it looks the same everywhere."""
+        """True if it looks the same everywhere."""
         return self.environment.whole is None
 
     @property
     def pictured(self) -> bool:
-        """Whether what a direction sees, or the camera there, depends on the direction."""
+        """True if what a direction sees, or the camera there, depends on the direction."""
         return not self.plain or self.environment.backdrop is not None
 
     def signature(self) -> tuple[float, ...]:
@@ -94,56 +103,48 @@ class Sky:
         return () if self.plain else (float(self.turn.detach()),)
 
     def mirror(self, toward: Tensor) -> Tensor:
-        """Uncolored radiance (3, N) in unit directions (3, N), as mirrors show it beside highlights."""
-        return (
-            torch.ones_like(toward)
-            if self.plain
-            else _look_up(self.environment.sharp, _place(toward, self.turn))
-        )
+        """Uncolored radiance (3, N) in unit directions (3, N), as mirrors show it next to highlights."""
+        return self._radiance(self.environment.sharp, toward, self.turn)
 
     def soft(self, toward: Tensor) -> Tensor:
         """Uncolored, blurred radiance (3, N) around unit directions (3, N), without suns."""
-        return (
-            torch.ones_like(toward)
-            if self.plain
-            else _look_up(self.environment.soft, _place(toward, self.turn))
-        )
+        return self._radiance(self.environment.soft, toward, self.turn)
 
     def reflected(self, mirrored: Tensor, normal: Tensor, view: Tensor, roughness: float) -> Tensor:
-        """What a rough surface reflects of the world, uncolored, beside highlights.
+        """Uncolored radiance (3, N) that a rough surface reflects of the world, without highlights.
 
         Args:
             mirrored: (3, N) mirror directions.
             normal: (3, N) unit normals.
             view: (7, N) albedo basis at the viewing cosine.
             roughness: Of the surface, of which there should be few.
-
-        Returns:
-            Radiance (3, N).
         """
         if self.plain:
             return torch.ones_like(mirrored)
-        leans, widths = torch.einsum("pkb,bn->pkn", prefilter.taps(roughness).to(view), view)
+        leans, widths = torch.einsum("pkb,bn->pkn", taps(roughness).to(view), view)
         upwards = normal - mirrored * dot(normal, mirrored)
-        parts = [
-            prefilter.look_up(
-                self.environment.blurred, _place(unit(mirrored + upwards * lean), self.turn)[0, 0], width
-            )
-            for lean, width in zip(leans, widths, strict=True)
-        ]
+        parts = []
+        for lean, width in zip(leans, widths, strict=True):
+            place = _place(unit(mirrored + upwards * lean), self.turn)[0, 0]
+            parts.append(look_up_blurred(self.environment.blurred, place, width))
         return torch.stack(parts).mean(0)
 
     def seen(self, toward: Tensor) -> Tensor:
         """Uncolored radiance (3, N) of the world itself in unit directions (3, N), suns included."""
-        whole = self.environment.whole
-        return torch.ones_like(toward) if whole is None else _look_up(whole, _place(toward, self.turn))
+        return self._radiance(self.environment.whole, toward, self.turn)
 
     def backdrop(self, toward: Tensor) -> Tensor:
         """Uncolored radiance (3, N) that the camera sees behind everything, in unit directions (3, N)."""
-        picture = self.environment.backdrop
-        if picture is None:
+        return self._radiance(self.environment.backdrop, toward, self.backdrop_turn)
+
+    def _radiance(self, picture: Tensor | None, toward: Tensor, turn: Tensor) -> Tensor:
+        """Radiance (3, N) of a turned picture in directions (3, N); 1 where there is none."""
+        if picture is None or not picture.numel():
             return torch.ones_like(toward)
-        return _look_up(picture, _place(toward, self.backdrop_turn))
+        width = picture.shape[-1] - 2
+        place = _place(toward, turn)
+        place = place * place.new_tensor((width / (width + 2), 1.0))
+        return grid_sample(picture, place, padding_mode="border", align_corners=False)[0, :, 0]
 
     @property
     def lamps(self) -> list[EnvironmentSunLight]:
@@ -172,16 +173,15 @@ class Sky:
         return torch.stack((even + odd, even - odd)).clamp_min(0.0)
 
 
-def _is_parted(scene: SceneData) -> bool:
-    """Whether what the camera sees of the world has a color and a strength of its own."""
+def _has_own_backdrop(scene: SceneData) -> bool:
+    """True if what the camera sees of the world has a color and a strength of its own."""
     return "world/backdrop_strength" in scene.instances
 
 
 def _shares_picture(scene: SceneData) -> bool:
-    """Whether the camera sees the picture that lights, turned as it is."""
-    return scene.world.backdrop is None and (
-        not _is_parted(scene) or "world/backdrop_tint" in scene.instances
-    )
+    """True if the camera sees the picture that lights, turned as it is."""
+    tinted = not _has_own_backdrop(scene) or "world/backdrop_tint" in scene.instances
+    return scene.world.backdrop is None and tinted
 
 
 def sky_of(environment: Environment, settings: RenderValues) -> Sky:
@@ -192,7 +192,7 @@ def sky_of(environment: Environment, settings: RenderValues) -> Sky:
     else:
         color, turn = settings.color("world/tint", 1.0), torch.deg2rad(settings.scalar("world/rotation"))
     color = color * settings.scalar("world/strength", 1.0)
-    if not _is_parted(settings.scene):
+    if not _has_own_backdrop(settings.scene):
         return Sky(environment, color, turn, color, turn)
     kind = "color" if environment.backdrop is None else "tint"
     backdrop = settings.color(f"world/backdrop_{kind}", 1.0) * settings.scalar("world/backdrop_strength", 1.0)
@@ -234,7 +234,89 @@ def _padded(picture: Tensor) -> Tensor:
     return torch.cat((picture[..., -1:], picture, picture[..., :1]), -1).contiguous()
 
 
-def _look_up(picture: Tensor, place: Tensor) -> Tensor:
-    width = picture.shape[-1] - 2
-    place = place * place.new_tensor((width / (width + 2), 1.0))
-    return grid_sample(picture, place, padding_mode="border", align_corners=False)[0, :, 0]
+def blurred_stack(picture: Tensor) -> Tensor:
+    """Blurred pictures (1, 3, L, H, W + 2), wrapped at both sides, of an equirectangular one (1, 3, H, W)."""
+    height = min(_BLURRED_HEIGHT, picture.shape[2])
+    small = interpolate(picture, (height, 2 * height), mode="area")[0]
+    levels = torch.stack([blurred(small, _FIRST_BLUR + _BLUR_STEP * level) for level in range(_BLURS)], 1)
+    return torch.cat((levels[..., -1:], levels, levels[..., :1]), -1)[None]
+
+
+def blurred(picture: Tensor, roughness: float) -> Tensor:
+    """A picture (3, H, 2H) averaged over the reflected GGX lobe seen head on (n = v = r).
+
+    The lobe depends on two rows and on the distance between two columns: in a Fourier series along the rows, the
+    average is a product.
+    """
+    height, width = picture.shape[1:]
+    elevation = ((torch.arange(height, device=picture.device) + 0.5) / height - 0.5) * math.pi
+    apart = torch.arange(width, device=picture.device) * (2 * math.pi / width)
+    up, flat = elevation.sin(), elevation.cos()
+    cosine = (up[:, None] * up)[..., None] + (flat[:, None] * flat)[..., None] * apart.cos()
+    half2 = (1 + cosine) / 2  # squared cosine between the normal and the half vector
+    lobe = cosine.clamp_min(0.0) / (half2 * (roughness**4 - 1) + 1) ** 2 * flat[:, None]
+    lobe = lobe / lobe.sum((1, 2), keepdim=True)
+    waves = torch.fft.rfft(lobe).real.to(torch.complex64)  # even in the distance: no sines
+    return torch.fft.irfft(torch.einsum("ijw,cjw->ciw", waves, torch.fft.rfft(picture)), n=width)
+
+
+def look_up_blurred(stack_: Tensor, place: Tensor, roughness: Tensor) -> Tensor:
+    """Radiance (3, N).
+
+    Args:
+        stack_: From `blurred_stack`.
+        place: (N, 2) in [-1, 1]: across and up the picture.
+        roughness: (N,) of the round lobe.
+    """
+    height, width = stack_.shape[3], stack_.shape[4] - 2
+    level = (roughness - _FIRST_BLUR) / (_BLUR_STEP * (_BLURS - 1) / 2) - 1
+    x, y = place.unbind(1)
+    # `trilinear` counts from the middles of the outermost texels.
+    where = torch.stack((x * (width / (width + 1)), y * (height / max(height - 1, 1)), level), 1)
+    return trilinear(stack_, where)
+
+
+@functools.cache
+def taps(roughness: float) -> Tensor:
+    """The K round lobes that stand for one stretched lobe of a roughness.
+
+    Returns:
+        (2, K, 7) coefficients over `albedo.basis` of the viewer's cosine: how far each leans from the mirror
+        direction towards the normal (tangent, in sines of the viewer's angle), and its roughness.
+    """
+    count = 2 if roughness < _ROUGH else 4
+    rows = [_taps(c, roughness**2, count) for c in albedo.COSINES]
+    return albedo.fit(torch.stack(rows, -1))
+
+
+def _taps(cosine: float, alpha: float, count: int) -> Tensor:
+    """The same for one angle: (2, K)."""
+    grid = (torch.arange(_TAP_SIDE) + 0.5) / _TAP_SIDE
+    uv = torch.stack(torch.meshgrid(grid, grid, indexing="ij")).flatten(1)
+    viewer = torch.full_like(uv[0], min(cosine, 0.999))
+    toward, _ = mirrored(viewer, visible_normals(viewer, alpha, uv))
+    weight = unshadowed(viewer, alpha, toward[2])
+    sine = (1 - viewer * viewer).sqrt()
+    lean = torch.atan2(viewer * toward[0] + sine * toward[2], viewer * toward[2] - sine * toward[0])
+    order = lean.argsort()
+    lean, weight, aside = lean[order], weight[order], toward[1].abs().asin()[order]
+    # As many parts as there are round lobes, one above the other, each with the same light.
+    part = ((weight.cumsum(0) - weight / 2) * (count / weight.sum())).long().clamp_max(count - 1)
+    parts = [part == k for k in range(count)]
+    middle = torch.stack([(lean[p] * weight[p]).sum() / weight[p].sum() for p in parts])
+    width = torch.stack([_median(aside[p], weight[p]) for p in parts])
+    length = _median((lean - _median(lean, weight)).abs(), weight)
+    width = torch.maximum(width, _NARROWEST * length)
+    # Each is as long as it is wide: they lie closer together than the parts do.
+    center = middle.mean()
+    middle = center + (middle - center) * (1 - (width.mean() / length) ** 2).clamp_min(0.0).sqrt()
+    # Half of a GGX lobe of slopes lies within alpha / sqrt(3) of a line through its middle.
+    round_ = (math.sqrt(3) * (width / 2).tan()).sqrt()
+    return torch.stack((middle.clamp_max(1.4).tan() / sine[0], round_))
+
+
+def _median(values: Tensor, weights: Tensor) -> Tensor:
+    """Median () of values (N,) with weights (N,)."""
+    order = values.argsort()
+    below = weights[order].cumsum(0)
+    return values[order][torch.searchsorted(below, below[-1] / 2).clamp_max(len(values) - 1)]

@@ -16,9 +16,8 @@ from torch.nn.functional import interpolate, max_pool2d, pad
 
 from ...color.constants import LUMINANCE_WEIGHTS
 from ...scene import Light
-from ..geometry.directions import texels
-from ..geometry.vectors import tangents
-from .types.sun import SunLight
+from ..geometry.vectors import tangents, texels
+from .light_types import SunLight
 
 _MOST, _TRIED = 3, 6
 _REGION = 0.25
@@ -37,13 +36,9 @@ _SEARCH_HEIGHT = 128
 
 @dataclass(frozen=True)
 class EnvironmentSunLight(SunLight):
-    """A bright part of the world's picture, in place of a sun.
+    """A bright part of the world's picture, in place of a sun."""
 
-    Attributes:
-        wide: Whether it is too large to pass for a disc in a mirror.
-    """
-
-    wide: bool
+    wide: bool  # whether it is too large to pass for a disc in a mirror
 
     @property
     def owner(self) -> str:
@@ -58,21 +53,15 @@ class EnvironmentSunLight(SunLight):
 
 @dataclass(frozen=True)
 class EnvironmentSun:
-    """A bright part of a picture.
+    """A bright part of a picture."""
 
-    Attributes:
-        toward: (3,) unit vector to it, before the picture is turned.
-        color: (3,) irradiance of a surface that faces it, above its surroundings'.
-        angle: Its diameter in radians, as a disc.
-    """
-
-    toward: Tensor
-    color: Tensor
-    angle: float
+    toward: Tensor  # (3,) unit vector to it, before the picture is turned
+    color: Tensor  # (3,) irradiance of a surface that faces it, above its surroundings'
+    angle: float  # its diameter in radians, as a disc
 
     @property
     def wide(self) -> bool:
-        """Whether reflections show its picture, not the highlight of a disc."""
+        """True if reflections show its picture, not the highlight of a disc."""
         return self.angle > _WIDE
 
     def lamp(self, number: int, tint: Tensor, turn: Tensor) -> EnvironmentSunLight:
@@ -88,23 +77,12 @@ class EnvironmentSun:
         return EnvironmentSunLight(light, self.color * tint, place, axes, size, wide=self.wide)
 
 
-@dataclass(frozen=True)
-class SunSplit:
-    """A picture of the world, equirectangular and bottom row first, in parts.
+def split(picture: Tensor) -> tuple[Tensor, Tensor, list[EnvironmentSun]]:
+    """Separates the suns from an equirectangular picture (1, 3, H, W), bottom row first.
 
-    Attributes:
-        shown: (1, 3, H, W) without the suns that are not wide: what is reflected.
-        rest: (1, 3, H, W) without any sun.
-        suns: The wide ones last.
+    Returns the picture without the suns that are not wide, which is reflected; the picture without any sun; and the
+    suns, the wide ones last.
     """
-
-    shown: Tensor
-    rest: Tensor
-    suns: list[EnvironmentSun]
-
-
-def split(picture: Tensor) -> SunSplit:
-    """Separates the suns from an equirectangular picture (1, 3, H, W)."""
     height = min(_SEARCH_HEIGHT, picture.shape[2])
     small = interpolate(picture, (height, 2 * height), mode="area")[0].flatten(1)
     toward, solid = texels(height, 2 * height, picture.device)
@@ -127,13 +105,11 @@ def split(picture: Tensor) -> SunSplit:
     nothing = torch.zeros_like(picture)
     rest = sum((part.view_as(picture) for _, part in kept), nothing)
     discs = sum((part.view_as(picture) for sun, part in kept if not sun.wide), nothing)
-    return SunSplit(
-        picture - discs, picture - rest, sorted((sun for sun, _ in kept), key=lambda sun: sun.wide)
-    )
+    return picture - discs, picture - rest, sorted((sun for sun, _ in kept), key=lambda sun: sun.wide)
 
 
 def _counts(sun: EnvironmentSun, light: float, mean: float) -> bool:
-    """Whether a sun's irradiance is worth a lamp in a world of this mean radiance."""
+    """True if a sun's irradiance is worth a lamp in a world of this mean radiance."""
     radiance = light / (math.pi * max(sun.angle / 2, 1e-4) ** 2)
     return light > _LEAST_SHARE * math.pi * mean and radiance > _LEAST_CONTRAST * mean
 
@@ -174,7 +150,7 @@ def _extent(
 
 
 def _excess(picture: Tensor, toward: Tensor, peak: Tensor, radius: float, level: Tensor) -> Tensor:
-    """What is brighter than a level (3,) close to a peak: (3, T)."""
+    """Light (3, T) above a level (3,) close to a peak."""
     near = (peak @ toward > radius).to(picture.dtype)
     return (picture - level[:, None]).clamp_min(0.0) * near
 

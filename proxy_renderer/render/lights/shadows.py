@@ -1,21 +1,27 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Soft shadows: a few rays per sample to points on the lamp, smoothed where the surface is smooth."""
+"""Soft shadows: a few rays per sample to points on the lamp, smoothed where the surface is smooth.
+
+Lights of a cluster share shadows: as many rays for all of them as for one light.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import torch
 from torch import Tensor
 
+from ...color.tensors import luminance
 from ..geometry.samples import Samples
 from ..geometry.vectors import dot
 from ..geometry.visibility import RayGeometry, Surface, sphere_points
-from .types.light_source import DirectIrradiance, LightSource
+from .light_source import DirectIrradiance, LightSource
 
 _MOST_RAYS = 4
 _SHARP = 1e-3
 """Solid angle below which one ray is enough."""
+_CLUSTER_RAYS = 4
 
 
 def shadow(
@@ -26,11 +32,7 @@ def shadow(
     direct: DirectIrradiance,
     moving: bool,
 ) -> Tensor:
-    """Share (N,) of a lamp that every surface sample sees.
-
-    Args:
-        moving: Whether the lamp is being moved by a gradient loop: fewer rays then, more smoothing.
-    """
+    """Share (N,) of a lamp that every surface sample sees; a gradient loop that moves it gets fewer rays, more smoothing."""
     linked = lamp.lights(surface.object)
     if not lamp.light.shadow:
         return linked.to(torch.float32)
@@ -39,14 +41,14 @@ def shadow(
     rays = 1 if solid < _SHARP else (2 if moving else _MOST_RAYS)
     facing, reached = dot(surface.facet, direct.toward) > 0, direct.frontal > 0
     # Out of a spot's cone nothing is in shadow: smoothing would carry that over the cone's rim.
-    visible, lit = (facing & ~reached).to(torch.float32), facing & reached & linked
-    index = lit.nonzero()[:, 0]
+    visible = (facing & ~reached).to(torch.float32)
+    index = (facing & reached & linked).nonzero()[:, 0]
     origin = geometry.lifted(surface)[:, index]
     spots = sphere_points(rays, count, torch.Generator().manual_seed(11)).to(visible.device)[:, index]
-    part = direct.toward[:, index], direct.distance[index], direct.solid_angle[index]
+    part = direct.pick(index)
     total = torch.zeros(len(index), device=visible.device)
     for k in range(rays):
-        toward, distance = lamp.shadow_targets(*part, spots[:, :, k])
+        toward, distance = lamp.shadow_targets(part, spots[:, :, k])
         total += geometry.clear(origin, toward, distance * (1 - 1e-4), lamp.shadowless)
     visible[index] = total / rays
     return smoothing(visible, radius=1 if rays == 1 else 2) * linked
@@ -81,18 +83,13 @@ class ShadowFilter:
         for step in _steps(radius):
             to, of = self._shifted(*step)
             total[to] += value[of] * self._alike(*step)
-        if radius not in self._weight:
-            self._weight[radius] = self._count(radius)
+        if radius not in self._weight:  # how many pixels (H, W) are averaged
+            weight = self._weight[radius] = torch.ones(self._size, device=self._grid.device)
+            for step in _steps(radius):
+                weight[self._shifted(*step)[0]] += self._alike(*step)
         smooth = visible.clone()
         smooth[self._plain] = (total / self._weight[radius]).flatten()[self._plain_pixel]
         return smooth
-
-    def _count(self, radius: int) -> Tensor:
-        """How many pixels (H, W) are averaged."""
-        weight = torch.ones(self._size, device=self._grid.device)
-        for step in _steps(radius):
-            weight[self._shifted(*step)[0]] += self._alike(*step)
-        return weight
 
     def _alike(self, dy: int, dx: int) -> Tensor:
         """(h, w) bool: pixels, those at the border aside, whose neighbor shares rays with them."""
@@ -116,3 +113,40 @@ def _steps(radius: int) -> list[tuple[int, int]]:
     """Offsets to the neighbors in a square."""
     side = range(-radius, radius + 1)
     return [(dy, dx) for dy in side for dx in side if dx or dy]
+
+
+def cluster_shadow(
+    geometry: RayGeometry,
+    smoothing: ShadowFilter,
+    surface: Surface,
+    lamps: Sequence[LightSource],
+    weights: Tensor,
+) -> Tensor:
+    """Share (N,) of the light of several lamps together that every surface sample sees.
+
+    A few rays go to as many of the lamps, chosen by their weights (C,) > 0. Their light is summed over neighbors on the
+    same smooth surface, with and without shadows: the ratio of the two sums. All lamps cast shadows, and light all objects.
+    """
+    count, device = len(surface.material), weights.device
+    chance = weights / weights.sum()
+    generator = torch.Generator().manual_seed(12)
+    jitter = torch.rand((count, _CLUSTER_RAYS), generator=generator)
+    strata = (torch.arange(_CLUSTER_RAYS) + jitter) / _CLUSTER_RAYS
+    chosen = torch.searchsorted(chance.cumsum(0), strata.to(device)).clamp_max(len(lamps) - 1)
+    spots = sphere_points(_CLUSTER_RAYS, count, generator).to(device)
+    seen, whole = torch.zeros((2, count), device=device)
+    for number, lamp in enumerate(lamps):
+        sample, ray = (chosen == number).nonzero().T
+        part = surface.pick(sample)
+        direct = lamp.irradiance(part.position, part.normal)
+        brought = direct.irradiance * luminance(lamp.color) / chance[number]
+        index = (brought > 0).nonzero()[:, 0]
+        sample, ray, part, brought = sample[index], ray[index], part.pick(index), brought[index]
+        direct = direct.pick(index)
+        toward, distance = lamp.shadow_targets(direct, spots[:, sample, ray])
+        clear = geometry.clear(geometry.lifted(part), toward, distance * (1 - 1e-4), lamp.shadowless)
+        facing = dot(part.facet, direct.toward) > 0
+        whole.index_add_(0, sample, brought)
+        seen.index_add_(0, sample, brought * clear * facing)
+    seen, whole = smoothing(seen, radius=2), smoothing(whole, radius=2)
+    return torch.where(whole > 0, seen / whole.clamp_min(1e-20), 1.0)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What surfaces are made of: shading inputs, textures, microfacets."""
+"""Materials of surfaces: shading inputs, textures, albedos of microfacets."""

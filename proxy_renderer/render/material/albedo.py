@@ -1,20 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Directional albedos of GGX reflection, as short sums over fixed functions of the cosine.
+"""GGX microfacets, and directional albedos of their reflection as short sums over fixed functions of the cosine.
 
 What energy compensation and layering need are functions of (cosine, roughness, IOR). Roughness and IOR
 belong to a material, the cosine to a sample: written as coefficients(roughness, IOR) @ basis(cosine),
-a sample costs one small dot product forwards and backwards. Integrated once by quadrature.
+a sample costs one small dot product forwards and backwards. Integrated once by quadrature over visible microfacets
+(Heitz, "Sampling the GGX Distribution of Visible Normals", 2018), whose vectors are in the frame of the surface: the
+viewer sees it along the x-z plane.
 """
 
 from __future__ import annotations
 
 import functools
+import math
 
 import torch
 from jaxtyping import Float
 from torch import Tensor
-
-from .microfacets import mirrored, unshadowed, visible_normals
 
 _POWERS = (0, 1, 2, 3, 5, 8, 14)
 """Powers of (1 - cosine) that make the basis."""
@@ -94,14 +95,9 @@ def weigh(coefficients: Tensor, basis_: Tensor) -> Tensor:
 
 
 def _between(table: Tensor, place: Tensor) -> Tensor:
-    """Cubic (Catmull-Rom) look-up along the first axis of a table over [0, 1]: smooth, so gradients are.
+    """Cubic (Catmull-Rom) look-up along the first axis of a table (R, ...) over [0, 1]: smooth, so gradients are.
 
-    Args:
-        table: (R, ...), with at most one more axis where places vary.
-        place: () or (N,).
-
-    Returns:
-        (...), or (..., N).
+    With places (N,) instead of one, the table has at most one more axis, and N comes last in the answer.
     """
     last = len(table) - 1
     x = place.clamp(0.0, 1.0) * last
@@ -154,3 +150,42 @@ def _visible_normals(cosine: Tensor, roughness: Tensor) -> tuple[Tensor, Tensor]
     viewer = cosine[None, :, None]
     toward, at_half = mirrored(viewer, visible_normals(viewer, alpha, uv[:, None, None]))
     return unshadowed(viewer, alpha, toward[2]), at_half
+
+
+def visible_normals(cosine: Tensor, alpha: Tensor | float, uv: Tensor) -> Tensor:
+    """Unit normals (3, ...) of microfacets, distributed as a viewer sees them, from `uv` (2, ...) in [0, 1).
+
+    The viewer's angle to the surface's normal has a cosine (...) above 0; alpha is the roughness squared.
+    """
+    sine = (1 - cosine * cosine).clamp_min(0.0).sqrt()
+    length = ((alpha * sine) ** 2 + cosine * cosine).sqrt()
+    x, z = alpha * sine / length, cosine / length
+    radius, angle = uv[0].sqrt(), 2 * math.pi * uv[1]
+    t1, t2 = radius * angle.cos(), radius * angle.sin()
+    t2 = (1 - (1 + z) / 2) * (1 - t1 * t1).clamp_min(0.0).sqrt() + (1 + z) / 2 * t2
+    t3 = (1 - t1 * t1 - t2 * t2).clamp_min(0.0).sqrt()
+    # The frame of the stretched view is (0, 1, 0), (-z, 0, x) and itself.
+    sides = alpha * (t3 * x - t2 * z), alpha * t1, (t3 * z + t2 * x).clamp_min(1e-6)
+    normal = torch.stack(torch.broadcast_tensors(*sides))
+    return normal / normal.square().sum(0).sqrt()
+
+
+def mirrored(cosine: Tensor, normal: Tensor) -> tuple[Tensor, Tensor]:
+    """Directions (3, ...) in which visible microfacets of normals (3, ...) send the light of the viewer's ray.
+
+    Also the cosine (...) of the viewer's angle to the microfacets.
+    """
+    sine = (1 - cosine * cosine).clamp_min(0.0).sqrt()
+    at_half = (sine * normal[0] + cosine * normal[2]).clamp(0.0, 1.0)
+    x, y, z = 2 * at_half * normal
+    return torch.stack((x - sine, y, z - cosine)), at_half
+
+
+def unshadowed(cosine: Tensor, alpha: Tensor | float, leaving: Tensor) -> Tensor:
+    """Share (...) of the light from visible microfacets that no other facet blocks; 0 below the horizon.
+
+    Cosines (...) are those of the viewer's and of the leaving light's angle to the surface's normal; alpha is roughness².
+    """
+    masking = (1 + alpha**2 * (1 / (cosine * cosine) - 1)).sqrt()
+    shadowing = (1 + alpha**2 * (1 / leaving.clamp(1e-4, 1.0) ** 2 - 1)).sqrt()
+    return torch.where(leaving > 0, (1 + masking) / (masking + shadowing), 0.0)

@@ -12,10 +12,10 @@ from torch import Tensor
 
 from ...color.tensors import luminance
 from ...scene import Material
-from ...scene.values import RenderValues, wanted
+from ...scene.values import RenderValues, needs_gradient
 from ..geometry.vectors import within
 
-_SHARES = ("metallic", "roughness", "coat", "transmission")
+_UNIT_INPUTS = ("metallic", "roughness", "coat", "transmission")
 """Parameters from 0 to 1 that may vary over a surface."""
 
 
@@ -59,7 +59,7 @@ class ShadingInputs:
         """The same with inputs (1 or 3, N) that vary over its samples."""
         if not textured:
             return self
-        given: dict[str, Any] = {n: textured[n][0].clamp(0.0, 1.0) for n in _SHARES if n in textured}
+        given: dict[str, Any] = {n: textured[n][0].clamp(0.0, 1.0) for n in _UNIT_INPUTS if n in textured}
         if "emission" in textured:
             given["strength"] = textured["emission"][0].clamp_min(0.0) * self.glow_factor
         if "emission_color" in textured:
@@ -126,5 +126,5 @@ def shading_inputs_of(material: Material, settings: RenderValues) -> ShadingInpu
 
 
 def used(weight: Tensor) -> bool:
-    """Whether a lobe can matter: its weight is not zero, or somebody wants its gradient."""
-    return wanted(weight) or bool((weight != 0).any())
+    """True if a lobe can matter: its weight is not zero, or somebody wants its gradient."""
+    return needs_gradient(weight) or bool((weight != 0).any())

@@ -18,11 +18,7 @@ _LEVELS = 7
 
 
 class MaterialTextures:
-    """All pictures of a scene's materials.
-
-    Args:
-        size: Of the picture that is rendered: what the camera saw is averaged down to it.
-    """
+    """All pictures of a scene's materials; those that the camera saw are averaged down to the size of the render."""
 
     def __init__(self, scene: SceneData, device: torch.device, size: tuple[int, int] | None = None) -> None:
         self._scene = scene
@@ -35,7 +31,7 @@ class MaterialTextures:
             }
 
     def has(self, material: int, name: str) -> bool:
-        """Whether an input of a material varies; "base_color" is its texture."""
+        """True if an input of a material varies; "base_color" is its texture."""
         return (material, name) in self._images
 
     def at(self, material: int, name: str, surface: Surface) -> Tensor:
@@ -52,7 +48,7 @@ class MaterialTextures:
         return grid_sample(image, grid, padding_mode=padding, align_corners=False)[0, :, 0]
 
     def _place(self, texture: Texture, surface: Surface) -> Tensor:
-        """Where points lie in an image (2, N), [0, 1] from the lower left."""
+        """Places (2, N) of points in an image, [0, 1] from the lower left."""
         if texture.window is not None:
             return self._through(texture.window, surface.position)
         if texture.plane is not None:
@@ -121,7 +117,7 @@ class MaterialTextures:
         return result
 
     def _through(self, window: tuple[float, float, float, float], points: Tensor) -> Tensor:
-        """Where points (3, N) lie in a window (2, N) of the exported camera's picture, [0, 1] from the lower left."""
+        """Places (2, N) of points (3, N) in a window of the exported camera's picture, [0, 1] from the lower left."""
         pixel = self._view.project(points)
         x, y = pixel[0] / self._view.size[0], 1 - pixel[1] / self._view.size[1]
         left, bottom, right, top = window
@@ -144,11 +140,7 @@ def _image(texture: Texture, device: torch.device, size: tuple[int, int] | None)
 
 
 class MaterialOpacity:
-    """Alpha of surfaces.
-
-    Attributes:
-        clear: (M,) bool: materials that are not opaque everywhere.
-    """
+    """Alpha of surfaces; `clear` (M,) bool has the materials that are not opaque everywhere."""
 
     def __init__(self, scene: SceneData, device: torch.device) -> None:
         self._maps = MaterialTextures(scene, device)
@@ -161,11 +153,7 @@ class MaterialOpacity:
         self.clear[self._mapped] = True
 
     def at(self, surface: Surface, by_camera: bool = False) -> Tensor:
-        """Alpha (N,) of surface points.
-
-        Args:
-            by_camera: Whether the exported camera sees them directly. If not, alpha baked from it is its mean.
-        """
+        """Alpha (N,) of surface points. Unless seen `by_camera` directly, one baked from the exported camera is its mean."""
         alpha = self._alpha[surface.material]
         for material in self._mapped:
             index = (surface.material == material).nonzero()[:, 0]

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What surfaces send to the camera: the Principled BSDF, and the caches of one view."""
+"""Light from surfaces to the camera: the Principled BSDF, direct light, edges, and the caches of one view."""

@@ -2,7 +2,7 @@
 """Depth of field: what lies out of focus is blurred over the circle of confusion of its depth.
 
 The picture is cut into layers of about the same blur, each is blurred by a disc, and they are laid over each other from
-far to near. What a near thing hides of the layers behind it is filled from what they show beside it.
+far to near. Parts of layers that a near object hides are filled from what they show around it.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from torch import Tensor
 
 from ...scene import Camera
 from ..geometry.camera import View
+from ..geometry.samples import pixel_centers
 from ..geometry.vectors import dot
 
 _FIRST, _GROWTH = 0.75, 1.5
@@ -26,25 +27,17 @@ _LEAST = 0.2
 
 @dataclass(frozen=True)
 class Defocus:
-    """The blur of one view; a constant for gradients, which pass through the colors.
+    """The blur of one view; a constant for gradients, which pass through the colors."""
 
-    Attributes:
-        size: Width and height of the picture in pixels.
-        layers: From far to near: opacity (H, W) of what a layer holds, and the spectrum of its disc, None for a sharp one.
-        padded: Height and width that convolutions are done at.
-    """
-
-    size: tuple[int, int]
+    size: tuple[int, int]  # width and height of the picture in pixels
+    # from far to near: opacity (H, W) of what a layer holds, and the spectrum of its disc, None for a sharp
+    # one
     layers: list[tuple[Tensor, Tensor | None]]
-    padded: tuple[int, int]
+    padded: tuple[int, int]  # height and width that convolutions are done at
 
     @staticmethod
     def of(camera: Camera, view: View, distance: Tensor) -> Defocus | None:
-        """The blur of a view; None where all of it is sharp.
-
-        Args:
-            distance: (H, W) along the rays through the pixels' centers; infinite where nothing is met.
-        """
+        """The blur of a view with distances (H, W) along the pixels' rays, infinite for the background; None where all is sharp."""
         if camera.aperture <= 0:
             return None
         radius = _radii(camera, view, distance)
@@ -79,9 +72,7 @@ def _radii(camera: Camera, view: View, distance: Tensor) -> Tensor:
     A thin lens, as Cycles has it: all rays through a pixel meet where the one through the lens' middle is in focus.
     """
     height, width = distance.shape
-    y, x = torch.meshgrid(torch.arange(height), torch.arange(width), indexing="ij")
-    places = torch.stack((x, y)).flatten(1).to(distance.device) + 0.5
-    toward = view.rays(places)[1]
+    toward = view.rays(pixel_centers((width, height)).to(distance.device))[1]
     ahead = -view.rotation[:, 2:3]
     depth = (distance.flatten() * dot(ahead, toward)).view(height, width)
     focus = camera.focus_distance

@@ -1,25 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The direct light of each light on what the camera sees, kept as long as neither camera nor light moves."""
+"""The samples as the camera sees them, and the direct light of each light on them.
+
+Direct light is kept as long as neither camera nor light moves.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Self
 
 import torch
 from torch import Tensor
 
-from ..edges.shadow_edges import ShadowEdges
+from ...scene.values import needs_gradient
 from ..geometry.camera import View
 from ..geometry.samples import Samples
-from ..geometry.visibility import RayGeometry
-from ..lights.cluster_shadows import ClusterShadows
-from ..lights.clusters import LightClusters
-from ..lights.shadows import ShadowFilter, shadow
-from ..lights.types.light_source import DirectIrradiance, LightSource
-from .view_samples import DirectLight, ViewSamples
+from ..geometry.vectors import above, dot, reflect
+from ..geometry.visibility import RayGeometry, Surface
+from ..lights.area_specular import AreaSpecular, area_specular
+from ..lights.clusters import LightClusters, weights
+from ..lights.light_source import DirectIrradiance, LightSource
+from ..lights.shadows import ShadowFilter, cluster_shadow, shadow
+from ..material import albedo
+from ..transport.fog import FogMedium, LightPaths
+from .edges import ShadowEdges
 
 
 @dataclass
@@ -40,11 +46,11 @@ class DirectLights:
     ) -> None:
         self._geometry, self._samples, self._seen, self._clusters = geometry, samples, seen, clusters
         self._smoothing = ShadowFilter(samples, seen.surface)
-        self._shared = ClusterShadows(geometry, self._smoothing, seen.surface, clusters)
         self._pixel = samples.pixel[: samples.surfaces]
         owner = geometry.object[samples.hits.triangle[: samples.surfaces]]
         self._on_center = owner == samples.owner[self._pixel]
         self._kept: dict[int, _Shadowed] = {}
+        self._shared: dict[int, tuple[tuple[float, ...], Tensor]] = {}  # shadows of clusters, by row
 
     def aside(self) -> Self:
         """A copy for one picture, whose moved lights leave nothing behind in this one."""
@@ -63,11 +69,7 @@ class DirectLights:
     def of(
         self, index: int, lamps: Sequence[LightSource], view_samples: ViewSamples, view: View
     ) -> DirectLight:
-        """The direct light of one of the lights, as it was before unless `forget_moved`; differentiable where it, or the camera, moves.
-
-        Args:
-            view_samples: As the view sees the samples.
-        """
+        """The direct light of a light, kept unless `forget_moved`; differentiable where it, or the camera, moves."""
         lamp, moving = lamps[index], lamps[index].moving or view_samples.moving
         kept = self._kept.get(index)
         if not moving and kept is not None and kept.direct_light is not None:
@@ -75,9 +77,8 @@ class DirectLights:
         direct = lamp.irradiance(view_samples.surface.position, view_samples.surface.normal)
         if kept is None:
             with torch.no_grad():
-                kept = self._kept[index] = self._shadowed(
-                    index, lamps, None if view_samples.moving else direct
-                )
+                known = None if view_samples.moving else direct
+                kept = self._kept[index] = self._shadowed(index, lamps, known)
         if moving:
             visible = kept.visible + self._moving_shadow(kept, lamp, view)
             return DirectLight.of(lamp, view_samples, direct, visible)
@@ -94,12 +95,16 @@ class DirectLights:
     ) -> _Shadowed:
         """Traces a light's shadows; its unshadowed irradiance is computed where the caller has none."""
         lamp, row, signature = lamps[index], self._clusters.row[index], self._signature(index, lamps)
-        if len(self._clusters.clusters[row].members) > 1:
-            return _Shadowed(signature, self._shared.of(row, lamps, signature))
-        surface, still = self._seen.surface, lamp.detached()
-        direct = direct or still.irradiance(surface.position, surface.normal)
-        visible = shadow(self._geometry, self._smoothing, surface, still, direct, lamp.moving)
-        return _Shadowed(signature, visible)
+        view = self._geometry, self._smoothing, self._seen.surface
+        cluster = self._clusters.clusters[row]
+        if len(cluster.members) > 1:
+            if row not in self._shared or self._shared[row][0] != signature:
+                members = [lamps[i].detached() for i in cluster.members]
+                self._shared[row] = signature, cluster_shadow(*view, members, weights(cluster, lamps))
+            return _Shadowed(signature, self._shared[row][1])
+        still = lamp.detached()
+        direct = direct or still.irradiance(self._seen.surface.position, self._seen.surface.normal)
+        return _Shadowed(signature, shadow(*view, still, direct, lamp.moving))
 
     def _moving_shadow(self, kept: _Shadowed, lamp: LightSource, view: View) -> Tensor:
         """Zeros (N,) with the gradient of a light's shadows, which move with light and camera."""
@@ -112,3 +117,65 @@ class DirectLights:
         width, height = self._samples.size
         term = kept.edges.term(view, lamp, width * height)
         return torch.where(self._on_center, term[self._pixel], 0.0)
+
+
+@dataclass(frozen=True)
+class ViewSamples:
+    """The samples as the camera sees them; differentiable when the camera is."""
+
+    surface: Surface  # what N samples meet
+    toward_eye: Tensor  # (3, N) unit vectors
+    basis: Tensor  # (7, N) albedo basis of the viewing cosine
+    mirrored: Tensor  # (3, N) mirror directions
+    beyond: Tensor  # (3, B) directions of the samples that meet nothing
+
+    @staticmethod
+    def of(surface: Surface, toward: Tensor) -> ViewSamples:
+        """From the surface at the first N of the rays (3, N + B)."""
+        n = surface.position.shape[1]
+        cosine = -dot(surface.normal, toward[:, :n])
+        mirrored = above(reflect(toward[:, :n], surface.normal), surface.facet)
+        basis = albedo.basis(cosine.clamp(1e-3, 1.0))
+        return ViewSamples(surface, -toward[:, :n], basis, mirrored, toward[:, n:])
+
+    @property
+    def moving(self) -> bool:
+        """True if gradients with respect to the camera are wanted."""
+        # A camera that only comes nearer turns no ray.
+        return needs_gradient(self.toward_eye, self.surface.position)
+
+
+@dataclass(frozen=True)
+class DirectLight:
+    """Direct light of one light at N samples, per unit of its color."""
+
+    irradiance: Tensor  # (N,) shadowed
+    # the shadowed highlight; None for glowing surfaces and wide suns, which reflections show
+    area_specular: AreaSpecular | None
+    paths: LightPaths  # from the samples to the light
+    _parts: dict[int, AreaSpecular] = field(default_factory=dict, repr=False, compare=False)
+
+    def part(self, samples: slice) -> AreaSpecular:
+        """The highlight at the samples of one material; the same object every time, because it caches lobes."""
+        assert self.area_specular
+        if samples.start not in self._parts:
+            self._parts[samples.start] = self.area_specular.pick(samples)
+        return self._parts[samples.start]
+
+    def through(self, fog: FogMedium) -> DirectLight:
+        """The same behind the fog between light and samples."""
+        passing = self.paths.transmittance(fog)
+        specular = self.area_specular and self.area_specular.times(passing)
+        return DirectLight(self.irradiance * passing, specular, self.paths)
+
+    @staticmethod
+    def of(
+        lamp: LightSource, view_samples: ViewSamples, direct: DirectIrradiance, visible: Tensor
+    ) -> DirectLight:
+        """From unshadowed irradiance and the visible share (N,) of the light."""
+        point, normal = view_samples.surface.position, view_samples.surface.normal
+        specular = None
+        if not lamp.pictured:
+            specular = area_specular(lamp, direct, point, normal, view_samples.toward_eye).times(visible)
+        paths = LightPaths(point, direct.toward, direct.distance)
+        return DirectLight(direct.irradiance * visible, specular, paths)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The Principled BSDF, layer by layer as Cycles weighs them (kernel/svm/closure.h).
+"""The Principled BSDF, layer by layer as Cycles weighs them (kernel/svm/closure.h): sheen, coat, metal, glass, dielectric.
 
 All samples of one material are shaded together, so its parameters are scalars and small vectors that
 broadcast; lobes whose weight is a constant zero are skipped.
@@ -9,17 +9,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from ...scene.values import wanted
+from ...scene.values import needs_gradient
 from ..geometry.vectors import within
+from ..lights.area_specular import AreaSpecular
 from ..material import albedo
 from ..material.shading_inputs import ShadingInputs, used
-from .coat_sheen import coat, sheen
-from .lobes import IncidentLight, multiple_scattering, single_scattering, specular, summed
 
 _FAINT = 1e-4
 """Reflectance seen head on below which the dielectric layer fades out."""
@@ -47,13 +47,11 @@ def shade(
     if used(inputs.metallic):
         metal = _metal(inputs, light, clamped, lobes, reflections, single)
         result, weight = result + metal * (weight * inputs.metallic), weight * (1 - inputs.metallic)
-    if wanted(inputs.metallic) or bool((inputs.metallic < 1).any()):
+    if needs_gradient(inputs.metallic) or bool((inputs.metallic < 1).any()):
         if used(inputs.transmission):
             glass = _glass(inputs, light, clamped, lobes, reflections, single)
-            result, weight = (
-                result + glass * (weight * inputs.transmission),
-                weight * (1 - inputs.transmission),
-            )
+            result = result + glass * (weight * inputs.transmission)
+            weight = weight * (1 - inputs.transmission)
         dielectric, left = _dielectric(inputs, light, lobes, reflections, single)
         diffuse = base * light.irradiance * (left / math.pi)
         result = result + (dielectric + diffuse) * weight
@@ -137,3 +135,133 @@ def _glass(
     # Rough glass blurs what is behind it. One ray shows no blur: mix towards the diffuse light instead.
     behind = torch.lerp(behind, light.reflected.images[-1], inputs.roughness)
     return reflections * reflectance + direct / single[0] + behind * base * (1 - reflectance)
+
+
+def coat(
+    inputs: ShadingInputs, light: IncidentLight
+) -> tuple[Float[Tensor, "3 n"], Float[Tensor, "*tinted n"]]:
+    """Reflection (3, N) of the lacquer, and the share that reaches what is below."""
+    e, mean = single_scattering(inputs.coat_roughness, light.view)
+    ior = torch.tensor(inputs.coat_ior, device=e.device).clamp_min(1.0001)
+    f0 = albedo.f0_of(ior)
+    many = multiple_scattering((ior - 1) / (4.08567 + 1.00071 * ior), mean)
+    share = albedo.weigh(albedo.dielectric_share(inputs.coat_roughness, ior), light.view).clamp(0.0, 1.0)
+    lobes = [h.lobe(inputs.coat_roughness) for h in light.highlights]
+    curve = albedo.dielectric_curve(ior)
+    direct = specular(light.lamps, light.highlights, lobes, curve, f0.expand(3, 1), 1.0)
+    reflectance = f0 + (1 - f0) * share
+    boost = (1 + many * ((1 - e) / e)) * inputs.coat
+    around = light.reflected.at(inputs.coat_roughness) * reflectance * e
+    left = 1 - reflectance * e * boost
+    if any(t != 1.0 for t in inputs.coat_tint):
+        left = left * (1 - inputs.coat * (1 - _coat_tint(inputs, light)))
+    return (around + direct) * boost, left
+
+
+def _coat_tint(inputs: ShadingInputs, light: IncidentLight) -> Tensor:
+    """Beer's law along the refracted ray through a colored lacquer (3, N)."""
+    tint = light.view.new_tensor(inputs.coat_tint).clamp_min(1e-4)[:, None]
+    cosine = 1 - light.view[1]
+    depth = (1 - (1 - cosine * cosine) / inputs.coat_ior**2).clamp_min(1e-4).rsqrt()
+    return tint**depth
+
+
+_SHEEN = (
+    (0.0000, 0.0000, 0.0000, 0.0000, 0.0000, 0.0000, 0.0000, 0.0000, 0.0000),
+    (0.6327, 0.0591, 0.0020, 0.0002, 0.0001, 0.0000, 0.0000, 0.0000, 0.0000),
+    (0.6979, 0.3177, 0.1022, 0.0268, 0.0073, 0.0025, 0.0010, 0.0005, 0.0003),
+    (0.6964, 0.4489, 0.2573, 0.1307, 0.0621, 0.0284, 0.0134, 0.0064, 0.0039),
+    (0.6937, 0.5210, 0.3715, 0.2469, 0.1572, 0.0969, 0.0582, 0.0340, 0.0221),
+    (0.6977, 0.5711, 0.4552, 0.3480, 0.2590, 0.1895, 0.1356, 0.0954, 0.0718),
+    (0.7098, 0.6141, 0.5221, 0.4335, 0.3542, 0.2871, 0.2315, 0.1853, 0.1559),
+    (0.7311, 0.6541, 0.5787, 0.5044, 0.4373, 0.3795, 0.3300, 0.2882, 0.2604),
+    (0.7497, 0.6829, 0.6155, 0.5503, 0.4919, 0.4421, 0.4000, 0.3652, 0.3419),
+)
+"""Albedo of Cycles' microfiber sheen: rows of rising roughness, columns of rising cosine, 0 to 1."""
+
+
+def sheen(inputs: ShadingInputs, light: IncidentLight) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
+    """Microfiber sheen (3, N), lit as if diffuse, and the share (N,) left to the layers below."""
+    table = light.view.new_tensor(_SHEEN)
+    place = inputs.sheen_roughness * 8
+    low = min(int(place), 7)
+    row = torch.lerp(table[low], table[low + 1], place - low)
+    nodes = albedo.basis(torch.linspace(0, 1, 9, dtype=row.dtype, device=row.device)[1:])
+    amount = (torch.linalg.pinv(nodes.T) @ row[1:] @ light.view).clamp(0.0, 1.0) * inputs.sheen
+    tint = light.view.new_tensor(inputs.sheen_tint)[:, None]
+    return tint * (light.irradiance * (amount / math.pi)), 1 - amount * float(tint.max())
+
+
+@dataclass(frozen=True)
+class IncidentLight:
+    """Everything that arrives at N samples of one material."""
+
+    irradiance: Float[Tensor, "3 n"]  # (3, N) shadowed, direct and bounced
+    lamps: Float[Tensor, "lamps 3"]  # (L, 3) colors of the lamps in `highlights`
+    highlights: Sequence[AreaSpecular]  # one per lamp, shadowed
+    view: Float[Tensor, "7 n"]  # (7, N) albedo basis at the viewing cosine
+    reflected: ReflectedRadiance  # radiance around the mirror direction
+    # (3, N) radiance seen through the surface, None where nothing is transparent
+    behind: Float[Tensor, "3 n"] | None
+
+
+@dataclass(frozen=True)
+class ReflectedRadiance:
+    """Radiance around the mirror direction for any roughness."""
+
+    knots: tuple[float, ...]  # increasing roughness
+    images: Sequence[Float[Tensor, "3 n"]]  # radiance (3, N) that a surface of each knot's roughness reflects
+    glow: ReflectedRadiance | None = None  # what is added to it, with knots of its own; None for nothing
+
+    def at(self, roughness: Float[Tensor, "*varying"]) -> Float[Tensor, "3 n"]:
+        """Radiance (3, N) between the two nearest knots of one roughness () or of many (N,)."""
+        radiance = self._varying(roughness) if roughness.dim() else self._even(roughness)
+        return radiance if self.glow is None else radiance + self.glow.at(roughness)
+
+    def _even(self, roughness: Tensor) -> Tensor:
+        r = float(roughness.detach())
+        i = max(k for k, knot in enumerate(self.knots[:-1]) if knot <= r or k == 0)
+        t = (roughness - self.knots[i]) / (self.knots[i + 1] - self.knots[i])
+        return torch.lerp(self.images[i], self.images[i + 1], t)
+
+    def _varying(self, roughness: Tensor) -> Tensor:
+        result = self.images[0]
+        for low, high, image in zip(self.knots, self.knots[1:], self.images[1:], strict=False):
+            result = torch.lerp(result, image, ((roughness - low) / (high - low)).clamp(0.0, 1.0))
+        return result
+
+
+def single_scattering(
+    roughness: Float[Tensor, "*varying"], view: Float[Tensor, "7 n"]
+) -> tuple[Float[Tensor, " n"], Float[Tensor, "*varying"]]:
+    """Single-scattering albedo (N,) without Fresnel, and its mean ()."""
+    coefficients, mean = albedo.energy(roughness)
+    return albedo.weigh(coefficients, view).clamp(0.05, 1.0), mean.clamp(0.05, 1.0)
+
+
+def multiple_scattering(fss: Float[Tensor, "*#n"], mean: Float[Tensor, "*#n"]) -> Float[Tensor, "*n"]:
+    """Fresnel factor of light that bounces between microfacets (Kulla and Conty 2017, appendix)."""
+    return fss * mean / (1 - fss * (1 - mean))
+
+
+def summed(lamps: Float[Tensor, "lamps 3"], lobes: Sequence[Float[Tensor, " n"]]) -> Float[Tensor, "*light"]:
+    """Lobes (N,) of all lamps times their colors (L, 3): (3, N), or 0 without lamps."""
+    if not lobes:
+        return lamps.new_zeros(())
+    if len(lobes) == 1:
+        return lamps[0][:, None] * lobes[0]
+    return lamps.T @ torch.stack(list(lobes))
+
+
+def specular(
+    lamps: Float[Tensor, "lamps 3"],
+    highlights: Sequence[AreaSpecular],
+    lobes: Sequence[Float[Tensor, " n"]],
+    curve: Float[Tensor, " 7"],
+    f0: Float[Tensor, "3 f0"],
+    f90: Tensor | float,
+) -> Float[Tensor, "3 n"]:
+    """Highlights (3, N) with Fresnel mix(f0, f90, curve at the half vector); f0 is (3, 1) or (3, N)."""
+    plain, pairs = summed(lamps, lobes), zip(lobes, highlights, strict=True)
+    bent = summed(lamps, [lobe * (curve @ h.curve).clamp_min(0.0) for lobe, h in pairs])
+    return f0 * plain + (f90 - f0) * bent

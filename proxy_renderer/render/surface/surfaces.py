@@ -1,41 +1,48 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The light that surfaces and the background send to the camera, before any fog."""
+"""The state of one render, and the light that surfaces and the background send to the camera, before any fog."""
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
 
-from ...scene.values import wanted
+from ...color.tensors import luminance
+from ...scene.values import needs_gradient
+from ..geometry.camera import View
 from ..geometry.vectors import within
-from ..lights.prefilter import GLOSSY, SATIN
-from ..material.shading_inputs import used
+from ..lights.environment import GLOSSY, SATIN, Sky
+from ..lights.light_source import LightSource
+from ..material import albedo
+from ..material.shading_inputs import ShadingInputs, used
+from ..transport.fog import FogMedium
 from ..transport.glow import BLURS
 from ..transport.indirect import IndirectLight
 from ..transport.radiance_table import RadianceTable
-from .frame import RenderState
-from .lobes import IncidentLight, ReflectedRadiance
-from .principled import shade
-from .view_samples import DirectLight
+from .direct_lights import DirectLight, ViewSamples
+from .principled import IncidentLight, ReflectedRadiance, shade
+from .view_cache import ViewCache
 
 _BENT = 0.02
 """Difference of IOR over which refracted pictures are compared."""
+_SMOOTH = 0.25
+"""Roughness below which reflections are sharp."""
+_LEAST_COAT = 0.05
+_GLASS_STEPS = 8
+"""Steps in which light through glass changes: shadows are traced again at each."""
 
 
 def direct_lights_of(frame: RenderState) -> list[DirectLight]:
     """Direct light of each light, behind fog; lights that have moved renew the bounced light as well."""
-    direct_lights = [
-        frame.cache.direct_light(i, frame.lamps, frame.view_samples, frame.view)
-        for i in range(len(frame.lamps))
-    ]
-    return (
-        [direct_light.through(frame.fog) for direct_light in direct_lights]
-        if frame.fog.active
-        else direct_lights
-    )
+    state = frame.lamps, frame.view_samples, frame.view
+    direct_lights = [frame.cache.direct_light(i, *state) for i in range(len(frame.lamps))]
+    if frame.fog.active:
+        return [direct_light.through(frame.fog) for direct_light in direct_lights]
+    return direct_lights
 
 
 def radiance(
@@ -47,12 +54,8 @@ def radiance(
 ) -> Tensor:
     """Radiance (3, N + B) of all samples: surfaces in the order of their materials, then background.
 
-    A transparent film has a fourth row, the coverage of each sample.
-
-    Args:
-        direct_lights: From `direct_lights_of`.
-        table: Radiances of what secondary rays meet, from `table_of`.
-        gathered: The indirect light, gathered after `direct_lights_of`, which traces its shadows.
+    A transparent film has a fourth row, the coverage of each sample. The indirect light is gathered after
+    `direct_lights_of`, which traces its shadows; `table_of` has the radiances of what secondary rays meet.
     """
     cache, view_samples, sky = frame.cache, frame.view_samples, frame.sky
     gathered = cache.indirect.following(gathered, table, frame.sources)
@@ -69,12 +72,12 @@ def radiance(
     knots, images = _images(gathered, [level * tint for level in levels], around)
     # The gradient of one split is one concatenation; that of a slice per material is a picture of zeros for each.
     sizes = [stop - start for _, start, stop in cache.samples.slices]
-    shares = zip(*(field.split(sizes, 1) for field in (irradiance, *images, *gathered.glow)), strict=True)
+    parts = zip(*(field.split(sizes, 1) for field in (irradiance, *images, *gathered.glow)), strict=True)
     pieces = []
-    for (material, start, stop), (lit, *reflections) in zip(cache.samples.slices, shares, strict=True):
+    for (material, start, stop), (received, *reflections) in zip(cache.samples.slices, parts, strict=True):
         part, inputs = slice(start, stop), frame.shading_inputs[material]
         incoming = IncidentLight(
-            irradiance=lit,
+            irradiance=received,
             lamps=frame.colors[:bare],
             highlights=[direct_light.part(part) for direct_light in direct_lights],
             view=view_samples.basis[:, part],
@@ -99,9 +102,8 @@ def _images(
 ) -> tuple[tuple[float, ...], list[Tensor]]:
     """Reflected radiance by roughness: increasing roughnesses, and the radiance (3, N) for each.
 
-    Args:
-        worlds: The world (3, N) in the mirror direction: sharp, a little blurred if it is a picture, and blurred.
-        around: (3, N) what the roughest surface reflects.
+    The world (3, N) in the mirror direction is sharp, a little blurred if it is a picture, and blurred; `around` (3, N) is
+    what the roughest surface reflects.
     """
     sharp, blurred = worlds[0], worlds[-1]
     first = gathered.mirror + sharp * gathered.open_mirror
@@ -132,9 +134,8 @@ def table_of(frame: RenderState) -> RadianceTable:
     sky = frame.sky
     colors = torch.stack([s.color for s in frame.sources]) if frame.sources else frame.colors
     metallic = torch.stack([p.metallic for p in frame.shading_inputs])
-    return RadianceTable.of(
-        within(albedos, 0.0, 1.0), metallic, emission, colors, sky.hemispheres, sky.coefficients()
-    )
+    albedos = within(albedos, 0.0, 1.0)
+    return RadianceTable.of(albedos, metallic, emission, colors, sky.hemispheres, sky.coefficients())
 
 
 def _behind(
@@ -153,10 +154,74 @@ def _behind(
         return behind.hits.image(table, behind.ambient(gathered.gather_points).T) + world * behind.hits.open
 
     straight = picture_at(0)
-    if not wanted(ior):
+    if not needs_gradient(ior):
         return straight
     with torch.no_grad():
         # Where a bright lamp comes into view, the picture saturates: the slope is that of x / (1 + x).
         low, high = (light / (1 + light) for light in (picture_at(-1), picture_at(1)))
         slope = (high - low) * (1 + straight) ** 2 / (here + _BENT - max(here - _BENT, 1.0))
     return straight + slope * (ior - ior.detach())
+
+
+@dataclass(frozen=True)
+class RenderState:
+    """The state of one render: camera, samples, lights, world, materials, fog."""
+
+    view: View  # the camera
+    cache: ViewCache  # what has been traced for it
+    view_samples: ViewSamples  # the samples as it sees them
+    lamps: list[LightSource]  # the lights: the scene's, the environment's suns, glowing surfaces
+    sky: Sky  # the world
+    shading_inputs: list[ShadingInputs]  # of every material
+    fog: FogMedium  # the medium
+
+    @functools.cached_property
+    def colors(self) -> Tensor:
+        """(L, 3) colors of the lamps."""
+        if not self.lamps:
+            return self.sky.color.new_zeros((0, 3))
+        return torch.stack([lamp.color for lamp in self.lamps])
+
+    @functools.cached_property
+    def sources(self) -> list[LightSource]:
+        """The lights of indirect light: few ones as they are, many in clusters."""
+        return self.cache.clusters.sources(self.lamps)
+
+    @property
+    def owners(self) -> dict[str, Tensor]:
+        """Owner, "light/NAME" or "world", to the color (3,) of its light."""
+        return {**{lamp.owner: lamp.color for lamp in self.lamps if lamp.owner}, "world": self.sky.color}
+
+    def only(self, owner: str) -> RenderState:
+        """The same with one owner's light only ("" for no owner's), and with what surfaces emit."""
+        dark = torch.zeros_like(self.sky.color)
+        lamps = [lamp if lamp.owner in (owner, "") else replace(lamp, color=dark) for lamp in self.lamps]
+        sky = self.sky if owner == "world" else replace(self.sky, color=dark, backdrop_color=dark)
+        return replace(self, lamps=lamps, sky=sky)
+
+
+def mirror_weight(inputs: ShadingInputs) -> Tensor:
+    """Weight () of mirror reflection where other surfaces show a material: 1 - roughness of a metal, else 0.
+
+    In quarters, because rays are traced again when it changes.
+    """
+    smooth = (1 - inputs.roughness.detach()) * (inputs.metallic.detach() > 0.5)
+    return (smooth * 4).ceil() / 4
+
+
+def sharp(inputs: ShadingInputs) -> Tensor:
+    """() bool: a material shows reflections sharp enough for several samples in every pixel."""
+    shines = (inputs.metallic > 0) | (inputs.specular > 0) | (inputs.transmission > 0)
+    coated = (inputs.coat > _LEAST_COAT) & (inputs.coat_roughness < _SMOOTH)
+    return (coated | (shines & (inputs.roughness < _SMOOTH))).reshape(())
+
+
+def glass_transmittance(inputs: ShadingInputs) -> Tensor:
+    """Gray transmittance () of one surface of a material's glass, in steps: shadows are traced again at each.
+
+    Cycles finds such light by chance, as caustics. Here it goes straight on, which is right on average. A
+    Principled BSDF tints it with the root of its base color at each surface (kernel/svm/closure.h).
+    """
+    solid = inputs.transmission * (1 - inputs.metallic)
+    through = solid * (1 - albedo.f0_of(inputs.ior)) * luminance(inputs.base.clamp(0, 1)).sqrt()
+    return (through.detach() * _GLASS_STEPS).round().reshape(()) / _GLASS_STEPS

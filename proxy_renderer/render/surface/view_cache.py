@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What stays the same while the camera stands still: samples, surfaces, and the direct light of each light."""
+"""Everything that stays the same while the camera stands still: samples, surfaces, and the direct light of each light."""
 
 from __future__ import annotations
 
@@ -8,52 +8,44 @@ from copy import copy
 from dataclasses import dataclass, replace
 from typing import Self
 
+import numpy as np
 import torch
 from torch import Tensor
 
 from ...color.tensors import luminance
-from ...scene import Material, SceneData
-from ...scene.values import wanted
-from ..edges.silhouette import Silhouettes
+from ...scene import SceneData
+from ...scene.values import needs_gradient
 from ..geometry.camera import View
 from ..geometry.gather_points import SparseWeights
 from ..geometry.samples import take
 from ..geometry.vectors import dot, unit
 from ..geometry.visibility import RayGeometry, Surface, facing
 from ..lights.clusters import LightClusters
-from ..lights.environment import Sky
-from ..lights.prefilter import GLOSSY, SATIN
-from ..lights.types.light_source import LightSource
+from ..lights.environment import GLOSSY, SATIN, Sky
+from ..lights.light_source import LightSource
 from ..material.textures import MaterialTextures
 from ..transport.indirect import FinalGather
 from ..transport.indirect_fog import IndirectFogRays
-from ..transport.refraction import through
-from ..transport.secondary_hits import SecondaryHits
+from ..transport.secondary_hits import SecondaryHits, through
 from .defocus import Defocus
-from .direct_lights import DirectLights
-from .view_samples import DirectLight, ViewSamples
+from .direct_lights import DirectLight, DirectLights, ViewSamples
+from .edges import Silhouettes
 
 _SMALL_STEP = 0.02
 """Part of a lamp's distance by which a gradient loop may move it before bounced light is traced again."""
 
 _LEAST_ALIKE = 0.1
-"""Cosine between a mapped and the true normal below which the map cannot be meant."""
+"""Cosine between a mapped and the true normal below which the map does not count."""
 _GEOMETRIC = ("alpha", "normal", "far")
 
 
 @dataclass(frozen=True)
 class RefractedHits:
-    """Hits of N rays through a transparent material.
+    """Hits of N rays through a transparent material."""
 
-    Attributes:
-        hits: Where the rays end.
-        toward: (3, N) their final directions.
-        ambient: Interpolates irradiance from the gather points to the hits.
-    """
-
-    hits: SecondaryHits
-    toward: Tensor
-    ambient: SparseWeights
+    hits: SecondaryHits  # where the rays end
+    toward: Tensor  # (3, N) their final directions
+    ambient: SparseWeights  # interpolates irradiance from the gather points to the hits
 
 
 class ViewCache:
@@ -65,7 +57,6 @@ class ViewCache:
         lamps: The lights, the suns of the world and glowing surfaces included.
         emissive: Indices of materials whose light comes from lamps.
         glowing: Indices of all materials that glow.
-        seed: For jitter.
     """
 
     def __init__(
@@ -97,9 +88,19 @@ class ViewCache:
             generator = torch.Generator().manual_seed(seed)
             shape = metals, len(self.clusters), emissive, glowing, self._maps, generator
             self.indirect = FinalGather(geometry, samples, surface, self._view, *shape)
-            self.mean_texture = [_mean(m, geometry.device) for m in scene.materials]
-            self.inside, self.depth = self._inside(), self._depth()
+            # (3,) average of every material's linked base color; 1 where none is linked
+            self.mean_texture = [
+                torch.from_numpy(m.texture.image.mean((0, 1)) if m.texture else np.ones(3, np.float32)).to(
+                    geometry.device
+                )
+                for m in scene.materials
+            ]
+            # (1, N + B) 1 for samples of the subject and of any surface, else 0; (H, W) distance at the centers
+            subject = torch.tensor([o.subject for o in scene.objects], device=geometry.device)
+            owner = geometry.object[samples.hits.triangle.clamp_min(0)]
+            self.inside = (subject[owner] & samples.hits.hit).to(torch.float32)[None]
             self.covered = samples.hits.hit.to(torch.float32)[None]
+            self.depth = samples.center_hits.distance.view(view.size[::-1])
             self.defocus = Defocus.of(scene.camera, view.detached(), self.depth)
             self.mask = samples.resolve(self.inside).view(self.depth.shape)
         self._varying: dict[int, dict[str, Tensor]] = {}
@@ -117,11 +118,7 @@ class ViewCache:
         return other
 
     def with_mirrors(self, metals: Tensor) -> Self:
-        """A copy with other mirrors, in which only what they show is traced again.
-
-        Args:
-            metals: (M,) as for the class.
-        """
+        """A copy with other mirrors (M,), in which only what they show is traced again."""
         other = copy(self)
         other.metals, other._through = metals, {}
         other._direct, other._bounced = self._direct.aside(), dict(self._bounced)
@@ -155,21 +152,17 @@ class ViewCache:
         return replace(surface, normal=torch.cat(normals, 1))
 
     def textured_inputs(self, material: int, part: slice, view_samples: ViewSamples) -> dict[str, Tensor]:
-        """What varies of a material's inputs (C, n) at its samples: "base_color", and parameters by name."""
-        if view_samples.moving:
-            return self._textured_inputs(material, view_samples.surface.pick(part))
-        if material not in self._varying:
-            with torch.no_grad():
-                self._varying[material] = self._textured_inputs(
-                    material, self._view_samples.surface.pick(part)
-                )
-        return self._varying[material]
-
-    def _textured_inputs(self, material: int, surface: Surface) -> dict[str, Tensor]:
+        """A material's inputs (C, n) that vary over its samples: "base_color", and parameters by name."""
+        if material in self._varying and not view_samples.moving:
+            return self._varying[material]
+        surface = (view_samples if view_samples.moving else self._view_samples).surface.pick(part)
         names = ["base_color", *(n for n in self.scene.materials[material].maps if n not in _GEOMETRIC)]
-        return {
-            name: self._maps.at(material, name, surface) for name in names if self._maps.has(material, name)
-        }
+        names = [name for name in names if self._maps.has(material, name)]
+        if view_samples.moving:
+            return {name: self._maps.at(material, name, surface) for name in names}
+        with torch.no_grad():
+            self._varying[material] = {name: self._maps.at(material, name, surface) for name in names}
+        return self._varying[material]
 
     def pattern(self) -> Tensor:
         """(H, W) luminance of textured base colors relative to their mean over what is seen; 1 where none is linked."""
@@ -205,11 +198,9 @@ class ViewCache:
     def behind(
         self, material: int, side: int, part: slice, ior: float, lamps: Sequence[LightSource]
     ) -> RefractedHits:
-        """What is seen through a material's samples; traced anew for a new IOR.
+        """The view through a material's samples; traced anew for a new IOR.
 
-        Args:
-            side: 0, or -1 and 1 for the IORs beside it: each is kept.
-            lamps: Those that stand for the clusters of lights.
+        Side is 0, or -1 and 1 for the IORs next to it: each is kept. The lamps stand for the clusters of lights.
         """
         place = tuple(lamp.signature() for lamp in lamps)
         kept = self._through.get((material, side))
@@ -232,14 +223,8 @@ class ViewCache:
         """The rays along which fog acts between surfaces; `near` is a typical distance of what is seen, meters."""
         if self._indirect_fog is None:
             with torch.no_grad():
-                self._indirect_fog = IndirectFogRays(
-                    self.geometry,
-                    self.samples,
-                    self._view_samples.surface,
-                    self._view,
-                    self.indirect.gather_points,
-                    near,
-                )
+                points = self._view_samples.surface, self._view, self.indirect.gather_points
+                self._indirect_fog = IndirectFogRays(self.geometry, self.samples, *points, near)
         return self._indirect_fog
 
     def outlines(self) -> Silhouettes:
@@ -254,36 +239,16 @@ class ViewCache:
 
         A picture has a third level between the two.
         """
-        if wanted(sky.turn) or (view_samples.moving and sky.pictured):
+        if needs_gradient(sky.turn) or (view_samples.moving and sky.pictured):
             return _worlds(sky, view_samples)
         if self._worlds is None or self._worlds[0] != sky.signature():
             with torch.no_grad():
                 self._worlds = sky.signature(), _worlds(sky, self._view_samples)
         return self._worlds[1]
 
-    def _inside(self) -> Tensor:
-        """(1, N + B) 1 for samples of the subject, else 0."""
-        subject = torch.tensor([o.subject for o in self.scene.objects], device=self.geometry.device)
-        owner = self.geometry.object[self.samples.hits.triangle.clamp_min(0)]
-        return (subject[owner] & self.samples.hits.hit).to(torch.float32)[None]
-
-    def _depth(self) -> Tensor:
-        """(H, W) distance along the rays through the pixels' centers."""
-        width, height = self.samples.size
-        return self.samples.center_hits.distance.view(height, width)
-
 
 def _worlds(sky: Sky, view_samples: ViewSamples) -> tuple[Tensor, ...]:
+    mirrored, normal = view_samples.mirrored, view_samples.surface.normal
     rough = (GLOSSY,) if sky.plain else (SATIN, GLOSSY)
-    lobes = [
-        sky.reflected(view_samples.mirrored, view_samples.surface.normal, view_samples.basis, r)
-        for r in rough
-    ]
-    return sky.mirror(view_samples.mirrored), *lobes, sky.backdrop(view_samples.beyond)
-
-
-def _mean(material: Material, device: torch.device) -> Tensor:
-    """(3,) average of a linked base color; 1 where none is linked."""
-    if material.texture is None:
-        return torch.ones(3, device=device)
-    return torch.from_numpy(material.texture.image.mean((0, 1))).to(device)
+    lobes = [sky.reflected(mirrored, normal, view_samples.basis, r) for r in rough]
+    return sky.mirror(mirrored), *lobes, sky.backdrop(view_samples.beyond)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How much of what a point sees glows: in its hemisphere, and in reflections of several roughnesses.
+"""Rays over hemispheres and blurred reflections, and how much of what they see glows.
 
 What glows is bright and often small. Rays of a lobe find it by chance, points on it are seen by chance; both are taken
 and weighed by the power heuristic, as Cycles does it (Veach and Guibas 1995, "Optimally Combining Sampling
@@ -9,6 +9,7 @@ mix a sharp with a very blurred one: hence the several roughnesses.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -16,28 +17,26 @@ from functools import partial
 import torch
 from torch import Tensor
 
-from ..geometry.vectors import cross, dot, unit
+from ..geometry.vectors import above, cosine_directions, cross, dot, reflect, tangents, unit
 from ..geometry.visibility import Hits, RayGeometry, Surface, shared_points
-from ..lights.prefilter import GLOSSY, SATIN
-from .lobe_rays import LobeRays
+from ..lights.environment import GLOSSY, SATIN
+from ..material.albedo import visible_normals
 
 BLURS = (0.1, SATIN, GLOSSY)
 """Roughness of the reflections between the mirror image and the diffuse light."""
 _LOBE_RAYS = 64
 _LAMP_RAYS = 16
+_LEAST_COSINE = 0.02
 
 
 @dataclass(frozen=True)
 class GlowShares:
-    """Shares of what A points see.
+    """Shares of what A points see."""
 
-    Attributes:
-        wide: (A, M) of their hemisphere, weighed by the cosine, that each material's glow fills; 0 for what lamps
-            stand for.
-        blurred: For each of `BLURS`, (A, M) of the reflection of a surface of that roughness.
-    """
-
+    # (A, M) of their hemisphere, weighed by the cosine, that each material's glow fills; 0 for what lamps
+    # stand for
     wide: Tensor
+    # for each of `BLURS`, (A, M) of the reflection of a surface of that roughness
     blurred: tuple[Tensor, ...]
 
 
@@ -52,28 +51,20 @@ def glow_of(
     materials: int,
     generator: torch.Generator,
 ) -> GlowShares:
-    """Looks for what glows.
+    """Looks for what glows, from points that the camera's rays have met in directions (3, A).
 
-    Args:
-        arrived: (3, A) directions of the camera's rays to them.
-        near: (A,) `GatherPoints.turns` that share rays of reflections.
-        wide: (A,) those that share rays of the hemisphere.
-        glowing: Indices of all materials that glow.
-        emissive: Those of them that lamps stand for in diffuse light.
-        generator: For jitter.
+    Of the `glowing` materials, lamps stand for the `emissive` ones in diffuse light. Those that have the same number in
+    `near` (A,) share rays of reflections, in `wide` (A,) those of the hemisphere: see `GatherPoints.turns`.
     """
     lobes = LobeRays.of(points, arrived)
     diffuse = _Search(geometry, points, wide, sorted(set(glowing) - set(emissive)), "diffuse", generator)
     glossy = _Search(geometry, points, near, sorted(glowing), "glossy", generator)
     hemisphere = diffuse.shares(materials, lobes.hemisphere, lobes.hemisphere_density)
-    blurred = [
-        glossy.shares(
-            materials,
-            partial(lobes.reflections, alpha=r * r),
-            partial(lobes.reflections_density, alpha=r * r),
-        )
-        for r in BLURS
-    ]
+    blurred = []
+    for roughness in BLURS:
+        alpha = roughness * roughness
+        lobe = partial(lobes.reflections, alpha=alpha), partial(lobes.reflections_density, alpha=alpha)
+        blurred.append(glossy.shares(materials, *lobe))
     return GlowShares(hemisphere, tuple(blurred))
 
 
@@ -95,26 +86,22 @@ class _Search:
         self._geometry, self._points, self._ray, self._generator = geometry, points, ray, generator
         self._turn = turn
         self._origin = geometry.lifted(points)
-        self._density = self._densities(glowing)
         self._targets: Hits | None = None
+        # (F,) chosen points per square meter on each triangle; 0 where these rays see no glow.
+        a, b, c = geometry.corners.permute(0, 2, 1)
+        self._areas = cross(b - a, c - a).norm(dim=0) / 2
+        self._density = torch.zeros_like(self._areas)
+        visible = geometry.visible_to(ray)
+        for material in glowing:
+            own = (geometry.material == material) & visible
+            self._density[own] = 1 / (self._areas[own].sum().clamp_min(1e-12) * len(glowing))
         lamps = (self._density > 0).nonzero()[:, 0]
         if len(lamps):
             self._aim(lamps)
 
-    def _densities(self, glowing: Sequence[int]) -> Tensor:
-        """(F,) chosen points per square meter on each triangle; 0 where these rays see no glow."""
-        geometry = self._geometry
-        a, b, c = geometry.corners.permute(0, 2, 1)
-        self._areas = cross(b - a, c - a).norm(dim=0) / 2
-        seen = geometry.visible_to(self._ray)
-        density = torch.zeros_like(self._areas)
-        for material in glowing:
-            own = (geometry.material == material) & seen
-            density[own] = 1 / (self._areas[own].sum().clamp_min(1e-12) * len(glowing))
-        return density
-
     def _aim(self, lamps: Tensor) -> None:
         """Chooses points on triangles, and finds which of them can be seen from where, and how densely they lie."""
+        # Points that are spread evenly over the lamps' areas; those who share them take turns.
         chance = (self._density * self._areas)[lamps].cumsum(0)
         spots = shared_points(_LAMP_RAYS, self._turn, self._generator)
         order = torch.arange(_LAMP_RAYS, device=chance.device) / _LAMP_RAYS
@@ -125,6 +112,7 @@ class _Search:
         root, second = spots[0].flatten().sqrt(), spots[1].flatten()
         weights = torch.stack((1 - root, root * (1 - second), root * second))
         place = sum(w * c[triangle].T for w, c in zip(weights, self._geometry.corners, strict=True))
+        # Directions to them, and the share of their light that arrives.
         start = self._origin.repeat_interleave(_LAMP_RAYS, 1)
         offset = place - start
         distance = dot(offset, offset).clamp_min(1e-12).sqrt()
@@ -146,9 +134,7 @@ class _Search:
     ) -> Tensor:
         """Shares (A, M) of a lobe that the materials' glow fills.
 
-        Args:
-            directions: Rays (3, A * R) of the lobe from (2, A, R) in [0, 1).
-            density: Their density (A * R) at directions (3, A * R).
+        Directions makes rays (3, A * R) of the lobe from (2, A, R) in [0, 1); density gives theirs (A * R) at such directions.
         """
         points = self._origin.shape[1]
         if self._targets is None:
@@ -164,12 +150,7 @@ class _Search:
     def _weighed(
         self, materials: int, hits: Hits, toward: Tensor, lobe: Tensor, seen: Tensor, by_lobe: bool
     ) -> Tensor:
-        """Sums (A, M) of rays by the power heuristic.
-
-        Args:
-            seen: Share of the light that arrives.
-            by_lobe: Whether the rays were chosen by the lobe, or else by the lamps.
-        """
+        """Sums (A, M) of rays, chosen by the lobe or else by the lamps, by the power heuristic; a share `seen` arrives."""
         index = (hits.hit & (seen > 0) & (self._density[hits.triangle.clamp_min(0)] > 0)).nonzero()[:, 0]
         triangle, distance = hits.triangle[index], hits.distance[index]
         a, b, c = (self._geometry.corners[k, triangle].T for k in range(3))
@@ -183,3 +164,50 @@ class _Search:
         place = index // rays * materials + self._geometry.material[triangle]
         sums = torch.zeros(points * materials, device=share.device).index_add(0, place, share)
         return sums.view(points, materials)
+
+
+@dataclass(frozen=True)
+class LobeRays:
+    """Rays that leave A points which rays have met."""
+
+    points: Surface  # the points
+    arrived: Tensor  # (3, A) directions of the rays that have met them
+    cosine: Tensor  # (A,) of their angles to the normals
+
+    @staticmethod
+    def of(points: Surface, arrived: Tensor) -> LobeRays:
+        """For points and (3, A) directions of the rays that have met them."""
+        return LobeRays(points, arrived, (-dot(arrived, points.normal)).clamp(_LEAST_COSINE, 1.0))
+
+    def hemisphere(self, uv: Tensor) -> Tensor:
+        """Rays (3, A * R) above the points, distributed like a cosine, from (2, A, R) in [0, 1)."""
+        rays = uv.shape[2]
+        toward = cosine_directions(self.points.normal.repeat_interleave(rays, 1), uv.flatten(1))
+        return above(toward, self.points.facet.repeat_interleave(rays, 1))
+
+    def hemisphere_density(self, way: Tensor) -> Tensor:
+        """Density (A * R) of these at directions (3, A * R)."""
+        rays = way.shape[1] // self.points.normal.shape[1]
+        return dot(self.points.normal.repeat_interleave(rays, 1), way).clamp_min(0.0) / math.pi
+
+    def reflections(self, uv: Tensor, alpha: float) -> Tensor:
+        """Rays (3, A * R) that visible GGX microfacets of a width reflect, from (2, A, R) in [0, 1)."""
+        rays = uv.shape[2]
+        fields = self.points.normal, self.points.facet, self.arrived
+        normal, facet, arrived = (f.repeat_interleave(rays, 1) for f in fields)
+        cosine = self.cosine.repeat_interleave(rays)
+        x, y, z = visible_normals(cosine, alpha, uv.flatten(1))
+        level = -arrived - normal * cosine
+        head_on = dot(level, level) < 1e-8
+        across = torch.where(head_on, tangents(normal)[0], unit(level))
+        return above(reflect(arrived, across * x + cross(normal, across) * y + normal * z), facet)
+
+    def reflections_density(self, way: Tensor, alpha: float) -> Tensor:
+        """Density (A * R) of these at directions (3, A * R): that of the half vector over 4 h.v."""
+        rays = way.shape[1] // self.points.normal.shape[1]
+        normal, arrived = (f.repeat_interleave(rays, 1) for f in (self.points.normal, self.arrived))
+        cosine, squared = self.cosine.repeat_interleave(rays), alpha * alpha
+        up = dot(unit(way - arrived, 1e-4), normal).clamp(0.0, 1.0)
+        spread = squared / (math.pi * (up * up * (squared - 1) + 1) ** 2)
+        spread = torch.where(up > 0, spread, 0.0)
+        return spread / (2 * (cosine + (squared + (1 - squared) * cosine * cosine).sqrt()))

@@ -17,18 +17,16 @@ import torch
 from torch import Tensor
 
 from ..geometry.camera import View
-from ..geometry.directions import above, reflect
 from ..geometry.gather_points import GatherPoints, SparseWeights
 from ..geometry.samples import Samples
-from ..geometry.vectors import length
+from ..geometry.vectors import above, length, reflect
 from ..geometry.visibility import RayGeometry, Surface, shared_points
-from ..lights.prefilter import GLOSSY
-from ..lights.types.light_source import LightSource
+from ..lights.environment import GLOSSY
+from ..lights.light_source import LightSource
 from ..material.textures import MaterialTextures
 from .fog import FogMedium, LightPaths
-from .glow import GlowShares, glow_of
+from .glow import GlowShares, LobeRays, glow_of
 from .indirect_fog import IndirectFog
-from .lobe_rays import LobeRays
 from .radiance_table import RadianceTable
 from .secondary_hits import SecondaryHits
 
@@ -38,23 +36,16 @@ _GLOSSY_RAYS = 8
 
 @dataclass(frozen=True)
 class IndirectLight:
-    """Light of other surfaces and of the world at N samples.
+    """Light of other surfaces and of the world at N samples."""
 
-    Attributes:
-        irradiance: (3, N) of surfaces and world.
-        glossy, mirror: (3, N) blurred and mirrored radiance of surfaces and fog, without the world.
-        open_glossy, open_mirror: (N,) shares of the world in the blurred and in the mirrored reflection.
-        gather_points: (A, 3) irradiance at the gather points.
-        glow: Radiance (3, N) of what glows: its mirror image, then blurred as `glow.BLURS` says. The other reflections
-            lack it. Empty where nothing glows.
-    """
-
-    irradiance: Tensor
-    glossy: Tensor
-    mirror: Tensor
-    open_glossy: Tensor
-    open_mirror: Tensor
-    gather_points: Tensor
+    irradiance: Tensor  # (3, N) of surfaces and world
+    glossy: Tensor  # (3, N) blurred and mirrored radiance of surfaces and fog, without the world
+    mirror: Tensor  # (3, N) blurred and mirrored radiance of surfaces and fog, without the world
+    open_glossy: Tensor  # (N,) shares of the world in the blurred and in the mirrored reflection
+    open_mirror: Tensor  # (N,) shares of the world in the blurred and in the mirrored reflection
+    gather_points: Tensor  # (A, 3) irradiance at the gather points
+    # radiance (3, N) of what glows: its mirror image, then blurred as `glow.BLURS` says. The other
+    # reflections lack it. Empty where nothing glows.
     glow: tuple[Tensor, ...] = ()
 
 
@@ -93,13 +84,11 @@ class FinalGather:
         # What metals send on is a caustic on a matte surface: as if they scattered it evenly, on average.
         matte = geometry, torch.zeros_like(metals), lamps
         self.diffuse = _secondary_hits(*matte, origin, lobes.hemisphere(diffuse), _DIFFUSE_RAYS, "diffuse")
-        self.glossy = _secondary_hits(
-            *shape, origin, lobes.reflections(glossy, GLOSSY**2), _GLOSSY_RAYS, "glossy"
-        )
+        blurred = lobes.reflections(glossy, GLOSSY**2)
+        self.glossy = _secondary_hits(*shape, origin, blurred, _GLOSSY_RAYS, "glossy")
         mirrored = above(reflect(samples.toward[:, : samples.surfaces], surface.normal), surface.facet)
-        self.mirror = SecondaryHits(
-            geometry, geometry.lifted(surface), mirrored, 1, metals, lamps, "glossy", maps
-        )
+        single = geometry, geometry.lifted(surface), mirrored, 1
+        self.mirror = SecondaryHits(*single, metals, lamps, "glossy", maps)
         self._mirror_ambient = self.spread_to(self.mirror)
         self._paths = LightPaths(surface.position, mirrored, self.mirror.distance)
         self._opening = gather_points.smooth_glossy(self.glossy.open[:, None])
@@ -112,9 +101,8 @@ class FinalGather:
         self._emission = slice(first, first + len(metals))
         self._glow: GlowShares | None = None
         if glowing:
-            self._glow = glow_of(
-                geometry, points, arrived, near, wide, glowing, emissive, len(metals), generator
-            )
+            turns = near, wide, glowing, emissive
+            self._glow = glow_of(geometry, points, arrived, *turns, len(metals), generator)
 
     def aside(self) -> Self:
         """A copy in which lights may move."""
@@ -133,9 +121,8 @@ class FinalGather:
     def light(self, index: int, lamp: LightSource) -> None:
         """Traces shadow rays again for a light that has moved."""
         if self._borrowed:
-            self.diffuse, self.glossy, self.mirror = (
-                hits.aside() for hits in (self.diffuse, self.glossy, self.mirror)
-            )
+            self.diffuse, self.glossy = self.diffuse.aside(), self.glossy.aside()
+            self.mirror = self.mirror.aside()
             self._borrowed = False
         for hits in (self.diffuse, self.glossy, self.mirror):
             hits.light(index, lamp)
@@ -145,19 +132,16 @@ class FinalGather:
         """Interpolation of irradiance from the gather points to hits that the picture shows, or nearly shows."""
         surface = hits.surface
         distance = length(surface.position - self._view.position[:, None])
-        return self._gather_points.spread_to(
-            surface, self._view.project(surface.position), distance, hits.hit.bool()
-        )
+        place = self._view.project(surface.position)
+        return self._gather_points.spread_to(surface, place, distance, hits.hit.bool())
 
     def gather(self, table: RadianceTable) -> IndirectLight:
         """The indirect light of one render, without fog."""
         wide, narrow = self._weighed()
         low = (wide @ table.radiances).clamp_min(0.0)
-        glow, dark = self._glow_at_points(table), self._dark(table)
-        full = self._gather_points.spread(
-            torch.cat((low, narrow @ table.radiances[: self._skies], *glow), 1)
-        ).T
-        mirror = self.mirror.image(dark, self._mirror_ambient(low).T)
+        glossy, glow = narrow @ table.radiances[: self._skies], self._glow_at_points(table)
+        full = self._gather_points.spread(torch.cat((low, glossy, *glow), 1)).T
+        mirror = self.mirror.image(self._dark(table), self._mirror_ambient(low).T)
         shown = self._shown_glow(table, full[6:])
         return IndirectLight(full[:3], full[3:6], mirror, self._open_glossy, self.mirror.open, low, shown)
 
@@ -170,20 +154,15 @@ class FinalGather:
         low = self._dimmed(wide, table, indirect_fog.path_transmittance, indirect_fog.passing)
         low = (low + sky * indirect_fog.ambient[:, None]).clamp_min(0.0) + indirect_fog.scattered
         through = indirect_fog.mirrored[:, None]
-        glossy = (
-            self._dimmed(
-                narrow, table, indirect_fog.light_transmittance, torch.ones_like(indirect_fog.passing)
-            )
-            * through
-        )
-        glossy = glossy + indirect_fog.haze * (1 - through)
+        clear = torch.ones_like(indirect_fog.passing)
+        glossy = self._dimmed(narrow, table, indirect_fog.light_transmittance, clear)
+        glossy = glossy * through + indirect_fog.haze * (1 - through)
         opening = self._opening * through
         glow = [light * through for light in self._glow_at_points(table)]
         full = self._gather_points.spread(torch.cat((low, glossy, indirect_fog.haze, opening, *glow), 1)).T
         passing = self._paths.transmittance(fog)
-        image = self.mirror.image(
-            self._dark(table).dimmed(indirect_fog.light_transmittance.mean(0)), self._mirror_ambient(low).T
-        )
+        dim = self._dark(table).dimmed(indirect_fog.light_transmittance.mean(0))
+        image = self.mirror.image(dim, self._mirror_ambient(low).T)
         mirror = image * passing + full[6:9] * (1 - passing)
         shown = self._shown_glow(table, full[10:], passing)
         return IndirectLight(full[:3], full[3:6], mirror, full[9], self.mirror.open * passing, low, shown)
@@ -233,7 +212,7 @@ class FinalGather:
     def _shown_glow(
         self, table: RadianceTable, blurred: Tensor, passing: Tensor | float = 1.0
     ) -> tuple[Tensor, ...]:
-        """What glows, at the samples: its mirror image, of which a share `passing` arrives, and blurred (3 K, N)."""
+        """Glow at the samples: its mirror image, of which a share `passing` arrives, and blurred (3 K, N)."""
         if self._glow is None:
             return ()
         return self.mirror.emitted(table.radiances[self._emission]) * passing, *blurred.split(3)
@@ -243,13 +222,9 @@ class FinalGather:
         return table if self._glow is None else table.without(self._emission)
 
     def _dimmed(self, weights: Tensor, table: RadianceTable, shares: Tensor, emission: Tensor) -> Tensor:
-        """Light of surfaces at the gather points (A, 3), behind fog.
+        """Light of surfaces at the gather points (A, 3), behind fog, from weights (A, K) over the rows of the table.
 
-        Args:
-            weights: (A, K) over the rows of the table.
-            table: The radiances.
-            shares: (A, S) transmittance of the sources.
-            emission: (A,) transmittance of what surfaces emit.
+        Shares (A, S) are the transmittance of the sources, emission (A,) that of what surfaces emit.
         """
         materials, sources = self._shape
         split = materials * sources

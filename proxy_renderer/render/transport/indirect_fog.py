@@ -14,17 +14,15 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from ..geometry.camera import View
-from ..geometry.directions import above, cosine_directions, reflect
+from ..geometry.camera import RaySegments, View
 from ..geometry.gather_points import GatherPoints
 from ..geometry.samples import Samples
-from ..geometry.segments import RaySegments
+from ..geometry.vectors import above, cosine_directions, reflect
 from ..geometry.visibility import RayGeometry, Surface, sphere_points
 from ..lights.environment import Sky
-from ..lights.types.light_source import LightSource
-from .fog import FogMedium
-from .secondary_hits import lit
-from .volume import DIRECTIONS, WEIGHTS, SingleScattering, phase
+from ..lights.light_source import LightSource
+from .fog import DIRECTIONS, WEIGHTS, FogMedium, SingleScattering, phase
+from .secondary_hits import shadowed_irradiance
 
 _ACROSS = 24
 _DIFFUSE_RAYS = 6
@@ -35,36 +33,23 @@ _NEAR = 0.1
 
 @dataclass(frozen=True)
 class IndirectFog:
-    """What fog does to indirect light at A gather points.
+    """Effects of fog on indirect light at A gather points.
 
     The S sources are those of `RadianceTable`: L lights and 2 hemispheres, then the same for light scattered twice.
-
-    Attributes:
-        ambient: (A,) transmittance of the world's light.
-        passing: (A,) transmittance between the point and the surfaces that light it diffusely.
-        path_transmittance: (A, S) transmittance of the whole path from a source over such a surface to the point.
-        light_transmittance: (A, S) transmittance from a source to those surfaces.
-        scattered: (A, 3) irradiance from light that the fog scatters.
-        haze: (A, 3) in-scattered radiance in the mirror direction, as if the fog were endless there.
-        mirrored: (A,) transmittance in the mirror direction.
     """
 
-    ambient: Tensor
-    passing: Tensor
+    ambient: Tensor  # (A,) transmittance of the world's light
+    passing: Tensor  # (A,) transmittance between the point and the surfaces that light it diffusely
+    # (A, S) transmittance of the whole path from a source over such a surface to the point
     path_transmittance: Tensor
-    light_transmittance: Tensor
-    scattered: Tensor
-    haze: Tensor
-    mirrored: Tensor
+    light_transmittance: Tensor  # (A, S) transmittance from a source to those surfaces
+    scattered: Tensor  # (A, 3) irradiance from light that the fog scatters
+    haze: Tensor  # (A, 3) in-scattered radiance in the mirror direction, as if the fog were endless there
+    mirrored: Tensor  # (A,) transmittance in the mirror direction
 
 
 class IndirectFogRays:
-    """Rays of one view along which fog is integrated, and their hits.
-
-    Args:
-        gather_points: Indices (A,) of the samples at which indirect light is gathered.
-        near: A typical distance of what is seen, meters.
-    """
+    """Rays of one view along which fog is integrated, and their hits; `near` is a typical distance in view, meters."""
 
     def __init__(
         self,
@@ -98,7 +83,7 @@ class IndirectFogRays:
         far = torch.full_like(ways[0], math.inf)
         clear = geometry.clear(begin.flatten(1), ways.flatten(1), far.flatten())
         self._open = clear.view(far.shape)  # (14, P)
-        self._lit: dict[int, tuple[object, Tensor]] = {}
+        self._irradiance: dict[int, tuple[object, Tensor]] = {}
 
     def gather(self, fog: FogMedium, lamps: Sequence[LightSource], sky: Sky) -> IndirectFog:
         """Sums the fog's effects at the values of one render."""
@@ -113,24 +98,16 @@ class IndirectFogRays:
         light = self._light(fog, lamps, sky, passing)  # (3, P, rays)
         scattered = light[:, :, :-1].mean(2) * math.pi
         haze = light[:, :, -1] / (1 - mirrored).clamp_min(1e-4)
-        one = (ambient, kept)
-        rows = (torch.stack(one), path_transmittance.T, light_transmittance.T, scattered)
-        even = self._smooth(torch.cat(rows).T)  # a few rays are noisy
+        # A few rays are noisy: what they bring is averaged, then interpolated to the gather points.
+        rows = (torch.stack((ambient, kept)), path_transmittance.T, light_transmittance.T, scattered)
+        even = self._smooth(torch.cat(rows).T)
         carried = self._to_gather_points(torch.cat((even, haze.T, mirrored[:, None]), 1))
         count = path_transmittance.shape[1]
-        single, path_transmittance, light_transmittance, scattered, haze, mirrored = carried.split(
-            (2, count, count, 3, 3, 1), 1
-        )
-        again = torch.cat((path_transmittance, path_transmittance * single[:, 1:2]), 1)
-        return IndirectFog(
-            ambient=single[:, 0],
-            passing=single[:, 1],
-            path_transmittance=again,
-            light_transmittance=torch.cat((light_transmittance, light_transmittance * single[:, 1:2]), 1),
-            scattered=scattered,
-            haze=haze,
-            mirrored=mirrored[:, 0],
-        )
+        single, path, light, scattered, haze, mirrored = carried.split((2, count, count, 3, 3, 1), 1)
+        # Light scattered twice crosses the way between surfaces once more.
+        ambient, again = single[:, 0], single[:, 1:2]
+        path, light = torch.cat((path, path * again), 1), torch.cat((light, light * again), 1)
+        return IndirectFog(ambient, single[:, 1], path, light, scattered, haze, mirrored[:, 0])
 
     def _ambient(self, fog: FogMedium) -> Tensor:
         """Transmittance (P,) of the world's light, cosine-weighted."""
@@ -144,37 +121,26 @@ class IndirectFogRays:
     def _light_transmittance(
         self, fog: FogMedium, lamps: Sequence[LightSource], passing: Tensor
     ) -> tuple[Tensor, Tensor]:
-        """Transmittance (P, L) from the lights to the hits of diffuse rays, and from there on to the points.
-
-        Args:
-            passing: (P, rays) transmittance from the hits to the points.
-        """
-        light_transmittance, path_transmittance = [], []
+        """Transmittance (P, L) from the lights to the hits of diffuse rays, and from there on (P, rays) to the points."""
+        position = self._surface.position
+        light_transmittance = [passing.new_zeros((len(passing), 0))]
+        path_transmittance = [light_transmittance[0]]
         for i, lamp in enumerate(lamps):
-            weight = self._irradiance_at_hits(i, lamp)
-            position = self._surface.position
-            share = fog.transmittance(position, *lamp.detached().toward(position)).view(self._hit.shape)[
-                :, :-1
-            ]
-            total = weight.sum(1)
-            light_transmittance.append((weight * share).sum(1) / total)
-            path_transmittance.append((weight * share * passing).sum(1) / total)
-        empty = passing.new_zeros((len(passing), 0))
-        return (
-            (torch.stack(light_transmittance, 1), torch.stack(path_transmittance, 1))
-            if light_transmittance
-            else (empty, empty)
-        )
-
-    def _irradiance_at_hits(self, index: int, lamp: LightSource) -> Tensor:
-        """A light's irradiance (P, rays) where the diffuse rays end; never 0, to divide by."""
-        kept = self._lit.get(index)
-        if kept is None or kept[0] != lamp.signature():
-            with torch.no_grad():
-                irradiance = lit(self._geometry, lamp.detached(), self._surface).view(self._hit.shape)
-                irradiance = (irradiance * self._hit)[:, :-1]
-            kept = self._lit[index] = (lamp.signature(), irradiance + 1e-3 * irradiance.mean() + 1e-12)
-        return kept[1]
+            # The light's irradiance (P, rays) where the diffuse rays end, never 0: it is divided by.
+            kept = self._irradiance.get(i)
+            if kept is None or kept[0] != lamp.signature():
+                with torch.no_grad():
+                    irradiance = shadowed_irradiance(self._geometry, lamp.detached(), self._surface)
+                    irradiance = (irradiance.view(self._hit.shape) * self._hit)[:, :-1]
+                kept = lamp.signature(), irradiance + 1e-3 * irradiance.mean() + 1e-12
+                self._irradiance[i] = kept
+            weight = kept[1]
+            share = fog.transmittance(position, *lamp.detached().toward(position))
+            share = share.view(self._hit.shape)[:, :-1]
+            total = weight.sum(1, keepdim=True)
+            light_transmittance.append((weight * share).sum(1, keepdim=True) / total)
+            path_transmittance.append((weight * share * passing).sum(1, keepdim=True) / total)
+        return torch.cat(light_transmittance, 1), torch.cat(path_transmittance, 1)
 
     def _light(self, fog: FogMedium, lamps: Sequence[LightSource], sky: Sky, passing: Tensor) -> Tensor:
         """Radiance (3, P, rays) that the fog sends back along the rays."""

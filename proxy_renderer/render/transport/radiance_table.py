@@ -18,14 +18,10 @@ class RadianceTable:
     There are L + 2 sources of light: the lights, the upper and the lower hemisphere of the world. The rows are, for
     each of the M materials, the light of every source scattered once, then scattered twice and more; after those the
     M materials' emission, and the 9 spherical harmonics of the world.
-
-    Attributes:
-        radiances: (K, 3), K = 2 M (L + 2) + M + 9.
-        albedo: (M, 3) share of light that each material scatters.
     """
 
-    radiances: Tensor
-    albedo: Tensor
+    radiances: Tensor  # (K, 3), K = 2 M (L + 2) + M + 9
+    albedo: Tensor  # (M, 3) share of light that each material scatters
 
     @staticmethod
     def of(
@@ -57,12 +53,9 @@ class RadianceTable:
 
     def without(self, rows: slice) -> RadianceTable:
         """The table with some of its rows dark."""
-        parts = (
-            self.radiances[: rows.start],
-            torch.zeros_like(self.radiances[rows]),
-            self.radiances[rows.stop :],
-        )
-        return RadianceTable(torch.cat(parts), self.albedo)
+        dark = torch.zeros_like(self.radiances[rows])
+        rest = self.radiances[: rows.start], dark, self.radiances[rows.stop :]
+        return RadianceTable(torch.cat(rest), self.albedo)
 
     def dimmed(self, shares: Tensor) -> RadianceTable:
         """The table behind fog: transmittance (S,) of the L + 2 sources, and again for light scattered twice."""
@@ -81,7 +74,6 @@ def hit_radiance(
     """Radiance (3, N) of single hits; 0 where they leave the scene.
 
     Args:
-        table: The radiances of all there is to see.
         ambient: (3, N) irradiance that is not the table's.
         incoming: (2 (L + 2), N) how much of each source a hit gets, once and twice scattered.
         members: Per material, the indices of its hits.

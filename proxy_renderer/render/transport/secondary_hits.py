@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Secondary rays: traced once per view, their hits shaded anew in every render.
+"""Secondary rays: traced once per view, straight or refracted through glass, their hits shaded anew in every render.
 
 The radiance of a hit is albedo x irradiance / pi + emission. One more ray from the hit adds a second bounce, with the
 same albedo. That is linear in albedo x light: the rays of a point add up to a fixed row of weights over a small table
@@ -10,16 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import copy
-from typing import Self
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
-from ..geometry.directions import above, cosine_directions, reflect
-from ..geometry.vectors import dot, unit
+from ..geometry.vectors import above, cosine_directions, dot, reflect, unit
 from ..geometry.visibility import RayGeometry, Surface
 from ..lights.environment import harmonics
-from ..lights.types.light_source import DirectIrradiance, LightSource
+from ..lights.light_source import DirectIrradiance, LightSource
 from ..material.textures import MaterialTextures
 from .radiance_table import RadianceTable, hit_radiance
 
@@ -29,22 +28,21 @@ _WORLD_AT_SECOND = 0.3
 
 _Bounce = tuple[int, Tensor, Surface, Tensor]
 """A row of `SecondaryHits.incoming`, the rays of it, the surfaces that they light, and the share of that which they carry."""
+_MOST_WALLS = 8
+"""Surfaces of glass that a ray is followed through; Cycles' default is twelve."""
 
 
 class SecondaryHits:
-    """R rays from each of A points, and the surfaces that they hit.
+    """R rays, of a kind in `RAYS`, from each of A points, and the surfaces that they hit.
 
     Args:
-        origin: (3, A * R) where the rays start.
-        toward: (3, A * R) their unit directions.
+        origin, toward: (3, A * R) where the rays start, and their unit directions.
         metals: (M,) weight of mirror reflection of each material, 0 for what is no metal.
-        ray: Their kind, of `RAYS`.
         maps: Textures of the hits; None for each material's mean color.
         deep: Whether hits get the world's light and a second bounce.
 
     Attributes:
         open: (A,) share of rays that leave the scene.
-        surface: The surface at the hits, (A * R).
         mirror_weight: (A * R,) that of the hits' materials.
     """
 
@@ -83,17 +81,17 @@ class SecondaryHits:
     def _weigh(self, metals: Tensor) -> None:
         """Takes on mirrors (M,)."""
         self.mirror_weight = metals[self.surface.material] * self.hit
-        self._lit = (self.hit > self.mirror_weight).nonzero()[:, 0]  # mirrors do not scatter what lights them
-        self._first = self.surface.pick(self._lit)
+        self._matte = (self.hit > self.mirror_weight).nonzero()[
+            :, 0
+        ]  # mirrors do not scatter what lights them
+        self._first = self.surface.pick(self._matte)
         # Without it, the light that lies about counts where a metal is rough, and what it mirrors otherwise.
         self._share = torch.ones_like(self.hit) if self._deep else self.mirror_weight
 
-    def with_mirrors(self, metals: Tensor, lamps: Mapping[int, LightSource]) -> Self:
-        """A copy with other mirrors: only what is seen in those that have changed is traced again.
+    def with_mirrors(self, metals: Tensor, lamps: Mapping[int, LightSource]) -> SecondaryHits:
+        """A copy with other mirrors (M,): only what is seen in those that have changed is traced again.
 
-        Args:
-            metals: (M,) as for the class.
-            lamps: The lights whose shadows have been traced, by row.
+        The lamps, by row, are those whose shadows have been traced.
         """
         other = self.aside()
         other._weigh(metals)
@@ -105,7 +103,11 @@ class SecondaryHits:
             other._seconds.append((rays[same], surface.pick(same)))
         other._look_around(changed)
         for index, lamp in lamps.items():
-            other._trace(lamp, [_among(bounce, changed) for bounce in other._bounces(index)])
+            bounces = []
+            for row, rays, surface, share in other._bounces(index):
+                some = changed[rays].nonzero()[:, 0]
+                bounces.append((row, rays[some], surface.pick(some), share[some]))
+            other._trace(lamp, bounces)
         return other
 
     def _look_around(self, among: Tensor) -> None:
@@ -142,18 +144,14 @@ class SecondaryHits:
         again = hits.hit.nonzero()[:, 0]
         self._seconds.append((chosen[again], beyond.pick(again)))
 
-    def aside(self) -> Self:
+    def aside(self) -> SecondaryHits:
         """A copy in which lights may move."""
         other = copy(self)
         other.incoming, other._clear = self.incoming.clone(), self._clear.clone()
         return other
 
     def light(self, index: int, lamp: LightSource) -> None:
-        """Traces shadow rays from all hits to one light.
-
-        Args:
-            index: The light's row among the sources.
-        """
+        """Traces shadow rays from all hits to one light, whose row among the sources is `index`."""
         self._trace(lamp, self._bounces(index))
 
     def _trace(self, lamp: LightSource, bounces: list[_Bounce]) -> None:
@@ -165,7 +163,7 @@ class SecondaryHits:
 
     def _bounces(self, index: int) -> list[_Bounce]:
         """Those that belong to a light."""
-        first = index, self._lit, self._first, 1 - self.mirror_weight[self._lit]
+        first = index, self._matte, self._first, 1 - self.mirror_weight[self._matte]
         second = self.lamps + 2 + index
         return [first, *((second, rays, surface, self._share[rays]) for rays, surface in self._seconds)]
 
@@ -179,20 +177,15 @@ class SecondaryHits:
         total = torch.zeros((len(self.owner) // self.count, 3), device=rows.device)
         for row, rays, surface, _ in self._bounces(index):
             clear = self._clear[row, rays]
-            lit = clear.nonzero()[:, 0]
-            rays, clear = rays[lit], clear[lit]
-            irradiance = lamp.irradiance(surface.position[:, lit], surface.normal[:, lit]).irradiance
+            reached = clear.nonzero()[:, 0]
+            rays, clear = rays[reached], clear[reached]
+            irradiance = lamp.irradiance(surface.position[:, reached], surface.normal[:, reached]).irradiance
             light = (irradiance - irradiance.detach()) * clear
             total = total.index_add(0, rays // self.count, rows[self.owner[rays], row] * light[:, None])
         return total / self.count
 
     def image(self, table: RadianceTable, ambient: Tensor) -> Tensor:
-        """Radiance (3, A) of the hits of single rays; 0 where they leave the scene.
-
-        Args:
-            table: The radiances of all there is to see.
-            ambient: (3, A) irradiance at the hits that is not the lamps'.
-        """
+        """Radiance (3, A) of the hits of single rays, 0 outside the scene; `ambient` (3, A) is irradiance that is not the lamps'."""
         if not self._members:
             self._members = [(self.owner == m).nonzero()[:, 0] for m in range(self.materials)]
         ambient = ambient * (1 - self.mirror_weight)
@@ -214,14 +207,7 @@ class SecondaryHits:
         return torch.cat((scattered, emission, self.harmonics.T), 1)
 
 
-def _among(bounce: _Bounce, rays: Tensor) -> _Bounce:
-    """The part of a bounce that belongs to some of the rays (R,) bool."""
-    row, own, surface, share = bounce
-    some = rays[own].nonzero()[:, 0]
-    return row, own[some], surface.pick(some), share[some]
-
-
-def lit(geometry: RayGeometry, lamp: LightSource, surface: Surface) -> Tensor:
+def shadowed_irradiance(geometry: RayGeometry, lamp: LightSource, surface: Surface) -> Tensor:
     """Irradiance (N,) of a lamp on a surface, shadowed by one ray to its middle."""
     direct = lamp.irradiance(surface.position, surface.normal)
     return direct.irradiance * _clear(geometry, lamp, direct, surface)
@@ -235,3 +221,56 @@ def _clear(geometry: RayGeometry, lamp: LightSource, direct: DirectIrradiance, s
     facing = (dot(surface.facet, direct.toward) > 0) & linked
     ways = geometry.lifted(surface), direct.toward, direct.distance * 0.999
     return geometry.clear(*ways, lamp.shadowless) * facing
+
+
+def refract(
+    toward: Float[Tensor, "3 n"], normal: Float[Tensor, "3 n"], ratio: float
+) -> tuple[Float[Tensor, "3 n"], Tensor]:
+    """Snell's law: unit directions (3, N), reflected where all light is, and where (N,) bool that is.
+
+    Normals (3, N) are on the side that the rays come from; the ratio is the IOR before the surface over that behind it.
+    """
+    cosine = -dot(toward, normal)
+    squared = 1 - ratio * ratio * (1 - cosine * cosine)
+    bent = unit(toward * ratio + normal * (ratio * cosine - squared.clamp_min(0.0).sqrt()))
+    total = squared < 0
+    return torch.where(total, reflect(toward, normal), bent), total
+
+
+def through(
+    geometry: RayGeometry,
+    surface: Surface,
+    toward: Tensor,
+    ior: float,
+    metals: Tensor,
+    lamps: int,
+    maps: MaterialTextures,
+) -> tuple[SecondaryHits, Tensor]:
+    """Hits behind a glass of rays (3, N) that enter its surface, followed through all its walls; and their last directions."""
+    direction, _ = refract(toward, surface.normal, 1.0 / ior)
+    direction = -above(-direction, surface.facet)
+    origin = _across(geometry, surface)
+    index = torch.arange(toward.shape[1], device=toward.device)
+    for _ in range(_MOST_WALLS):
+        way, start = direction[:, index], origin[:, index]
+        hits = geometry.nearest(start, way, "transmission")
+        wall = geometry.surface(hits, way)
+        met = hits.hit & (wall.material == surface.material[index])
+        if not bool(met.any()):
+            break
+        leaving = geometry.from_behind(hits, way)
+        bent, total = refract(way, wall.normal, ior)
+        entered, _ = refract(way, wall.normal, 1.0 / ior)
+        bent = torch.where(leaving, bent, entered)
+        total = total & leaving
+        bent = torch.where(total, above(bent, wall.facet), -above(-bent, wall.facet))
+        goes_on = torch.where(total, geometry.lifted(wall), _across(geometry, wall))
+        index, bent, goes_on = index[met], bent[:, met], goes_on[:, met]
+        direction = direction.index_copy(1, index, bent)
+        origin = origin.index_copy(1, index, goes_on)
+    return SecondaryHits(geometry, origin, direction, 1, metals, lamps, "transmission", maps), direction
+
+
+def _across(geometry: RayGeometry, surface: Surface) -> Tensor:
+    """Origins (3, N) just behind a surface."""
+    return 2 * surface.position - geometry.lifted(surface)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can be wrong with the options of a vibe, whichever side reads them."""
+"""Checks of the options of a vibe, whichever side reads them. A mistake raises VibeError."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from .. import budgets
+from .. import limits
 from ..errors import VibeError
 from ..limits import LONGEST_PROMPT
 from ..parameters import GROUPS
@@ -17,16 +17,27 @@ from .option import Option
 from .table import TABLE, TRAITS
 
 
-def prompt(text: str, like: str = "", goals: str = "") -> str:
-    """A prompt with something in it, of a length that a person types.
-
-    Args:
-        like: A picture whose look is wanted; with one, there need be no words.
-        goals: A file of goals, which stand in the place of words.
+def frame_numbers(text: str) -> list[int]:
+    """Frames as people write them: "1,50,100-110"; none from "".
 
     Raises:
-        VibeError: It is empty, or too long, or there are goals besides.
+        VibeError: A part is neither a number nor a range of two.
+
+    >>> frame_numbers("1, 50, 100-102, 50")
+    [1, 50, 100, 101, 102]
     """
+    numbers: dict[int, None] = {}
+    for part in filter(None, re.split(r"[,\s]+", text)):
+        match = re.fullmatch(r"(\d+)(?:-(\d+))?", part)
+        if not match:
+            raise VibeError(f"{part!r} names no frames.", "Write them as in 1,50,100 or 1-24.")
+        first = int(match[1])
+        numbers |= dict.fromkeys(range(first, int(match[2] or first) + 1))
+    return list(numbers)
+
+
+def prompt(text: str, like: str = "", goals: str = "") -> str:
+    """A prompt with something in it, of a length that a person types."""
     if text.strip() and goals:
         raise VibeError("There are a prompt and goals.", "Leave out one of --prompt and --goals.")
     if not text.strip() and not like and not goals:
@@ -43,13 +54,9 @@ def prompt(text: str, like: str = "", goals: str = "") -> str:
 
 
 def numbers(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> None:
-    """Every number that a command line has is within its bounds; those that the budget decides are filled in.
-
-    Raises:
-        VibeError: One is not.
-    """
-    if all(hasattr(given, name) for name in ("budget", *budgets.NUMBERS)):
-        budgets.fill(given)
+    """Every number that a command line has is within its bounds; those that the budget decides are filled in."""
+    if all(hasattr(given, name) for name in ("budget", *limits.NUMBERS)):
+        limits.fill(given)
     for option in table:
         value = getattr(given, option.name, None)
         if option.bounds and value is not None and not option.bounds[0] <= value <= option.bounds[1]:
@@ -57,45 +64,35 @@ def numbers(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> None:
             raise VibeError(f"{option.flag} {value} is out of range.", f"Use {low} to {high}.")
 
 
-def groups(given: Sequence[str]) -> list[str]:
-    """Group names from "a,b" lists, each once.
+def _listed(given: Sequence[str]) -> list[str]:
+    """Names in "a,b" lists, each once."""
+    return list(dict.fromkeys(name for part in given for name in re.split(r"[,\s]+", part) if name))
 
-    Raises:
-        VibeError: There is no group of that name.
-    """
-    names = [name for part in given for name in re.split(r"[,\s]+", part) if name]
+
+def groups(given: Sequence[str]) -> list[str]:
+    """Group names from "a,b" lists, each once. Raises VibeError if there is no group of that name."""
+    names = _listed(given)
     if given and not names:
         raise VibeError("--groups names no group.", f"Use some of: {', '.join(GROUPS)}.")
     for name in names:
         if name not in GROUPS:
             raise VibeError(f"Unknown group {name!r}.", f"Use some of: {', '.join(GROUPS)}.")
-    return list(dict.fromkeys(names))
+    return names
 
 
 def traits(given: Sequence[str], like: str) -> list[str]:
-    """What to take over from a picture, from "a,b" lists, each once.
-
-    Args:
-        like: The picture; "" for none.
-
-    Raises:
-        VibeError: There is no trait of that name, or no picture.
-    """
-    names = [name for part in given for name in re.split(r"[,\s]+", part) if name]
+    """Traits to take over from a picture, from "a,b" lists, each once."""
+    names = _listed(given)
     for name in names:
         if name not in TRAITS:
             raise VibeError(f"--like-only cannot be {name!r}.", f"Use some of: {', '.join(TRAITS)}.")
     if names and not like:
         raise VibeError("--like-only speaks of a picture, and there is none.", "Name it: --like still.jpg.")
-    return list(dict.fromkeys(names))
+    return names
 
 
 def locks(patterns: Sequence[str]) -> None:
-    """Patterns that could match something in a scene; whether they do, the scene will tell.
-
-    Raises:
-        VibeError: One cannot.
-    """
+    """Patterns that could match something in a scene; whether they do, the scene will tell."""
     for pattern in patterns:
         head = pattern.partition("/")[0]
         if head not in GROUPS and not any(c in head for c in "*?["):
@@ -106,11 +103,7 @@ def locks(patterns: Sequence[str]) -> None:
 
 
 def targets(pairs: Iterable[str]) -> dict[str, str]:
-    """Word of a prompt -> what it describes, from "copper=Cup"; whether the scene has that, the scene will tell.
-
-    Raises:
-        VibeError: A pair lacks the word or the target.
-    """
+    """Word of a prompt -> what it describes, from "copper=Cup"; whether the scene has that, the scene will tell."""
     found = {}
     for pair in pairs:
         word, _, target = pair.partition("=")
@@ -123,14 +116,7 @@ def targets(pairs: Iterable[str]) -> dict[str, str]:
 
 
 def folder(path: Path) -> Path:
-    """An output folder that exists now and can be written.
-
-    Returns:
-        Its absolute path.
-
-    Raises:
-        VibeError: It cannot be made, or not be written to.
-    """
+    """An output folder that exists now and can be written."""
     path = path.expanduser()
     try:
         path.mkdir(parents=True, exist_ok=True)

@@ -12,12 +12,7 @@ from .table import TABLE, Options, rows
 
 
 def add_option(container: argparse._ActionsContainer, option: Option, **changes: Any) -> None:
-    """Adds one option.
-
-    Args:
-        container: A parser, or a group of its options.
-        **changes: What this command has otherwise: `default`, `required`, `help`.
-    """
+    """Adds one option; `changes` are its `default`, `required` and `help` in this command."""
     default = changes.get("default", option.command_default)
     keywords: dict[str, Any] = {"dest": option.name, "default": default, "help": option.text(default)}
     if isinstance(option.default, bool):
@@ -34,11 +29,7 @@ def add_option(container: argparse._ActionsContainer, option: Option, **changes:
 def add_options(
     parser: argparse.ArgumentParser, headings: Iterable[str], table: Iterable[Option] = TABLE
 ) -> None:
-    """Adds all options under some of the `HEADINGS`, each heading with its title.
-
-    Args:
-        headings: Keys of `HEADINGS`.
-    """
+    """Adds all options under some of the `HEADINGS`, each heading with its title."""
     table = tuple(table)
     for heading in headings:
         title = HEADINGS[heading]
@@ -49,11 +40,7 @@ def add_options(
 
 
 def to_arguments(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> list[str]:
-    """The same options again, for the command line of Blender's side.
-
-    Args:
-        given: A command line, or a part of one; what the budget decides is filled in, and the budget said thereby.
-    """
+    """The same options again, for the command line of Blender's side."""
     arguments: list[str] = []
     for option in table:
         value = getattr(given, option.name, None)
@@ -69,12 +56,6 @@ def to_arguments(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> 
 
 
 def engine_options(given: argparse.Namespace, camera: bool, online: bool) -> Options:
-    """What the engine is told of a command line.
-
-    Args:
-        given: The command line; what the budget decides is filled in.
-        camera: Whether the camera may be optimized though no group names it.
-        online: Whether other computers may be reached.
-    """
+    """The engine's options in a command line."""
     chosen = {row.name: getattr(given, row.name) for row in rows(Options)}
     return Options.from_dict({**chosen, "camera": camera, "online": online})

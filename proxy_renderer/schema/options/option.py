@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a row of the table of options holds."""
+"""A row of the table of options, and its property in Blender."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from ..budgets import NUMBERS
+from ..limits import NUMBERS
 
 T = TypeVar("T")
 
@@ -24,59 +24,35 @@ HEADINGS = {
 
 @dataclass(frozen=True)
 class Panel:
-    """An option as a property in Blender.
+    """An option as a property in Blender."""
 
-    Attributes:
-        title: Its label.
-        description: Its tooltip.
-        bounds: Least and greatest number there, if not those of the option.
-        length: Most characters of a text; 0 for any number.
-        default: Of a text.
-        live: Whether a text counts with every letter that is typed.
-        suggestions: Texts to choose from; others can be typed.
-        path: Whether a text is the path of a file.
-        preferences: Whether it stands in the add-on's preferences, and not in the scene.
-    """
-
-    title: str
-    description: str
-    bounds: tuple[int, int] | None = None
-    length: int = 0
-    default: str = ""
-    live: bool = False
-    suggestions: tuple[str, ...] = ()
-    path: bool = False
-    preferences: bool = False
+    title: str  # its label
+    description: str  # its tooltip
+    bounds: tuple[int, int] | None = None  # least and greatest number there, if not those of the option
+    length: int = 0  # most characters of a text; 0 for any number
+    default: str = ""  # of a text
+    live: bool = False  # whether a text counts with every letter that is typed
+    suggestions: tuple[str, ...] = ()  # texts to choose from; others can be typed
+    path: bool = False  # whether a text is the path of a file
+    preferences: bool = False  # whether it stands in the add-on's preferences, and not in the scene
 
 
 @dataclass(frozen=True)
 class Option:
-    """A row of the table.
+    """A row of the table."""
 
-    Attributes:
-        name: In Python and in a manifest; on a command line with hyphens.
-        default: Its type is the option's. A bool that is True is turned off by --no-NAME; a tuple can be given
-            several times.
-        help: For the command line and the documents; the default of a number is added to it.
-        heading: Its group, a key of `HEADINGS`.
-        unit: What a value is called in the help: N, NAME, DIR.
-        bounds: Least and greatest number.
-        choices: All texts that there are; empty for any.
-        manifest: Tables of a manifest where it may stand: "options", "scene", "shots".
-        blender: Whether Blender's side takes it on its command line.
-        panel: How it looks in Blender; None if it is not there.
-    """
-
-    name: str
+    name: str  # in Python and in a manifest; on a command line with hyphens
+    # its type is the option's. A bool that is True is turned off by --no-NAME; a tuple can be given several times
     default: int | str | bool | tuple[str, ...]
-    help: str
-    heading: str
-    unit: str = "N"
-    bounds: tuple[int, int] | None = None
-    choices: tuple[str, ...] = ()
+    help: str  # for the command line and the documents; the default of a number is added to it
+    heading: str  # its group, a key of `HEADINGS`
+    unit: str = "N"  # what a value is called in the help: N, NAME, DIR
+    bounds: tuple[int, int] | None = None  # least and greatest number
+    choices: tuple[str, ...] = ()  # all texts that there are; empty for any
+    # tables of a manifest where it may stand: "options", "scene", "shots"
     manifest: tuple[str, ...] = ("options",)
-    blender: bool = True
-    panel: Panel | None = None
+    blender: bool = True  # whether Blender's side takes it on its command line
+    panel: Panel | None = None  # how it looks in Blender; None if it is not there
 
     @property
     def flag(self) -> str:
@@ -99,12 +75,5 @@ class Option:
 
 
 def option(default: T, help: str, heading: str, **facts: Any) -> T:
-    """A field of `Options` that is a row of the table.
-
-    Args:
-        default: As in `Option`.
-        help: As in `Option`.
-        heading: As in `Option`.
-        **facts: The other attributes of `Option`.
-    """
+    """A field of `Options` that is a row of the table."""
     return field(default=default, metadata={"option": Option("", default, help, heading, **facts)})  # type: ignore[arg-type]

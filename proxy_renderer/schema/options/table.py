@@ -13,30 +13,23 @@ from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from ..budgets import BUDGETS, STANDARD
 from ..errors import VibeError
-from ..limits import LARGEST_SEED, LONGEST_PROMPT
+from ..limits import BUDGETS, LARGEST_SEED, LONGEST_PROMPT, STANDARD
 from ..parameters import GROUPS
 from .option import HEADINGS as HEADINGS
 from .option import Option as Option
 from .option import Panel, option
 
-STAGES = ("none", "floor", "cyclorama")
-"""What a bare mesh can be put on."""
+STAGES = ("none", "floor", "cyclorama")  # what a bare mesh can be put on
 
 
 TRAITS = ("light", "grade", "palette", "air", "materials")
-"""What can be taken over from a picture; materials only where it shows the same scene, or they are named."""
+"""Traits to take over from a picture; materials only where it shows the same scene, or they are named."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """How a vibe is carried out: what the engine is told.
-
-    Attributes:
-        camera: Whether the camera may be optimized though `groups` does not name it.
-        online: Whether other computers may be reached; a model on this one always may.
-    """
+    """The options of a vibe that the engine takes."""
 
     rounds: int = option(
         STANDARD.rounds,
@@ -223,19 +216,12 @@ class Options:
         "anchor, and without any",
         "render",
     )
-    camera: bool = False
-    online: bool = True
+    camera: bool = False  # whether the camera may be optimized though `groups` does not name it
+    online: bool = True  # whether other computers may be reached; a model on this one always may
 
     @classmethod
     def from_dict(cls, raw: dict[str, Any]) -> Options:
-        """Options from their JSON form.
-
-        Args:
-            raw: Option to value; those that are missing keep their defaults, and lists become tuples.
-
-        Raises:
-            VibeError: A name is not that of an option.
-        """
+        """Options from their JSON form; missing ones keep their defaults. Raises VibeError if a name is no option's."""
         defaults = {f.name: f.default for f in fields(cls)}
         if strange := sorted(set(raw) - set(defaults)):
             raise VibeError(f"Unknown option {strange[0]!r}.", f"Use one of: {', '.join(sorted(defaults))}.")
@@ -286,12 +272,7 @@ TASK = (
         manifest=("scene",),
     ),
     Option(
-        "cameras",
-        (),
-        "names of cameras (default: the scene's own)",
-        "shots",
-        unit="A,B",
-        manifest=("shots",),
+        "cameras", (), "names of cameras (default: the scene's own)", "shots", unit="A,B", manifest=("shots",)
     ),
     Option(
         "frames",
@@ -310,7 +291,7 @@ TASK = (
         panel=Panel("Effort", "How long to look for the look", default="STANDARD"),
     ),
 )
-"""What is asked for, which Blender's side turns into a job for the engine."""
+"""The task, which Blender's side turns into a job for the engine."""
 
 SUPPORT = (
     Option(
@@ -329,15 +310,11 @@ SUPPORT = (
         bounds=(1, 65536),
     ),
 )
-"""What the processes around the engine need to know."""
+"""Options of the processes around the engine."""
 
 TABLE = (*TASK, *rows(Options), *SUPPORT)
 
 
 def named(name: str, table: Iterable[Option] = TABLE) -> Option:
-    """The row of an option.
-
-    Raises:
-        StopIteration: The table has no such row.
-    """
+    """The row of an option."""
     return next(row for row in table if row.name == name)

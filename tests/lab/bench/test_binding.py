@@ -10,8 +10,8 @@ from lab.bench.binding import run
 from lab.bench.binding.judge import judge
 from lab.bench.binding.reading import read
 from lab.train.sentences import read_folder
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
 
 
 @pytest.fixture

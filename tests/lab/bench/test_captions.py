@@ -11,9 +11,9 @@ from lab.bench.binding.captions import summary
 from lab.bench.binding.explaining import measured
 from lab.bench.binding.judge import judge
 from lab.bench.binding.reading import read
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.prompt.types import Parsed
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.types import Parsed
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from lab.__main__ import main
 from lab.bench.like import experiment, flat, table, trial, values
 from lab.bench.like.tasks import FILTERS, PARTS, SETS, tasks
 from lab.bench.wild import product
-from proxy_renderer.color.blackbody import blackbody
+from proxy_renderer.color.tensors import blackbody
 from proxy_renderer.schema import VibeError
 
 MADE = {

@@ -7,7 +7,7 @@ from ball_pictures import painted
 
 from lab.bench.materials import compare, experiment, table
 from lab.bench.sealed.prompts import measured
-from proxy_renderer.color.blackbody import blackbody
+from proxy_renderer.color.tensors import blackbody
 from proxy_renderer.schema import VibeError
 
 

@@ -16,11 +16,10 @@ from proxy_renderer.engine.report import changed_values
 from proxy_renderer.guidance.encoder import Encoder, load_encoder
 from proxy_renderer.optimize import pipeline
 from proxy_renderer.optimize.rounds import selection
-from proxy_renderer.optimize.rounds.confiner import Start
+from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
 from proxy_renderer.optimize.rounds.method import VARIABLE, Method, load_method
 from proxy_renderer.optimize.rounds.search import Missed, Search
 from proxy_renderer.optimize.shots import ShotInput
-from proxy_renderer.planning.types import Plan
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema.messages import Options, Progress
 
@@ -55,7 +54,7 @@ def search(scene, encoder):
 
 def confined(search):
     home = search.vector.encode({})
-    return search.confine(home, Plan(), Start(home)), home
+    return search.confine(RoundStart.at(Start(home, search.shots))), home
 
 
 @pytest.mark.parametrize("name", METHODS)
@@ -72,11 +71,11 @@ def test_adam_earns_a_claim_that_is_not_satisfied_yet(search):
     begun = search("very bright picture", Adam(), steps=12, rounds=1)
     now, _ = confined(begun)
     darker = replace(now, u=(now.u + now.lower) / 2)
-    before = begun.missed(darker.u)
+    _, before = begun.seen(now.shots, darker.u, 0)
     assert before.claims > 0
     found = begun.descend(darker, begun.select(darker, darker.u))
     assert found.loss < found.start_loss
-    assert begun.missed(found.u) < before
+    assert begun.seen(now.shots, found.u, 0)[1] < before
 
 
 @pytest.mark.slow
@@ -117,9 +116,9 @@ def test_no_step_of_a_baseline_is_greater_than_its_rate(vibe, monkeypatch):
 
 def test_the_baseline_is_judged_by_no_claim(search):
     begun = search("dark", ClipOnly())
-    confined(begun)
-    assert not begun.shots[0].claims.claims
-    assert begun.missed(begun.vector.encode({})) == Missed(0.0, 0)
+    now, home = confined(begun)
+    assert not now.shots[0].claims.claims
+    assert begun.seen(now.shots, home, 0)[1] == Missed(0.0, 0)
 
 
 def test_without_an_inner_loop_values_are_the_nearest_that_the_words_allow(search):

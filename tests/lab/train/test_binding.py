@@ -6,10 +6,10 @@ import json
 import pytest
 from labeled_scene import sentence, write_folder
 
-from lab.train.binding import accuracy, examples, fit
+from lab.train.binding import accuracy, examples, fit, write
 from lab.train.sentences import read_folder
-from proxy_renderer.prompt.binding.model import FILE, write
-from proxy_renderer.prompt.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.model import FILE
 
 SENTENCES = "".join(
     sentence(text, *words)

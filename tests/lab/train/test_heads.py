@@ -6,7 +6,7 @@ import torch
 
 from lab.heads import heads_of
 from proxy_renderer.guidance.encoder import load_encoder
-from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
+from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 
 
 @pytest.fixture(scope="module")

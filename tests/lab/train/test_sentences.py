@@ -14,8 +14,8 @@ from lab.train.sentences.labels import LabelTarget
 from lab.train.sentences.stand_in import stand_in
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan
-from proxy_renderer.prompt.parser import parse
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.parser import parse
 
 FOLDERS = sorted({path.parent for path in Path(sentences.__file__).parent.glob("*/sentences_*.toml")})
 of_folder = functools.cache(read_folder)  # reading the thousands of the clone takes half a minute
@@ -128,4 +128,4 @@ def test_a_labeled_scene_is_planned_for_without_blender(tmp_path):
     assert decided["material/SeatCloth/base_color"].priority is None
     assert decided["light/Desk Lamp/temperature"].lower[0] > 6500
     assert decided["light/Ceiling/temperature"].priority is None
-    assert scene.context.glows["NeonSign"].azimuth > 90
+    assert scene.scene.emitters["NeonSign"].azimuth > 90

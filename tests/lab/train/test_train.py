@@ -18,10 +18,10 @@ from lab.train.pictures.shapes import FAMILIES, shape
 from lab.train.pictures.surfaces import bent, box, ellipsoid, merge
 from lab.train.text import captions, wording
 from lab.train.train import Trainer, TrainingRecipe
-from proxy_renderer.guidance import network
+from proxy_renderer.guidance import encoder
 from proxy_renderer.guidance.encoder import load_encoder
-from proxy_renderer.prompt.lexicon.attributes import ATTRIBUTES
 from proxy_renderer.schema import VibeError
+from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 
 SIZE = 64
 TINY = {
@@ -259,7 +259,7 @@ def test_smaller_pictures_are_not_aliased(bank: dict[str, np.ndarray]) -> None:
 def test_the_tower_tells_left_from_right() -> None:
     picture = torch.zeros(1, 3, 160, 160)
     picture[..., :80] = 1.0
-    tower = network.vibe_resnet(num_classes=16).eval()
+    tower = encoder.vibe_resnet(num_classes=16).eval()
     left, right = tower(picture), tower(picture.flip(-1))
     assert left.shape == (1, 16)
     assert (left - right).norm() > 0.1 * left.norm()

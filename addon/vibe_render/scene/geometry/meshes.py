@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads the meshes that a final render shows; `triangles` assembles them without Blender."""
+"""Reads the meshes that a final render shows, or their bounding boxes; 'triangles' assembles meshes without Blender."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterator
 from typing import Any
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ...core.compat import node_tree
-from .triangles import PlacedMesh, SourceMesh
+from .triangles import FARTHEST, PlacedMesh, SceneGeometry, SourceMesh
+from .visibility import RayCamera
 
 DEFAULT_MATERIAL = ""
 """Name that stands for faces without a material."""
@@ -22,16 +23,19 @@ UvLookup = Callable[[bpy.types.Material], tuple[str, np.ndarray]]
 _RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
 _SKIPPED = {"CURVES": "hair", "VOLUME": "a volume object", "POINTCLOUD": "a point cloud"}
 
+_SIDES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (3, 2, 6, 7), (0, 3, 7, 4), (1, 5, 6, 2))
+"""Corners of the sides of a box as Blender numbers them, counter-clockwise seen from outside."""
+_CORNERS = np.array([(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1, 1, 1), (1, 1, 0)])
+"""Of a unit box."""
+_Box = tuple[tuple[tuple[float, ...], ...], str]
+"""The part of an object that has one material: its extent (2, 3) in the object's own space, and the material's name."""
 
-def collect(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[list[PlacedMesh], list[str]]:
-    """Reads the evaluated meshes and instances of a final render's dependency graph.
 
-    Returns:
-        The meshes that the render shows, and notes about what could not be read.
-    """
+def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[list[PlacedMesh], list[str]]:
+    """The evaluated meshes that a final render's dependency graph shows, and notes about what could not be read."""
     meshes: dict[tuple, SourceMesh] = {}
-    # Thousands of instances share an object and its mesh: what these say is asked for once.
-    known: dict[tuple[int, int], _Shown] = {}
+    # Thousands of instances share an object and its mesh: their content is read once.
+    known: dict[tuple[int, int], PlacedMesh] = {}
     hidden: dict[str, frozenset[str]] = {}
     placed: list[PlacedMesh] = []
     warnings: dict[str, None] = {}
@@ -44,51 +48,31 @@ def collect(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[list[Place
             continue
         key = thing.original.as_pointer(), thing.data.as_pointer()
         if key not in known:
-            warnings.update(dict.fromkeys(_special(thing)))
-            known[key] = _shown(thing, meshes, uv_of)
+            if thing.is_holdout or thing.is_shadow_catcher:
+                kind = "a holdout" if thing.is_holdout else "a shadow catcher"
+                warnings[f"{thing.name} is {kind}: the prediction shows it as a plain surface."] = None
+            slots = _slots_of(thing)
+            names = tuple(m.name_full if m else DEFAULT_MATERIAL for m in slots)
+            source = thing.data.as_pointer(), *names  # the same mesh with the same materials is read once
+            mesh = meshes.get(source) or meshes.setdefault(source, _read_mesh(thing.data, slots, uv_of))
+            owner = thing.original.name_full, ""
+            known[key] = PlacedMesh(mesh, names, np.eye(4), owner, _hidden_from(thing))
         shown = known[key]
         parent = instance.parent.original.name_full if instance.parent else ""
         if parent not in hidden:
-            hidden[parent] = hidden_from(instance.parent) if parent else frozenset()
-        matrix, owner = np.array(instance.matrix_world), (shown.name, parent)
+            hidden[parent] = _hidden_from(instance.parent) if parent else frozenset()
+        matrix, owner = np.array(instance.matrix_world), (shown.owner[0], parent)
         placed.append(PlacedMesh(shown.mesh, shown.materials, matrix, owner, shown.hidden | hidden[parent]))
     return placed, list(warnings)
 
 
-@dataclass(frozen=True)
-class _Shown:
-    """What an evaluated object shows of itself: its mesh, and the kinds of rays that pass it."""
-
-    mesh: SourceMesh
-    materials: tuple[str, ...]
-    name: str
-    hidden: frozenset[str]
-
-
-def _shown(thing: bpy.types.Object, meshes: dict[tuple, SourceMesh], uv_of: UvLookup) -> _Shown:
-    """Reads an object with a mesh, unless the same mesh with the same materials has been read already."""
-    slots = slots_of(thing)
-    names = tuple(m.name_full if m else DEFAULT_MATERIAL for m in slots)
-    key = (thing.data.as_pointer(), *names)
-    mesh = meshes.get(key) or meshes.setdefault(key, _read(thing.data, slots, uv_of))
-    return _Shown(mesh, names, thing.original.name_full, hidden_from(thing))
-
-
-def hidden_from(thing: bpy.types.Object) -> frozenset[str]:
+def _hidden_from(thing: bpy.types.Object) -> frozenset[str]:
     """The kinds of rays that pass an object, and its instances."""
     return frozenset(ray for ray in _RAYS if not getattr(thing, f"visible_{ray}"))
 
 
-def _special(thing: bpy.types.Object) -> list[str]:
-    """Notes about holdouts, which the prediction leaves out."""
-    if not (thing.is_holdout or thing.is_shadow_catcher):
-        return []
-    kind = "a holdout" if thing.is_holdout else "a shadow catcher"
-    return [f"{thing.name} is {kind}: the prediction shows it as a plain surface."]
-
-
-def slots_of(thing: bpy.types.Object) -> list[bpy.types.Material | None]:
-    """What the slots hold; at least one slot, which may hold nothing."""
+def _slots_of(thing: bpy.types.Object) -> list[bpy.types.Material | None]:
+    """The materials in the slots; at least one slot, which may hold nothing."""
     slots = [slot.material for slot in thing.material_slots] or list(thing.data.materials)
     return [m.original if m else None for m in slots] or [None]
 
@@ -100,7 +84,7 @@ def has_surface(material: bpy.types.Material | None) -> bool:
     return output is None or output.inputs["Surface"].is_linked or not output.inputs["Volume"].is_linked
 
 
-def _read(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: UvLookup) -> SourceMesh:
+def _read_mesh(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: UvLookup) -> SourceMesh:
     """Copies a mesh. It reads attributes as blocks of memory, a hundred times faster than loops and triangles."""
     mesh.calc_loop_triangles()
     count, corners = len(mesh.loop_triangles), len(mesh.loops)
@@ -126,14 +110,14 @@ def _uvs(
     if not mesh.uv_layers:
         return []
     active = next((layer for layer in mesh.uv_layers if layer.active_render), mesh.uv_layers[0])
-    wanted = [uv_of(material) if material else ("", np.eye(3)) for material in slots]
-    layers = [mesh.uv_layers.get(name) or active for name, _ in wanted]
+    maps = [uv_of(material) if material else ("", np.eye(3)) for material in slots]
+    layers = [mesh.uv_layers.get(name) or active for name, _ in maps]
     read = {each.name: array(each.uv, "vector", (len(mesh.loops), 2), np.float32) for each in layers}
-    return [(read[each.name], matrix) for each, (_, matrix) in zip(layers, wanted, strict=True)]
+    return [(read[each.name], matrix) for each, (_, matrix) in zip(layers, maps, strict=True)]
 
 
 def attribute(mesh: bpy.types.Mesh, name: str, items: Any, same: str) -> np.ndarray:
-    """Whole numbers of an attribute, one for each item; by the items' own property where the mesh lists none of that name."""
+    """An integer attribute of each item; the items' own property where the mesh has no attribute of that name."""
     layer = mesh.attributes.get(name)
     return array(layer.data if layer else items, "value" if layer else same, (len(items),), np.int32)
 
@@ -144,3 +128,128 @@ def array(collection, attribute: str, shape: tuple[int, ...], kind: type) -> np.
     if len(collection):  # some files name a layer, and have lost what was in it
         collection.foreach_get(attribute, flat)
     return flat.reshape(shape)
+
+
+def box_geometry(
+    depsgraph: bpy.types.Depsgraph, shown: Collection[bpy.types.Object], camera: RayCamera
+) -> SceneGeometry:
+    """The sides of bounding boxes that face away from a camera: these never hide what is inside or before a box.
+
+    Args:
+        depsgraph: The evaluated scene, of the viewport.
+        shown: The objects that a render shows.
+    """
+    known: dict[int, list[_Box]] = {}
+    hidden: list[frozenset[str]] = []
+    objects: dict[tuple[str, str], int] = {}
+    materials: dict[str, int] = {}
+    extents, matrices, owners, material_numbers = [], [], [], []
+    # Gather boxes with the numbers of their objects and materials; instances share what is known of an object.
+    for thing, instancer, matrix in _shown_objects(depsgraph, shown):
+        key = thing.as_pointer()
+        if key not in known:
+            known[key] = list(_material_boxes(thing))
+        name = thing.original.name_full, instancer.name_full if instancer else ""
+        number = objects.setdefault(name, len(objects))
+        if number == len(hidden):
+            hidden.append(_hidden_from(thing))
+        for extent, material in known[key]:
+            extents.append(extent)
+            matrices.append(matrix)
+            owners.append(number)
+            material_numbers.append(materials.setdefault(material, len(materials)))
+    # Place their corners in world space.
+    low, high = np.moveaxis(np.array(extents).reshape(-1, 2, 1, 3), 1, 0)
+    placed = np.array(matrices).reshape(-1, 4, 4)
+    corners = (low + _CORNERS * (high - low)) @ placed[:, :3, :3].transpose(0, 2, 1) + placed[:, None, :3, 3]
+    world = corners.astype(np.float32)
+    usable = (np.abs(world) < FARTHEST).all((1, 2))
+    mirrored = np.linalg.det(placed[:, :3, :3]) < 0
+    box, faces, normals = _far_sides(world, usable, mirrored, camera)
+    owner, material_number = (np.array(each, np.int32)[box] for each in (owners, material_numbers))
+    return SceneGeometry(
+        world.reshape(-1, 3),
+        faces,
+        normals,
+        np.zeros((len(faces), 3, 2), np.float32),
+        material_number,
+        owner,
+        [*materials],
+        [*objects],
+        _extents(world[usable], np.array(owners, np.int32)[usable], len(objects)),
+        hidden,
+        [],
+    )
+
+
+def _shown_objects(
+    depsgraph: bpy.types.Depsgraph, shown: Collection[bpy.types.Object]
+) -> Iterator[tuple[bpy.types.Object, bpy.types.Object | None, Matrix]]:
+    """Mesh objects that a render shows, with instancer and matrix; unevaluated where the viewport hides them."""
+    seen = set()
+    for item in depsgraph.object_instances:
+        thing, original = item.object, item.object.original
+        instancer = item.parent.original if item.parent else None
+        seen.add(original)
+        is_shown = (instancer or original) in shown and not original.hide_render
+        if thing.type == "MESH" and item.show_self and is_shown:
+            yield thing, instancer, item.matrix_world.copy()
+    for obj in sorted(shown, key=lambda each: each.name_full):
+        if obj.type == "MESH" and obj not in seen:
+            yield obj, None, obj.matrix_world.copy()
+
+
+def _material_boxes(thing: bpy.types.Object) -> Iterator[_Box]:
+    """The box of an object, cut along its longest side into a part for each material that its faces have."""
+    box, slots = thing.bound_box, _slots_of(thing)
+    low, high = box[0][:], box[6][:]
+    areas = {slots[0]: 1.0} if len(slots) == 1 else _face_ratios(thing.data, slots)
+    areas = {material: area for material, area in areas.items() if has_surface(material)}
+    if len(areas) == 1:
+        (material,) = areas
+        yield (low, high), material.name_full if material else DEFAULT_MATERIAL
+        return
+    axis = max(range(3), key=lambda n: high[n] - low[n])
+    start = end = low[axis]
+    for material, area in areas.items():
+        start, end = end, end + area / sum(areas.values()) * (high[axis] - low[axis])
+        part = tuple((*each[:axis], cut, *each[axis + 1 :]) for each, cut in ((low, start), (high, end)))
+        yield part, material.name_full if material else DEFAULT_MATERIAL
+
+
+def _face_ratios(
+    mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None]
+) -> dict[bpy.types.Material | None, float]:
+    """The ratio of a mesh's faces that have each material."""
+    index = mesh.attributes.get("material_index")
+    faces = array(index.data, "value", (len(index.data),), np.int32) if index else np.zeros(1, np.int32)
+    counts = np.bincount(np.clip(faces, 0, len(slots) - 1), minlength=len(slots))
+    ratios: dict[bpy.types.Material | None, float] = {}
+    for material, count in zip(slots, counts / max(len(faces), 1), strict=True):
+        if count:
+            ratios[material] = ratios.get(material, 0.0) + float(count)
+    return ratios
+
+
+def _far_sides(
+    world: np.ndarray, usable: np.ndarray, mirrored: np.ndarray, camera: RayCamera
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Triangles of the sides of boxes (B, 8, 3) that face away from a camera: box (F,), corners (F, 3), normals (F, 3, 3)."""
+    sides = world[:, _SIDES]  # (B, 6, 4, 3)
+    normals = np.cross(sides[:, :, 1] - sides[:, :, 0], sides[:, :, 2] - sides[:, :, 0])
+    normals *= np.where(mirrored, -1.0, 1.0)[:, None, None]
+    area = np.linalg.norm(normals, axis=2)
+    ahead = -camera.pose[:3, 2] if camera.flat else sides.mean(2) - camera.pose[:3, 3]
+    box, side = np.nonzero(((normals * ahead).sum(2) > 0) & (area > 0) & usable[:, None])
+    quads = np.array(_SIDES)[side] + 8 * box[:, None]
+    faces = np.concatenate([quads[:, (0, 1, 2)], quads[:, (0, 2, 3)]]).astype(np.int32)
+    facing = np.repeat((normals / np.maximum(area, 1e-12)[..., None])[box, side][:, None], 3, axis=1)
+    return np.concatenate([box, box]), faces, np.concatenate([facing, facing]).astype(np.float32)
+
+
+def _extents(world: np.ndarray, owners: np.ndarray, count: int) -> np.ndarray:
+    """(count, 2, 3) float32: least and greatest corner of all boxes (B, 8, 3) of each owner (B,); zeros without boxes."""
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    np.minimum.at(low, owners, world.min(1))
+    np.maximum.at(high, owners, world.max(1))
+    return np.where(np.isfinite(low[:, None]), np.stack([low, high], 1), 0.0).astype(np.float32)

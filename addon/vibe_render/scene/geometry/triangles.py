@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-_FARTHEST = 1e9
+FARTHEST = 1e9
 """Meters from the origin beyond which squares of areas leave the range of 32-bit floats."""
 _BATCH = 1_000_000
 """Vertices of copies of a mesh that are placed at once: bounds the memory for it."""
@@ -43,7 +43,7 @@ class PlacedMesh:
     """A mesh at its place in the world.
 
     Attributes:
-        mesh: The mesh, which instances share.
+        mesh: Shared by instances.
         materials: A name for each slot.
         matrix: (4, 4), to world space.
         owner: Name, and name of the object that it is an instance of or for, otherwise "".
@@ -94,42 +94,48 @@ class SceneGeometry:
 
 
 def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
-    """Puts all triangles in world space; those of slots without a surface are left out.
-
-    Args:
-        warnings: Notes about what could not be read.
-    """
+    """Puts all triangles in world space, without those of slots that show no surface; passes the warnings on."""
     copies: dict[int, list[int]] = {}
     for number, thing in enumerate(things):
         copies.setdefault(id(thing.mesh), []).append(number)
     pieces: dict[int, _Piece] = {}
     for numbers in copies.values():
         pieces.update(zip(numbers, _pieces([things[n] for n in numbers]), strict=False))
-    result = _Builder(dict.fromkeys(warnings))
+    notes = dict.fromkeys(warnings)
+    materials: dict[str, int] = {}
+    objects: dict[tuple[str, str], int] = {}
+    boxes: list[np.ndarray] = []
+    hidden: list[frozenset[str]] = []
+    parts: list[tuple[np.ndarray, ...]] = []
+    count = 0
+    # Number materials and objects in the order of the placed meshes; the box of an object grows by each of its meshes.
     for number in sorted(pieces):
-        result.add(pieces[number], things[number])
-    return result.geometry()
-
-
-@dataclass
-class _Part:
-    """Triangles of one mesh, in its own space; `slot` (F,) is the number of the material slot."""
-
-    vertices: np.ndarray
-    faces: np.ndarray
-    normals: np.ndarray
-    uvs: np.ndarray
-    slot: np.ndarray
-
-
-def _part(mesh: SourceMesh) -> _Part:
-    solid = mesh.solid[mesh.slot]
-    corners, slot = mesh.triangles[solid], mesh.slot[solid]
-    uvs = np.zeros((*corners.shape, 2), np.float32)
-    for number, (layer, matrix) in enumerate(mesh.uvs):
-        chosen = slot == number
-        uvs[chosen] = layer[corners[chosen]] @ matrix[:2, :2].T + matrix[:2, 2]
-    return _Part(mesh.vertices, mesh.corners[corners], mesh.normals[corners], uvs, slot)
+        piece, thing = pieces[number], things[number]
+        if piece.broken:
+            notes[f"{thing.owner[0]} has corners without a usable place: their faces are left out."] = None
+        if not len(piece.faces):
+            continue
+        by_slot = np.array([materials.setdefault(n, len(materials)) for n in thing.materials], np.int32)
+        owner = objects.setdefault(thing.owner, len(objects))
+        if owner == len(boxes):
+            boxes.append(piece.box)
+            hidden.append(thing.hidden)
+        else:
+            low, high = boxes[owner]
+            boxes[owner] = np.stack([np.minimum(low, piece.box[0]), np.maximum(high, piece.box[1])])
+        owners = np.full(len(piece.faces), owner, np.int32)
+        rest = piece.normals, piece.uvs, by_slot[piece.slot], owners
+        parts.append((piece.vertices, piece.faces + count, *rest))
+        count += len(piece.vertices)
+    if parts:
+        arrays = [np.concatenate(column) for column in zip(*parts, strict=True)]
+    else:
+        shapes = ((0, 3), (0, 3), (0, 3, 3), (0, 3, 2), (0,), (0,))
+        arrays = [np.zeros(shape, np.float32) for shape in shapes]
+    extents = np.array(boxes).reshape(-1, 2, 3)
+    vertices, faces, normals, uvs, material, object_numbers = arrays
+    names = [*materials], [*objects], extents, hidden, [*notes]
+    return SceneGeometry(vertices, faces, normals, uvs, material, object_numbers, *names)
 
 
 @dataclass
@@ -151,73 +157,31 @@ class _Piece:
     broken: bool
 
 
-class _Builder:
-    """Gathers placed pieces and numbers their materials and objects."""
-
-    def __init__(self, warnings: dict[str, None]) -> None:
-        self.pieces: list[tuple[np.ndarray, ...]] = []
-        self.materials: dict[str, int] = {}
-        self.objects: dict[tuple[str, str], int] = {}
-        self.boxes: list[np.ndarray] = []
-        self.hidden: list[frozenset[str]] = []
-        self.warnings = warnings
-        self.count = 0
-
-    def add(self, piece: _Piece, thing: PlacedMesh) -> None:
-        if piece.broken:
-            name = thing.owner[0]
-            self.warnings[f"{name} has corners without a usable place: their faces are left out."] = None
-        if not len(piece.faces):
-            return
-        numbers = np.array(
-            [self.materials.setdefault(n, len(self.materials)) for n in thing.materials], np.int32
-        )
-        owners = np.full(len(piece.faces), self._owner(thing, piece.box), np.int32)
-        rest = piece.normals, piece.uvs, numbers[piece.slot], owners
-        self.pieces.append((piece.vertices, piece.faces + self.count, *rest))
-        self.count += len(piece.vertices)
-
-    def _owner(self, thing: PlacedMesh, box: np.ndarray) -> int:
-        """The object's number; its box grows by another, (2, 3)."""
-        number = self.objects.setdefault(thing.owner, len(self.objects))
-        if number == len(self.boxes):
-            self.boxes.append(box)
-            self.hidden.append(thing.hidden)
-        else:
-            before = self.boxes[number]
-            self.boxes[number] = np.stack([np.minimum(before[0], box[0]), np.maximum(before[1], box[1])])
-        return number
-
-    def geometry(self) -> SceneGeometry:
-        if self.pieces:
-            arrays = [np.concatenate(column) for column in zip(*self.pieces, strict=True)]
-        else:
-            shapes = ((0, 3), (0, 3), (0, 3, 3), (0, 3, 2), (0,), (0,))
-            arrays = [np.zeros(shape, np.float32) for shape in shapes]
-        vertices, faces, normals, uvs, material, owner = arrays
-        boxes = np.array(self.boxes).reshape(-1, 2, 3)
-        rest = list(self.materials), list(self.objects), boxes, self.hidden, list(self.warnings)
-        return SceneGeometry(vertices, faces, normals, uvs, material, owner, *rest)
-
-
 def _pieces(copies: list[PlacedMesh]) -> Iterator[_Piece]:
     """The placed copies of one mesh. Many at once: a tree has thousands of leaves."""
-    part = _part(copies[0].mesh)
-    if not len(part.faces):
+    mesh = copies[0].mesh
+    solid = mesh.solid[mesh.slot]
+    corners, slot = mesh.triangles[solid], mesh.slot[solid]
+    if not len(corners):
         return
-    step = max(1, _BATCH // len(part.vertices))
+    faces, own_normals = mesh.corners[corners], mesh.normals[corners]
+    uvs = np.zeros((*corners.shape, 2), np.float32)
+    for number, (layer, matrix) in enumerate(mesh.uvs):
+        chosen = slot == number
+        uvs[chosen] = layer[corners[chosen]] @ matrix[:2, :2].T + matrix[:2, 2]
+    step = max(1, _BATCH // len(mesh.vertices))
     for first in range(0, len(copies), step):
         matrices = np.stack([copy.matrix for copy in copies[first : first + step]])
         mirrored = np.linalg.det(matrices[:, :3, :3]) < 0
-        vertices, normals = _place(part, matrices, np.where(mirrored, -1.0, 1.0))
-        x, y, z = np.moveaxis(np.abs(vertices) < _FARTHEST, -1, 0)  # also false for what is not a number
+        vertices, normals = _place(mesh.vertices, own_normals, matrices, np.where(mirrored, -1.0, 1.0))
+        x, y, z = np.moveaxis(np.abs(vertices) < FARTHEST, -1, 0)  # also false for what is not a number
         usable = x & y & z
         vertices[~usable] = 0.0
-        corners = vertices[:, part.faces]
-        whole = _has_area(corners)
+        points = vertices[:, faces]
+        whole = _has_area(points)
         if not usable.all():
-            whole &= usable[:, part.faces].all(2)
-        boxes = np.stack([corners.min((1, 2)), corners.max((1, 2))], axis=1)
+            whole &= usable[:, faces].all(2)
+        boxes = np.stack([points.min((1, 2)), points.max((1, 2))], axis=1)
         for copy in range(len(matrices)):
             complete = whole[copy].all()
             keep = slice(None) if complete else whole[copy]
@@ -225,17 +189,16 @@ def _pieces(copies: list[PlacedMesh]) -> Iterator[_Piece]:
             order = slice(None, None, -1 if mirrored[copy] else 1)
             yield _Piece(
                 vertices[copy],
-                part.faces[keep][:, order],
+                faces[keep][:, order],
                 normals[copy][keep][:, order],
-                part.uvs[keep][:, order],
-                part.slot[keep],
-                boxes[copy] if complete else _box(corners[copy][keep].reshape(-1, 3)),
+                uvs[keep][:, order],
+                slot[keep],
+                boxes[copy] if complete else _box(points[copy][keep].reshape(-1, 3)),
                 not usable[copy].all(),
             )
 
 
 def _box(points: np.ndarray) -> np.ndarray:
-    """(2, 3), the least and the greatest of points (P, 3); zeros without points."""
     return np.stack([points.min(0), points.max(0)]) if len(points) else np.zeros((2, 3), np.float32)
 
 
@@ -246,20 +209,22 @@ def _has_area(corners: np.ndarray) -> np.ndarray:
     return (y * w != z * v) | (z * u != x * w) | (x * v != y * u)  # np.cross takes four times as long
 
 
-def _place(part: _Part, matrices: np.ndarray, sign: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _place(
+    vertices: np.ndarray, normals: np.ndarray, matrices: np.ndarray, sign: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Vertices (I, V, 3) and corner normals (I, F, 3, 3) in world space, of copies at matrices (I, 4, 4).
 
     `sign` (I,) is -1 for mirrored copies.
     """
     linear = matrices[:, :3, :3]
     with np.errstate(invalid="ignore", over="ignore"):
-        placed = part.vertices @ linear.transpose(0, 2, 1) + matrices[:, None, :3, 3]
-        vertices = placed.astype(np.float32)
+        placed = vertices @ linear.transpose(0, 2, 1) + matrices[:, None, :3, 3]
+        places = placed.astype(np.float32)
     # Normals go with the inverse transpose; the cofactor matrix is that times the determinant, and
     # flattened objects have one too.
     a, b, c = linear.transpose(1, 0, 2)
     cofactor = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
-    normals = part.normals @ (cofactor.transpose(0, 2, 1) * sign[:, None, None])[:, None]
+    normals = normals @ (cofactor.transpose(0, 2, 1) * sign[:, None, None])[:, None]
     lengths = np.sqrt(np.einsum("...i,...i->...", normals, normals))  # np.linalg.norm takes ten times as long
     normals /= np.maximum(lengths, 1e-12)[..., None]
-    return vertices, normals.astype(np.float32)
+    return places, normals.astype(np.float32)

@@ -18,7 +18,7 @@ _SLACK = 1e-3  # of a step between rays: what rounding may move a corner
 
 @dataclass(frozen=True)
 class RayCamera:
-    """What rays through a camera's picture depend on; holds no reference into Blender's data.
+    """All of a camera that rays through its picture depend on; holds no reference into Blender's data.
 
     Attributes:
         frame: (4, 3), the corners of its picture, camera space.
@@ -61,7 +61,7 @@ def visible_surfaces(camera: RayCamera, geometry: SceneGeometry) -> VisibleSurfa
         corners = geometry.vertices[geometry.faces[near]].reshape(-1, 3)
         faces = np.arange(len(corners)).reshape(-1, 3)
         tree = BVHTree.FromPolygons(corners.tolist(), faces.tolist(), all_triangles=True)
-        starts, directions = rays(camera, RAYS)
+        starts, directions = camera_rays(camera, RAYS)
         slants = 1.0 / np.maximum(directions @ -camera.pose[:3, 2], 1e-6)
         first, last = camera.clip
         for index in np.ndindex(hits.shape):
@@ -74,7 +74,7 @@ def visible_surfaces(camera: RayCamera, geometry: SceneGeometry) -> VisibleSurfa
 
 
 def _may_meet(camera: RayCamera, geometry: SceneGeometry) -> np.ndarray:
-    """(F,) bool: triangles that a ray may meet. Most of a fine mesh lies between the rays: leaving it out makes the tree cheap."""
+    """(F,) bool: triangles that a ray may meet. Most of a fine mesh lies between the rays: without it, the tree is cheap."""
     low, high = camera.frame[:, :2].min(0), camera.frame[:, :2].max(0)
     pose = np.linalg.inv(camera.pose)
     points = geometry.vertices @ pose[:3, :3].T + pose[:3, 3]
@@ -88,7 +88,7 @@ def _may_meet(camera: RayCamera, geometry: SceneGeometry) -> np.ndarray:
     return (first <= last).all(1) | behind
 
 
-def rays(camera: RayCamera, count: int) -> tuple[np.ndarray, np.ndarray]:
+def camera_rays(camera: RayCamera, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Origins and directions, (count, count, 3) each, of rays through the picture; row 0 is the bottom."""
     low, high = camera.frame.min(0), camera.frame.max(0)
     u = (np.arange(count) + 0.5) / count

@@ -1,28 +1,29 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Value slots of node inputs, which change nothing but what they mean: not other inputs, not other materials."""
+"""Value slots of node inputs, and insets: owned node groups that change what an input gets on its way."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from bpy.types import Node, NodeTree
+from bpy.types import Node, NodeSocket, NodeTree
 
 from ...core import locks
+from ...core.color import LUMA
 from ...core.journal import Journal
-from ...core.value_slots import ValueSlot, same, socket_slot
+from ...core.value_slots import LazySlot, ValueSlot, same, socket_slot
 from . import owned
-from .trails import NodeEntry, ValueOrigin, resolve
+from .trails import NodeEntry, ValueOrigin, active_links, resolve
 
 FindEntry = Callable[[], NodeEntry | None]
 """Finds an input anew: copies of groups have other nodes than the groups."""
 
-_NAME = "Vibe Value"
+_VALUE = "Vibe Value"
 
 
 @dataclass
-class InputSlot:
+class _InputSlot:
     """Value slot: an input whose value others use too, so that it gets one of its own when it changes."""
 
     find: FindEntry
@@ -34,11 +35,9 @@ class InputSlot:
         return resolve(entry)
 
     def get(self) -> Any:
-        """A number, or a tuple."""
         return socket_slot(self._origin().socket).get()
 
     def set(self, journal: Journal, raw: Any) -> None:
-        """Sets it; copies node groups, and adds a node of ours, where others need the old value."""
         old = self.get()
         if same(raw, old[: len(raw)] if isinstance(raw, tuple) else old):
             return
@@ -50,7 +49,7 @@ class InputSlot:
         socket_slot(origin.socket).set(journal, raw)
 
 
-def slot(find: FindEntry, tinted: bool = False) -> ValueSlot | None:
+def input_slot(find: FindEntry, tinted: bool = False) -> ValueSlot | None:
     """The slot of an input's value, where an artist would drag it; None if there is no such input.
 
     Args:
@@ -65,7 +64,7 @@ def slot(find: FindEntry, tinted: bool = False) -> ValueSlot | None:
     locked = locks.of_socket(origin.socket, origin.source, origin.inside)
     if locked or not (origin.feeds_others or any(map(_is_shared, origin.inside))):
         return socket_slot(origin.socket, locked)
-    return InputSlot(find, locked)
+    return _InputSlot(find, locked)
 
 
 def _is_shared(group: Node) -> bool:
@@ -73,11 +72,7 @@ def _is_shared(group: Node) -> bool:
 
 
 def own_groups(journal: Journal, inside: tuple[Node, ...]) -> None:
-    """Gives a material copies of the node groups on the way to a value that it shares with others.
-
-    Args:
-        inside: The group nodes from the material's tree inwards.
-    """
+    """Gives a material copies of node groups that it shares; `inside` are the group nodes from its tree inwards."""
     tree: NodeTree | None = None
     for group in inside:
         # In the copy, if the group around it has just been copied.
@@ -94,8 +89,125 @@ def _separate(journal: Journal, origin: ValueOrigin) -> None:
     not change the bump of another.
     """
     tree, node = origin.socket.id_data, origin.socket.node
-    twin = journal.node(tree, node.bl_idname, _NAME)
+    twin = journal.node(tree, node.bl_idname, _VALUE)
     owned.dress(journal, tree, twin, origin.targets[0].node)
     twin.outputs[0].default_value = origin.socket.default_value
     for target in origin.targets:
         journal.link(twin.outputs[0], target)
+
+
+@dataclass(frozen=True)
+class Inset:
+    """A kind of inset. Its group's first input takes what comes in, its only output gives what goes on.
+
+    Attributes:
+        name: Of the group.
+        identities: Its other inputs, with the values that change nothing.
+        fill: Declares the sockets of a new group and fills it.
+    """
+
+    name: str
+    identities: Mapping[str, Any]
+    fill: Callable[[NodeTree], None]
+
+    def slot(self, find: FindEntry, name: str, plain: bool = False) -> ValueSlot | None:
+        """An input of the inset on an input; None without such an input, or if its value is not computed.
+
+        Args:
+            plain: Whether a value that is not computed gets an inset too: one of several that are mixed.
+        """
+        entry = find()
+        if entry is None:
+            return None
+        first = resolve(entry)
+        if first.source is None and not plain:
+            return None
+
+        def origin() -> ValueOrigin:
+            entry = find()
+            assert entry
+            return resolve(entry)
+
+        def own() -> NodeEntry | None:
+            node = self.of(origin().source)
+            return NodeEntry(node.inputs[name], origin().inside) if node else None
+
+        def there() -> ValueSlot | None:
+            return input_slot(own) if self.of(origin().source) else None
+
+        def make(journal: Journal) -> ValueSlot:
+            own_groups(journal, first.inside)
+            node = self.of(origin().source) or self._insert(journal, origin())
+            return socket_slot(node.inputs[name])
+
+        return LazySlot(there, make, self.identities[name], locks.of_socket(first.socket, None, first.inside))
+
+    def of(self, source: NodeSocket | None) -> Node | None:
+        """The inset that an output belongs to, if it is one of this kind."""
+        return source.node if source and _inset_name(source.node) == self.name else None
+
+    def _insert(self, journal: Journal, origin: ValueOrigin) -> Node:
+        """Puts it before all inputs that mean the same; what else gets the value keeps it as it is."""
+        socket = origin.socket
+        targets = origin.targets or (socket,)
+        tree, new = owned.owned_group(journal, self.name, "ShaderNodeTree")
+        if new:
+            self.fill(tree)
+        node = owned.group_node(journal, socket.id_data, tree, targets[0].node)
+        feed = origin.source or (socket if socket.is_output else None)
+        if feed:
+            journal.link(feed, node.inputs[0])
+        else:
+            node.inputs[0].default_value = socket.default_value
+        for target in targets:
+            journal.link(node.outputs[0], target)
+        return node
+
+
+def _inset_name(node: Node) -> str:
+    return node.node_tree.get(owned.MARK, "") if node.type == "GROUP" and node.node_tree else ""
+
+
+def neutralize(tree: NodeTree, kinds: Sequence[Inset]) -> None:
+    """Sets the insets of a tree to the values that change nothing."""
+    for node in tree.nodes:
+        for kind in (kind for kind in kinds if _inset_name(node) == kind.name):
+            for name, identity in kind.identities.items():
+                color = isinstance(identity, tuple)
+                node.inputs[name].default_value = (*identity, 1.0) if color else identity
+
+
+def artists_origin(entry: NodeEntry) -> ValueOrigin:
+    """The origin of an input's value as the artist built it, before any inset of ours."""
+    origin = resolve(entry)
+    if origin.source is None or not _inset_name(origin.source.node):
+        return origin
+    taken = origin.source.node.inputs[0]
+    source = active_links(taken)[0].from_socket if active_links(taken) else None
+    return ValueOrigin(taken, source, origin.inside)
+
+
+def _fill_tint(tree: NodeTree) -> None:
+    owned.group_input(tree, "Color", "NodeSocketColor", (0.8, 0.8, 0.8, 1.0))
+    owned.group_input(tree, "Tint", "NodeSocketColor", (1.0, 1.0, 1.0, 1.0))
+    owned.group_input(tree, "Recolor", "NodeSocketFloat", 0.0, 0.0, 1.0)
+    tree.interface.new_socket("Color", in_out="OUTPUT", socket_type="NodeSocketColor")
+    build = owned.Builder(tree)
+    color, tint, recolor = build.inputs("Color", "Tint", "Recolor")
+    luma = build.vector("DOT_PRODUCT", color, LUMA)
+    gray = build.vector("SCALE", build.vector("SUBTRACT", luma, color), scale=recolor)
+    build.output(build.vector("MULTIPLY", build.vector("ADD", color, gray), tint))
+
+
+TINT = Inset("Vibe Tint", {"Tint": (1.0, 1.0, 1.0), "Recolor": 0.0}, _fill_tint)
+
+
+def _fill_factor(tree: NodeTree) -> None:
+    owned.group_input(tree, "Strength", "NodeSocketFloat", 1.0)
+    owned.group_input(tree, "Factor", "NodeSocketFloat", 1.0, 0.0, 1000.0)
+    tree.interface.new_socket("Strength", in_out="OUTPUT", socket_type="NodeSocketFloat")
+    build = owned.Builder(tree)
+    build.output(build.math("MULTIPLY", *build.inputs("Strength", "Factor")))
+
+
+FACTOR = Inset("Vibe Factor", {"Factor": 1.0}, _fill_factor)

@@ -5,13 +5,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from math import prod
 
 from bpy.types import Material, Node, NodeSocket
 
 from ...core import compat
-from .shaders import ALIASES, NodeInGroups
-from .trails import NodeEntry, active_links, giver, resolve
+from ...core.journal import Journal
+from ...core.value_slots import ValueSlot, same
+from . import inputs
+from .trails import ALIASES, NodeEntry, NodeInGroups, resolve, source_output
 
 TRANSPARENT = "ShaderNodeBsdfTransparent"
 _BACKGROUND = "ShaderNodeBackground"
@@ -33,14 +36,12 @@ _PART = (
 )
 
 
+_COMPUTED_COLOR, _COMPUTED_STRENGTH = 0.5, 1.0  # assumed for emission that nodes compute
+
+
 @dataclass(frozen=True)
 class MixSide:
-    """A side of a Mix Shader that a shader is on.
-
-    Attributes:
-        factor: The Mix Shader's factor.
-        second: Whether it is the side that the factor is the share of.
-    """
+    """A side of a Mix Shader: its factor, and whether it is the side that the factor is the weight of."""
 
     factor: NodeEntry
     second: bool
@@ -54,7 +55,7 @@ class MixSide:
 
     @property
     def share(self) -> float:
-        """The side's share: exact where it is one number, otherwise what is usual."""
+        """The side's weight: exact where it is one number, otherwise a usual one."""
         origin = resolve(self.factor)
         if origin.source is None:
             factor = min(max(float(origin.socket.default_value), 0.0), 1.0)
@@ -69,12 +70,7 @@ class MixSide:
 
 @dataclass(frozen=True)
 class Layer:
-    """One of the shaders that a surface is made of.
-
-    Attributes:
-        shader: The shader.
-        sides: The sides of the Mix Shaders that it comes through, from the output inwards.
-    """
+    """A shader of a surface, and the sides of the Mix Shaders that it comes through, from the output inwards."""
 
     shader: NodeInGroups
     sides: tuple[MixSide, ...] = ()
@@ -86,17 +82,17 @@ class Layer:
 
     @property
     def share(self) -> float:
-        """How much of the surface it makes, about, in [0, 1]."""
+        """About the part of the surface that it makes, in [0, 1]."""
         return prod(side.share for side in self.sides)
 
     @property
     def prominence(self) -> float:
-        """How much of what the eye sees is its color. Of nothing that a vibe changes: the choice has to stay."""
+        """About the part of the visible color that is its own. Nothing that a vibe changes counts: the choice has to stay."""
         return self.share * _SHOWS.get(self.kind, 1.0)
 
     @property
     def matter(self) -> str:
-        """What the layer is of: layers of the same can share the color of a body."""
+        """The kind of matter: layers of the same kind can share the color of a body."""
         if self.kind in _REFLECTIVE:
             return "metal"
         return "glass" if self.kind in _CLEAR else "light" if self.kind == EMISSION else "matte"
@@ -112,13 +108,8 @@ def layers(material: Material) -> list[Layer]:
 def behind(
     socket: NodeSocket, inside: tuple[Node, ...] = (), sides: tuple[MixSide, ...] = ()
 ) -> Iterator[Layer]:
-    """The shaders behind an input, those of groups included.
-
-    Args:
-        inside: The group nodes that lead to it.
-        sides: The sides of the Mix Shaders that lead to it.
-    """
-    given = giver(socket, inside)
+    """The shaders behind an input, in groups too; `inside` and `sides` are the groups and mixes that lead to it."""
+    given = source_output(socket, inside)
     if given is None:
         return
     node, inside = given[0].node, given[1]
@@ -140,17 +131,11 @@ def by_prominence(material: Material) -> list[Layer]:
     return sorted(visible or shown, key=lambda layer: -layer.prominence)
 
 
-def surface(material: Material) -> NodeInGroups | None:
-    """The shader that makes most of what the eye sees of a material's surface."""
-    shown = by_prominence(material)
-    return shown[0].shader if shown else None
-
-
 def entry(material: Material, name: str) -> NodeEntry | None:
     """The input, named as by the Principled BSDF, where an artist would drag a value of a surface.
 
-    It is the most prominent shader's that has such an input: the roughness of a Diffuse BSDF with a coat is that of the
-    coat. The glow is that of an Emission node, if there is one.
+    It is that of the most prominent shader that has it: the roughness of a Diffuse BSDF with a coat is the coat's. The glow is
+    that of an Emission node, if there is one.
     """
     shown = by_prominence(material)
     if name.startswith("Emission"):
@@ -171,15 +156,8 @@ def body(material: Material) -> list[Layer]:
     return [layer for layer in shown if layer.matter == matter and layer.share >= least]
 
 
-def is_linked(material: Material) -> bool:
-    """Whether anything is linked to the surface of the output that Cycles takes."""
-    tree = compat.node_tree(material)
-    output = tree.get_output_node("CYCLES") if tree else None
-    return bool(output and active_links(output.inputs["Surface"]))
-
-
 def colors(material: Material) -> list[NodeEntry]:
-    """The inputs that hold the color of a material, those with one origin once: several if shaders of the same matter are mixed."""
+    """The inputs that hold the color of a material, those with one origin once; several for mixes of the same matter."""
     first = entry(material, "Base Color")
     if first is None:
         return []
@@ -193,3 +171,68 @@ def colors(material: Material) -> list[NodeEntry]:
             origins.append(origin.source or origin.socket)
             found.append(color)
     return found
+
+
+@dataclass
+class _StrengthSlot:
+    """Value slot: the strongest component of a color (RGB or RGBA); setting it keeps the hue."""
+
+    color: ValueSlot
+
+    @property
+    def locked(self) -> str:
+        return self.color.locked
+
+    def get(self) -> float:
+        return float(min(max(self.color.get()[:3]), 1.0))
+
+    def set(self, journal: Journal, raw: float) -> None:
+        color, strongest = self.color.get(), max(self.color.get()[:3])
+        if same(raw, self.get()):
+            return
+        self.color.set(journal, tuple(raw * c / strongest if strongest else raw for c in color[:3]))
+
+
+def glossy_layer(every: list[Layer], base: Layer) -> Layer | None:
+    """Of a material's shaders, the glossy one that is mixed with the one that has the color."""
+    return next((x for x in every if x.matter == "metal" and x != base and x.sides), None)
+
+
+def lacquer_over(every: list[Layer], base: Layer) -> Layer | None:
+    """Of a material's shaders, the lacquer over a metal that has the color; None over anything else."""
+    over = glossy_layer(every, base) if base.matter == "metal" else None
+    return over if over and over.sides[-1].grazing else None
+
+
+def lacquer_weight(material: Material) -> ValueSlot | None:
+    """The strength of the lacquer over a metal: its color, which is 1 at full strength; None without one."""
+    color = inputs.input_slot(partial(_lacquer_entry, material, "Base Color"))
+    return _StrengthSlot(color) if color else None
+
+
+def lacquer_roughness(material: Material) -> ValueSlot | None:
+    """The roughness of the lacquer over a metal; None without one."""
+    return inputs.input_slot(partial(_lacquer_entry, material, "Roughness"))
+
+
+def _lacquer_entry(material: Material, name: str) -> NodeEntry | None:
+    shown = body(material)
+    coat = lacquer_over(layers(material), shown[0]) if shown else None
+    return coat.shader.entry(name) if coat else None
+
+
+def emitted_radiance(material: Material) -> float:
+    """About the radiance that a material's surface emits, its strongest component; 0 if it does not."""
+    return sum(layer.share * _emitted(layer.shader) for layer in layers(material))
+
+
+def _emitted(shader: NodeInGroups) -> float:
+    values = []
+    for name, computed in (("Emission Color", _COMPUTED_COLOR), ("Emission Strength", _COMPUTED_STRENGTH)):
+        entry = shader.entry(name)
+        if entry is None:
+            return 0.0
+        origin = resolve(entry)
+        value = origin.socket.default_value
+        values.append(computed if origin.source else max(value[:3]) if hasattr(value, "__len__") else value)
+    return max(values[0] * values[1], 0.0)

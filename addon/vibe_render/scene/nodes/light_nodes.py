@@ -6,7 +6,7 @@ from __future__ import annotations
 from bpy.types import Light, Node, NodeSocket
 
 from ...core import compat
-from .trails import NodeEntry, ValueOrigin, giver, resolve
+from .trails import NodeEntry, ValueOrigin, resolve, source_output
 
 
 def kelvin(light: Light) -> NodeEntry | None:
@@ -19,7 +19,7 @@ def kelvin(light: Light) -> NodeEntry | None:
 
 
 def factor(light: Light) -> tuple[float, float, float] | None:
-    """What a light's nodes multiply its color by, a Blackbody's temperature aside; None if they do what is no factor."""
+    """The color that a light's nodes multiply its color by, without a Blackbody's temperature; None for other effects."""
     if compat.node_tree(light) is None:
         return 1.0, 1.0, 1.0
     color, strength = _origin(light, "Color"), _origin(light, "Strength")
@@ -34,8 +34,9 @@ def factor(light: Light) -> tuple[float, float, float] | None:
 
 def whiten(light: Light) -> None:
     """Takes the color of a Blackbody node from a light of ours."""
-    socket = _input(light, "Color")
-    if socket and kelvin(light):
+    given = _emission(light)
+    if given and not given[1] and kelvin(light):  # not in a group, which others may use
+        socket = given[0].node.inputs["Color"]
         light.node_tree.links.remove(socket.links[0])
         socket.default_value = (1.0, 1.0, 1.0, 1.0)
 
@@ -51,12 +52,6 @@ def flatten(light: Light) -> None:
     tree.links.new(plain.outputs[0], output.inputs["Surface"])
 
 
-def _input(light: Light, name: str) -> NodeSocket | None:
-    """An input of the Emission node of a light's own tree."""
-    given = _emission(light)
-    return given[0].node.inputs[name] if given and not given[1] else None
-
-
 def _level(strength: ValueOrigin) -> float | None:
     """A strength as a number; Light Falloff passes on its own, if that falls off as light does."""
     source = strength.source
@@ -69,7 +64,7 @@ def _level(strength: ValueOrigin) -> float | None:
 
 
 def _origin(light: Light, name: str) -> ValueOrigin | None:
-    """Where the Emission node of a light's output has an input's value from."""
+    """The origin of an input of the Emission node behind a light's output."""
     given = _emission(light)
     return resolve(NodeEntry(given[0].node.inputs[name], given[1])) if given else None
 
@@ -78,5 +73,5 @@ def _emission(light: Light) -> tuple[NodeSocket, tuple[Node, ...]] | None:
     """The output of the Emission node of a light, and the groups around it."""
     tree = compat.node_tree(light)
     output: Node | None = tree.get_output_node("CYCLES") if tree else None
-    given = giver(output.inputs["Surface"], ()) if output else None
+    given = source_output(output.inputs["Surface"], ()) if output else None
     return given if given and given[0].node.bl_idname == "ShaderNodeEmission" else None

@@ -18,37 +18,32 @@ CARD = schema.added_lights.CARD
 COLOR = (0.32, 0.22, 0.46)
 
 
-def is_owned(block: ID) -> bool:
-    """Whether we have made this data-block."""
-    return MARK in block
-
-
 def is_unseen(obj: Object) -> bool:
     """Whether an object of ours has no surface that a picture shows: a fog box, a card before a light."""
     return obj.get(MARK) in (FOG, CARD)
 
 
-def mark(block: Any, role: str) -> None:
+def mark_owned(block: Any, role: str) -> None:
     """Marks a data-block as ours."""
     block[MARK] = role
 
 
-def find(blocks: Iterable[ID], role: str) -> Any:
+def find_owned(blocks: Iterable[ID], role: str) -> Any:
     """The data-block that we have made for a role; None if there is none."""
     return next((b for b in blocks if b.get(MARK) == role and b.library is None), None)
 
 
-def group(journal: Journal, name: str, kind: str) -> tuple[NodeTree, bool]:
+def owned_group(journal: Journal, name: str, kind: str) -> tuple[NodeTree, bool]:
     """Our node group of a name, and whether it is new and to be filled."""
-    tree = find(bpy.data.node_groups, name)
+    tree = find_owned(bpy.data.node_groups, name)
     if tree is not None:
         return tree, False
     tree = journal.new("node_groups", name, kind)
-    mark(tree, name)
+    mark_owned(tree, name)
     return tree, True
 
 
-def socket(
+def group_input(
     tree: NodeTree, name: str, kind: str, default: Any, low: float | None = None, high: float | None = None
 ) -> None:
     """Declares a group's input, with the bounds that its slider has."""
@@ -58,37 +53,28 @@ def socket(
         item.min_value, item.max_value = low, high
 
 
-def group_node(journal: Journal, tree: NodeTree, inner: NodeTree, beside: Node) -> Node:
+def group_node(journal: Journal, tree: NodeTree, inner: NodeTree, neighbor: Node) -> Node:
     """Adds a node for one of our groups to the left of another node, in a frame."""
     kind = {"ShaderNodeTree": "ShaderNodeGroup", "CompositorNodeTree": "CompositorNodeGroup"}[tree.bl_idname]
     node = journal.node(tree, kind, inner.name)
     node.node_tree = inner
-    dress(journal, tree, node, beside)
+    dress(journal, tree, node, neighbor)
     return node
 
 
-def dress(journal: Journal, tree: NodeTree, node: Node, beside: Node) -> None:
+def dress(journal: Journal, tree: NodeTree, node: Node, neighbor: Node) -> None:
     """Colors a node of ours and frames it, to the left of another one."""
     node.label, node.use_custom_color, node.color = node.name, True, COLOR
     frame = journal.node(tree, "NodeFrame", "Vibe Render")
     frame.label, frame.use_custom_color, frame.color = "Vibe Render", True, COLOR
     node.parent = frame
-    node.location = (beside.location.x - node.width - 60.0, beside.location.y)
+    node.location = (neighbor.location.x - node.width - 60.0, neighbor.location.y)
 
 
 def group_nodes(tree: NodeTree | None, name: str) -> list[Node]:
     """The nodes of a tree that use our group of a name."""
     nodes = tree.nodes if tree else ()
     return [n for n in nodes if n.type == "GROUP" and n.node_tree and n.node_tree.get(MARK) == name]
-
-
-def insert(
-    journal: Journal, source: NodeSocket | None, node: Node, entry: str, target: NodeSocket, exit_: str
-) -> None:
-    """Puts a node into a link: source → node.inputs[entry], node.outputs[exit_] → target."""
-    if source is not None:
-        journal.link(source, node.inputs[entry])
-    journal.link(node.outputs[exit_], target)
 
 
 class Builder:

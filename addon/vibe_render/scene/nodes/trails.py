@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Follows links through the artist's node trees: through reroutes, into node groups and out of them again."""
+"""Node trees of the artist: follows links through reroutes and groups, and finds the nodes that shade."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import bpy
-from bpy.types import Node, NodeLink, NodeSocket
+from bpy.types import Material, Node, NodeLink, NodeSocket, World
+
+from ...core import compat
 
 FOREIGN = {
     "ShaderNodeShaderToRGB": "Cycles does not know",
@@ -16,13 +18,36 @@ FOREIGN = {
 }
 """Nodes that a render on a CPU takes for absent, and what to say of them."""
 
+ALIASES: dict[str, dict[str, str]] = {
+    "ShaderNodeBsdfPrincipled": {},
+    "ShaderNodeBsdfDiffuse": {"Base Color": "Color"},
+    "ShaderNodeBsdfGlossy": {"Base Color": "Color"},
+    "ShaderNodeBsdfAnisotropic": {"Base Color": "Color"},
+    "ShaderNodeBsdfMetallic": {"Base Color": "Base Color"},
+    "ShaderNodeBsdfGlass": {"Base Color": "Color"},
+    "ShaderNodeBsdfTranslucent": {"Base Color": "Color"},
+    "ShaderNodeSubsurfaceScattering": {"Base Color": "Color"},
+    "ShaderNodeBsdfToon": {"Base Color": "Color"},
+    "ShaderNodeBsdfSheen": {"Sheen Tint": "Color", "Sheen Roughness": "Roughness"},
+    "ShaderNodeBsdfHair": {"Base Color": "Color"},
+    "ShaderNodeBsdfHairPrincipled": {"Base Color": "Color"},
+    "ShaderNodeBsdfRefraction": {"Base Color": "Color"},
+    "ShaderNodeEmission": {"Emission Color": "Color", "Emission Strength": "Strength"},
+}
+"""Surface shaders that can be worked with, and what they call the inputs of the Principled BSDF."""
+# Oren-Nayar's roughness is another thing, and so are those of fabric, hair and cartoons.
+_UNLIKE = {
+    "ShaderNodeBsdfDiffuse": {"Roughness"},
+    "ShaderNodeBsdfSheen": {"Roughness"},
+    "ShaderNodeBsdfHairPrincipled": {"Roughness", "IOR", "Coat Weight", "Coat Roughness"},
+}
+
 
 @dataclass(frozen=True)
 class NodeEntry:
     """An input of a node.
 
     Attributes:
-        socket: The input.
         inside: The group nodes that lead to its node, from the outermost tree inwards.
         alike: Inputs that mean the same for the picture: the colors of shaders that are mixed.
     """
@@ -34,15 +59,14 @@ class NodeEntry:
 
 @dataclass(frozen=True)
 class ValueOrigin:
-    """Where the value of an input comes from.
+    """The origin of an input's value.
 
     Attributes:
         socket: The socket that holds the value; of a computed one, the input where the trail ends.
         source: The output that computes the value; None where none does.
         inside: The group nodes that lead to `socket` and `source`.
-        targets: Of a value that comes through a link: the inputs of that tree that it may come to another way,
-            for they all mean the same.
-        feeds_others: Whether inputs that mean something else get the value too.
+        targets: Of a linked value: the inputs of that tree with the same meaning that it goes to.
+        feeds_others: Whether inputs of another meaning get the value too.
     """
 
     socket: NodeSocket
@@ -65,7 +89,7 @@ def is_foreign(node: Node) -> bool:
 
 
 def resolve(entry: NodeEntry) -> ValueOrigin:
-    """Follows an input to where its value is set: out of groups to the group node's own input, to a Value or RGB node."""
+    """Follows an input to where its value is set: a group node's own input, a Value node, an RGB node."""
     socket, inside = entry.socket, entry.inside
     alike = entry.alike or (socket,)
     last = socket  # the input whose link we follow; `socket` stays before the reroutes of this tree
@@ -77,17 +101,13 @@ def resolve(entry: NodeEntry) -> ValueOrigin:
         elif node.type == "GROUP_INPUT" and inside and (outer := same_socket(inside[-1].inputs, source)):
             socket, last, inside = outer, outer, inside[:-1]
         else:
-            targets = tuple(link.to_socket for link in source.links if _means(link.to_socket, inside, alike))
-            others = len(targets) < len(source.links)
+            fed = [link.to_socket for link in source.links]
+            targets = tuple(target for target in fed if all(end in alike for end in _ends(target, inside)))
+            others = len(targets) < len(fed)
             if node.type in {"VALUE", "RGB"}:
                 return ValueOrigin(source, None, inside, targets or (socket,), others)
             return ValueOrigin(socket, source, inside, targets or (socket,), others)
     return ValueOrigin(last, None, inside)
-
-
-def _means(socket: NodeSocket, inside: tuple[Node, ...], alike: Sequence[NodeSocket]) -> bool:
-    """Whether all that an input feeds is in `alike`."""
-    return all(end in alike for end in _ends(socket, inside))
 
 
 def _ends(socket: NodeSocket, inside: tuple[Node, ...]) -> Iterator[NodeSocket]:
@@ -108,22 +128,22 @@ def _ends(socket: NodeSocket, inside: tuple[Node, ...]) -> Iterator[NodeSocket]:
             yield from _ends(link.to_socket, where)
 
 
-def giver(socket: NodeSocket, inside: tuple[Node, ...]) -> tuple[NodeSocket, tuple[Node, ...]] | None:
+def source_output(socket: NodeSocket, inside: tuple[Node, ...]) -> tuple[NodeSocket, tuple[Node, ...]] | None:
     """The output that an input gets its value from, and the groups around it; reroutes and groups are seen through."""
     for link in active_links(socket)[:1]:
         source = link.from_socket
         node = source.node
         if node.type == "REROUTE":
-            return giver(node.inputs[0], inside)
+            return source_output(node.inputs[0], inside)
         if node.mute:
             through = [each.from_socket for each in node.internal_links if each.to_socket == source]
-            return giver(through[0], inside) if through else None
+            return source_output(through[0], inside) if through else None
         if node.type == "GROUP" and node.node_tree:
             entry = same_socket(group_output(node), source)
-            return giver(entry, (*inside, node)) if entry else None
+            return source_output(entry, (*inside, node)) if entry else None
         if node.type == "GROUP_INPUT":
             outer = same_socket(inside[-1].inputs, source) if inside else None
-            return giver(outer, inside[:-1]) if outer else None
+            return source_output(outer, inside[:-1]) if outer else None
         return source, inside
     return None
 
@@ -138,3 +158,93 @@ def group_output(group: Node) -> list[NodeSocket]:
 def same_socket(sockets: Sequence[NodeSocket], socket: NodeSocket) -> NodeSocket | None:
     """The socket of that identifier."""
     return next((s for s in sockets if s.identifier == socket.identifier), None)
+
+
+@dataclass(frozen=True)
+class NodeInGroups:
+    """A node, and the group nodes that lead to it from the outermost tree inwards."""
+
+    node: Node
+    inside: tuple[Node, ...] = ()
+
+    def input(self, name: str) -> NodeSocket | None:
+        """The input that has the meaning of an input of the Principled BSDF."""
+        kind = self.node.bl_idname
+        if name in _UNLIKE.get(kind, ()):
+            return None
+        return self.node.inputs.get(ALIASES.get(kind, {}).get(name, name))
+
+    def entry(self, name: str, alike: tuple[NodeSocket, ...] = ()) -> NodeEntry | None:
+        """The same input, with the way to it and inputs that mean the same."""
+        socket = self.input(name)
+        return NodeEntry(socket, self.inside, alike) if socket else None
+
+
+def first_background(world: World) -> NodeInGroups | None:
+    """The Background node of a world."""
+    return _from_output(compat.node_tree(world), "Surface", ("ShaderNodeBackground",))
+
+
+def bumps_normals(material: Material) -> bool:
+    """Whether a material's Displacement is rendered, at least partly, as a change of its normals."""
+    tree = compat.node_tree(material)
+    output = tree.get_output_node("CYCLES") if tree else None
+    return bool(output and active_links(output.inputs["Displacement"]) and compat.displaces_normals(material))
+
+
+def world_volume(world: World) -> NodeInGroups | None:
+    """The node of the artist's own fog: on the World Output's Volume."""
+    kinds = ("ShaderNodeVolumePrincipled", "ShaderNodeVolumeScatter")
+    return _from_output(compat.node_tree(world), "Volume", kinds)
+
+
+def environment_texture(color: NodeSocket) -> NodeInGroups | None:
+    """The environment texture that a background's color comes from."""
+    return _search(color, (), ("ShaderNodeTexEnvironment",))
+
+
+def depends_on_rays(color: NodeEntry) -> bool:
+    """Whether a color is another for the camera than for other rays."""
+    return _search(color.socket, color.inside, ("ShaderNodeLightPath",)) is not None
+
+
+def _from_output(tree: bpy.types.NodeTree | None, entry: str, kinds: tuple[str, ...]) -> NodeInGroups | None:
+    """The first of some kinds of nodes behind an input of a world's output."""
+    if tree is None:
+        return None
+    output = "ShaderNodeOutputWorld"
+    node = tree.get_output_node("ALL") or next((n for n in tree.nodes if n.bl_idname == output), None)
+    if node is None or entry not in node.inputs:
+        return None
+    matches = (_search(node.inputs[entry], (), (kind,)) for kind in kinds)
+    return next(filter(None, matches), None)
+
+
+def _search(socket: NodeSocket, inside: tuple[Node, ...], kinds: tuple[str, ...]) -> NodeInGroups | None:
+    """Depth first from an input against the links, into groups and out of them again."""
+    for link in active_links(socket):
+        node, exit_ = link.from_node, link.from_socket
+        if node.bl_idname in kinds:
+            return NodeInGroups(node, inside)
+        if node.type == "GROUP" and node.node_tree:
+            entry = same_socket(group_output(node), exit_)
+            match = entry and _search(entry, (*inside, node), kinds)
+        elif node.type == "GROUP_INPUT":
+            outer = same_socket(inside[-1].inputs, exit_) if inside else None
+            match = outer and _search(outer, inside[:-1], kinds)
+        else:
+            match = next(filter(None, (_search(s, inside, kinds) for s in node.inputs)), None)
+        if match:
+            return match
+    return None
+
+
+def foreign_nodes(material: Material) -> list[Node]:
+    """The nodes of a material, its groups included, that Cycles takes for absent."""
+    tree, nodes = compat.node_tree(material), []
+    trees = [tree] if tree else []
+    for tree in trees:
+        nodes += [n for n in tree.nodes if is_foreign(n) and any(s.is_linked for s in n.outputs)]
+        inner = (n.node_tree for n in tree.nodes if n.type == "GROUP" and n.node_tree)
+        trees += [t for t in inner if t not in trees]
+    return nodes

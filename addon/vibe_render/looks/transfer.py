@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Carries a look over: takes it from a scene, by role (see 'schema.preset'), and fits it to another one."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ..core.schema_import import labels, preset, schema
+from ..export.analysis import SceneAnalysis
+from ..export.job_folder import SceneJob
+from ..export.reading import SceneReading
+from ..scene import prepare, scene_context
+from ..scene.light_types import EXTENTS, light_type, type_of
+
+SceneParameters = SceneJob | SceneReading
+"""An exported scene, or one that was only read."""
+
+_TEXTURE_LUMA = 0.5  # of a typical texture: what a color is divided by to become a tint
+_DIM = 0.01  # radiance of white below which a light is too dark to be added
+_PROMINENT = 0.5  # of the visible area of the subject's largest material: smaller materials keep their look
+_TINTS = {"base_color": "tint", "color": "tint", "backdrop_color": "backdrop_tint"}
+"""The colors that a texture takes the place of, and what tints it."""
+_ONLY_LAMPS = {"distance"}  # suns have none, which needs no note
+
+
+def load_preset(path: Path) -> preset.Preset:
+    """Reads a preset file.
+
+    Raises:
+        VibeError: It cannot be read, is too large, or is no preset (see `preset.loads`).
+    """
+    try:
+        with path.open("rb") as file:
+            content = file.read(preset.LARGEST + 1)
+        if len(content) > preset.LARGEST:
+            raise schema.VibeError(f"{path.name} is too large for a preset.", "Choose a preset file.")
+        look = preset.loads(content.decode("utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise schema.VibeError(
+            f"{path} cannot be read: {getattr(error, 'strerror', None) or error}.", "Check the path."
+        ) from error
+    return look
+
+
+def extract_look(
+    prompt: str,
+    scene: SceneParameters,
+    values: Mapping[str, Sequence[float]],
+    name: str = "",
+    goals: str = "",
+) -> preset.Preset:
+    """The look that a vibe gave a scene.
+
+    Args:
+        values: The values that the vibe has changed, by key.
+        name: The preset's name; without one, the prompt's first words.
+        goals: The goals of the vibe's search, as JSON; "" for none.
+    """
+    roles: dict[str, list[preset.Entry]] = {}
+    kinds: dict[str, list[str]] = {}
+    for role, group in preset.ROLES.items():
+        entries = {owner: _entry(scene, group, owner, values) for owner in role_owners(scene, role)}
+        if any(entries.values()):
+            roles[role] = list(entries.values())
+            if group == "light":
+                kinds[role] = [_kind(owner) for owner in entries]
+    return preset.Preset(preset.title(name or prompt), roles, kinds, prompt, json.loads(goals or "{}"))
+
+
+def role_owners(scene: SceneParameters, role: str) -> list[str]:
+    """The owners (names in keys) of one of `preset.ROLES`: materials by visible area, lights by brightness."""
+    group = preset.ROLES[role]
+    if group not in ("material", "light"):
+        return [""]
+    theirs = {i.owner for i in scene.instances.values() if i.parameter.group == group and i.role == role}
+    order = (
+        visible_areas(scene.analysis) if group == "material" else {o: _brightness(scene, o) for o in theirs}
+    )
+    return sorted(theirs, key=lambda owner: (-order.get(owner, 0), owner))
+
+
+def camera_azimuth(scene: SceneParameters) -> float:
+    """The camera's azimuth in degrees, from which presets count the azimuth of lights."""
+    instance = scene.instances.get("camera/azimuth")
+    return instance.value[0] if instance else 0.0
+
+
+def visible_areas(analysis: SceneAnalysis) -> dict[str, float]:
+    """The number of camera rays that hit each material, by name."""
+    numbers, counts = np.unique(analysis.visible.material, return_counts=True)
+    return {analysis.geometry.materials[n]: float(c) for n, c in zip(numbers, counts, strict=True) if n >= 0}
+
+
+def _brightness(scene: SceneParameters, owner: str) -> float:
+    """Radiance of a white surface at the subject that faces the light."""
+    for name in ("power", "strength"):
+        if instance := scene.instances.get(f"light/{owner}/{name}"):
+            return schema.radiometry.radiance(_kind(owner), instance.value[0] / instance.reference)
+    return 0.0
+
+
+def _kind(light: str) -> str:
+    """The type of a light, also of one that another variant would add."""
+    if light in bpy.data.objects:
+        return type_of(bpy.data.objects[light]).name
+    return schema.added_lights.ADDED_LIGHTS[light].type
+
+
+def _entry(
+    scene: SceneParameters, group: str, owner: str, values: Mapping[str, Sequence[float]]
+) -> preset.Entry:
+    """The changed values of one owner, as multiples of the scene's lengths and without names."""
+    entry = {}
+    for name in (p.name for p in schema.PARAMETERS if p.group == group):
+        key = schema.FAMILIES[f"{group}/{name}"].key(owner)
+        if key in values and key in scene.instances:
+            entry[name] = [v / scene.instances[key].reference for v in values[key]]
+            if group == "light" and name == "azimuth":
+                camera = values.get("camera/azimuth", [camera_azimuth(scene)])[0]
+                entry[name] = [(entry[name][0] - camera + 180.0) % 360.0 - 180.0]
+    return preset.clamped(group, entry)
+
+
+@dataclass
+class Fit:
+    """A preset on a scene: the values that fit, by key, and a line for each that does not, in words for the artist."""
+
+    values: dict[str, list[float]] = field(default_factory=dict)
+    rest: list[str] = field(default_factory=list)
+
+
+def fit_look(look: preset.Preset, target: SceneParameters) -> Fit:
+    """A look's values for a scene, and what has no place in it.
+
+    Where the scene has more materials or lights of a role than the preset, the rest get the last entry.
+    Where it lacks a light that the look needs, the values are those of a light that will be added.
+    """
+    result = Fit()
+    for role, entries in look.roles.items():
+        group, theirs = preset.ROLES[role], role_owners(target, role)
+        kinds = look.kinds.get(role) or [prepare.LIGHT_TYPE] * len(entries)
+        if not theirs and entries:
+            _missing(result, target, role, entries[0], kinds)
+        if role == "subject":
+            theirs, less = _prominent(theirs, len(entries), visible_areas(target.analysis))
+            result.rest += [f"{owner}: shows too little to be what the look is about" for owner in less]
+        for place, owner in enumerate(theirs if entries else ()):
+            index = min(place, len(entries) - 1)
+            entry = entries[index]
+            if group == "light":
+                entry = _for_light(entry, kinds[index], type_of(bpy.data.objects[owner]).name)
+            for name, value in entry.items():
+                _put(result, target, group, owner, name, value)
+        left_over = sum(map(bool, entries[len(theirs) :])) if theirs else 0
+        if left_over:
+            result.rest.append(f"{_words(role)}: {left_over} more than this scene has")
+    return result
+
+
+def _prominent(owners: list[str], count: int, areas: dict[str, float]) -> tuple[list[str], list[str]]:
+    """The subject's materials that get an entry, and those too small for one: tires do not get the car's paint."""
+    least = _PROMINENT * areas.get(owners[0], 0.0) if owners else 0.0
+    rest = [owner for owner in owners[count:] if areas.get(owner, 0.0) < least]
+    return [owner for owner in owners if owner not in rest], rest
+
+
+def _words(role: str) -> str:
+    """A role for people: "Subject material", "Rim light"."""
+    group = preset.ROLES[role]
+    return f"{role.capitalize()} {group}" if group in ("material", "light") else role.capitalize()
+
+
+def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entry, kinds: list[str]) -> None:
+    """For a role that nothing in the scene has: values of a light of ours, if it would be bright enough to show."""
+    ours = prepare.OURS.get(role, "")
+    entry = _for_light(entry, kinds[0], prepare.LIGHT_TYPE) if ours else entry
+    if "power" not in entry or ours in bpy.data.objects:
+        if entry:
+            result.rest.append(f"{_words(role)}: this scene has none")
+        return
+    if schema.radiometry.radiance(prepare.LIGHT_TYPE, entry["power"][0]) < _DIM:
+        return
+    corners = scene_context.bounds(target.analysis.scene, target.analysis.objects)
+    distance = prepare.added_light_distance(*corners)
+    lengths = scene_context.light_lengths(distance)
+    for name, value in entry.items():
+        parameter = schema.FAMILIES[f"light/{name}"]
+        reference = lengths.get(parameter.reference, 1.0)
+        turn = camera_azimuth(target) if name == "azimuth" else 0.0
+        result.values[parameter.key(ours)] = [v * reference + turn for v in value]
+
+
+def _for_light(entry: preset.Entry, made_on: str, kind: str) -> preset.Entry:
+    """An entry of one type of light for another, as bright and as soft: power against strength, size against angle."""
+    result, target = dict(entry), light_type(kind)
+    bright = result.pop("power", None) or result.pop("strength", None)
+    if bright:
+        energy = schema.radiometry.radiance(made_on, bright[0]) * schema.radiometry.unit_energy(kind)
+        result[target.energy] = [energy]
+    for extent in EXTENTS:
+        if extent != target.extent and extent.parameter in result:
+            angle = extent.to_angle(result.pop(extent.parameter)[0])
+            result[target.extent.parameter] = [target.extent.from_angle(angle)]
+    return result
+
+
+def _put(result: Fit, target: SceneParameters, group: str, owner: str, name: str, value: list[float]) -> None:
+    """Adds one value, clipped to its bounds in this scene, or the reason why it does not fit."""
+    key = schema.FAMILIES[f"{group}/{name}"].key(owner)
+    instance = target.instances.get(key)
+    if instance is None or instance.locked:
+        tinted = _as_tint(target, group, owner, _TINTS[name], value) if name in _TINTS else {}
+        result.values |= tinted
+        if not tinted and not (instance is None and name in _ONLY_LAMPS):
+            reason = instance.locked if instance else "there is nothing of that kind in this scene"
+            result.rest.append(f"{labels.title(key)}: {reason}")
+        return
+    if group == "light" and name == "azimuth":
+        value = [value[0] + camera_azimuth(target)]
+    bounds = zip(value, instance.lower, instance.upper, strict=True)
+    result.values[key] = [min(max(v * instance.reference, low), high) for v, low, high in bounds]
+
+
+def _as_tint(
+    target: SceneParameters, group: str, owner: str, name: str, color: list[float]
+) -> dict[str, list[float]]:
+    """The tint that gives a texture this color; nothing if it has no tint, or a locked one."""
+    tint = target.instances.get(f"{group}/{owner}/{name}" if owner else f"{group}/{name}")
+    recolor = target.instances.get(f"{group}/{owner}/recolor")
+    if tint is None or tint.locked:
+        return {}
+    level = _TEXTURE_LUMA if group == "material" else max(*color, 1e-3)
+    tinted = {tint.key: [min(v / level, high) for v, high in zip(color, tint.upper, strict=True)]}
+    return {**tinted, recolor.key: [1.0]} if recolor and not recolor.locked else tinted

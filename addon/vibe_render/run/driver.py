@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The driver of a vibe: generators that talk to the engine, and yield the stage in words whenever there is nothing to do.
+
+The panel advances them by a timer, so that Blender stays free between two steps; without a window, `drive` is the loop.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Generator, Iterator, Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+from ..core import background
+from ..core.schema_import import messages, schema
+from ..engine.process import Engine
+
+LOOKING = "Looking for the look"
+_PAUSE = 0.02  # seconds between two steps of `drive`: the engine needs the core
+
+T = TypeVar("T")
+_Answer = TypeVar("_Answer", messages.Result, messages.Finished)
+
+
+class Driver:
+    """One vibe as the engine works on it: requests, its answers, and what it has reported.
+
+    Args:
+        engine: Warm from before, or not started yet.
+        job: The job folder, in which the engine writes its pictures.
+
+    Attributes:
+        patience: Seconds of silence after which the engine is taken to hang.
+        stage: The present stage, in words.
+        progress: The newest progress message.
+        before: The engine's picture of the scene as it was.
+        look: The newest look that is shown in the scene before the result.
+        words: Word to whether that look's picture shows it.
+        preview: The newest picture of the look.
+        variants: The variants, the best first, each with its picture; empty unless several were asked for.
+    """
+
+    patience = math.inf
+
+    def __init__(self, engine: Engine, job: Path) -> None:
+        self._engine = engine
+        self.stage = "Starting the engine"
+        self.progress: messages.Progress | None = None
+        self.before: Path | None = None
+        self.look: messages.LookSoFar | None = None
+        self.words: dict[str, bool] = {}
+        self.preview: Path | None = None
+        self.variants: list[tuple[messages.Variant, Path]] = []
+        self._job = job
+        self._result: messages.Result | None = None
+        self._last_word_at = 0.0  # time of the engine's last message; 0 before it is asked
+        self._stopping = False
+
+    @property
+    def fraction(self) -> float:
+        """The part of the loop that is done, 0 to 1."""
+        p = self.progress
+        return ((p.round - 1) * p.steps + p.step) / (p.rounds * p.steps) if p else 0.0
+
+    @property
+    def asked(self) -> bool:
+        """Whether the engine has been given the vibe."""
+        return self._last_word_at > 0.0
+
+    @property
+    def silence(self) -> float:
+        """Seconds since the engine's last message, while one is expected; otherwise 0."""
+        return time.monotonic() - self._last_word_at if self.asked and not self._result else 0.0
+
+    @property
+    def can_stop(self) -> bool:
+        """Whether there is a best look so far, which `stop` would take."""
+        return self.progress is not None and not self._stopping
+
+    @property
+    def report(self) -> Mapping[str, Any]:
+        """The fields of report.json that the engine knows; empty before the result."""
+        return self._result.report if self._result else {}
+
+    @property
+    def prediction_error(self) -> float | None:
+        """Mean CIEDE2000 between the last prediction and the anchor after it; None without anchors."""
+        return self.report.get("anchored", {}).get("predicted")
+
+    @property
+    def anchor_notes(self) -> list[str]:
+        """Failures of anchors, in words for the artist."""
+        return self.report.get("anchored", {}).get("notes", [])
+
+    def receive(self, message: messages.Message) -> None:
+        """Takes a message of the engine's."""
+        self._last_word_at = time.monotonic()
+        if isinstance(message, messages.Stage):
+            self.stage = message.name.capitalize()
+            if message.picture:
+                self.before = self._job / message.picture
+        elif isinstance(message, messages.LookSoFar):
+            self.look, self.words = message, message.words or self.words
+            if message.picture:
+                self.preview = self._job / message.picture
+        elif isinstance(message, messages.Progress):
+            self.progress = message
+            self.stage = LOOKING
+            if message.preview:
+                self.preview = self._job / message.preview
+        elif isinstance(message, messages.Result):
+            self._result = message
+            self.preview = self._job / message.prediction
+            self.variants = [(v, self._job / v.picture) for v in message.variants]
+
+    def stop(self) -> None:
+        """Asks for the best look so far. Any thread may call this, also before the engine has been asked."""
+        self.stage, self._stopping = "Stopping", True
+        if self.asked:
+            self._engine.send(messages.Stop())
+
+    def _ready_engine(self) -> Generator[str]:
+        """Starts the engine if it does not run, and waits until it has nothing else to do."""
+        yield from self._start_engine()
+        while not self._engine.settle():
+            yield self.stage
+        yield from self._start_engine()  # it may have died of the last vibe
+
+    def _start_engine(self) -> Generator[str]:
+        if not self._engine.alive:
+            yield from self._in_background(self._engine.start)
+
+    def _in_background(self, act: Callable[[], T]) -> Generator[str, None, T]:
+        """Runs a function that needs no Blender in a thread; returns its result."""
+        work = background.begin(act)
+        yield self.stage
+        while not work.done():
+            yield self.stage
+        return work.result()
+
+    def _ask(self, request: messages.Vibe | messages.Finish) -> None:
+        self._engine.send(request)
+        self._last_word_at = time.monotonic()
+        if self._stopping:
+            self._engine.send(messages.Stop())
+
+    def _answer(self, kind: type[_Answer]) -> Generator[str, None, _Answer]:
+        """Follows the engine until its answer to the last request.
+
+        Raises:
+            VibeError: The engine reports an error, is silent for too long, or is gone.
+        """
+        answer = None
+        while answer is None:
+            yield self.stage
+            self._check()
+            for message in self._engine.poll():
+                self.receive(message)
+                if isinstance(message, messages.Anchor) and not self._stopping:  # a stopped one waits no more
+                    yield from self._serve(message)
+                elif isinstance(message, kind):
+                    answer = message
+                else:
+                    self._show_message(message)
+        return answer
+
+    def _check(self) -> None:
+        """Raises a VibeError if there is nothing to wait for any more."""
+        if self.silence > self.patience:
+            self._engine.stop(patience=0.02)
+            raise schema.VibeError(
+                f"The engine has said nothing for {self.patience / 60:.0f} minutes, and was ended.",
+                f"Try again; if it happens again, see {self._engine.log}.",
+            )
+
+    def _serve(self, request: messages.Anchor) -> Generator[str]:
+        """Renders an anchor, which blocks Blender for about a second: the stage says so before."""
+        self.stage = self._anchor_stage(request)
+        yield self.stage
+        self._engine.send(self._anchor(request))
+        self._last_word_at = time.monotonic()
+        if not self._stopping:
+            self.stage = LOOKING
+
+    def _anchor_stage(self, request: messages.Anchor) -> str:
+        raise NotImplementedError
+
+    def _anchor(self, request: messages.Anchor) -> messages.Anchored:
+        raise NotImplementedError
+
+    def _show_message(self, message: messages.Message) -> None:
+        """Shows what the engine reports on its way to the answer."""
+
+
+def drive(steps: Iterator[str]) -> None:
+    """Takes all steps, one after the other, for runs without a window."""
+    for _ in steps:
+        time.sleep(_PAUSE)

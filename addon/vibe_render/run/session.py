@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A vibe while Blender stays free: every call of `advance` does one short step and returns."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import asdict
+
+import bpy
+
+from ..core import preferences
+from ..core.schema_import import atomic, messages, schema
+from ..engine.process import Engine
+from ..render import anchors, final_render, reference
+from ..scene import snapshot
+from ..scene.prepare import separate_materials, shared_materials
+from ..scene.subject import remember_subject
+from . import before_image, result
+from .scene_session import READING, SceneSession
+
+ANCHORING = "Rendering an anchor"
+PAUSING = (READING, ANCHORING)
+"""Stages during which Blender is blocked: for long where the scene is large."""
+SILENT = 30.0  # seconds without a message from the engine, after which the panel says so
+
+
+class Session(SceneSession):
+    """One vibe of the open scene.
+
+    Args:
+        context: As for `SceneSession`, like `engine`.
+        ask: Whether an artist is there to answer questions.
+
+    Attributes:
+        prompt: The words; "" for none.
+        like: Name of the picture; "" for none.
+        shared: What to do about materials that other things use too: "ASK", "ALL" or "SINGLE".
+        question: Such materials with their other users, by name, while it waits for the artist's answer.
+    """
+
+    patience = 900.0
+
+    def __init__(self, context: bpy.types.Context, engine: Engine, ask: bool = False) -> None:
+        super().__init__(context, engine)
+        settings = context.scene.vibe
+        self.prompt, self.like = settings.prompt.strip(), reference.picture_name(settings)
+        self.shared = settings.shared if ask or settings.shared != "ASK" else "ALL"
+        self.question: dict[str, list[str]] = {}
+        self._vibed = False  # whether an earlier vibe is in the scene
+        saved = preferences.get(context)
+        self._key = saved.vlm_key if saved else ""
+        self._steps = self._run()
+
+    @property
+    def wanted(self) -> str:
+        """The target look as panels show it."""
+        return reference.request_title(self.prompt, self.like)
+
+    def advance(self) -> bool:
+        """Does the next step.
+
+        Returns:
+            False when the vibe is in the scene.
+
+        Raises:
+            VibeError: The vibe failed; the scene is as it was.
+        """
+        try:
+            return next(self._steps, None) is not None
+        except OSError as error:
+            if not atomic.is_full(error):
+                raise
+            raise schema.VibeError(
+                f"There is no room left on the disk, in {bpy.app.tempdir}.",
+                "Make room, or choose another folder for temporary files in Blender's preferences.",
+            ) from error
+
+    def cancel(self) -> None:
+        """Ends a vibe that is given up or has failed; the scene is as it was."""
+        self._steps.close()
+        self._take_look_away()
+        if self.asked and self._result is None:
+            if self.silence > SILENT:
+                self._engine.stop(patience=0.02)
+            else:
+                self._engine.abandon()
+        self.discard()
+
+    def _run(self) -> Generator[str]:
+        """The vibe's steps. It yields before every wait, so that the panel can show the next stage."""
+        yield self.stage
+        yield from self._ready_engine()
+        self.stage = READING
+        yield self.stage
+        scene = self._find_scene()
+        self._vibed, start = snapshot.exists(scene), snapshot.mark(scene)
+        try:
+            yield from self._export()
+            yield from self._ask_about_shared()
+            options = asdict(self._options)
+            self._ask(
+                messages.Vibe(
+                    schema.schema_hash(), str(self._job), self.prompt, options, self._key, looks=True
+                )
+            )
+            self.stage = "Warming up the engine"
+            engine_result = yield from self._answer(messages.Result)
+            # In other modes one undo would not take the vibe back.
+            yield from self._object_mode("Found. Go back to Object Mode to see it")
+            scene = self._find_scene()
+            self._take_look_away()
+            result.apply(scene, self.prompt, engine_result, self.subject(scene), self._pivot)
+            scene.vibe.vibed_like = self.like
+            if self._choice.explicit:
+                remember_subject(scene, self.subject(scene))
+        except BaseException:  # Esc closes this generator, which raises here
+            self._take_look_away()
+            self._restore(start, self._vibed)
+            raise
+
+    def _ask_about_shared(self) -> Generator[str]:
+        """Asks about materials that other things use too, unless that is settled; may export anew."""
+        scene = self._find_scene()
+        shared = shared_materials(self.subject(scene))
+        if not shared:
+            return
+        if self.shared == "ASK":
+            self.question = {m.name: [o.name for o in users] for m, users in shared.items()}
+            self.stage = "Waiting for your answer"
+            while self.question:
+                yield self.stage
+            self.stage = READING
+            yield self.stage
+            scene = self._find_scene()
+        if self.shared == "SINGLE":
+            with self._without_look(scene):
+                separate_materials(scene, self.subject(scene))
+            yield from self._export()
+
+    def answer(self, choice: str) -> None:
+        """Takes the artist's answer to the question: "ALL" or "SINGLE"."""
+        self.shared, self.question = choice, {}
+
+    def _check(self) -> None:
+        self._find_scene()
+        super()._check()
+
+    def _show_message(self, message: messages.Message) -> None:
+        if isinstance(message, messages.LookSoFar):
+            self._show(message)
+        elif isinstance(message, messages.Stage) and message.picture:
+            picture = self._job / message.picture
+            if (note := final_render.black_note(self._find_scene(), picture)) and note not in self.view_notes:
+                self.view_notes = [*self.view_notes, note]
+                self.warnings = [note, *self.warnings]
+            self.before = before_image.store(self._before_path, picture, not self._vibed)
+
+    def _anchor_stage(self, request: messages.Anchor) -> str:
+        return ANCHORING
+
+    def _anchor(self, request: messages.Anchor) -> messages.Anchored:
+        scene = self._find_scene()
+        with self._without_look(scene):
+            return anchors.answer_anchor(scene, self._job, request, self.subject(scene), self._pivot)

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The add-on's state while Blender runs: the engine, the vibe, Live, the readings of words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+
+from ..core import background, preferences
+from ..core.schema_import import schema
+from ..engine.process import Engine
+from .live import Live
+from .session import Session
+from .word_readings import WordReadings
+
+
+class AddonState:
+    """A warm engine, and the session that runs or ran last.
+
+    Attributes:
+        session: The newest session; its pictures stay until the next one, Keep or Revert.
+        running: Whether it has not ended yet.
+        failure: Why it failed, until the artist dismisses that.
+        live: Looks of what is being typed; None while nothing is.
+        readings: How the words of what is typed are understood.
+    """
+
+    def __init__(self) -> None:
+        self.session: Session | None = None
+        self.running = False
+        self.failure: schema.VibeError | None = None
+        self.live: Live | None = None
+        self.readings = WordReadings()
+        self._engine: Engine | None = None
+        self._engine_choice: tuple[str, Path] | None = None
+
+    def begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
+        """Starts a session with the engine of the last one, unless the preferences have changed; `ask` as for `Session`."""
+        self.forget()
+        self.session, self.running = Session(context, self.engine(context), ask), True
+        if self.live and self.live.scene == self.session.scene:
+            self.live.hand_over(self.session)
+        return self.session
+
+    def live_for(self, context: bpy.types.Context) -> Live:
+        """The looks of what is typed in this scene."""
+        if self.live is None or self.live.scene != context.scene.name:
+            self.end_live()
+            self.live = Live(context, self.engine(context))
+        return self.live
+
+    def live_job(self, scene: bpy.types.Scene) -> Path | None:
+        """The job folder that Live has exported of a scene, if it has not changed since."""
+        return self.live.job if self.live and self.live.scene == scene.name else None
+
+    def end_live(self) -> None:
+        """Ends the looks of what is typed; the scene is as it was."""
+        if self.live:
+            self.live.close()
+        self.live = None
+
+    @property
+    def engine_runs(self) -> bool:
+        """Whether there is an engine that can be asked something."""
+        return self._engine is not None and self._engine.alive
+
+    def engine(self, context: bpy.types.Context) -> Engine:
+        """The engine that the preferences choose: the last one, or one that is not started yet."""
+        choice = engine_choice(context)
+        if self._engine is None or choice != self._engine_choice:
+            self.close_engine()
+            self._engine, self._engine_choice = Engine(choice[0], cache=choice[1]), choice
+        return self._engine
+
+    def warm_up(self, context: bpy.types.Context) -> None:
+        """Starts the engine in the background; if that fails, the next vibe says why."""
+        background.begin(self.engine(context).start)
+
+    def end(self, failure: schema.VibeError | None = None) -> None:
+        """Ends the session; one that failed leaves the scene as it was."""
+        if self.session and failure:
+            self.session.cancel()
+        self.running, self.failure = False, failure
+
+    def cancel(self) -> None:
+        """Gives the vibe up; the scene is as it was."""
+        if self.session and self.running:
+            self.session.cancel()
+        self.end()
+        self.forget()
+
+    def forget(self) -> None:
+        """Drops the last session with its pictures, and its failure."""
+        if self.session:
+            self.session.discard()
+        self.session, self.failure = None, None
+
+    def close_engine(self) -> None:
+        """Ends the engine."""
+        if self._engine:
+            self._engine.stop(patience=0.5)
+        self._engine = None
+        self.readings.forget()
+
+    def close(self) -> None:
+        """Ends session and engine, when the add-on is switched off or Blender ends."""
+        self.cancel()
+        self.end_live()
+        self.close_engine()
+
+
+def engine_choice(context: bpy.types.Context) -> tuple[str, Path]:
+    """The engine's folder ("" to search) and its cache folder, from the preferences."""
+    return preferences.engine_choice(context), preferences.cache_folder(context)
+
+
+addon_state = AddonState()

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Readings: the engine's understanding of each word of the prompt that is being typed."""
+
+from __future__ import annotations
+
+import time
+import uuid
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from ..core.schema_import import messages, schema
+from ..engine.process import Engine
+from ..export.reading import sketch_scene
+from ..scene import scene_context
+from .scene_session import scene_settings
+
+_QUIET = 0.5  # seconds without a change of the scene, after which its words are read anew
+_Words = tuple[str, tuple[str, ...]]
+"""A prompt and its targets: "copper=Cup"."""
+
+
+class WordReadings:
+    """The newest readings of a prompt's words.
+
+    They are read against the exported scene: that of Live, or else a sketch, which is made anew after a change. For all
+    methods, `live` is the job folder that Live has exported, if the scene has not changed since.
+
+    Attributes:
+        newest: The engine's last answer; of no words before that.
+    """
+
+    def __init__(self) -> None:
+        self.newest = messages.Readings("")
+        self._asked: _Words | None = None  # those whose readings the engine works on
+        self._read: _Words = ("", ())
+        self._folder: Path | None = None  # of the sketch
+        self._is_sketched = False  # not where the scene cannot be exported
+        self._sketched: tuple[Any, ...] | None = None  # settings of the scene; None if the sketch is stale
+        self._job = ""  # that the newest readings are of
+        self._changed = 0.0  # time when the scene last changed
+
+    def due(self, scene: bpy.types.Scene, live: Path | None = None) -> bool:
+        """Whether the words of a scene have not been read yet, as it is now and with its artist's targets."""
+        words = _words(scene)
+        return (
+            self._asked is not None or words != self._read or bool(words[0] and self._is_stale(scene, live))
+        )
+
+    def scene_changed(self, changed: Iterable[bpy.types.ID]) -> None:
+        """Takes the data-blocks that have changed in Blender."""
+        # Scenes change with every letter that is typed; see `scene_settings`.
+        if not all(isinstance(block, bpy.types.Scene) for block in changed):
+            self._sketched, self._changed = None, time.monotonic()
+
+    def step(self, engine: Engine, scene: bpy.types.Scene, live: Path | None = None) -> bool:
+        """Takes what has arrived, and asks about the words of now; never waits.
+
+        Args:
+            engine: Runs already; it may be at work on something else. If it is gone, a VibeError says so.
+
+        Returns:
+            Whether there is something new to show.
+        """
+        arrived = engine.poll_readings()
+        if arrived:
+            self.newest, self._read, self._asked = arrived, self._asked or self._read, None
+        words = _words(scene)
+        is_quiet = time.monotonic() - self._changed > _QUIET
+        if self._asked is None and (words != self._read or (is_quiet and self.due(scene, live))):
+            prompt, targets = words
+            self._job = str(live or self._sketch(scene) or "") if prompt else ""
+            names = ({}, {}) if self._job else _names(scene)
+            engine.send(messages.AskReadings(schema.schema_hash(), prompt, self._job, *names, targets))
+            self._asked = words
+        return arrived is not None
+
+    def forget(self) -> None:
+        """Waits for nothing any more: the engine is another one."""
+        self._asked = None
+
+    def _is_stale(self, scene: bpy.types.Scene, live: Path | None) -> bool:
+        """Whether the newest readings are of another scene than that of now."""
+        return self._job != str(live) if live else self._sketched != _settings(scene)
+
+    def _sketch(self, scene: bpy.types.Scene) -> Path | None:
+        """The folder of the sketch of the scene as it is now; None where it cannot be exported."""
+        settings = _settings(scene)
+        if self._sketched != settings:
+            self._folder = self._folder or Path(bpy.app.tempdir) / f"vibe-words-{uuid.uuid4().hex[:8]}"
+            try:
+                sketch_scene(scene, self._folder, scene.vibe.choice())
+                self._is_sketched = True
+            except Exception:  # a vibe says what is wrong; its words are marked all the same
+                self._is_sketched = False
+            self._sketched = settings
+        return self._folder if self._is_sketched else None
+
+
+def _words(scene: bpy.types.Scene) -> _Words:
+    return scene.vibe.prompt, tuple(scene.vibe.target_pairs())
+
+
+def _names(scene: bpy.types.Scene) -> tuple[dict[str, list[str]], dict[str, str]]:
+    """All that is known of a scene that cannot be exported, such as one without a camera: objects with their materials, and lights."""
+    shown = sorted(scene_context.shown(scene), key=lambda obj: obj.name)
+    objects = {
+        o.name: [slot.material.name for slot in o.material_slots if slot.material]
+        for o in shown
+        if o.type in scene_context.GEOMETRY
+    }
+    return objects, {o.name: o.data.type for o in shown if o.type == "LIGHT"}
+
+
+def _settings(scene: bpy.types.Scene) -> tuple[Any, ...]:
+    """The scene's own settings that a sketch of it depends on."""
+    chosen = scene.vibe.subject == "SELECTED"
+    selected = tuple(o.name for o in scene.objects if o.select_get()) if chosen else ()
+    return scene.session_uid, *scene_settings(scene), selected

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Parts that operators share: why a button is grayed out, in words for its tool tip, and a base class that reports failures."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import bpy
+
+from ..core import files
+from ..core.schema_import import schema
+from ..render import reference
+from ..run.state import addon_state
+from ..scene import snapshot, subject
+from ..scene.scene_context import GEOMETRY
+from .engine_state import engine_state
+
+RUNNING = "A vibe is on its way"
+
+
+def obstacle(context: bpy.types.Context) -> str:
+    """Why a vibe cannot start now; "" if it can."""
+    scene = context.scene
+    if addon_state.running:
+        return RUNNING
+    if reason := untouchable(context) or reference.picture_obstacle(scene.vibe):
+        return reason
+    if not scene.vibe.prompt.strip() and not reference.picture_name(scene.vibe):
+        return "Describe a mood first"
+    if not has_mesh(scene):
+        return "The scene has no mesh"
+    if not scene.vibe.groups():
+        return "Nothing may change: open a lock"
+    if scene.vibe.subject == "COLLECTION" and not scene.vibe.collection:
+        return "Choose the subject's collection"
+    if scene.vibe.subject == "SELECTED" and not (context.selected_objects or subject.recall_subject(scene)):
+        return "Select the subject"
+    if engine_state.problem:
+        return "Set up the engine first"
+    return ""
+
+
+def result_obstacle(context: bpy.types.Context) -> str:
+    """Why the result can be neither kept, reverted nor changed now; "" if it can."""
+    if addon_state.running:
+        return RUNNING
+    if not snapshot.exists(context.scene):
+        return "This scene has not been vibed"
+    return untouchable(context)
+
+
+def untouchable(context: bpy.types.Context) -> str:
+    """Why the scene must not be changed now; "" if it may be."""
+    if not context.scene.is_editable:
+        return "This scene is linked from a library"
+    if context.mode != "OBJECT":  # in other modes, undo takes back only that mode's own steps
+        return "Go to Object Mode first"
+    return ""
+
+
+def allowed(operator: type[bpy.types.Operator], reason: str) -> bool:
+    """Whether an operator may run, for its `poll`: not if there is a reason, which becomes its tool tip."""
+    if reason:
+        operator.poll_message_set(reason)
+    return not reason
+
+
+def has_mesh(scene: bpy.types.Scene) -> bool:
+    """Whether there is anything to render."""
+    return any(obj.type in GEOMETRY for obj in scene.objects)
+
+
+class IdlePanel:
+    """A panel that is hidden while a vibe runs."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return not addon_state.running
+
+
+class IdleOperator(bpy.types.Operator):
+    """An operator that waits until no vibe runs. A failure is one line, and leaves everything as it was."""
+
+    severity = "INFO"  # of the closing message
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return allowed(cls, RUNNING if addon_state.running else cls.obstacle(context))
+
+    @classmethod
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        """Why it cannot run now, apart from a vibe that runs; "" if it can."""
+        return ""
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        try:
+            with _waiting(context):
+                message = self.act(context)
+        except (schema.VibeError, OSError) as error:
+            if isinstance(error, OSError):  # from a temporary file
+                error = files.unwritable(Path(tempfile.gettempdir(), "vibe"), error, "Check that folder.")
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for area in context.screen.areas if context.screen else ():
+            area.tag_redraw()
+        self.report({self.severity}, message)
+        return {"FINISHED"}
+
+    def act(self, context: bpy.types.Context) -> str:
+        """Does the work.
+
+        Returns:
+            The closing message.
+
+        Raises:
+            VibeError: It cannot be done; nothing has changed.
+        """
+        raise NotImplementedError
+
+
+@contextmanager
+def _waiting(context: bpy.types.Context) -> Iterator[None]:
+    """Shows the mouse pointer of a busy Blender."""
+    if context.window is None:
+        yield
+        return
+    context.window.cursor_modal_set("WAIT")
+    try:
+        yield
+    finally:
+        context.window.cursor_modal_restore()

@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Parts that panels share: wrapped text, durations and sizes in words, pictures as icons, redrawing."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from pathlib import Path
+
+import bpy
+import bpy.utils.previews
+import numpy as np
+
+from ..looks.library import Look
+
+GROUP_ICONS = {
+    "camera": "OUTLINER_OB_CAMERA",
+    "light": "OUTLINER_OB_LIGHT",
+    "world": "WORLD",
+    "material": "MATERIAL",
+    "volume": "OUTLINER_OB_VOLUME",
+    "film": "COLOR",
+}
+_PLACES = {"VIEW_3D": "UI", "PROPERTIES": "WINDOW", "PREFERENCES": "WINDOW"}
+"""Areas that our panels are in, and the region in each."""
+_GAP = 6  # pixels between two pictures in one icon
+
+_Version = tuple[tuple[Path, int], ...]
+_slots: dict[tuple[bool, tuple[Path, ...]], tuple[_Version, bpy.utils.previews.ImagePreviewCollection]] = {}
+"""Pictures that are shown, and whether as a square -> the files' versions, and their icon."""
+
+
+def paragraph(
+    layout: bpy.types.UILayout,
+    context: bpy.types.Context,
+    text: str,
+    icon: str = "NONE",
+    faint: bool = False,
+    letters: int = 0,
+) -> None:
+    """Draws wrapped text.
+
+    Args:
+        icon: Before the first line; the other lines are indented.
+        faint: Draw it like disabled text.
+        letters: Characters in a line; 0 for as many as the region is wide.
+    """
+    column = layout.column(align=True)
+    column.scale_y, column.active = 0.8, not faint
+    width = (letters or columns(context)) - (3 if icon != "NONE" else 0)
+    lines = textwrap.wrap(text, width, break_on_hyphens=False)
+    for number, line in enumerate(lines):
+        column.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
+
+
+def see_rendered(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """A button that shows the viewport rendered, where it is not yet."""
+    if context.space_data and context.space_data.type == "VIEW_3D":
+        shading = context.space_data.shading
+        if shading.type != "RENDERED":
+            layout.prop_enum(shading, "type", "RENDERED", text="See It Rendered")
+
+
+def columns(context: bpy.types.Context) -> int:
+    """About how many characters go into a line of the region."""
+    return max(16, int(context.region.width / (7.0 * context.preferences.system.ui_scale)) - 5)
+
+
+def duration(seconds: float) -> str:
+    """Seconds in words: "40 s", "12 min", "3 h"."""
+    for size, unit in ((3600, "h"), (60, "min")):
+        if seconds >= 1.5 * size:
+            return f"{seconds / size:.0f} {unit}"
+    return f"{max(seconds, 1):.0f} s"
+
+
+def size(count: float) -> str:
+    """Bytes in words: "12 bytes", "3.4 MB"."""
+    for unit in ("bytes", "kB", "MB"):
+        if count < 1000:
+            return f"{count:.0f} {unit}" if unit == "bytes" else f"{count:.1f} {unit}"
+        count /= 1000
+    return f"{count:.1f} GB"
+
+
+def redraw() -> None:
+    """Redraws the regions that our panels are in, and no others."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            for region in area.regions:
+                if region.type == _PLACES.get(area.type):
+                    region.tag_redraw()
+
+
+def look_icon(look: Look) -> int:
+    """The icon number of a preset's picture for `layout.template_icon`; one of Blender's own icons if it has none."""
+    if look.picture.is_file():
+        return icon(look.picture)
+    names = bpy.types.UILayout.bl_rna.functions["prop"].parameters["icon"].enum_items
+    return names["ERROR" if look.problem else "IMAGE_DATA"].value
+
+
+def icon(*pictures: Path | None, square: bool = False) -> int:
+    """The icon number of picture files for `layout.template_icon`, loaded again whenever a file has changed.
+
+    Args:
+        pictures: Paths. Several become one icon: wide ones one above the other, others in a row.
+        square: Whether only the square in the middle is shown.
+
+    Returns:
+        0 if none of the files exists yet.
+    """
+    there = tuple(p for p in pictures if p is not None and p.is_file())
+    if not there:
+        return 0
+    version = tuple((path, path.stat().st_mtime_ns) for path in there)
+    slot = square, there
+    shown, collection = _slots.get(slot, (None, None))
+    if collection is None:
+        collection = bpy.utils.previews.new()
+    if version != shown:
+        collection.clear()
+        parts = [_load(collection, path) for path in there]
+        if len(parts) > 1 or square:
+            whole = _composed([_pixels(part) for part in parts])
+            _put(collection.new("vibe"), _middle(whole) if square else whole)
+        _slots[slot] = version, collection
+    return collection["vibe" if "vibe" in collection else str(there[0])].icon_id
+
+
+def free_icons() -> None:
+    """Frees all pictures."""
+    for _, collection in _slots.values():
+        bpy.utils.previews.remove(collection)
+    _slots.clear()
+
+
+def _load(collection: bpy.utils.previews.ImagePreviewCollection, path: Path) -> bpy.types.ImagePreview:
+    loaded = collection.load(str(path), str(path), "IMAGE")
+    loaded.image_size[:]  # reads the file now; else a job would read it, and the panel would flicker
+    return loaded
+
+
+def _pixels(part: bpy.types.ImagePreview) -> np.ndarray:
+    """(H, W) int32: the four bytes of each pixel; row 0 is the bottom."""
+    width, height = part.image_size
+    pixels = np.empty(width * height, np.int32)
+    part.image_pixels.foreach_get(pixels)
+    return pixels.reshape(height, width)
+
+
+def _put(target: bpy.types.ImagePreview, pixels: np.ndarray) -> None:
+    target.image_size = pixels.shape[::-1]
+    target.image_pixels.foreach_set(pixels.ravel())
+
+
+def _middle(pixels: np.ndarray) -> np.ndarray:
+    """The square in the middle."""
+    height, width = pixels.shape
+    side = min(height, width)
+    bottom, left = (height - side) // 2, (width - side) // 2
+    return pixels[bottom : bottom + side, left : left + side]
+
+
+def _composed(parts: list[np.ndarray]) -> np.ndarray:
+    """Several pictures as one, each as large as the largest of them; the first is at the top or at the left."""
+    height, width = max((part.shape for part in parts), key=math.prod)
+    fitting = [resized(part, height, width) for part in parts]
+    wide = width >= height
+    gap = np.zeros((_GAP, width) if wide else (height, _GAP), np.int32)
+    ordered = fitting[::-1] if wide else fitting
+    pieces = [piece for part in ordered for piece in (part, gap)][:-1]
+    return np.concatenate(pieces, axis=0 if wide else 1)
+
+
+def resized(pixels: np.ndarray, height: int, width: int) -> np.ndarray:
+    """Pixels at another size, bilinear: the engine's first pictures are smaller than its last.
+
+    Args:
+        pixels: (H, W) int32, four 8-bit channels each.
+
+    Returns:
+        (height, width) int32.
+    """
+    channels = pixels.view(np.uint8).reshape(*pixels.shape, 4).astype(np.float32)
+    for axis, count in enumerate((height, width)):
+        place = np.linspace(0.0, channels.shape[axis] - 1.0, count)
+        low = place.astype(int)
+        high = np.minimum(low + 1, channels.shape[axis] - 1)
+        part = (place - low).reshape([-1 if axis == a else 1 for a in range(3)])
+        channels = channels.take(low, axis) * (1.0 - part) + channels.take(high, axis) * part
+    return np.ascontiguousarray((channels + 0.5).astype(np.uint8)).view(np.int32)[..., 0]

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether and where an engine is: searched, tested and set up in the background, while panels show the progress."""
+
+from __future__ import annotations
+
+import time
+from concurrent.futures import Future
+from pathlib import Path
+
+import bpy
+
+from ..core import background, preferences
+from ..core.preferences import own_folder
+from ..core.schema_import import errors, messages, schema
+from ..engine.find import find_python
+from ..engine.process import Engine
+from ..engine.setup import EngineSetup, requirements
+from ..engine.torch_builds import TorchBuild
+from . import drawing
+
+_TICK = 0.25  # seconds between two looks at the background work
+_PATIENCE = 60.0  # seconds that a test waits for the engine's "ready"
+
+
+class EngineState:
+    """The engine of this computer, as far as it is known.
+
+    For all methods, `choice` is the engine's folder from the preferences; "" for the usual places.
+
+    Attributes:
+        python: The Python that has it; None while that is not known, or there is none.
+        problem: Why there is none.
+        setup: An environment in the making, or the last one that was made.
+        outcome: The result of the last test or setup in words, for the preferences; "" before the first.
+        succeeded: Whether the last test or setup succeeded.
+    """
+
+    def __init__(self) -> None:
+        self._forget()
+
+    def _forget(self) -> None:
+        self.python: Path | None = None
+        self.problem: schema.VibeError | None = None
+        self.setup: EngineSetup | None = None
+        self.outcome, self.succeeded = "", True
+        self._choice: str | None = None
+        self._search_work: Future[Path] | None = None
+        self._test_work: Future[str] | None = None
+
+    @property
+    def busy(self) -> bool:
+        """Whether a search, a test or a setup runs, which panels show."""
+        return self.searching or self.testing or self.setting_up
+
+    @property
+    def searching(self) -> bool:
+        """Whether the engine is being searched."""
+        return self._search_work is not None
+
+    @property
+    def testing(self) -> bool:
+        """Whether the engine is being tested."""
+        return self._test_work is not None
+
+    @property
+    def setting_up(self) -> bool:
+        """Whether an environment is being made."""
+        return self.setup is not None and self.setup.running
+
+    def search(self, choice: str, again: bool = False) -> None:
+        """Searches the engine in the background, unless that has been done for this choice."""
+        if self.searching or (choice == self._choice and not again):
+            return
+        self._choice, self.python, self.problem = choice, None, None
+        self._search_work = background.begin(lambda: find_python(choice))
+        self._follow()
+
+    def test(self, choice: str) -> None:
+        """Starts an engine in the background to see whether it answers; the result is the `outcome`."""
+        if not self.testing:
+            self._test_work = background.begin(lambda: version(choice))
+            self._follow()
+
+    def set_up(self, build: TorchBuild) -> None:
+        """Makes an environment for the engine, with this build of torch, in the background; raises as `requirements`."""
+        if not self.setting_up:
+            self.setup = EngineSetup(setup_folder(), requirements(), build)
+            self._follow()
+
+    def close(self) -> None:
+        """Cancels a setup and forgets everything."""
+        if self.setup:
+            self.setup.cancel()
+        if bpy.app.timers.is_registered(self.tick):
+            bpy.app.timers.unregister(self.tick)
+        self._forget()
+
+    def _follow(self) -> None:
+        if not bpy.app.timers.is_registered(self.tick):
+            bpy.app.timers.register(self.tick, first_interval=_TICK)
+
+    def tick(self) -> float | None:
+        """Takes the results of background work, as a timer of Blender's: returns seconds to the next call, None for none."""
+        if self._search_work and self._search_work.done():
+            search, self._search_work = self._search_work, None
+            self.python, self.problem = _answer_of(search)
+        if self._test_work and self._test_work.done():
+            test, self._test_work = self._test_work, None
+            answer, problem = _answer_of(test)
+            self.outcome, self.succeeded = str(problem or f"Engine {answer} answers"), problem is None
+        if self.setup and not self.setup.running:
+            self._end_setup(self.setup)
+        drawing.redraw()
+        return _TICK if self.busy else None
+
+    def _end_setup(self, setup: EngineSetup) -> None:
+        self.setup = None
+        try:
+            setup.finish()
+        except schema.VibeError as error:
+            self.outcome, self.succeeded = str(error), False
+            return
+        self.outcome, self.succeeded = "The engine is set up", True
+        if chosen := preferences.get(bpy.context):
+            chosen.engine = str(setup.folder)
+            self.search(chosen.engine, again=True)
+
+
+def setup_folder() -> Path:
+    """The folder of the environment that Set Up Engine makes."""
+    return own_folder("engine")
+
+
+def version(choice: str) -> str:
+    """Starts an engine and returns its version, or raises a VibeError; `choice` as for `EngineState`."""
+    engine = Engine(choice)
+    engine.start()
+    try:
+        end = time.monotonic() + _PATIENCE
+        while time.monotonic() < end:
+            for message in engine.poll():
+                if isinstance(message, messages.Ready):
+                    return message.version
+            time.sleep(0.05)
+    finally:
+        engine.stop()
+    raise schema.VibeError("The engine does not answer.", f"See {engine.log}.")
+
+
+def _answer_of(future: Future) -> tuple:
+    """(its result, None), or (None, the VibeError to show)."""
+    try:
+        return future.result(), None
+    except schema.VibeError as error:
+        return None, error
+    except Exception as error:  # a panel must say so, whatever it is
+        return None, errors.unexpected(error, "looking for the engine")
+
+
+engine_state = EngineState()

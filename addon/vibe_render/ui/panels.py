@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The main panel, where all panels are, and what the add-on does when Blender opens, saves or changes a file.
+
+The panels are in the 3D viewport's sidebar, tab "Vibe", and in the render properties.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+from bpy.app.handlers import persistent
+
+from ..core import preferences
+from ..core.schema_import import schema
+from ..run import preview
+from ..run.state import addon_state
+from . import (
+    bases,
+    drawing,
+    live,
+    picture,
+    preset_files,
+    presets,
+    prompt_history,
+    properties,
+    result,
+    run,
+    scope,
+    setup,
+    words,
+)
+from .engine_state import engine_state
+
+_PLACES = {
+    "VIBE_PT": {"bl_space_type": "VIEW_3D", "bl_region_type": "UI", "bl_category": "Vibe"},
+    "VIBE_RENDER_PT": {"bl_space_type": "PROPERTIES", "bl_region_type": "WINDOW", "bl_context": "render"},
+}
+"""The prefix of the panels' names in each place, and the place."""
+
+
+class MainPanel:
+    """Prompt and button; progress while a vibe runs; its failure."""
+
+    bl_label = "Vibe Render"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
+        if addon_state.running and addon_state.session:  # text instead of grayed-out fields
+            drawing.paragraph(layout, context, addon_state.session.wanted)
+            run.draw(layout, context, addon_state.session)
+            return
+        # The prompt, its words, and their look so far.
+        column = layout.column()
+        head = column.row()
+        head.label(text="Describe the mood")
+        switch = head.row()
+        switch.alignment = "RIGHT"
+        switch.prop(context.window_manager, "vibe_live", icon="HIDE_OFF", toggle=True)
+        field = column.row(align=True)
+        field.scale_y = 1.3
+        field.prop(settings, "prompt", text="", placeholder="misty, cool blue fog, vignette")
+        field.menu("VIBE_MT_history", text="", icon="RECOVER_LAST")
+        words.keep_up(context)
+        words.draw(column, context)
+        if addon_state.live and addon_state.live.scene == context.scene.name:
+            live.draw(column, context, addon_state.live)
+        # The button, and what is in its way.
+        engine_state.search(preferences.engine_choice(context))
+        setup.warm_up_soon()
+        row = column.row(align=True)
+        for name in schema.BUDGETS:
+            row.prop_enum(settings, "budget", name.upper())
+        column.prop(settings, "variants")
+        button = layout.row()
+        button.scale_y = 1.8
+        button.operator("vibe.run", icon="SHADERFX")
+        if addon_state.failure:
+            setup.draw_failure(layout, context, addon_state.failure)
+        elif engine_state.problem or engine_state.setting_up:
+            setup.draw_no_engine(layout, context)
+        elif reason := bases.obstacle(context):
+            drawing.paragraph(layout, context, reason, "INFO", faint=True)
+
+
+_PANELS: tuple[tuple[str, type, str], ...] = (
+    ("main", MainPanel, ""),
+    ("presets", presets.PresetsPanel, "main"),
+    ("picture", picture.PicturePanel, "main"),
+    ("result", result.ResultPanel, ""),
+    ("changes", result.ChangesPanel, "result"),
+    ("scope", scope.ScopePanel, ""),
+    ("values", scope.ValuesPanel, "scope"),
+    ("advanced", scope.AdvancedPanel, ""),
+)
+"""Name, class that draws it, and its parent panel."""
+
+
+def _panels() -> list[type]:
+    """Every panel in every place; in the properties editor all of them are inside the first."""
+    panels = []
+    for prefix, where in _PLACES.items():
+        in_properties = where["bl_space_type"] == "PROPERTIES"
+        for name, base, parent in _PANELS:
+            names: dict[str, Any] = {"__module__": __name__, "__doc__": base.__doc__, **where}
+            if in_properties and name == "main":
+                names["bl_options"] = {"DEFAULT_CLOSED"}
+            elif in_properties and not parent:
+                parent = "main"
+            if parent:
+                names["bl_parent_id"] = f"{prefix}_{parent}"
+            panels.append(type(f"{prefix}_{name}", (base, bpy.types.Panel), names))
+    return panels
+
+
+CLASSES: tuple[type, ...] = (
+    *setup.CLASSES,
+    *properties.CLASSES,
+    *scope.CLASSES,
+    *run.CLASSES,
+    *live.CLASSES,
+    *words.CLASSES,
+    *picture.CLASSES,
+    *prompt_history.CLASSES,
+    *result.CLASSES,
+    *presets.CLASSES,
+    *preset_files.CLASSES,
+    *_panels(),
+)
+"""Of all features, in the order in which Blender gets them."""
+
+
+@persistent
+def _before_load(*_: object) -> None:
+    """A vibe belongs to its file: it ends before Blender opens another, and its pictures go."""
+    addon_state.cancel()
+    addon_state.end_live()
+
+
+@persistent
+def _before_save(*_: object) -> None:
+    """A file holds the artist's values, not a preview."""
+    preview.hide_all()
+
+
+@persistent
+def _show_again(*_: object) -> None:
+    """After a save or an undo the scene shows the look of the vibe that runs, or of what is typed, and no other."""
+    preview.hide_all()
+    if addon_state.running and addon_state.session:
+        addon_state.session.show_again()
+    elif addon_state.live:
+        addon_state.live.show_again()
+
+
+@persistent
+def _after_change(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    changed = [update.id.original for update in depsgraph.updates]
+    addon_state.readings.scene_changed(changed)
+    if addon_state.live:
+        addon_state.live.scene_changed(changed)
+
+
+_HANDLERS = {
+    "load_pre": _before_load,
+    "load_post": _show_again,
+    "save_pre": _before_save,
+    "save_post": _show_again,
+    "save_post_fail": _show_again,
+    "undo_post": _show_again,
+    "redo_post": _show_again,
+    "depsgraph_update_post": _after_change,
+}
+
+
+def register() -> None:
+    """Registers classes, properties, handlers and keys with Blender."""
+    for each in CLASSES:
+        bpy.utils.register_class(each)
+    bpy.types.Scene.vibe = bpy.props.PointerProperty(type=properties.VibeSettings)
+    bpy.types.WindowManager.vibe_presets = bpy.props.PointerProperty(type=presets.VibePresets)
+    bpy.types.WindowManager.vibe_live = bpy.props.BoolProperty(
+        name="Live",
+        description="Show the first look of the words so far, as a preview, whenever you pause in typing",
+        update=live.switched,
+        options={"SKIP_SAVE"},
+    )
+    bpy.types.WindowManager.vibe_values = bpy.props.PointerProperty(type=scope.VibeValues)
+    for name, handler in _HANDLERS.items():
+        getattr(bpy.app.handlers, name).append(handler)
+    live.register_keys()
+
+
+def unregister() -> None:
+    """Inverse of `register`; ends the engine."""
+    live.unregister_keys()
+    setup.forget_warm_up()
+    live.stop()
+    words.stop()
+    for name, handler in _HANDLERS.items():
+        getattr(bpy.app.handlers, name).remove(handler)
+    addon_state.close()
+    engine_state.close()
+    drawing.free_icons()
+    del bpy.types.Scene.vibe
+    del bpy.types.WindowManager.vibe_presets
+    del bpy.types.WindowManager.vibe_live
+    del bpy.types.WindowManager.vibe_values
+    for each in reversed(CLASSES):
+        bpy.utils.unregister_class(each)

@@ -1,0 +1,320 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# mypy: disable-error-code="valid-type"
+"""Presets in the "Vibe" tab: a grid of pictures to choose from, the chosen preset, and actions on it."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import ClassVar
+
+import bpy
+from bpy.props import StringProperty
+
+from ..core.schema_import import preset, schema
+from ..looks import library, thumbnail, use
+from ..run.state import addon_state
+from .bases import IdleOperator, IdlePanel, has_mesh, untouchable
+from .drawing import look_icon, paragraph
+
+_WIDTH, _COLUMNS = 26, 4  # of the grid; the width in Blender's units (the height of a button)
+_LETTERS = 70  # characters in a line of text below the grid
+_SHOWN = 5  # lines about what did not fit
+
+
+class VibePresets(bpy.types.PropertyGroup):
+    """The fields of the preset panel; they belong to the window."""
+
+    search: StringProperty(
+        name="Search",
+        description="Words of a preset's name or prompt",
+        options={"TEXTEDIT_UPDATE", "SKIP_SAVE"},
+    )
+    chosen: StringProperty(description="The file of the chosen preset")
+    rest: StringProperty(description="What did not fit of the last one, in lines")
+
+
+class VIBE_MT_preset(bpy.types.Menu):
+    """Actions on the chosen preset."""
+
+    bl_label = "Preset"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.operator_context = "INVOKE_DEFAULT"
+        layout.operator("vibe.preset_rename", text="Rename…", icon="GREASEPENCIL")
+        layout.operator("vibe.preset_export", text="Export…", icon="EXPORT")
+        layout.separator()
+        layout.operator("vibe.preset_delete", text="Delete…", icon="TRASH")
+
+
+class VIBE_MT_presets(bpy.types.Menu):
+    """Actions on all presets, and on the look that the scene has now."""
+
+    bl_label = "Presets"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.operator_context = "INVOKE_DEFAULT"
+        layout.operator("vibe.preset_import", text="Import…", icon="IMPORT")
+        if (folder := library.preset_folder()).is_dir():
+            layout.operator("wm.path_open", text="Open Folder", icon="FILE_FOLDER").filepath = str(folder)
+        layout.separator()
+        layout.operator("vibe.export_assets", text="Export Look as Assets…", icon="ASSET_MANAGER")
+        layout.operator("vibe.export_lut", text="Export Grade as LUT…", icon="COLOR")
+
+
+class PresetsPanel(IdlePanel):
+    """The chosen preset, and the button that shows all of them."""
+
+    bl_label = "Presets"
+
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
+        self.layout.menu("VIBE_MT_presets", text="", icon="COLLAPSEMENU")  # type: ignore[attr-defined]
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout: bpy.types.UILayout = self.layout  # type: ignore[attr-defined]
+        layout.popover("VIBE_PT_preset_grid", text="Browse", icon="ASSET_MANAGER")
+        if look := _chosen(context):
+            layout.template_icon(icon_value=look_icon(look), scale=6.0)
+            _draw_chosen(layout, context, look)
+
+
+class VIBE_PT_preset_grid(bpy.types.Panel):
+    """All presets as pictures, with search; below them the chosen one."""
+
+    bl_label = "Browse Presets"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "HEADER"
+    bl_options: ClassVar[set[str]] = {"INSTANCED"}
+    bl_ui_units_x = _WIDTH
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, window_state = self.layout, context.window_manager.vibe_presets
+        layout.prop(window_state, "search", text="", icon="VIEWZOOM", placeholder="Search names and prompts")
+        shown = library.all_looks(window_state.search)
+        grid = layout.grid_flow(row_major=True, columns=_COLUMNS, even_columns=True, even_rows=True)
+        for look in shown:
+            cell = grid.column(align=True)
+            cell.template_icon(icon_value=look_icon(look), scale=_WIDTH / _COLUMNS - 1.0)
+            picked = str(look.path) == window_state.chosen
+            row = cell.row(align=True)
+            row.operator("vibe.preset_choose", text=look.name, depress=picked).path = str(look.path)
+            row.operator("vibe.preset_apply", text="", icon="CHECKMARK").path = str(look.path)
+        for _ in range(-len(shown) % _COLUMNS if len(shown) < _COLUMNS else 0):  # pictures keep their size
+            grid.label(text="")
+        if not shown:
+            _draw_faint(layout, "No preset has these words")
+        elif chosen := _chosen(context):
+            _draw_chosen(layout, context, chosen, _LETTERS)
+        else:
+            _draw_faint(layout, "Click a name to read more, or ✓ to apply the look")
+
+
+def _draw_faint(layout: bpy.types.UILayout, text: str) -> None:
+    row = layout.row()
+    row.active, row.alignment = False, "CENTER"
+    row.label(text=text)
+
+
+def _chosen(context: bpy.types.Context) -> library.Look | None:
+    path = context.window_manager.vibe_presets.chosen
+    return next((look for look in library.all_looks() if str(look.path) == path), None) if path else None
+
+
+def _draw_chosen(
+    layout: bpy.types.UILayout, context: bpy.types.Context, look: library.Look, letters: int = 0
+) -> None:
+    """Name, prompt and Apply in a box; lines have so many characters, or the region's width if 0."""
+    box = layout.box()
+    row = box.row()
+    row.label(text=look.name, icon="ERROR" if look.problem else "NONE")
+    row.menu("VIBE_MT_preset", text="", icon="DOWNARROW_HLT")
+    if look.problem:
+        paragraph(box, context, look.problem, letters=letters)
+        return
+    if look.prompt:
+        paragraph(box, context, f"“{look.prompt}”", faint=True, letters=letters)
+    row = box.row()
+    row.scale_y = 1.4
+    applied = context.scene.vibe.vibed_preset == look.name
+    row.operator("vibe.preset_apply", text="Apply Again" if applied else "Apply", icon="CHECKMARK")
+    rest = context.window_manager.vibe_presets.rest.splitlines() if applied else []
+    for line in rest[:_SHOWN]:
+        paragraph(box, context, f"Did not fit: {line}", faint=True, letters=letters)
+    if len(rest) > _SHOWN:
+        paragraph(box, context, f"… and {len(rest) - _SHOWN} more", faint=True, letters=letters)
+
+
+class PresetOperator(IdleOperator):
+    """An operator on a preset: a given one, or the chosen one."""
+
+    path: StringProperty(
+        options={"HIDDEN", "SKIP_SAVE"}, description="The preset's file; empty: the chosen one"
+    )
+
+    def look(self, context: bpy.types.Context) -> library.Look:
+        """The preset; raises a VibeError if it is gone."""
+        return library.preset_at(self.path or context.window_manager.vibe_presets.chosen)
+
+    def name_or_report(self, context: bpy.types.Context) -> str | None:
+        """The preset's name; reports that it is gone and returns None if so."""
+        try:
+            return self.look(context).name
+        except schema.VibeError as error:
+            self.report({"ERROR"}, str(error))
+            return None
+
+
+class LookOperator(IdleOperator):
+    """An operator on the look that the scene has now."""
+
+    @classmethod
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        return "" if context.scene.vibe.changes else "Vibe the scene first, or apply a preset"
+
+
+class _OwnPresetOperator(PresetOperator):
+    """An operator on one of the artist's own presets, not on a shipped one."""
+
+    @classmethod
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        chosen = context.window_manager.vibe_presets.chosen
+        if not chosen:
+            return "Choose a preset first"
+        return "It comes with Vibe Render" if Path(chosen).parent == library.SHIPPED else ""
+
+
+class _NameDialog:
+    """A dialog for a name; its field is active at once."""
+
+    name: StringProperty(
+        name="Name", description="What the preset is called in lists", maxlen=preset.LONGEST_NAME
+    )
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout: bpy.types.UILayout = self.layout  # type: ignore[attr-defined]
+        layout.activate_init = True  # lost where labels are split off
+        layout.prop(self, "name")
+
+
+class VIBE_OT_preset_choose(bpy.types.Operator):
+    """Choose this preset"""
+
+    bl_idname = "vibe.preset_choose"
+    bl_label = "Choose Preset"
+    bl_options: ClassVar[set[str]] = {"INTERNAL"}
+
+    path: StringProperty()
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        """The preset's prompt, as a tool tip."""
+        try:
+            look = library.preset_at(properties.path)
+        except schema.VibeError as error:
+            return str(error)
+        return look.problem or (f"“{look.prompt}”" if look.prompt else look.name)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        context.window_manager.vibe_presets.chosen = self.path
+        return {"FINISHED"}
+
+
+class VIBE_OT_preset_apply(PresetOperator):
+    """Give the scene this look. Strength, Before, Keep and Revert work as after a vibe"""
+
+    bl_idname = "vibe.preset_apply"
+    bl_label = "Apply"
+    bl_options: ClassVar[set[str]] = {"UNDO"}
+
+    @classmethod
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        return untouchable(context) if has_mesh(context.scene) else "The scene has no mesh"
+
+    def act(self, context: bpy.types.Context) -> str:
+        look = self.look(context)
+        if look.preset is None:
+            raise schema.VibeError(look.problem, "Delete it, or correct the file.")
+        rest = use.apply_preset(context.scene, look.preset, context.scene.vibe.choice())
+        addon_state.forget()  # its pictures and variants are not of this look
+        window_state = context.window_manager.vibe_presets
+        window_state.chosen, window_state.rest = str(look.path), "\n".join(rest)
+        left = f"; {len(rest)} things did not fit" if len(rest) > 1 else "; one thing did not fit"
+        return f"{look.name} is in the scene{left if rest else ''}"
+
+
+class VIBE_OT_preset_save(_NameDialog, LookOperator):
+    """Save the look that the scene has now as a preset, with a picture of it"""
+
+    bl_idname = "vibe.preset_save"
+    bl_label = "Save Preset"
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        settings = context.scene.vibe
+        first = settings.vibed_prompt.partition(",")[0]  # short, for the grid; the rest is its prompt
+        self.name = settings.vibed_preset or preset.title(first[:1].upper() + first[1:])
+        return context.window_manager.invoke_props_dialog(self, width=340, confirm_text="Save")
+
+    def act(self, context: bpy.types.Context) -> str:
+        """Saves it; the picture is a small render."""
+        scene = context.scene
+        look = use.capture_preset(scene, scene.vibe.choice(), self.name)
+        with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
+            picture = Path(folder) / f"picture{thumbnail.SUFFIX}"
+            thumbnail.render_thumbnail(scene, picture)
+            saved = library.save_preset(look, picture)
+        context.window_manager.vibe_presets.chosen = str(saved.path)
+        return f"Saved as {saved.name}"
+
+
+class VIBE_OT_preset_rename(_NameDialog, _OwnPresetOperator):
+    """Give this preset another name"""
+
+    bl_idname = "vibe.preset_rename"
+    bl_label = "Rename Preset"
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if (name := self.name_or_report(context)) is None:
+            return {"CANCELLED"}
+        self.name = name
+        return context.window_manager.invoke_props_dialog(self, width=340, confirm_text="Rename")
+
+    def act(self, context: bpy.types.Context) -> str:
+        renamed = library.rename_preset(self.look(context), self.name)
+        context.window_manager.vibe_presets.chosen = str(renamed.path)
+        return f"Renamed to {renamed.name}"
+
+
+class VIBE_OT_preset_delete(_OwnPresetOperator):
+    """Delete this preset and its picture"""
+
+    bl_idname = "vibe.preset_delete"
+    bl_label = "Delete Preset"
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if (name := self.name_or_report(context)) is None:
+            return {"CANCELLED"}
+        return context.window_manager.invoke_confirm(
+            self, event, title="Delete Preset", message=f"{name} will be gone for good.", confirm_text="Delete",
+            icon="WARNING",
+        )  # fmt: skip
+
+    def act(self, context: bpy.types.Context) -> str:
+        look = self.look(context)
+        library.delete_preset(look)
+        context.window_manager.vibe_presets.chosen = ""
+        return f"{look.name} is deleted"
+
+
+CLASSES = (
+    VibePresets,
+    VIBE_MT_preset,
+    VIBE_MT_presets,
+    VIBE_PT_preset_grid,
+    VIBE_OT_preset_choose,
+    VIBE_OT_preset_apply,
+    VIBE_OT_preset_save,
+    VIBE_OT_preset_rename,
+    VIBE_OT_preset_delete,
+)

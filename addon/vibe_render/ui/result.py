@@ -1,0 +1,271 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# mypy: disable-error-code="valid-type"
+"""A result in the panel: pictures, variants, strength, what changed and why; Keep, Revert and another variant, one undo step each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import groupby
+from typing import Any, ClassVar
+
+import bpy
+from bpy.props import IntProperty, StringProperty
+
+from ..core.schema_import import labels, schema
+from ..export.notes import shortened_notes
+from ..render import reference
+from ..run import result
+from ..run.notes import word_notes, words_shown
+from ..run.session import Session
+from ..run.state import addon_state
+from ..scene import snapshot
+from .bases import allowed, result_obstacle
+from .drawing import GROUP_ICONS, columns, icon, paragraph, see_rendered
+from .scope import draw_lock
+
+_AGREEMENTS = ((1.0, "matches", True), (3.0, "is close to", True), (math.inf, "differs from", False))
+"""Upper bound of the mean CIEDE2000 between preview and render, the words for it, and whether that is good news: 1 is
+the least difference that people see side by side."""
+
+
+class ResultPanel:
+    """The last vibe's pictures and prompt, and its buttons."""
+
+    bl_label = "Result"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return snapshot.exists(context.scene) and not addon_state.running
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
+        session = addon_state.session
+        if session and session.scene != context.scene.name:
+            session = None
+        if not (wanted := reference.request_title(settings.vibed_prompt, settings.vibed_like)):
+            paragraph(layout, context, "A vibe has been in this scene; Revert takes away what is left of it.")
+        else:  # a label shows all of it, a field cuts
+            paragraph(layout, context, wanted, faint=True)
+        if session:
+            _draw_session(layout, context, session)
+        if settings.changes:  # Before, After and Strength change the scene itself
+            column = layout.column(align=True)
+            row = column.row(align=True)
+            row.prop(settings, "show_original", text="Before", toggle=True)
+            row.prop(settings, "show_original", text="After", toggle=True, invert_checkbox=True)
+            column.prop(settings, "strength", slider=True)
+            see_rendered(column, context)
+        grid = layout.column(align=True)
+        grid.scale_y = 1.3
+        row = grid.row(align=True)
+        row.operator("vibe.keep", icon="CHECKMARK")
+        row.operator("vibe.revert", icon="LOOP_BACK")
+        row = grid.row(align=True)
+        row.operator("vibe.run", text="Again", icon="FILE_REFRESH").again = True
+        row.operator("vibe.preset_save", text="Save Preset", icon="PRESET_NEW")
+        if reason := result_obstacle(context):
+            paragraph(layout, context, reason, "INFO", faint=True)
+        if session:
+            notes = [*session.anchor_notes, *session.warnings]
+            for note in [
+                *word_notes(session.report)[:4],
+                *shortened_notes(notes),
+            ]:  # below what is always there
+                paragraph(layout, context, note, "INFO", faint=True)
+
+
+def _draw_session(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
+    """Pictures, variants, the words that are visible and the prediction's error: they last only as long as Blender runs."""
+    current = context.scene.vibe.variant
+    picture = session.variants[current][1] if 0 < current < len(session.variants) else session.preview
+    if number := icon(session.before, picture):
+        layout.template_icon(icon_value=number, scale=10.5)
+        if session.before:
+            row = layout.row()
+            row.active, row.alignment, row.scale_y = False, "CENTER", 0.7
+            row.label(text="Above: before. Below: after, as predicted")
+    if len(session.variants) > 1:
+        _draw_variants(layout, session, current)
+    if current:  # what follows was measured on the first variant
+        return
+    words = words_shown(session.report.get("claims", ()))
+    if visible := [word for word, missing in words.items() if not missing]:
+        paragraph(layout, context, f"Shows: {', '.join(visible)}", "CHECKMARK")
+    for word, missing in words.items():
+        if missing:
+            paragraph(layout, context, f"Not yet: {word}. {missing[0].upper()}{missing[1:]}", "X")
+    if session.prediction_error is not None:
+        text, good = agreement(session.prediction_error, context.scene.render.engine)
+        paragraph(layout, context, text, "CHECKMARK" if good else "INFO")
+
+
+def agreement(difference: float, engine: str) -> tuple[str, bool]:
+    """The agreement of preview and render in words, and whether that is good news; `difference` is their mean CIEDE2000."""
+    if engine != "CYCLES":
+        return "The preview shows Cycles; other engines differ", False
+    words, good = next((words, good) for most, words, good in _AGREEMENTS if difference < most)
+    tenths = max(math.ceil(difference * 10.0), 1)
+    return f"The preview {words} Cycles (color difference {tenths / 10.0:.1f})", good
+
+
+def _draw_variants(layout: bpy.types.UILayout, session: Session, current: int) -> None:
+    """The variants, each a picture with a button. Pictures are square, so that the button is close below."""
+    across = min(len(session.variants), 4)
+    grid = layout.grid_flow(row_major=True, columns=across, even_columns=True, align=True)
+    for number, (_, picture) in enumerate(session.variants):
+        cell = grid.column(align=True)
+        if shown := icon(picture, square=True):
+            cell.template_icon(icon_value=shown, scale=max(10.4 / across, 3.2))
+        used = number == current
+        text, icon_name = (str(number + 1), "CHECKMARK") if used else (f"Use {number + 1}", "NONE")
+        button = cell.operator("vibe.variant", text=text, depress=used, icon=icon_name)
+        button.number = number
+
+
+class ChangesPanel:
+    """Every value that changed: old, new, and why; one heading for each light, material and so on."""
+
+    bl_label = "What Changed and Why"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return bool(context.scene.vibe.changes) and not addon_state.running
+
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
+        row = self.layout.row(align=True)  # type: ignore[attr-defined]
+        row.label(text=str(len(_visible(context))))
+        row.prop(context.scene.vibe, "show_reasons", text="", icon="INFO", emboss=False)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout  # type: ignore[attr-defined]
+        owned = groupby(_visible(context), key=lambda change: schema.split_key(change.name)[:2])
+        for number, ((group, owner), entries) in enumerate(owned):
+            if number:
+                layout.separator(factor=0.3)
+            column = layout.column(align=True)
+            column.label(text=owner or labels.GROUP_TITLES[group], icon=GROUP_ICONS[group])
+            for why, same in groupby(entries, key=lambda change: result.cause(change.reason)):
+                _draw_changes(column, context, list(same), why)
+
+
+def _visible(context: bpy.types.Context) -> list[Any]:
+    """The changes that show in the numbers."""
+    return [c for c in context.scene.vibe.changes if not labels.same(c.name, *c.values())]
+
+
+def _draw_changes(
+    layout: bpy.types.UILayout, context: bpy.types.Context, same: Sequence[Any], why: str
+) -> None:
+    """Values that changed for the same reason; below them the word that caused it, whose tool tip is the whole reason."""
+    for change in same:
+        _draw_change(layout, context.scene.vibe, change)
+    if context.scene.vibe.show_reasons and why:
+        most = columns(context)
+        text = why if len(why) <= most else f"{why[: most - 1].rstrip()}…"
+        row = layout.row()
+        row.active, row.alignment, row.scale_y = False, "LEFT", 0.75
+        row.operator("vibe.why", text=text, emboss=False).key = same[-1].name
+
+
+def _draw_change(layout: bpy.types.UILayout, settings: Any, change: Any) -> None:
+    """Name, old and new value, a lock."""
+    parameter = labels.parameter(change.name)
+    row = layout.row(align=True)
+    split = row.split(factor=0.44, align=True)
+    split.label(text=labels.words(parameter.name))
+    values = split.row(align=True)
+    if parameter.kind == "color":
+        values.enabled = False
+        values.prop(change, "before", text="")
+        values.prop(change, "after", text="")
+    else:
+        values.alignment = "RIGHT"
+        values.label(text=result.arrow(change.name, *change.values()))
+    draw_lock(row, settings, change.name)
+
+
+class _Vibed(bpy.types.Operator):
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return allowed(cls, result_obstacle(context))
+
+
+class VIBE_OT_revert(_Vibed):
+    """Restore the scene exactly as it was before the first vibe"""
+
+    bl_idname = "vibe.revert"
+    bl_label = "Revert"
+    bl_options: ClassVar[set[str]] = {"UNDO"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        try:
+            lost = result.revert(context.scene)
+        except schema.VibeError as error:
+            addon_state.end(error)  # it stays in the panel, not in a passing report alone
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        addon_state.forget()
+        if lost:
+            self.report({"WARNING"}, f"{len(lost)} values could not be restored: {lost[0]}")
+        return {"FINISHED"}
+
+
+class VIBE_OT_keep(_Vibed):
+    """Keep the scene as it is now, and forget how it was before"""
+
+    bl_idname = "vibe.keep"
+    bl_label = "Keep"
+    bl_options: ClassVar[set[str]] = {"UNDO"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        result.keep(context.scene)
+        addon_state.forget()
+        return {"FINISHED"}
+
+
+class VIBE_OT_variant(_Vibed):
+    """Put this look into the scene in place of the other"""
+
+    bl_idname = "vibe.variant"
+    bl_label = "Variant"
+    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
+
+    number: IntProperty(min=0)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        session, scene = addon_state.session, context.scene
+        if session is None or not 0 <= self.number < len(session.variants):
+            self.report({"ERROR"}, "That look is not there any more")
+            return {"CANCELLED"}
+        variants = [variant for variant, _ in session.variants]
+        try:
+            result.choose(scene, self.number, variants, session.subject(scene))
+        except schema.VibeError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class VIBE_OT_why(bpy.types.Operator):
+    """Why this value changed"""
+
+    bl_idname = "vibe.why"
+    bl_label = "Why"
+    bl_options: ClassVar[set[str]] = {"INTERNAL"}
+
+    key: StringProperty()
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        change = context.scene.vibe.changes[properties.key]
+        where = f"{labels.title(change.name)}, found at {labels.parameter(change.name).blender}"
+        return f"{change.reason}.\n{where}" if change.reason else where
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Reports the reason in the status bar too."""
+        self.report({"INFO"}, context.scene.vibe.changes[self.key].reason or "The look asked for it")
+        return {"CANCELLED"}
+
+
+CLASSES = (VIBE_OT_revert, VIBE_OT_keep, VIBE_OT_variant, VIBE_OT_why)

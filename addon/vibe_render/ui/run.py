@@ -1,0 +1,278 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# mypy: disable-error-code="valid-type"
+"""Vibe It: a vibe from the button to its end, in the background; its progress in the panel, and the buttons that end it.
+
+It leaves one undo step.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from typing import ClassVar
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty
+
+from ..core.schema_import import errors, schema
+from ..run.driver import LOOKING
+from ..run.notes import failure_note
+from ..run.session import PAUSING, SILENT, Session
+from ..run.state import addon_state
+from . import bases, drawing, live, prompt_history
+
+_TICK = 0.02  # seconds between two steps of the session
+_REDRAW = 0.1  # seconds after which the panels are drawn again though the stage is the same
+
+
+class VIBE_OT_run(bpy.types.Operator):
+    """Change the scene's materials, lights, fog and grading until it looks like the words"""
+
+    bl_idname = "vibe.run"
+    bl_label = "Vibe It"
+    bl_options: ClassVar[set[str]] = {"UNDO"}  # no REGISTER: "Adjust Last Operation" would do it all again
+
+    again: BoolProperty(
+        name="Again", description="The same words once more, with another seed", options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        if properties.again:
+            return "Look once more for the same words, from here, with another seed"
+        return cls.__doc__ or ""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return bases.allowed(cls, bases.obstacle(context))
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Starts the vibe in the background."""
+        self._session = self._begin(context, ask=True)
+        self._drawn = "", 0.0
+        manager = context.window_manager
+        self._timer = manager.event_timer_add(_TICK, window=context.window)
+        manager.modal_handler_add(self)
+        context.workspace.status_text_set("Vibe Render is at work     Esc: stop")
+        drawing.redraw()
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Runs the whole vibe at once, for scripts without a window."""
+        session = self._begin(context)
+        failure = None
+        while failure is None and addon_state.running:
+            failure = _advance(session)
+            time.sleep(_TICK)  # the engine needs the core
+        return self._done(failure, "ERROR")
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Does a step on every tick of the timer; takes Esc; passes everything else through."""
+        session = self._session
+        # Canceled by its button, or by another file that was opened.
+        if addon_state.session is not session or not addon_state.running:
+            self._clean_up(context)
+            return {"CANCELLED"}
+        if event.type == "ESC" and event.value == "PRESS" and not bpy.app.is_job_running("RENDER"):
+            return self._escape(context)
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        failure = _advance(session)
+        # At once when a stage begins, which may block Blender in the next step.
+        now = time.monotonic()
+        if session.stage != self._drawn[0] or now - self._drawn[1] > _REDRAW:
+            self._drawn = session.stage, now
+            drawing.redraw()
+        if addon_state.running and failure is None:
+            return {"PASS_THROUGH"}
+        self._clean_up(context)
+        return self._done(failure, "WARNING")  # the panel explains; no need for a pop-up
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Blender calls this when the window closes; nothing has been written yet."""
+        if addon_state.session is self._session:
+            addon_state.cancel()
+        self._clean_up(context)
+
+    def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
+        settings = context.scene.vibe
+        if self.again and (settings.vibed_prompt or settings.vibed_like):
+            settings.prompt = settings.vibed_prompt
+            settings.seed += 1
+        if words := settings.prompt.strip():
+            prompt_history.remember(words, settings.target_pairs())
+        return addon_state.begin(context, ask)
+
+    def _escape(self, context: bpy.types.Context) -> set[str]:
+        """The first Esc takes the best look so far, if there is one; otherwise the vibe is canceled."""
+        if self._session.can_stop:
+            with contextlib.suppress(schema.VibeError):  # the next tick finds out and tells
+                self._session.stop()
+            context.workspace.status_text_set("Taking the best so far     Esc: give it up")
+            return {"RUNNING_MODAL"}
+        addon_state.cancel()
+        self._clean_up(context)
+        self.report({"INFO"}, "Vibe canceled; the scene is as it was")
+        return {"CANCELLED"}
+
+    def _done(self, failure: schema.VibeError | None, severity: str) -> set[str]:
+        if failure is None:
+            note = failure_note(addon_state.session.report) if addon_state.session else ""
+            self.report({"WARNING" if note else "INFO"}, note or "The vibe is in the scene")
+            return {"FINISHED"}
+        addon_state.end(failure)
+        self.report({severity}, str(failure))
+        return {"CANCELLED"}
+
+    def _clean_up(self, context: bpy.types.Context) -> None:
+        context.window_manager.event_timer_remove(self._timer)
+        if context.workspace:  # none while another file is opened
+            context.workspace.status_text_set(None)
+        drawing.redraw()
+
+
+def _advance(session: Session) -> schema.VibeError | None:
+    """Does the next step of a vibe; returns the error if it fails."""
+    try:
+        if not session.advance():
+            addon_state.end()
+    except schema.VibeError as error:
+        return error
+    except Exception as error:  # an artist must never be left with a stuck panel
+        return errors.unexpected(error, session.stage.lower())
+    return None
+
+
+class _Running(bpy.types.Operator):
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        cls.poll_message_set("No vibe is on its way")
+        return addon_state.running
+
+
+class VIBE_OT_stop(_Running):
+    """Stop now, and use the best look so far"""
+
+    bl_idname = "vibe.stop"
+    bl_label = "Stop"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        cls.poll_message_set("There is no look yet to take")
+        return addon_state.running and bool(addon_state.session and addon_state.session.can_stop)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Asks the engine; its result arrives as usual."""
+        try:
+            if addon_state.session:
+                addon_state.session.stop()
+        except schema.VibeError as error:
+            self.report({"ERROR"}, str(error))
+        return {"FINISHED"}
+
+
+class VIBE_OT_cancel(_Running):
+    """Stop now, and leave the scene as it was"""
+
+    bl_idname = "vibe.cancel"
+    bl_label = "Cancel"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        addon_state.cancel()
+        drawing.redraw()
+        return {"FINISHED"}
+
+
+class VIBE_OT_answer(_Running):
+    """Answer, for this scene's other vibes too"""
+
+    bl_idname = "vibe.answer"
+    bl_label = "Answer"
+    bl_options: ClassVar[set[str]] = {"INTERNAL"}
+
+    shared: EnumProperty(
+        items=(
+            ("ALL", "Affect All Users", "The other things change with the subject"),
+            ("SINGLE", "Make Single-User", "The subject gets copies of its own; Revert takes them away"),
+        )
+    )
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        return cls.bl_rna.properties["shared"].enum_items[properties.shared].description
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Goes on with the vibe."""
+        context.scene.vibe.shared = self.shared
+        if addon_state.session:
+            addon_state.session.answer(self.shared)
+        return {"FINISHED"}
+
+
+class VIBE_OT_dismiss(bpy.types.Operator):
+    """Close this message"""
+
+    bl_idname = "vibe.dismiss"
+    bl_label = "Dismiss"
+    bl_options: ClassVar[set[str]] = {"INTERNAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        addon_state.forget()
+        return {"FINISHED"}
+
+
+def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
+    """Draws a vibe that runs: the picture so far, the progress bar, Stop and Cancel; or a question."""
+    box = layout.box()
+    if session.scene != context.scene.name:
+        box.label(text=f"In the scene {session.scene}", icon="SCENE_DATA")
+    if session.question:
+        _draw_question(box, context, session.question)
+    else:
+        _draw_progress(box, context, session)
+    if session.look:
+        drawing.see_rendered(box, context)
+    buttons = box.column(align=True)
+    buttons.scale_y = 1.3
+    if not session.question:
+        buttons.operator("vibe.stop", text="Stop and Use Best", icon="CHECKMARK")
+    buttons.operator("vibe.cancel", icon="X")
+    hint = box.row()
+    hint.active, hint.alignment = False, "CENTER"
+    esc = "Esc stops and uses the best" if session.can_stop else "Esc cancels"
+    hint.label(text="Blender pauses for a moment" if session.stage in PAUSING else esc)
+
+
+def _draw_progress(box: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
+    if icon := drawing.icon(session.before, session.preview):
+        box.template_icon(icon_value=icon, scale=11.5)
+    stage, progress = f"{session.stage}…", session.progress
+    if progress and session.stage == LOOKING:
+        left = drawing.duration(progress.seconds_left)
+        stage = f"Round {progress.round} of {progress.rounds}  ·  {left} left"
+    box.progress(factor=session.fraction, text=stage)
+    live.draw_words(box, context, session.words)
+    for note in session.view_notes:
+        drawing.paragraph(box, context, note, "ERROR")
+    if session.silence > SILENT:
+        note = f"No word from the engine for {drawing.duration(session.silence)}. Wait, or cancel: "
+        drawing.paragraph(box, context, f"{note}the next vibe starts a new one.", "ERROR")
+
+
+def _draw_question(
+    layout: bpy.types.UILayout, context: bpy.types.Context, question: dict[str, list[str]]
+) -> None:
+    """The shared materials, and the two answers."""
+    drawing.paragraph(layout, context, "The subject shares materials with other things:", "QUESTION")
+    for name, users in list(question.items())[:4]:
+        more = f" and {len(users) - 2} more" if len(users) > 2 else ""
+        drawing.paragraph(layout, context, f"{name}, also on {', '.join(users[:2])}{more}", "MATERIAL")
+    if len(question) > 4:
+        layout.label(text=f"and {len(question) - 4} more materials", icon="BLANK1")
+    column = layout.column(align=True)
+    column.scale_y = 1.2
+    column.operator("vibe.answer", text="Affect All Users", icon="LINKED").shared = "ALL"
+    column.operator("vibe.answer", text="Make Single-User", icon="UNLINKED").shared = "SINGLE"
+
+
+CLASSES = (VIBE_OT_run, VIBE_OT_stop, VIBE_OT_cancel, VIBE_OT_answer, VIBE_OT_dismiss)

@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# mypy: disable-error-code="valid-type"
+"""The limits of a vibe: the panel of groups and subject, and the list of all single values, each with a lock."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import bpy
+from bpy.props import CollectionProperty, IntProperty, StringProperty
+
+from ..core.schema_import import labels, schema
+from ..scene import bindings, scene_context
+from . import drawing
+from .bases import IdlePanel
+
+_listed: tuple = ()  # fingerprint of the scene that the list shows
+_awaited: tuple = ()  # fingerprint of the scene that a timer is going to list
+
+
+class ScopePanel(IdlePanel):
+    """The groups that may change, and the subject."""
+
+    bl_label = "May Change"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
+        grid = layout.grid_flow(columns=2, even_columns=True, align=True)
+        for group in schema.GROUPS:
+            free = getattr(settings, f"change_{group}")
+            grid.prop(settings, f"change_{group}", toggle=True, icon="UNLOCKED" if free else "LOCKED")
+        column = layout.column()
+        column.use_property_split, column.use_property_decorate = True, False
+        column.prop(settings, "subject")
+        if settings.subject == "COLLECTION":
+            column.prop(settings, "collection", text=" ")
+        column.prop(settings, "shared", text="Shared Materials")
+        column.prop(settings, "new_lights")
+
+
+class ValuesPanel(IdlePanel):
+    """Every single value of the scene, with a lock."""
+
+    bl_label = "Single Values"
+    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
+
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
+        if count := len(context.scene.vibe.locks):
+            self.layout.label(text=f"{count} locked ")  # type: ignore[attr-defined]
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draws the list, which a timer fills if the scene has changed: a panel that draws must not change anything."""
+        global _awaited
+        now = _fingerprint(context.scene)
+        if now not in (_listed, _awaited):
+            _awaited = now
+            bpy.app.timers.register(lambda: _fill_soon(now[0]), first_interval=0.01)
+        layout: Any = self.layout  # type: ignore[attr-defined]
+        values = context.window_manager.vibe_values
+        layout.template_list("VIBE_UL_values", "", values, "rows", values, "active", rows=6)
+        layout.operator("vibe.unlock_all", icon="UNLOCKED")
+
+
+def _fingerprint(scene: bpy.types.Scene) -> tuple:
+    counted = (scene.objects, bpy.data.materials, bpy.data.lights)
+    return scene.session_uid, *map(len, counted), bool(scene.world), len(scene.vibe.changes)
+
+
+def _fill_soon(uid: int) -> None:
+    scene = next((s for s in bpy.data.scenes if s.session_uid == uid), None)
+    if scene is not None:
+        fill(scene)
+        drawing.redraw()
+
+
+def fill(scene: bpy.types.Scene) -> None:
+    """Lists the scene's values."""
+    global _listed, _awaited
+    _listed, _awaited = _fingerprint(scene), ()
+    rows = bpy.context.window_manager.vibe_values.rows
+    rows.clear()
+    for instance in bindings.instances(scene, scene_context.meshes(scene), scene.vibe.pivot).values():
+        row = rows.add()
+        row.name, row.title = instance.key, labels.title(instance.key)
+        row.reason = instance.locked
+
+
+class VibeValue(bpy.types.PropertyGroup):
+    """A value of the scene. Its `name` is the parameter's key."""
+
+    title: StringProperty()
+    reason: StringProperty(description="Why it must be left alone; empty where it may change")
+
+
+class VibeValues(bpy.types.PropertyGroup):
+    """The rows of the list; they belong to the window, not to the file."""
+
+    rows: CollectionProperty(type=VibeValue)
+    active: IntProperty(options={"SKIP_SAVE"})
+
+
+class VIBE_UL_values(bpy.types.UIList):
+    """One value and its lock on each line."""
+
+    def draw_item(
+        self,
+        context: bpy.types.Context,
+        layout: bpy.types.UILayout,
+        _data: Any,
+        item: VibeValue,
+        _icon: int,
+        _active_data: Any,
+        _active: str,
+        _index: int = 0,
+        _flag: int = 0,
+    ) -> None:
+        """Draws a line: group, whose value, lock."""
+        settings, reason = context.scene.vibe, item.reason
+        group = schema.split_key(item.name)[0]
+        if not getattr(settings, f"change_{group}"):
+            reason = f"the group {labels.GROUP_TITLES[group]} is locked"
+        row = layout.row(align=True)
+        names = row.row()
+        names.active = not reason
+        names.label(text=item.title, icon=drawing.GROUP_ICONS[group])
+        draw_lock(row, settings, item.name, reason)
+
+    def filter_items(
+        self, _context: bpy.types.Context, data: VibeValues, _name: str
+    ) -> tuple[list[int], list[int]]:
+        """Lines with the text of the search field in their title or key."""
+        words = self.filter_name.casefold().split()
+        shown = [all(w in f"{r.title} {r.name}".casefold() for w in words) for r in data.rows]
+        return [self.bitflag_filter_item if show else 0 for show in shown], []
+
+
+def draw_lock(layout: bpy.types.UILayout, settings: Any, key: str, reason: str = "") -> None:
+    """Draws the lock of a value.
+
+    Args:
+        settings: The scene's `VibeSettings`.
+        reason: Why the value must stay anyway: the lock is closed then, with the reason as its tool tip.
+    """
+    locked = key in settings.locks
+    row = layout.row()
+    row.enabled = not reason
+    icon = "LOCKED" if locked or reason else "UNLOCKED"
+    button = row.operator("vibe.lock", text="", icon=icon, emboss=False)
+    button.key, button.reason = key, reason
+
+
+class VIBE_OT_lock(bpy.types.Operator):
+    """Keep a single value as it is, or set it free"""
+
+    bl_idname = "vibe.lock"
+    bl_label = "Lock"
+    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
+
+    key: StringProperty()
+    reason: StringProperty()
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        if properties.reason:
+            return f"Stays as it is: {properties.reason}"
+        locked = properties.key in context.scene.vibe.locks
+        title = labels.title(properties.key)
+        return f"Let a vibe change {title}" if locked else f"Keep {title} as it is"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        locks = context.scene.vibe.locks
+        place = locks.find(self.key)
+        if place >= 0:
+            locks.remove(place)
+        else:
+            locks.add().name = self.key
+        return {"FINISHED"}
+
+
+class VIBE_OT_unlock_all(bpy.types.Operator):
+    """Open the locks of all single values"""
+
+    bl_idname = "vibe.unlock_all"
+    bl_label = "Unlock All"
+    bl_options: ClassVar[set[str]] = {"UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        cls.poll_message_set("No single value is locked")
+        return bool(context.scene.vibe.locks)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        context.scene.vibe.locks.clear()
+        return {"FINISHED"}
+
+
+class AdvancedPanel(IdlePanel):
+    """Numbers that few need."""
+
+    bl_label = "Advanced"
+    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
+        layout.use_property_split, layout.use_property_decorate = True, False
+        column = layout.column()
+        column.prop(settings, "lock", placeholder="light/Key, */metallic")
+        for name in ("top_k", "seed", "anchor"):
+            column.prop(settings, name)
+        column = layout.column()
+        column.prop(settings, "budget")
+        for name in ("rounds", "steps", "size") if settings.budget == "CUSTOM" else ():
+            column.prop(settings, name)
+
+
+CLASSES = (VibeValue, VibeValues, VIBE_UL_values, VIBE_OT_lock, VIBE_OT_unlock_all)

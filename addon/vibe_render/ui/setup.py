@@ -1,0 +1,326 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# mypy: disable-error-code="valid-type"
+"""The engine and its cache in the preferences and in the panel: find it, set it up, test it, clear what it keeps."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from pathlib import Path
+
+import bpy
+from bpy.props import EnumProperty, StringProperty
+
+from ..core import ADDON, preferences
+from ..core.preferences import cache_folder, engine_choice
+from ..core.schema_import import schema
+from ..engine import torch_builds
+from ..run.state import addon_state
+from . import drawing
+from .engine_state import engine_state, setup_folder, version
+from .properties import declare
+
+_DIALOG_WIDTH, _DIALOG_LETTERS = 420, 62
+_SOON = 0.5  # seconds from drawing the panel to starting the engine; also between two looks at whether it has been found
+_EVERY = 3.0  # seconds between two measurements of the cache: Blender draws many times a second
+
+_measured: dict[Path, tuple[float, str]] = {}  # when a folder was measured, and its size in words
+_started = False  # whether the engine has been started, or soon will be
+
+_Options = declare("VibeEngineOptions", preferences=True)
+
+
+class VibePreferences(_Options, bpy.types.AddonPreferences):  # type: ignore[misc]
+    """The add-on's preferences, kept with Blender's own."""
+
+    bl_idname = ADDON
+
+    engine: StringProperty(
+        name="Engine",
+        description="Folder of the Python environment that the engine runs in. Empty: look for it",
+        subtype="DIR_PATH",
+        update=lambda self, _context: engine_state.search(self.engine),
+    )
+    vlm_key: StringProperty(
+        name="Key",
+        description="The endpoint's API key; servers on this computer need none. It is kept in Blender's "
+        "preferences only. Empty: the environment variable VIBE_VLM_KEY or OPENAI_API_KEY",
+        subtype="PASSWORD",
+        maxlen=1024,  # long keys are cut without it
+    )
+    cache: StringProperty(
+        name="Cache",
+        description="Folder for what can be made again, such as a model's answers. Empty: the extension's own",
+        subtype="DIR_PATH",
+    )
+
+    def draw(self, context: bpy.types.Context) -> None:
+        engine_state.search(self.engine)
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        self._draw_engine(_section(self.layout, "Engine", "SHADERFX"), context)
+        column = _section(self.layout, "Vision-Language Model (optional)", "OUTLINER_OB_IMAGE")
+        column.prop(self, "vlm_model", placeholder="None: the offline planner reads the words")
+        column.prop(self, "vlm_url", placeholder="https://api.openai.com/v1")
+        column.prop(self, "vlm_key", placeholder="Kept in Blender's preferences only")
+        if self.vlm_model and not preferences.online():
+            column.label(text="Online access is off: only a model on this computer is asked", icon="INFO")
+        column = _section(self.layout, "Cache", "FILE_CACHE")
+        column.prop(self, "cache", text="Folder", placeholder="The extension's own")
+        row = column.split(factor=0.4)
+        row.label()
+        row = row.row()
+        row.label(text=cache_size(cache_folder(context)))
+        row.operator("vibe.clear_cache", icon="TRASH")
+
+    def _draw_engine(self, column: bpy.types.UILayout, context: bpy.types.Context) -> None:
+        column.prop(self, "engine", text="Folder", placeholder="Found by itself")
+        split = column.split(factor=0.4)
+        split.label()
+        about = split.column()
+        _draw_engine_line(about)
+        if not engine_state.setting_up:
+            row = about.row(align=True)
+            row.operator("vibe.setup_engine", icon="IMPORT")
+            row.operator("vibe.test_engine", icon="CHECKMARK")
+            row.operator("vibe.look_for_engine", text="", icon="FILE_REFRESH")
+        if engine_state.outcome and not engine_state.testing:
+            icon = "CHECKMARK" if engine_state.succeeded else "ERROR"
+            letters = int(drawing.columns(context) * 0.55)
+            drawing.paragraph(about, context, engine_state.outcome, icon, letters=letters)
+        column.separator()
+        column.prop(self, "device")
+        column.prop(self, "encoder", placeholder="The one that comes with it")
+
+
+def _section(layout: bpy.types.UILayout, title: str, icon: str) -> bpy.types.UILayout:
+    box = layout.box()
+    box.label(text=title, icon=icon)
+    return box.column()
+
+
+def _draw_engine_line(layout: bpy.types.UILayout) -> None:
+    """One line about where the engine is, or how its setup goes."""
+    setup = engine_state.setup
+    if setup and setup.running:
+        row = layout.row(align=True)
+        row.progress(factor=setup.fraction or 0.0, text=setup.text)
+        row.operator("vibe.cancel_setup", text="", icon="X")
+    elif engine_state.testing:
+        layout.label(text="Starting the engine to see whether it answers…", icon="TIME")
+    elif engine_state.searching:
+        layout.label(text="Looking for the engine…", icon="TIME")
+    elif engine_state.python:
+        folder, home = engine_state.python.parent.parent, Path.home()
+        place = f"~/{folder.relative_to(home)}" if folder.is_relative_to(home) else str(folder)
+        layout.label(text=f"Found: {place}", icon="CHECKMARK")
+    else:
+        layout.label(text="Not found on this computer", icon="INFO")
+
+
+def cache_size(folder: Path) -> str:
+    """The size of a folder in words, such as "3.4 MB in 12 files"; "Empty" also where there is none."""
+    when, size = _measured.get(folder, (0.0, ""))
+    if time.monotonic() - when > _EVERY:
+        files = [f.stat().st_size for f in folder.rglob("*") if f.is_file()] if folder.is_dir() else []
+        count = f"{len(files)} file{'s' if len(files) > 1 else ''}"
+        size = f"{drawing.size(sum(files))} in {count}" if files else "Empty"
+        _measured[folder] = time.monotonic(), size
+    return size
+
+
+def measure_again() -> None:
+    """Forgets the measured sizes."""
+    _measured.clear()
+
+
+def draw_failure(layout: bpy.types.UILayout, context: bpy.types.Context, failure: schema.VibeError) -> None:
+    """A vibe's failure, and its remedy."""
+    box = layout.box()
+    row = box.row()
+    row.alert = True
+    row.label(text="The scene is as it was", icon="ERROR")
+    row.operator("vibe.dismiss", text="", icon="X", emboss=False)
+    drawing.paragraph(box, context, failure.message)
+    if failure.remedy:
+        drawing.paragraph(box, context, failure.remedy)
+    if engine_state.problem:
+        _draw_engine_buttons(box)
+    else:
+        box.operator("preferences.addon_show", text="Preferences", icon="PREFERENCES").module = ADDON
+
+
+def draw_no_engine(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """Explains how to get an engine."""
+    box = layout.box()
+    box.label(text="One more step: the engine", icon="INFO")
+    if engine_state.setting_up:
+        _draw_engine_line(box)
+        return
+    drawing.paragraph(
+        box,
+        context,
+        "It turns words into looks. Set Up Engine downloads it once, and says how much first. Presets, strength, "
+        "compare and revert work without it.",
+    )
+    outcome = engine_state.outcome
+    if outcome and not engine_state.succeeded and outcome != str(engine_state.problem):
+        drawing.paragraph(box, context, outcome, "ERROR")  # the buttons say what to do
+    _draw_engine_buttons(box)
+
+
+def _draw_engine_buttons(layout: bpy.types.UILayout) -> None:
+    column = layout.column(align=True)
+    column.scale_y = 1.2
+    column.operator("vibe.setup_engine", icon="IMPORT")
+    if not preferences.online():
+        column.operator("extensions.userpref_show_online", text="Allow Online Access…", icon="INTERNET")
+    row = column.row(align=True)
+    row.operator("vibe.look_for_engine", icon="FILE_REFRESH")
+    row.operator("preferences.addon_show", text="Preferences", icon="PREFERENCES").module = ADDON
+
+
+class VIBE_OT_setup_engine(bpy.types.Operator):
+    """Download the engine once, into the extension's own folder: Python packages. What they are and how large is said first"""
+
+    bl_idname = "vibe.setup_engine"
+    bl_label = "Set Up Engine"
+
+    build: EnumProperty(
+        name="Runs On",
+        description="What the engine computes on",
+        items=[(b.key, b.name, f"{b.download} GB to download") for b in torch_builds.choices()],
+        options={"SKIP_SAVE"},
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not preferences.online():
+            cls.poll_message_set("Online access is off: see Preferences > System > Network")
+        elif engine_state.setting_up:
+            cls.poll_message_set("It is being set up already")
+        return preferences.online() and not engine_state.setting_up
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Says what will be downloaded, and lets the artist choose; nothing is downloaded before that."""
+        self.build = torch_builds.suggested().key
+        return context.window_manager.invoke_props_dialog(
+            self, width=_DIALOG_WIDTH, title="Set Up Engine", confirm_text="Download"
+        )
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = self.layout.column()
+        if len(torch_builds.choices()) > 1:
+            column.row().prop(self, "build", expand=True)
+        for line in torch_builds.download_text(torch_builds.by_key(self.build), setup_folder()):
+            drawing.paragraph(column, context, line, letters=_DIALOG_LETTERS)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Begins; panels and preferences show how it goes."""
+        chosen = self.properties.is_property_set("build")
+        build = torch_builds.by_key(self.build) if chosen else torch_builds.suggested()
+        try:
+            engine_state.set_up(build)
+        except schema.VibeError as error:
+            engine_state.outcome, engine_state.succeeded = str(error), False
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class VIBE_OT_cancel_setup(bpy.types.Operator):
+    """Stop setting up the engine, and remove what has been installed of it"""
+
+    bl_idname = "vibe.cancel_setup"
+    bl_label = "Cancel"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        if engine_state.setup:
+            engine_state.setup.cancel()
+        return {"FINISHED"}
+
+
+class VIBE_OT_look_for_engine(bpy.types.Operator):
+    """Look for the engine once more"""
+
+    bl_idname = "vibe.look_for_engine"
+    bl_label = "Look Again"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        engine_state.search(engine_choice(context), again=True)
+        return {"FINISHED"}
+
+
+class VIBE_OT_test_engine(bpy.types.Operator):
+    """Start the engine once and see whether it answers"""
+
+    bl_idname = "vibe.test_engine"
+    bl_label = "Test Engine"
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Tests in the background; the result is shown under the button."""
+        engine_state.test(engine_choice(context))
+        return {"FINISHED"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Tests at once, for scripts."""
+        try:
+            self.report({"INFO"}, f"Engine {version(engine_choice(context))} answers")
+        except schema.VibeError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class VIBE_OT_clear_cache(bpy.types.Operator):
+    """Delete what the engine keeps; it is made again when it is needed"""
+
+    bl_idname = "vibe.clear_cache"
+    bl_label = "Clear"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        running = addon_state.running
+        cls.poll_message_set("A vibe is on its way, and reads it" if running else "The cache is empty")
+        return not running and cache_folder(context).is_dir()
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Deletes our folder in the cache folder, and nothing else there."""
+        shutil.rmtree(cache_folder(context), ignore_errors=True)
+        measure_again()
+        return {"FINISHED"}
+
+
+def warm_up_soon() -> None:
+    """Starts the engine, once, as soon as it is found; a panel may call this whenever it is drawn."""
+    global _started
+    if not _started:
+        _started = True
+        bpy.app.timers.register(_warm_up, first_interval=_SOON)
+
+
+def _warm_up() -> float | None:
+    """A timer: starting a process while something is drawn would hold that up."""
+    if engine_state.searching:
+        return _SOON
+    if engine_state.python:
+        addon_state.warm_up(bpy.context)
+    return None
+
+
+def forget_warm_up() -> None:
+    """Lets the next panel start an engine anew, when the add-on is switched off."""
+    global _started
+    _started = False
+    if bpy.app.timers.is_registered(_warm_up):
+        bpy.app.timers.unregister(_warm_up)
+
+
+CLASSES = (
+    VibePreferences,
+    VIBE_OT_setup_engine,
+    VIBE_OT_cancel_setup,
+    VIBE_OT_look_for_engine,
+    VIBE_OT_test_engine,
+    VIBE_OT_clear_cache,
+)

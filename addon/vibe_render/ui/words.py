@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# mypy: disable-error-code="valid-type"
+"""The words of the prompt, each marked as understood, guessed or left out; its targets, and other words in its place."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from collections.abc import Iterable, Iterator
+from typing import ClassVar
+
+import bpy
+from bpy.props import EnumProperty, StringProperty
+
+from ..core.schema_import import messages, schema, targets
+from ..run.state import addon_state
+from ..scene import scene_context
+from . import drawing
+
+_TICK = 0.02  # seconds between two looks at what the engine says
+_STATE_ICONS = {"understood": "CHECKMARK", "guessed": "QUESTION", "left out": "X"}
+_ICON_LETTERS = 5  # room that an icon and its margins take, in characters
+_ICONS = {"light": "LIGHT", "sky": "WORLD", "picture": "IMAGE_DATA", "air": "MOD_FLUID", "none": "X"}
+"""Kind of target -> icon, of those that every scene has."""
+
+_items: list[tuple[str, str, str]] = []
+"""Of the search: Blender does not keep the texts of a list that is made when it is asked for."""
+
+
+def keep_up(context: bpy.types.Context) -> None:
+    """Has new words read by a timer, where an engine runs already; a panel may call this whenever it is drawn."""
+    due = addon_state.readings.due(context.scene, addon_state.live_job(context.scene))
+    if due and addon_state.engine_runs and not bpy.app.timers.is_registered(_tick):
+        bpy.app.timers.register(_tick, first_interval=0.0)
+
+
+def _tick() -> float | None:
+    context, readings = bpy.context, addon_state.readings
+    if addon_state.running or not addon_state.engine_runs:
+        readings.forget()
+        return None
+    with contextlib.suppress(schema.VibeError):  # the next vibe says why the engine is gone
+        if readings.step(addon_state.engine(context), context.scene, addon_state.live_job(context.scene)):
+            drawing.redraw()
+    return _TICK if readings.due(context.scene, addon_state.live_job(context.scene)) else None
+
+
+def stop() -> None:
+    """Ends the timer, when the add-on is switched off."""
+    if bpy.app.timers.is_registered(_tick):
+        bpy.app.timers.unregister(_tick)
+
+
+def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """Draws the words as buttons, which tell more of each, in lines; and why nothing is understood, if so."""
+    readings = addon_state.readings.newest
+    if readings.note:
+        drawing.paragraph(layout, context, readings.note, "INFO", faint=True)
+    column = layout.column(align=True)
+    column.scale_y = 0.9
+    for line in _lines(readings.words, drawing.columns(context)):
+        row = column.row(align=True)
+        row.alignment = "LEFT"
+        for word in line:
+            place = row.row(align=True)
+            place.alignment, place.active = "LEFT", word.state != "left out"
+            icon = _STATE_ICONS[word.state]
+            button = place.operator("vibe.reading", text=word.text, icon=icon, emboss=False)
+            button.key, button.state, button.meaning = word.key, word.state, word.meaning
+
+
+def _lines(words: Iterable[messages.WordReading], width: int) -> Iterator[list[messages.WordReading]]:
+    """Words in lines of so many characters, at least one in each."""
+    line: list[messages.WordReading] = []
+    used = 0
+    for word in words:
+        needed = len(word.text) + _ICON_LETTERS
+        if line and used + needed > width:
+            yield line
+            line, used = [], 0
+        line.append(word)
+        used += needed
+    if line:
+        yield line
+
+
+class VIBE_OT_reading(bpy.types.Operator):
+    """Show how this word is understood, and what it could be taken for instead"""
+
+    bl_idname = "vibe.reading"
+    bl_label = "Reading of a Word"
+    bl_options: ClassVar[set[str]] = {"INTERNAL"}
+
+    key: StringProperty(description="What a target calls the word")
+    state: StringProperty()
+    meaning: StringProperty()
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        return f"{properties.state.capitalize()}: {properties.meaning}. Click to say what it describes"
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        word = self._word()
+        if word is None:
+            return {"CANCELLED"}
+        context.window_manager.popup_menu(self._draw, title=f"“{word.text}”: {word.state}")
+        return {"FINISHED"}
+
+    def _word(self) -> messages.WordReading | None:
+        """The newest reading of the word; None where the prompt does not say it any more."""
+        return next((word for word in addon_state.readings.newest.words if word.key == self.key), None)
+
+    def _draw(self, menu: bpy.types.Menu, context: bpy.types.Context) -> None:
+        """Draws other words, then the targets: the present one first, the likeliest, the rest of the scene."""
+        layout, scene, word = menu.layout, context.scene, self._word()
+        if word is None:
+            return
+        if not word.candidates or word.meaning != f"describes {targets.listed(word.candidates[0])}":
+            layout.label(text=word.meaning[:1].upper() + word.meaning[1:])
+        for other in word.others:
+            button = layout.operator("vibe.reword", text=f"Say “{other}” instead")
+            button.word, button.other = word.text, other
+        if scene.vibe.targets.get(word.key):
+            self._draw_target(layout, "", "As it is read", "LOOP_BACK")
+        for name in word.candidates:
+            icon = "CHECKMARK" if name == word.candidates[0] else _icon(scene, name)
+            self._draw_target(layout, name, _description(name), icon)
+        if word.targets:
+            layout.separator()
+        for name in word.targets:
+            self._draw_target(layout, name, _description(name), _icon(scene, name))
+        names = {*word.candidates, *word.targets} & {*scene.objects.keys()}
+        if names and len(names) < sum(1 for _ in _own_names(scene)):
+            layout.operator_context = "INVOKE_DEFAULT"
+            layout.operator("vibe.describe_another", icon="VIEWZOOM").word = self.key
+
+    def _draw_target(self, layout: bpy.types.UILayout, target: str, text: str, icon: str) -> None:
+        button = layout.operator("vibe.describe", text=text, icon=icon)
+        button.word, button.target = self.key, target
+
+
+def _description(name: str) -> str:
+    return "Do not use it" if name == targets.NOT_USED else f"Describes {targets.listed(name)}"
+
+
+def _icon(scene: bpy.types.Scene, name: str) -> str:
+    """The icon of a target."""
+    if name in targets.GENERAL:
+        return _ICONS.get(targets.GENERAL[name], "LIGHT" if "light" in name else "OBJECT_DATA")
+    obj = scene.objects.get(targets.target_names(name)[0])
+    if obj is None:
+        return "MATERIAL"
+    return "LIGHT" if obj.type == "LIGHT" else "OBJECT_DATA"
+
+
+def _own_names(scene: bpy.types.Scene) -> Iterator[str]:
+    """The objects and lights that a render shows."""
+    for obj in scene_context.shown(scene):
+        if obj.type == "LIGHT" or (obj.type in scene_context.GEOMETRY and obj.material_slots):
+            yield obj.name
+
+
+def _names(_operator: bpy.types.Operator, context: bpy.types.Context) -> list[tuple[str, str, str]]:
+    _items[:] = [(name, name, "") for name in sorted(_own_names(context.scene), key=str.casefold)]
+    return _items
+
+
+class _SetTarget(bpy.types.Operator):
+    """Keeps in the scene what a word describes."""
+
+    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
+
+    word: StringProperty(description="What a target calls the word")
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        context.scene.vibe.set_target(self.word, self.target)
+        drawing.redraw()
+        return {"FINISHED"}
+
+
+class VIBE_OT_describe_another(_SetTarget):
+    """Search all objects and lights for what this word describes"""
+
+    bl_idname = "vibe.describe_another"
+    bl_label = "Describes Another…"
+    bl_property = "target"
+
+    target: EnumProperty(items=_names)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        context.window_manager.invoke_search_popup(self)
+        return {"FINISHED"}
+
+
+class VIBE_OT_describe(_SetTarget):
+    """Say what this word describes, where it is taken for something else"""
+
+    bl_idname = "vibe.describe"
+    bl_label = "Describes"
+
+    target: StringProperty(description="Empty: as the word is read")
+
+
+class VIBE_OT_reword(bpy.types.Operator):
+    """Put another word in the place of this one"""
+
+    bl_idname = "vibe.reword"
+    bl_label = "Another Word"
+    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
+
+    word: StringProperty()
+    other: StringProperty()
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Changes the prompt; its intensity stays with a word."""
+        settings = context.scene.vibe
+        unknown = self.word.rpartition(" ")[2]
+        pattern = re.compile(rf"(?<!\w){re.escape(unknown)}(?!\w)", re.IGNORECASE)
+        changed, count = pattern.subn(lambda _: self.other, settings.prompt, count=1)
+        if not count:
+            self.report({"WARNING"}, f"The prompt does not say “{unknown}” any more")
+            return {"CANCELLED"}
+        settings.prompt = changed
+        return {"FINISHED"}
+
+
+CLASSES = (VIBE_OT_reading, VIBE_OT_describe, VIBE_OT_describe_another, VIBE_OT_reword)

@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Options in a manifest, those of `vibe run`, and the TOML file that knows the line of each key.
+
+A mistake raises VibeError, which names its line.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import tomllib
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from ..inputs import check
+from ..schema import VibeError, frame_numbers
+from ..schema.options import checks, command_line
+from ..schema.options.option import Option
+from ..schema.options.table import TABLE
+
+_KEY = re.compile(r"\s*([^=#\[\]{},]+?)\s*=")
+_TABLE = re.compile(r"\s*\[.*\]\s*(#.*)?$")
+
+
+class TomlSource:
+    """A TOML file, with its `path` as it was named and its `content`."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        try:
+            text = path.read_text("utf-8")
+            self.content: dict[str, Any] = tomllib.loads(text)
+        except (OSError, UnicodeDecodeError) as error:
+            raise VibeError(f"{path} cannot be read: {error}.", "Save it as UTF-8 text.") from error
+        except tomllib.TOMLDecodeError as error:
+            line = re.search(r"line (\d+)", str(error))
+            where = f"line {line.group(1)}" if line else "its last line"
+            reason = re.sub(r" \(at .*\)$", "", str(error))
+            raise VibeError(f"{path}, {where}: this is not TOML ({reason}).", "Mend that line.") from error
+        self._lines = text.splitlines()
+
+    def line(self, *keys: str, quoted: str = "") -> int:
+        """The number, from 1, of the line that has a key; or of the first one after it with a text.
+
+        Args:
+            *keys: From the outermost table to the key; tables of a list, [[shots]], are counted: "shots", "0", "frames".
+        """
+        table: tuple[str, ...] = ()
+        counts: Counter[tuple[str, ...]] = Counter()
+        for number, line in enumerate(self._lines):
+            if _TABLE.match(line):
+                table = place = _names(line)
+                if line.lstrip().startswith("[["):
+                    table = place = (*table, str(counts[table]))
+                    counts[table[:-1]] += 1
+            elif key := _KEY.match(line):
+                place = table + _names(f"{key.group(1)} = 0")
+            else:
+                continue
+            if place[: len(keys)] == keys:
+                texts = (
+                    f'"{quoted}"',
+                    f"'{quoted}'",
+                )  # from here on, the first line that has the text in quotes
+                rest = enumerate(self._lines[number:], number + 1)
+                return next((n for n, later in rest if quoted and any(t in later for t in texts)), number + 1)
+        return 1
+
+    def problem(self, what: str, remedy: str, *keys: str, quoted: str = "") -> VibeError:
+        """An error that names the file and the line of a key, or of a text in its value; the caller raises it."""
+        return VibeError(f"{self.path}, line {self.line(*keys, quoted=quoted)}: {what}", remedy)
+
+    @contextmanager
+    def at(self, *keys: str, quoted: str = "") -> Iterator[None]:
+        """Errors inside the block name the line of a key."""
+        try:
+            yield
+        except VibeError as error:
+            raise self.problem(error.message, error.remedy, *keys, quoted=quoted) from error
+
+
+def _names(line: str) -> tuple[str, ...]:
+    """The names in a table's head, or in a key; none if it is something else after all."""
+    try:
+        content = tomllib.loads(line)
+    except tomllib.TOMLDecodeError:
+        return ()
+    names = []
+    while isinstance(content, dict) and content:
+        names.append(next(iter(content)))
+        content = content[names[-1]]
+        content = content[0] if isinstance(content, list) and content else content
+    return tuple(names)
+
+
+IN_FILES = ("like", "goals")  # options that name files in the place of a prompt, or next to one
+_ELSEWHERE = {"seed": "Write seeds = [0, 1] at the top."}
+
+
+class OptionReader:
+    """Reads the tables of options."""
+
+    def __init__(self, source: TomlSource, base: Path, options: Iterable[Option] = TABLE) -> None:
+        self._source, self._problem, self._base = source, source.problem, base
+        self._rows = {row.name: row for row in options}
+        self._defaults = {row.name: row.command_default for row in self._rows.values() if row.name != "stage"}
+
+    def read(self, table: dict[str, Any], keys: tuple[str, ...], where: str = "") -> dict[str, Any]:
+        """The options in a table of the manifest, each of its type, and good.
+
+        Args:
+            where: "scene" or "shots" if more may stand there than the options of every vibe.
+        """
+        rows = {n: row for n, row in self._rows.items() if {"options", where} & set(row.manifest)}
+        options: dict[str, Any] = {}
+        for key, value in table.items():
+            name = key.replace("-", "_")
+            if name not in rows:
+                remedy = _ELSEWHERE.get(name, f"Use {', '.join(sorted(rows))}.")
+                raise self._problem(f"Unknown option {key!r}.", remedy, *keys, key)
+            options[name] = self._value(rows[name], key, value, keys)
+        return options
+
+    def _value(self, row: Option, key: str, value: Any, keys: tuple[str, ...]) -> Any:
+        """A value as a command line would hold it."""
+        several = isinstance(row.default, tuple)
+        if several and isinstance(value, str):
+            value = [value]
+        if row.name == "frames" and isinstance(value, list):
+            value = ",".join(map(str, value))
+        if type(value) is not (list if several else type(row.default)) or (several and not texts(value)):
+            remedy = f"Write it as in {row.name} = {_example(row)}."
+            raise self._problem(f"{key} cannot be {value!r}.", remedy, *keys, key)
+        if row.choices and value not in row.choices:
+            raise self._problem(f"{key} cannot be {value!r}.", f"Use {', '.join(row.choices)}.", *keys, key)
+        with self._source.at(*keys, key):
+            self._check_options(self._defaults | {row.name: value})
+            if row.name == "like" and isinstance(value, str) and value:
+                value = str(check.file(str(self._base / value), "picture"))
+            if row.name == "goals" and isinstance(value, str) and value:
+                value = check.goals(str(self._base / value))
+        return value
+
+    def _check_options(self, options: dict[str, Any]) -> None:
+        given = argparse.Namespace(**options)
+        checks.numbers(given, self._rows.values())
+        checks.groups(given.groups)
+        checks.locks(given.lock)
+        checks.targets(given.target)
+        checks.traits(given.like_only, given.like or "perhaps in another table")
+        check.device(given.device)
+        frame_numbers(getattr(given, "frames", ""))
+        if given.vocabulary:
+            check.vocabulary(str(self._base / given.vocabulary))
+
+    def prompt(self, prompt: str, options: dict[str, Any]) -> None:
+        """Refuses a prompt that a vibe could not work with."""
+        checks.prompt(prompt, options.get("like", ""), options.get("goals", ""))
+        if prompt.strip() and not check.model(argparse.Namespace(**self._defaults | options)):
+            check.words(prompt)
+
+    def arguments(self, options: dict[str, Any], scenes: list[Path]) -> tuple[str, ...]:
+        """A job's options as the command line of Blender's side, without prompt and seed."""
+        given = argparse.Namespace(**self._defaults | options)
+        checks.numbers(given, self._rows.values())
+        given.groups = checks.groups(given.groups)
+        checks.traits(given.like_only, given.like)
+        check.shots(scenes, given)
+        if scenes[0].suffix.lower() == ".blend":
+            given.stage = ""
+        rows = [row for row in self._rows.values() if row.name not in ("prompt", "seed")]
+        return tuple(command_line.to_arguments(given, rows))
+
+
+def texts(given: Any) -> bool:
+    """True for a list of texts that is not empty."""
+    return isinstance(given, list) and bool(given) and all(isinstance(text, str) for text in given)
+
+
+def _example(row: Option) -> str:
+    if row.name == "frames":
+        return "[1, 50, 100]"
+    return {bool: "false", tuple: '["a", "b"]', str: '"text"'}.get(type(row.default), str(row.default))

@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Claims of color words, and of materials that have a color. Colors are OKLab times 100, tints a* and b* of CIE Lab."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+from ..color.floats import chroma, lab_from_srgb, oklab_from_srgb, srgb_from_hex, srgb_from_lab
+from ..schema import Values
+from ..schema.parameters import Region
+from ..words.attributes import display_color
+from ..words.lexicon.vocabulary import Vocabulary
+from ..words.types import Attribute
+from .claim import Claim
+from .measures.picture import Part
+
+# Intervals of a color, around the nearest one that an image can show
+_LIGHTNESS = 10.0  # lightness on either side
+_CHROMA, _LEAST_CHROMA = 0.25, 2.5  # share of its chroma on either side, but at least so much
+_FAINTEST, _OFF_GRAY = (
+    1.8,
+    0.6,
+)  # chroma from which a color is not gray; share of what it has beyond the least that may be missing
+_ASIDE, _LEAST_ASIDE = 0.2, 1.5  # across its hue, as a share of its chroma, but at least so much
+_FARTHEST = 12.0  # lighter or darker than the named color; more, only where it cannot be shown
+
+# Tints of colored light, air and film
+COLORED = 12.0  # C* below which a color tints nothing
+_TINTED, _TINTED_MORE = 6.0, 3.0  # how far in a color's direction; how much farther than before is enough
+_LIT, _LIT_SHARE = 20.0, 0.4  # likewise where light has the color, but no more than this share of its chroma
+_LIT_MORE = (
+    0.8  # share of that which is enough of a change: in yellow light white is yellow, not only less blue
+)
+_MOST_SHARE, _LEAST_MOST = (
+    0.5,
+    25.0,
+)  # share of a color's chroma, but at least this, that leaves nothing of other colors
+_OFF_HUE = 6.0  # how far the tint may lie across that direction, unless it did before
+_ACCENT = 12.0  # in a tenth of the image, where one of several lights has the color
+_CAST = (6.0, 24.0)  # of the darks or lights, at least and at most
+
+# Gray air: L* of a name up to which it is black and from which it is white; L* of such air at most and at least
+_BLACK, _WHITE = 35.0, 85.0
+_BLACK_AIR, _WHITE_AIR = 35.0, 74.0
+
+_DIM, _DIMMEST = (
+    45.0,
+    0.5,
+)  # L* of an image from where it is dark; share of a color's lightness that is left in it at least
+_LIT_WHITE = 6.0  # how far white things may lie in the direction of the light's color
+
+# Gray materials
+_DARKER, _LIGHTER = (
+    0.65,
+    22.0,
+)  # share of its lightness, for white things have shades; L* beyond it, for black ones have highlights
+_REPAINTED = 20.0  # L* that are enough of a change
+_WHITE_MATERIAL, _BLACK_MATERIAL = (
+    75.0,
+    40.0,
+)  # L* from where it cannot be too light, and up to which it cannot be too dark
+_REFLECTING = {"material/metallic": 0.5, "material/transmission": 0.5}
+"""Components -> the value from where an object shows its surroundings, and is as light as they are."""
+
+_TONE_CASTS = {"shadow": "shadow_cast", "highlight": "highlight_cast"}
+_TINTING = ("light", "fill", "rim", "ambience", "tone")  # kinds of targets whose color is a tint of the image
+
+
+def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
+    """Claims of a color word: the color of an object, or a tint of the light, the air or the film."""
+    part, thing = part_of(attribute), attribute.thing or attribute.region
+    if attribute.kind in ("subject", "surroundings", "sky"):
+        region: Region = "subject" if part == "subject" else "surroundings"
+        shown = srgb_from_lab(display_color(srgb, region))
+        lower, upper, hue = _interval(shown, 100 * oklab_from_srgb(srgb)[0])
+        yield Claim(
+            attribute.word, thing, "color", part, lower, upper, attribute.owners, None, hue, color=shown
+        )
+    elif attribute.kind in _TINTING:
+        for tint in tints(attribute.word, "picture", "picture", srgb):
+            yield from [as_accent(tint)] if attribute.of_one_light else _of_all_light(attribute, tint, srgb)
+    elif (
+        attribute.kind in _TONE_CASTS
+    ):  # "teal shadows": a cast of what is dark, whatever is painted; nothing for gray
+        for tint in tints(attribute.word, "picture", "picture", srgb):
+            lower, upper = ((end,) for end in _CAST)
+            measure = _TONE_CASTS[attribute.kind]
+            yield replace(tint, measure=measure, lower=lower, upper=upper, change=None)
+    elif attribute.kind == "fog":
+        yield from tints(attribute.word, thing, "surroundings", srgb)
+        light, strength = lab_from_srgb(srgb)[0], chroma(lab_from_srgb(srgb))
+        if strength < COLORED and not _BLACK < light < _WHITE:
+            white = light >= _WHITE
+            ends = ((_WHITE_AIR,), (math.inf,)) if white else ((-math.inf,), (_BLACK_AIR,))
+            yield Claim(attribute.word, attribute.thing, "air_lightness", "surroundings", *ends)
+
+
+def _interval(shown: Values, named: float) -> tuple[Values, Values, Values]:
+    """The interval of a color, and its hue: a unit vector in a and b; none for gray.
+
+    Its numbers are lightness, then chroma and what lies across the hue, or, of gray, a and b.
+
+    Args:
+        shown: The sRGB color that an image can show of it.
+        named: Lightness of the color itself: yellow is shown darker, but not as dark as mustard.
+    """
+    light, a, b = (100 * v for v in oklab_from_srgb(shown))
+    strength = math.hypot(a, b)
+    darkest = max(light - _LIGHTNESS, min(named - _FARTHEST, light))
+    lightest = min(light + _LIGHTNESS, max(named + _FARTHEST, light))
+    reach = max(_CHROMA * strength, _LEAST_CHROMA)
+    if strength <= _FAINTEST:
+        return (darkest, a - reach, b - reach), (lightest, a + reach, b + reach), ()
+    reach = min(reach, max(_OFF_GRAY * (strength - _LEAST_CHROMA), 1.0))  # pale, but no gray
+    across = min(reach, max(_ASIDE * strength, _LEAST_ASIDE))
+    ends = (darkest, strength - reach, -across), (lightest, strength + reach, across)
+    return *ends, (a / strength, b / strength)
+
+
+def tints(
+    word: str, thing: str, part: Part, srgb: Values, materials: tuple[str, ...] = ()
+) -> Iterator[Claim]:
+    """The claim that a part's mean color lies in a color's direction; nothing for gray."""
+    named = lab_from_srgb(srgb)
+    if (strength := chroma(named)) >= COLORED:
+        direction = named[1] / strength, named[2] / strength
+        yield Claim(
+            word, thing, "tint", part, (_TINTED,), (math.inf,), materials, _TINTED_MORE, direction, srgb
+        )
+
+
+def as_accent(tint: Claim) -> Claim:
+    """A tint of the image where it is one of several: a tenth of the image has it."""
+    return replace(tint, measure="accent", lower=(_ACCENT,), upper=(math.inf,))
+
+
+def _of_all_light(attribute: Attribute, tint: Claim, srgb: Values) -> Iterator[Claim]:
+    """A color tints all of the image; if it is the light's, nothing else does: in green light the image is not turquoise."""
+    strength, least, change = chroma(lab_from_srgb(srgb)), _TINTED, _TINTED_MORE
+    if attribute.kind == "light":
+        least = max(min(_LIT, _LIT_SHARE * strength), least)
+        change = max(_LIT_MORE * least, change)
+    most = max(_MOST_SHARE * strength, _LEAST_MOST)
+    yield replace(tint, lower=(least,), upper=(most,), change=change)
+    if attribute.kind == "light":
+        a, b = tint.direction
+        ends = (-_OFF_HUE,), (_OFF_HUE,)
+        yield replace(tint, measure="off_hue", direction=(-b, a), lower=ends[0], upper=ends[1], change=0.0)
+
+
+def of_material(attribute: Attribute, others: Iterable[Attribute], vocabulary: Vocabulary) -> Iterator[Claim]:
+    """Claims of a material with a color of its own: gold tints the object, coal is as dark as coal is.
+
+    Args:
+        others: All attributes of the prompt: a named color replaces that of a material that may have any, as leather.
+    """
+    entry, part = vocabulary.entries.get(attribute.entry), part_of(attribute)
+    if entry is None or entry.slot != "material" or part == "picture":
+        return
+    painted = any(_colors(other, attribute) for other in others)
+    reflects = any(max(e.upper, default=0.0) > _REFLECTING.get(e.family, math.inf) for e in entry.effects)
+    for effect in entry.effects:
+        own = effect.family == "material/tint" and effect.mode == "color" and effect.color[0] == "#"
+        if not own or (effect.weak and painted):
+            continue
+        srgb, thing = srgb_from_hex(effect.color), attribute.thing or part
+        for tint in tints(attribute.word, thing, part, srgb, attribute.owners):
+            yield replace(tint, change=None)  # gold that is blue is none, however much less blue than before
+        light, strength = lab_from_srgb(srgb)[0], chroma(lab_from_srgb(srgb))
+        if reflects or strength >= COLORED:
+            continue
+        # A gray material is about as light as that: snow is white, and asphalt is not.
+        lower = -math.inf if light < _BLACK_MATERIAL else _DARKER * light
+        upper = math.inf if light > _WHITE_MATERIAL else light + _LIGHTER
+        change = _REPAINTED if upper == math.inf else -_REPAINTED if lower == -math.inf else None
+        ends = (lower,), (upper,)
+        yield Claim(attribute.word, thing, "lightness", part, *ends, attribute.owners, change, color=srgb)
+
+
+def _colors(color: Attribute, material: Attribute) -> bool:
+    """True if an attribute is the color of the objects that have a material."""
+    owners = {*color.owners}, {*material.owners}
+    same = not all(owners) or not owners[0].isdisjoint(owners[1])
+    return color.color is not None and not color.negated and color.region == material.region and same
+
+
+def darkened(claim: Claim, darkest: float) -> Claim:
+    """A claim about an object's color or lightness, eased for an image that is to be dark; other claims stay.
+
+    Blue nights are no light blue, but no gray either: chroma is what a color is known by.
+
+    Args:
+        darkest: L* that the whole image has at most.
+    """
+    if darkest >= _DIM:
+        return claim
+    if claim.measure == "lightness" and claim.part != "picture":
+        return replace(claim, lower=(max(darkest / _DIM, _DIMMEST) * claim.lower[0],))
+    if claim.measure != "color":
+        return claim
+    middle = (claim.lower[0] + claim.upper[0]) / 2
+    level = 100 * oklab_from_srgb(srgb_from_lab((darkest, 0.0, 0.0)))[0]
+    share = min(max(level / middle, _DIMMEST), 1.0)
+    shares = share, math.sqrt(share), math.sqrt(share)
+    return replace(
+        claim,
+        lower=tuple(min(end, part * end) for end, part in zip(claim.lower, shares, strict=True)),
+        upper=tuple(max(end, part * end) for end, part in zip(claim.upper, shares, strict=True)),
+    )
+
+
+def in_colored_light(claim: Claim, casts: Iterable[Values]) -> Claim:
+    """A claim about white or gray, eased for colored light: at blue hour a white car is bluish. Other claims stay.
+
+    Args:
+        casts: Unit vectors in a and b, where light is to have a color.
+    """
+    if claim.measure != "color" or claim.direction:
+        return claim
+    (light, *lower), (lightest, *upper) = claim.lower, claim.upper
+    for cast in casts:
+        lower = [min(end, end + _LIT_WHITE * part) for end, part in zip(lower, cast, strict=True)]
+        upper = [max(end, end + _LIT_WHITE * part) for end, part in zip(upper, cast, strict=True)]
+    return replace(claim, lower=(light, *lower), upper=(lightest, *upper))
+
+
+def part_of(attribute: Attribute) -> Part:
+    """The part of the image that a word describes."""
+    if attribute.kind == "sky":
+        return "sky"
+    return "picture" if attribute.region == "whole" else attribute.region

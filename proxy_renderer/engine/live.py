@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Answers while the artist types: how words are read, and a first look at them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from ..guidance.encoder import load_encoder
+from ..optimize.looks import EarlyLook, Looks
+from ..optimize.progress import BEFORE
+from ..optimize.scene_words import described
+from ..optimize.shots import ShotInput, gathered, inner_size
+from ..optimize.stage import set_stage
+from ..render.proxy import Proxy
+from ..scene import SceneData, load_scene
+from ..schema import VibeError, messages
+from ..schema.targets import GENERAL, listed
+from ..words.lexicon.user_words import default_vocabulary
+from ..words.lexicon.word_table import Nearest
+from ..words.parser import Understood
+from ..words.types import LightDescription, PromptWord, SceneDescription
+from .pictures import save_picture
+from .session import pick_device
+
+_OTHERS = 2  # known words that are offered in place of one that is not used
+
+
+class WordReader:
+    """Reads prompts against exported scenes, the last of which it remembers."""
+
+    def __init__(self) -> None:
+        self._job: tuple[str, int] = ("", 0)
+        self._scene = SceneDescription()
+
+    def read(self, request: messages.AskReadings) -> messages.Readings:
+        """The words of a prompt as a vibe of the exported scene understands them; raises VibeError if it cannot be read."""
+        if request.job:
+            return readings(request.prompt, self._described(request.job), request.target)
+        # Only names are known: everything may be the subject.
+        objects = request.objects
+        scene = SceneDescription(
+            objects=dict.fromkeys(objects, "subject"),
+            materials=dict.fromkeys((m for names in objects.values() for m in names), "subject"),
+            object_materials={name: tuple(materials) for name, materials in objects.items()},
+            lights={name: LightDescription(kind) for name, kind in request.lights.items()},
+        )
+        return readings(request.prompt, scene, request.target)
+
+    def _described(self, job: str) -> SceneDescription:
+        """The names in an exported scene."""
+        try:
+            known = job, (Path(job) / "scene.json").stat().st_mtime_ns
+        except OSError:  # Live has ended, and its job is gone: the panel asks again
+            return SceneDescription()
+        if known != self._job:
+            self._scene, self._job = described(load_scene(job)), known
+        return self._scene
+
+
+def readings(prompt: str, scene: SceneDescription, target: Sequence[str] = ()) -> messages.Readings:
+    """The words of a prompt as a vibe of a scene understands them.
+
+    Args:
+        prompt: What the artist has typed so far.
+        target: "copper=Cup": what words describe, as the artist says.
+    """
+    if not prompt.strip():
+        return messages.Readings(prompt)
+    understood = Understood(prompt, scene, target)
+    note = str(understood.unknown or "")
+    if not understood.words:  # a target that cannot be is taken back by a click on its word
+        understood = Understood(prompt, scene)
+    return messages.Readings(prompt, [*map(_reading, understood.words)], note)
+
+
+def _reading(word: PromptWord) -> messages.WordReading:
+    """A word with what it describes; one that is not used, with known words in its place."""
+    names = [candidate.name for candidate in word.candidates]
+    if not word.is_used:
+        unknown = not word.candidates
+        others = default_vocabulary().made(Nearest).choices(word.text, _OTHERS) if unknown else []
+        return messages.WordReading(
+            word.text, "left out", word.target, others, word.key, names, [*word.others]
+        )
+    is_general = word.target in GENERAL and word.thing not in word.target
+    describes = f"describes {listed(word.target)}" + (f" ({word.thing})" if is_general else "")
+    if word.guess:
+        state, meaning = "guessed", f"taken for “{word.guess}”, {describes}"
+    else:
+        state, meaning = "understood", describes
+    return messages.WordReading(word.text, state, meaning, [], word.key, names, [*word.others])
+
+
+class Glances:
+    """Answers glances at one job after another.
+
+    A scene is loaded once, and its proxies stay: one for each set of lights and backdrops that words have asked for.
+    """
+
+    def __init__(self) -> None:
+        self._job = ""
+        self._found: SceneData | None = None
+        self._proxies: dict[tuple[str, ...], Proxy] = {}
+
+    def look(self, request: messages.Glance, stopped: Callable[[], bool]) -> EarlyLook | None:
+        """The look of a glance; an image of the artist's own values is left in the job folder.
+
+        Args:
+            stopped: Whether nobody wants it any more; asked between the parts that take long.
+
+        Returns:
+            None if it was stopped, or no word is known yet.
+
+        Raises:
+            VibeError: The job cannot be read.
+        """
+        options = messages.Options.from_dict(request.options)
+        found = [self._scene(request.job)]
+        stage = set_stage(found, request.prompt, options.new_lights, options.target)
+        (scene,) = stage.scenes
+        _, (shot,) = gathered([ShotInput(scene)], options, lambda _: self._proxy(scene, options))
+        if stopped():
+            return None
+        looks = Looks(shot, stage.understood.scene)
+        save_picture(looks.before, Path(request.job) / BEFORE)
+        try:
+            u, advice = looks.planned(stage.advisor)
+        except VibeError:  # half a word, perhaps
+            return None
+        return None if stopped() else looks.drawn(u, stage.claims(advice.goals))
+
+    def _scene(self, job: str) -> SceneData:
+        if self._found is None or job != self._job:
+            self._job, self._found = job, load_scene(Path(job))
+            self._proxies.clear()
+        return self._found
+
+    def _proxy(self, scene: SceneData, options: messages.Options) -> Proxy:
+        parameters = tuple(scene.instances)
+        if parameters not in self._proxies:
+            device = pick_device(options.device)
+            size = inner_size(scene, options, load_encoder(options.encoder or None, device))
+            self._proxies[parameters] = Proxy(scene, size, device, options.seed)
+        return self._proxies[parameters]

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Images of a vibe: predictions, image files, and sheets of labeled panels."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import torch
+from PIL import Image, ImageDraw, ImageFont
+from torch import Tensor
+
+from ..color.tensors import ciede2000, lab_from_srgb
+from ..optimize.pipeline import Outcome
+from ..optimize.shots import draw
+from ..render.proxy import Proxy, Render
+from ..schema import atomic
+
+PREDICTION = "prediction.png"
+PICTURES = {
+    "shown": PREDICTION,
+    "before_last_anchor": "prediction-earlier.png",
+    "unanchored": "prediction-unanchored.png",
+}
+"""The predictions that figures are taken of. The last anchor was taken at the values that are shown, so the proxy is
+judged by the second one: it is corrected by an anchor that was taken elsewhere."""
+
+Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
+
+_PANEL = 512
+_MARGIN = 24
+_PAPER, _INK, _FAINT = (250, 250, 248), (32, 32, 36), (120, 120, 126)
+_LATIN, _CJK = "Inter.woff2", "Noto Sans CJK Regular.woff2"
+_EAST_ASIAN = re.compile(r"[\u1100-\u11ff\u2e80-\u9fff\uac00-\ud7af\uf900-\ufaff\uff00-\uffef]")
+_UNIT = re.compile(rf"{_EAST_ASIAN.pattern}|\s*(?:(?!{_EAST_ASIAN.pattern})\S)+")
+"""Text that a line may end after: an East Asian character, or a word with the space before it."""
+
+
+def variant_file(number: int) -> str:
+    """The file name of a variant's image; they count from 1."""
+    return f"variant-{number}.png"
+
+
+def predict(
+    proxy: Proxy, outcome: Outcome, number: int, job: Path, figures: bool
+) -> tuple[list[str], Image.Image]:
+    """Draws a shot (from 0) of the values found by its proxy of full size, into its job folder.
+
+    With `figures` also what would have been predicted without the last anchor, where there is one, and without any.
+
+    Returns:
+        The names of `PICTURES` that there are, and the share of each pixel that the subject covers, as an image.
+    """
+    anchor = outcome.shots[number].anchor
+    corrections = {"shown": anchor.correction}
+    if anchor.correction is not None and figures:
+        corrections |= {"before_last_anchor": anchor.earlier, "unanchored": None}
+    for name, correction in corrections.items():
+        proxy.correction = correction
+        picture = _drawn(proxy, outcome, number)
+        save_picture(picture.display, job / PICTURES[name])
+    return list(corrections), as_image(picture.mask)
+
+
+def predict_variants(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> list[Image.Image]:
+    """Draws a shot of every variant, into its job folder, see `variant_file`. Arguments as for `predict`."""
+    pictures = []
+    for place, look in enumerate(outcome.variants, start=1):
+        proxy.correction = look.shots[number].anchor.correction
+        path = job / variant_file(place)
+        save_picture(_drawn(proxy, look, number).display, path)
+        with Image.open(path) as file:
+            pictures.append(file.convert("RGB"))
+    return pictures
+
+
+def _drawn(proxy: Proxy, outcome: Outcome, number: int) -> Render:
+    with torch.no_grad():
+        return draw(proxy, outcome.shots[number].vector, outcome.u)
+
+
+def difference(predicted: np.ndarray, after: np.ndarray, subject: np.ndarray) -> dict[str, float]:
+    """Difference between a prediction and Cycles' picture, in CIEDE2000.
+
+    Args:
+        predicted: (H, W, 3) sRGB-encoded, in [0, 1].
+        subject: (H, W) the share of each pixel that the subject covers.
+
+    Returns:
+        `mean` and `p95`, the 95th percentile, over the pixels; `subject`, the mean where the subject covers most of
+        a pixel, if it does anywhere.
+    """
+    labs = (lab_from_srgb(torch.from_numpy(picture)) for picture in (predicted, after))
+    errors = ciede2000(*labs).numpy()
+    figures = {"mean": errors.mean(), "p95": np.percentile(errors, 95)}
+    if (subject > 0.5).any():
+        figures["subject"] = errors[subject > 0.5].mean()
+    return {name: round(float(figure), 3) for name, figure in figures.items()}
+
+
+def as_image(picture: Tensor) -> Image.Image:
+    """An 8-bit image of (H, W, 3) or (H, W) in [0, 1]; values outside are clipped."""
+    data = (picture.detach().cpu().numpy().clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
+    return Image.fromarray(data)
+
+
+def save_picture(picture: Tensor, path: Path) -> None:
+    """Writes (H, W, 3) or (H, W) in [0, 1] as an 8-bit PNG, all at once or not at all; raises OSError if it cannot."""
+    save_image(as_image(picture), path)
+
+
+def save_image(image: Image.Image, path: Path) -> None:
+    """Writes a PNG, all at once or not at all; raises OSError if it cannot."""
+    with atomic.replacing(path) as part:
+        image.save(part, format="PNG")
+
+
+def load_picture(path: Path, shape: tuple[int, int] | None = None) -> np.ndarray:
+    """Reads an image as (H, W, 3) float32 in [0, 1], resized to a width and height if given; transparent pixels show black."""
+    with Image.open(path) as image:
+        flat = Image.alpha_composite(Image.new("RGBA", image.size, (0, 0, 0, 255)), image.convert("RGBA"))
+    shown = flat.convert("RGB")
+    if shape:
+        shown = shown.resize(shape, Image.Resampling.LANCZOS)
+    return np.asarray(shown, np.float32) / 255.0
+
+
+def compare(rows: Sequence[Sequence[tuple[str, Image.Image]]], prompt: str, fonts: Path) -> Image.Image:
+    """Labeled panels side by side, rows of (label, image) one below the other, the prompt at the foot.
+
+    All images in a row are as high as the first. Long prompts are wrapped, and cut after four lines; "" for none.
+    """
+    title = font(26, prompt, fonts)
+    label = font(18, "".join(name for row in rows for name, _ in row), fonts)
+    sizes = [[_fitted(picture, _fitted(row[0][1])[1]) for _, picture in row] for row in rows]
+    total = max(sum(width + _MARGIN for width, _ in row) for row in sizes) + _MARGIN
+    lines = wrapped(f"“{prompt}”", title, total - 2 * _MARGIN, 4) if prompt.strip() else []
+    head = 2 * _MARGIN + 8
+    height = sum(head + row[0][1] for row in sizes)
+    sheet = Image.new("RGB", (total, height + _MARGIN + 36 * len(lines) + _MARGIN), _PAPER)
+    pen, top = ImageDraw.Draw(sheet), 0
+    for row, row_sizes in zip(rows, sizes, strict=True):
+        x = _MARGIN
+        for (name, picture), size in zip(row, row_sizes, strict=True):
+            pen.text((x + size[0] / 2, top + head / 2 + 2), name, _FAINT, label, anchor="mm")
+            sheet.paste(picture.convert("RGB").resize(size, Image.Resampling.LANCZOS), (x, top + head))
+            x += size[0] + _MARGIN
+        top += head + row_sizes[0][1]
+    for i, line in enumerate(lines):
+        pen.text((total / 2, top + _MARGIN + 18 + 36 * i), line, _INK, title, anchor="mm")
+    return sheet
+
+
+def _fitted(picture: Image.Image, high: int = 0) -> tuple[int, int]:
+    """Width and height of a panel that shows an image; of a given height, if that is not 0."""
+    width, height = picture.size
+    scale = high / height if high else _PANEL / max(width, height)
+    return max(round(width * scale), 1), max(round(height * scale), 1)
+
+
+def font(size: int, text: str, fonts: Path) -> Font:
+    """A font of a size in pixels that has the characters of a text; Pillow's small one where Blender's fonts are missing."""
+    return _font(size, fonts / (_CJK if _EAST_ASIAN.search(text) else _LATIN))
+
+
+@cache
+def _font(size: int, file: Path) -> Font:
+    try:
+        return ImageFont.truetype(str(file), size)
+    except OSError:
+        return ImageFont.load_default(size)
+
+
+def wrapped(text: str, face: Font, width: float, most: int) -> list[str]:
+    """At most this many lines of a text, each of a width in pixels; text that is left out is shown by dots."""
+    lines = [""]
+    for unit in _UNIT.findall(text):
+        longer = lines[-1] + unit
+        if lines[-1] and face.getlength(longer) > width:
+            lines.append(unit.lstrip())
+        else:
+            lines[-1] = longer.lstrip()
+    if len(lines) <= most:
+        return lines
+    last = lines[most - 1]
+    while last and face.getlength(f"{last} …") > width:
+        last = last[:-1]
+    return [*lines[: most - 1], f"{last} …"]

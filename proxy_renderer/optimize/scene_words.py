@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The scene as words may mean it: its names, where objects stand in the image, and how materials look before any wish."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+
+from ..color import arrays
+from ..color.floats import srgb_from_linear
+from ..planning.glow import glowing, glows
+from ..render.geometry.camera import view_of
+from ..render.material.textures import geometry_of
+from ..scene import SceneData, SceneMesh
+from ..scene.data import Material
+from ..scene.values import RenderValues
+from ..schema import Values
+from ..schema.parameters import Region
+from ..words.types import LightDescription, MaterialLook, SceneDescription
+from .scene_facts import light_descriptions, mean_luminance
+
+_SIDE = 64  # rays along each side of the image
+_SKY = 0.05  # share of what surrounds the subject from which the sky is seen
+_GLOWS = 0.05  # radiance from which a surface glows
+_CLIPPED = 4.0  # times what the display shows at most: the strongest glow whose color counts
+# |z| of normals: above it level, below it upright, above it part of a roof
+_LEVEL, _UPRIGHT, _SLOPED = 0.9, 0.25, 0.2
+_FLAT = 0.15  # how much the slope of a roof varies at most
+_MOST, _SOME = 0.75, 0.5  # share of a material's surface that has to be so
+_LEAST = 0.02  # share of the image of a structure
+_CLEAR = 2.0  # how many times larger than the second a structure has to be
+_NEAR = 0.08  # of the scene's height: two levels within it are one
+_TALL, _HIGH = 0.4, 0.6  # of the scene's height: least height of walls, and where roofs begin
+_PLACE_SIDE = 100  # pixels of the square image that places are measured in
+
+
+def places(scene: SceneData) -> dict[str, tuple[float, float, float]]:
+    """Of each object before the camera: x (-1 left, 1 right), y (0 near, 1 far), and its share of the image's width.
+
+    An object that reaches behind the camera, such as a floor, has no place.
+    """
+    view = view_of(scene, RenderValues(scene, {}, "cpu"), (_PLACE_SIDE, _PLACE_SIDE))
+    mesh, seen = scene.mesh, {}
+    corners = torch.from_numpy(mesh.vertices.astype(np.float32)).T
+    depth = -(view.rotation.T @ (corners - view.position[:, None]))[2].detach().numpy()
+    across = view.project(corners)[0].detach().numpy() / _PLACE_SIDE
+    order = np.argsort(mesh.object, kind="stable")
+    ends = np.searchsorted(mesh.object[order], np.arange(len(scene.objects) + 1))
+    for number, thing in enumerate(scene.objects):
+        own = np.unique(mesh.faces[order[ends[number] : ends[number + 1]]])
+        if len(own) and depth[own].min() > view.clip[0]:
+            low, high = across[own].min(), across[own].max()
+            seen[thing.name] = (float(low + high - 1.0), float(depth[own].mean()), float(high - low))
+    far = max((place[1] for place in seen.values()), default=1.0)
+    return {name: (x, y / far, width) for name, (x, y, width) in seen.items()}
+
+
+def described(*scenes: SceneData) -> SceneDescription:
+    """The scene, or all shots of it, as words and plans know it before any change."""
+    objects: dict[str, Region] = {}
+    materials: dict[str, Region] = {}
+    worn: dict[str, list[str]] = {}
+    lights: dict[str, LightDescription] = {}
+    for scene in scenes:
+        # lights that the words have added are no names that the prompt may mean: it is read as before they were there
+        lights |= light_descriptions(scene, added=False)
+        objects |= {o.name: "subject" if o.subject else "surroundings" for o in scene.objects}
+        materials |= {m.name: "subject" if m.role == "subject" else "surroundings" for m in scene.materials}
+        pairs = np.unique(np.stack([scene.mesh.object, scene.mesh.material], 1), axis=0)
+        for o, m in pairs.tolist():
+            names = worn.setdefault(scene.objects[o].name, [])
+            names += [scene.materials[m].name] * (scene.materials[m].name not in names)
+    looks = present_looks(scenes[0]) if scenes else {}
+    dark = {name for name, look in looks.items() if not look.glows}  # with a strength, but a black color
+    subjects = [name for name, region in objects.items() if region == "subject"]
+    return SceneDescription(
+        subject=subjects[0] if len(subjects) == 1 else "",
+        objects=objects,
+        materials=materials,
+        object_materials={name: tuple(worn.get(name, ())) for name in objects},
+        lights=lights,
+        glows=tuple(dict.fromkeys(n for scene in scenes for n in glowing(scene) if n not in dark)),
+        places=places(scenes[0]) if scenes else {},
+        looks=looks,
+        sky=not scenes or sees_sky(scenes[0]),
+        emitters={name: glow for scene in reversed(scenes) for name, glow in glows(scene).items()},
+        camera_azimuth=scenes[0].value("camera/azimuth", (0.0,))[0] if scenes else 0.0,
+        view=scenes[0].film.view if scenes else "AgX",
+        environment_luminance=mean_luminance(scenes[0].world.image if scenes else None),
+        texture_luminance={
+            m.name: float(arrays.luminance(m.texture.image).mean())
+            for scene in scenes
+            for m in scene.materials
+            if m.texture is not None
+        },
+    )
+
+
+def sees_sky(scene: SceneData) -> bool:
+    """True if the camera sees the world, and not only surfaces."""
+    rays = _rays(scene)
+    subjects = np.array([o.subject for o in scene.objects], bool)
+    around = rays.count - int(subjects[rays.object].sum())
+    return around > 0 and rays.count - len(rays.object) >= _SKY * around
+
+
+@dataclass(frozen=True)
+class _Rays:
+    """Hits of a coarse grid of rays from the camera, and the number of all rays."""
+
+    count: int
+    material: np.ndarray
+    object: np.ndarray
+    height: np.ndarray
+    slope: np.ndarray  # z of the normal that faces the camera
+
+
+_met: dict[int, tuple[weakref.ref[SceneMesh], _Rays]] = {}
+
+
+def present_looks(scene: SceneData) -> dict[str, MaterialLook]:
+    """The present look of every material."""
+    rays = _rays(scene)
+    parts = _structures(scene, rays)
+    looks = {}
+    for number, material in enumerate(scene.materials):
+        on = rays.object[rays.material == number]
+        worn = {scene.objects[o].name: float((on == o).sum()) / rays.count for o in np.unique(on).tolist()}
+        glow = _glow(scene, material)
+        looks[material.name] = MaterialLook(
+            color=glow or _color(scene, material),
+            glows=bool(glow),
+            share=len(on) / rays.count,
+            worn=worn,
+            structures=frozenset(part for part, owner in parts.items() if owner == number),
+        )
+    return looks
+
+
+def _rays(scene: SceneData) -> _Rays:
+    """Rays of a scene; those of its mesh are traced once, as a tree takes longer than the reading of a prompt."""
+    known = _met.get(id(scene.mesh))
+    if known is None or known[0]() is not scene.mesh:
+        for key in [key for key, (mesh, _) in _met.items() if mesh() is None]:
+            del _met[key]
+        known = _met[id(scene.mesh)] = weakref.ref(scene.mesh), _traced(scene)
+    return known[1]
+
+
+def _traced(scene: SceneData) -> _Rays:
+    mesh = scene.mesh
+    view = view_of(scene, RenderValues(scene, {}, "cpu"), (_SIDE, _SIDE)).detached()
+    y, x = torch.meshgrid(torch.arange(_SIDE), torch.arange(_SIDE), indexing="ij")
+    origin, toward = view.rays(torch.stack((x.flatten(), y.flatten())) + 0.5)
+    hits = geometry_of(scene, torch.device("cpu")).first_hits(origin, toward, "camera")
+    met = hits.hit.numpy()
+    triangle = hits.triangle.numpy()[met]
+    height = (origin[2] + toward[2] * hits.distance).numpy()[met]
+    corners = mesh.vertices[mesh.faces[triangle]].astype(float)
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True) + 1e-20
+    away = np.sign((normal * toward.numpy().T[met]).sum(1))
+    return _Rays(_SIDE**2, mesh.material[triangle], mesh.object[triangle], height, -away * normal[:, 2])
+
+
+def _glow(scene: SceneData, material: Material) -> Values | None:
+    """The color of a glow, as bright as can be; None without one."""
+    strength = float(np.mean(scene.value(f"material/{material.name}/emission", 0.0)))
+    computed = material.maps.get("emission_color")
+    emitted = (
+        computed.image.reshape(-1, computed.image.shape[-1])[:, :3].mean(0).tolist()
+        if computed
+        else scene.value(f"material/{material.name}/emission_color", (0.0, 0.0, 0.0))
+    )
+    brightest = max(emitted)
+    if strength * brightest < _GLOWS:
+        return None
+    # a strong glow is paler than its color
+    clipped = max(min(strength * brightest, _CLIPPED), 1.0) / brightest
+    return srgb_from_linear([min(clipped * c, 1.0) for c in emitted])
+
+
+def _color(scene: SceneData, material: Material) -> Values | None:
+    """The base color, or the mean of its texture; None where nothing says it."""
+    if material.texture is not None:
+        mean = material.texture.image[..., :3].reshape(-1, 3).mean(0)
+        tint = scene.value(f"material/{material.name}/tint", (1.0, 1.0, 1.0))
+        return srgb_from_linear([float(m * t) for m, t in zip(mean, tint, strict=True)])
+    base = scene.value(f"material/{material.name}/base_color", ())
+    return srgb_from_linear(base) if len(base) == 3 else None
+
+
+def _structures(scene: SceneData, rays: _Rays) -> dict[str, int]:
+    """Structure -> index of the only material that is clearly it."""
+    if not len(rays.height):
+        return {}
+    low, high = np.quantile(rays.height, (0.01, 0.99))
+    tall = max(float(high - low), 1e-6)
+    mine = np.array([thing.subject for thing in scene.objects])[rays.object]
+    stands = float(rays.height[mine].min()) if mine.any() and not mine.all() else float(low)
+    found: dict[str, dict[int, float]] = {}
+    for number in np.unique(rays.material).tolist():
+        own = rays.material == number
+        share = float(own.sum()) / rays.count
+        if share >= _LEAST:
+            for part in _parts(rays.height[own], rays.slope[own], (float(low), tall, stands)):
+                found.setdefault(part, {})[number] = share
+    clear = {}
+    for part, shares in found.items():
+        best, *others = sorted(shares, key=lambda number: -shares[number])
+        if not others or shares[best] >= _CLEAR * shares[others[0]]:
+            clear[part] = best
+    return clear
+
+
+def _parts(height: np.ndarray, slope: np.ndarray, scene: tuple[float, float, float]) -> Iterator[str]:
+    """Structures that a material may be.
+
+    Args:
+        scene: The height of its lowest point, its extent upward, and the height that the subject stands on.
+    """
+    low, tall, stands = scene
+    level = height[slope > _LEVEL]
+    if len(level) > _MOST * len(height) and abs(np.median(level) - low) < _NEAR * tall:
+        yield "ground"
+    if len(level) > _SOME * len(height) and abs(np.median(level) - stands) < _NEAR * tall:
+        yield "support"
+    upright = height[np.abs(slope) < _UPRIGHT]
+    if len(upright) > _MOST * len(height) and np.ptp(upright) > _TALL * tall:
+        yield "wall"
+    roof = (slope > _SLOPED) & (height > low + _HIGH * tall)
+    flat = roof.any() and slope[roof].std() < _FLAT
+    if flat and roof.sum() > _MOST * len(height) and np.quantile(height, 0.9) > low + 0.8 * tall:
+        yield "roof"
+    if (slope < -_LEVEL).sum() > _SOME * len(height) and np.median(height) > low + _HIGH * tall:
+        yield "ceiling"

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a vibe begins with: the words, read against the scene once, and the scene, lit as they ask for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..claims.claim import Claim
+from ..claims.from_goals import claims_of
+from ..goals.resolve import Goals, goals_or_why
+from ..goals.written import WrittenGoals
+from ..planning.acting import goals_without_rig
+from ..planning.advice import OfflineAdvisor
+from ..planning.missing import asks_for_backdrop, missing_lights
+from ..planning.types import LightPlan
+from ..rigs.chosen import chosen_rig
+from ..rigs.lighting import Lighting, lighting
+from ..scene import SceneData
+from ..schema import VibeError
+from ..schema.added_lights import ADDED_LIGHTS, light_name
+from ..words.lexicon.rigs import rig_table
+from ..words.lexicon.user_words import default_vocabulary
+from ..words.parser import Understood
+from .scene_words import described
+
+_SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim")}
+"""Lights that single words may need, as "rim light" does where no rig is asked for."""
+
+
+@dataclass(frozen=True)
+class StagedScenes:
+    """Scenes and goals of a vibe.
+
+    Attributes:
+        scenes: The shots, with the lights that the words ask for and the scene lacks.
+        understood: The words, read against the scene.
+        goals: The words' wishes; the reason why there are none where nothing is understood.
+        lighting: The rig that the words ask for, set up; None where they ask for none.
+    """
+
+    scenes: list[SceneData]
+    understood: Understood
+    goals: Goals | VibeError
+    lighting: Lighting | None = None
+
+    @property
+    def plan(self) -> LightPlan | None:
+        """The rig's plan."""
+        return self.lighting.plan if self.lighting else None
+
+    @property
+    def advisor(self) -> OfflineAdvisor:
+        """The planner of these goals."""
+        return OfflineAdvisor(self.goals, self.plan)
+
+    def claims(self, goals: Goals) -> tuple[Claim, ...]:
+        """The claims of goals about the image, the rig's structure among them."""
+        vocabulary = default_vocabulary()
+        if self.lighting is None:
+            return claims_of(goals, vocabulary)
+        return (*self.lighting.claims, *claims_of(goals_without_rig(goals, self.lighting.plan), vocabulary))
+
+
+def read_stage(scenes: Sequence[SceneData], prompt: str) -> StagedScenes:
+    """The words, read against scenes that stay as they are lit."""
+    understood = Understood(prompt, described(*scenes))
+    return StagedScenes(list(scenes), understood, goals_or_why(understood))
+
+
+def set_stage(
+    scenes: Sequence[SceneData],
+    prompt: str,
+    new_lights: bool = True,
+    target: Sequence[str] = (),
+    written: WrittenGoals | None = None,
+) -> StagedScenes:
+    """The shots, lit by the rig that the words ask for; or with lights on standby for single words, where they ask for no rig.
+
+    Where nothing in the prompt is understood offline, nothing is added. The first of several shots decides on lights for all; a
+    backdrop is for all of them or for none.
+
+    Args:
+        target: "copper=Cup": what words describe, as the artist says.
+        written: Goals in the place of those that the prompt asks for; None for its own.
+
+    Raises:
+        VibeError: The scene has nothing that a word is to describe.
+    """
+    understood = Understood(prompt, described(*scenes), target)
+    goals = written.within(understood.scene) if written else goals_or_why(understood)
+    if isinstance(goals, VibeError):
+        return StagedScenes(list(scenes), understood, goals)
+    vocabulary = default_vocabulary()
+    if chosen := chosen_rig(goals, rig_table(), vocabulary):
+        rig = lighting(scenes, goals.parsed, chosen, new_lights)
+        return StagedScenes(rig.scenes, understood, goals, rig)
+
+    # No rig: lights and a backdrop that single words need
+    first = scenes[0]
+    spare = [ADDED_LIGHTS[light.name] for light in first.standby.lights if light.name in _SPARE]
+    roles = {light.name: light.role for light in spare}
+    instances = dict(first.instances)
+    names = missing_lights(goals, instances, understood.scene, roles, vocabulary) if new_lights else []
+    parts = asks_for_backdrop(goals, instances, understood.scene, vocabulary)
+    if parts and all(scene.may_have_backdrop for scene in scenes):
+        scenes = [scene.with_backdrop() for scene in scenes]
+    return StagedScenes([scene.with_lights(names) if names else scene for scene in scenes], understood, goals)

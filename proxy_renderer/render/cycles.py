@@ -1,0 +1,328 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cycles' pictures of known values, and the correction of the proxy by them: the anchor.
+
+With the proxy's linear picture P(θ), Cycles' picture A at θ₀, and for every light g its part A_g of A, the proxy's
+picture P_g(θ₀) with g alone, and the color s_g(θ) of its light,
+
+    R(θ) = c P(θ) + Σ_g (A_g - c P_g(θ₀)) s_g(θ) / s_g(θ₀),      c ≈ A / P(θ₀), smoothed and bounded.
+
+R(θ₀) is A whatever c is; so is every R(θ) in which only colors and powers of lights differ from θ₀, because light
+adds up. Otherwise R has c times the proxy's own gradient. c and the residuals are constants to gradients.
+
+Smoothing and look-ups do not cross outlines: Kopf et al., "Joint Bilateral Upsampling", 2007, with names of surfaces in
+place of colors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+from torch.nn.functional import embedding_bag, max_pool2d
+
+from ..scene import FilmSettings
+from ..schema import VibeError
+from .geometry.camera import View
+from .geometry.samples import Samples
+from .geometry.visibility import Hits, RayGeometry
+from .surface.view_cache import ViewCache
+
+REST = "rest"
+"""Owner of the light that belongs to no light: glowing surfaces, and what cannot be grouped."""
+_RATIO = 4.0
+_DARK = 0.02  # of the mean radiance: darker pixels are equally dark
+_FAINT = 2e-3  # of the mean radiance: ratios between darker pixels say nothing
+_BRIGHTER = 16.0  # a light that has become brighter than this times itself leaves its residual behind
+_LEAST = 0.05  # of the corrected proxy: what residuals must leave of a pixel
+_HAZY = 0.05  # of the mean: a part that the proxy takes for darker is smoothed as if even
+_FAR = 1e4  # sizes of the scene
+_RADIUS, _SIGMA = 2, 1.0  # pixels, of the smoothing of ratios and shares
+_REACH = 2.0  # pixels of the picture that is looked up in
+_ALIKE = 0.5  # stops
+_LEAST_WEIGHT = 1e-3  # weight of all pixels together, of which one at the place itself has 4
+_OUTLINE = 0.2  # weight of pixels next to an outline, which show two surfaces
+_REC709 = "Linear Rec.709"
+_BRIGHTEST = 1e4
+_ROUNDING = 1e-3
+"""Share of a pixel below which what no group accounts for is taken for rounding."""
+
+
+@dataclass
+class Correction:
+    """The constants of one anchor."""
+
+    view: View  # the camera of the anchor
+    guide: Tensor  # (H, W) int64, equal where its pixels show the same object and material; -1 for nothing
+    colors: Mapping[str, Tensor]  # owner to s_g(θ₀), (3,)
+    values: Mapping[str, Tensor]  # θ₀
+    dark: float  # radiance below which all is equally dark
+    stops: Tensor  # (P,) brightness of the proxy's picture at θ₀, in stops
+    # (3 (2 + G), P): c, the least share of P that must remain, and the residuals of the owners
+    fields: Tensor
+    owners: tuple[str, ...]  # the G owners, `REST` among them
+    _kept: tuple[ViewCache, Tensor] | None = field(default=None, repr=False)
+
+    @staticmethod
+    def of(
+        picture: CyclesPicture,
+        whole: Tensor,
+        parts: Mapping[str, Tensor],
+        colors: Mapping[str, Tensor],
+        values: Mapping[str, Tensor],
+        view: View,
+        cache: ViewCache,
+    ) -> Correction:
+        """Compares a picture with the proxy's of the same values and size.
+
+        `whole` (3, P) is the proxy's, `parts` its pictures (3, P) of each owner's light alone, `colors` those lights' (3,).
+        """
+        guide = _names(cache.samples.center_hits, cache.geometry).view(cache.depth.shape)
+        known_owners = [owner for owner in picture.parts if owner in parts]
+        reference = _flat(picture.whole).to(whole)
+        if not picture.denoised:  # take the proxy's detail instead of the noise
+            above, below, faint = _compared(reference, whole, guide)
+            reference = (whole.clamp_min(0.0) + faint) * above / (below + faint)
+        above, below, faint = _compared(reference, whole, guide)
+        ratio = ((above + faint) / (below + faint)).clamp(1 / _RATIO, _RATIO)  # c
+        # What every owner's light adds to c times its part of the proxy's picture.
+        alone = [parts[owner] for owner in known_owners]
+        proxy = torch.stack([*alone, whole - sum(alone, torch.zeros_like(whole))])  # (G, 3, P)
+        residuals = _shares(picture, known_owners, proxy, guide) * reference - ratio * proxy
+        least = torch.minimum(_LEAST * ratio, reference / whole.clamp_min(faint))
+        fields = torch.cat((ratio, least, residuals.flatten(0, 1)))
+        values = {key: value.detach() for key, value in values.items()}
+        dark = 1e-6 + _DARK * float(whole.mean())
+        kept = view.detached(), guide, colors, values, dark, _stops(whole, dark)
+        return Correction(*kept, fields, (*known_owners, REST))
+
+    def fits(self, view: View) -> bool:
+        """True if a view's pixels are those of the anchor."""
+        return view.signature() == self.view.signature()
+
+    def pixels(self, linear: Tensor, colors: Mapping[str, Tensor]) -> Tensor:
+        """Corrected pixels (3, P) of a view that fits, with the owners' colors (3,) of now; gradients pass."""
+        return self._apply(linear, colors, self.fields)
+
+    def samples(
+        self,
+        radiance: Tensor,
+        colors: Mapping[str, Tensor],
+        view: View,
+        cache: ViewCache,
+        before: Callable[[], Tensor],
+    ) -> Tensor:
+        """Corrected samples (3, N) of another view: sample by sample, so that outlines stay smooth; gradients pass.
+
+        `before` makes the proxy's samples (3, N) of θ₀ for this camera.
+        """
+        if self._kept is None or self._kept[0] is not cache:
+            with torch.no_grad():
+                self._kept = cache, self._look_up(cache.samples, cache.geometry, view, before)
+        return self._apply(radiance, colors, self._kept[1])
+
+    def _apply(self, linear: Tensor, colors: Mapping[str, Tensor], fields: Tensor) -> Tensor:
+        ratio, least = fields[:3], fields[3:6]
+        corrected = ratio * linear
+        for i, owner in enumerate(self.owners):
+            corrected = corrected + fields[6 + 3 * i : 9 + 3 * i] * self._growth(owner, colors)
+        return torch.maximum(corrected, least * linear)
+
+    def _growth(self, owner: str, colors: Mapping[str, Tensor]) -> Tensor | float:
+        """s_g(θ) / s_g(θ₀) (3, 1); a light that was off has no residual to scale."""
+        before, now = self.colors.get(owner), colors.get(owner)
+        if before is None or now is None:
+            return 1.0
+        off = before < 1e-9
+        growth = torch.where(off, torch.zeros_like(now), now / torch.where(off, 1.0, before))
+        return growth.clamp_max(_BRIGHTER)[:, None]
+
+    def _look_up(
+        self, samples: Samples, geometry: RayGeometry, view: View, before: Callable[[], Tensor]
+    ) -> Tensor:
+        """The fields where the anchor saw what samples meet; neutral ones where it did not."""
+        neutral = torch.zeros(len(self.fields), device=self.fields.device)
+        neutral[:3] = 1.0
+        reach = samples.hits.distance.clamp_max(_FAR * geometry.size)
+        place = self.view.project(samples.origin + samples.toward * reach)
+        bright = None if view.moving else (self.stops, _stops(before(), self.dark))
+        return look_up(self.fields, self.guide, place, _names(samples.hits, geometry), neutral, bright)
+
+
+def _stops(linear: Tensor, dark: float) -> Tensor:
+    """Brightness (N,) of linear colors (3, N) on a logarithmic scale."""
+    return torch.log2(linear.clamp_min(0.0).mean(0) + dark)
+
+
+def _names(hits: Hits, geometry: RayGeometry) -> Tensor:
+    """(N,) what rays meet: a number for object and material, -1 for nothing."""
+    index = hits.triangle.clamp_min(0)
+    return torch.where(hits.hit, geometry.object[index] * 4096 + geometry.material[index], -1)
+
+
+def _flat(picture: Tensor) -> Tensor:
+    """(…, H, W, 3) to (…, 3, P)."""
+    return picture.flatten(-3, -2).transpose(-1, -2)
+
+
+def _compared(reference: Tensor, whole: Tensor, guide: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+    """Both pictures (3, P), smoothed, and a faint radiance () below which ratios say nothing."""
+    above, below = blur(torch.cat((reference, whole)), guide, _RADIUS, _SIGMA).split(3)
+    return above, below.clamp_min(0.0), 1e-6 + _FAINT * reference.mean()
+
+
+def _shares(picture: CyclesPicture, known_owners: list[str], proxy: Tensor, guide: Tensor) -> Tensor:
+    """Shares (G, 3, P) that the known owners and the rest have in the picture; they add up to 1.
+
+    The noisy parts are smoothed relative to the proxy's, whose shadows have sharp edges.
+    """
+    other = sum((p for o, p in picture.parts.items() if o not in known_owners), picture.rest)
+    noisy = _flat(torch.stack([*(picture.parts[owner] for owner in known_owners), other])).to(proxy)
+    model = proxy.clamp_min(0.0) + _HAZY * proxy.abs().mean()
+    above, below = (blur(p.flatten(0, 1), guide, _RADIUS, _SIGMA) for p in (noisy, model))
+    parts = model * (above / below.clamp_min(1e-20)).view_as(model)
+    total = parts.sum(0)
+    shares = parts / total.clamp_min(1e-20)
+    shares[-1] = torch.where(total > 1e-20, shares[-1], 1.0)
+    return shares
+
+
+def blur(fields: Tensor, guide: Tensor, radius: int, sigma: float) -> Tensor:
+    """Gaussian averages (C, P) of fields (C, P) over each pixel's neighbors that have the same name in the guide (H, W)."""
+    height, width = guide.shape
+    picture = fields.view(-1, height, width)
+    total, weights = torch.zeros_like(picture), torch.zeros_like(picture[0])
+    for dy in range(-radius, radius + 1):
+        for dx in range(-radius, radius + 1):
+            (y, from_y), (x, from_x) = _overlap(dy, height), _overlap(dx, width)
+            weight = torch.exp(torch.tensor(-(dx * dx + dy * dy) / (2 * sigma * sigma))).to(fields)
+            same = weight * (guide[y, x] == guide[from_y, from_x])
+            total[:, y, x] += same * picture[:, from_y, from_x]
+            weights[y, x] += same
+    return (total / weights).view_as(fields)
+
+
+def _overlap(shift: int, size: int) -> tuple[slice, slice]:
+    """The part of a picture's axis that a shifted copy overlaps, and the same part in the copy."""
+    return slice(max(0, -shift), size - max(0, shift)), slice(max(0, shift), size - max(0, -shift))
+
+
+def look_up(
+    fields: Tensor,
+    guide: Tensor,
+    place: Tensor,
+    names: Tensor,
+    neutral: Tensor,
+    stops: tuple[Tensor, Tensor] | None = None,
+) -> Tensor:
+    """Averages (C, N) of a picture's fields (C, P) around places (2, N) in pixels, over pixels of the given names (N,).
+
+    The guide (H, W) has the pixels' names. Where nothing near has the name, the neutral values (C,) are taken.
+
+    Args:
+        stops: (P,) brightness of the pixels and (N,) the one to look for, in stops: only pixels about as bright
+            count, so that what belongs to a highlight stays with it. None to average over all.
+    """
+    height, width = guide.shape
+    # Pixels whose neighbors show something else weigh little.
+    wide = torch.cat((guide, -guide)).view(2, height, width).double()
+    high, low = max_pool2d(wide[None], 3, 1, 1)[0]
+    flat, inner = guide.flatten(), torch.where(high == -low, 1.0, _OUTLINE).float().flatten()
+    rows = fields.T.contiguous()  # what a pixel has lies together
+    total = torch.zeros((place.shape[1], len(fields)), device=fields.device)
+    weights = torch.zeros_like(total[:, 0])
+    place = torch.nan_to_num(place, nan=-1e6).clamp(-1e6, 1e6)
+    start = (place - 0.5 - _REACH).ceil().long()
+    steps = torch.arange(int(2 * _REACH) + 1, device=fields.device)
+    for dy in steps:
+        x, y = start[0] + steps[:, None], (start[1] + dy).expand(len(steps), -1)
+        inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+        index = x.clamp(0, width - 1) + width * y.clamp(0, height - 1)
+        near = ((_REACH - (p + 0.5 - at).abs()).clamp_min(0.0) for p, at in zip((x, y), place, strict=True))
+        weight = next(near) * next(near) * inner[index] * (inside & (flat[index] == names))
+        if stops is not None:
+            weight = weight * torch.exp(-(((stops[0][index] - stops[1]) / _ALIKE) ** 2))
+        total += embedding_bag(index.T, rows, per_sample_weights=weight.T, mode="sum")
+        weights += weight.sum(0)
+    covered = weights > _LEAST_WEIGHT
+    return torch.where(covered, total.T / torch.where(covered, weights, 1.0), neutral[:, None])
+
+
+@dataclass(frozen=True)
+class CyclesPicture:
+    """A picture, and whose light it is made of."""
+
+    whole: Tensor  # (H, W, 3) linear Rec.709, finite, at least 0
+    # owner, "light/NAME" or "world", to the noisy picture (H, W, 3) of its light alone
+    parts: Mapping[str, Tensor]
+    rest: Tensor  # (H, W, 3) noisy, the light that no part holds
+    denoised: bool = True  # whether the whole is free of noise
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in pixels."""
+        return self.whole.shape[1], self.whole.shape[0]
+
+    @staticmethod
+    def load(path: Path | str, groups: Mapping[str, str], film: FilmSettings) -> CyclesPicture:
+        """Reads what the add-on's `anchoring.render_anchor` has written; `groups` are its light groups' owners by name.
+
+        Raises:
+            VibeError: The file cannot be read, or lacks a picture.
+        """
+        layers = _layers(Path(path))
+        denoised = "Noisy Image" in layers  # some builds of Blender have no denoiser
+        layers.setdefault("Noisy Image", layers.get("Combined", np.empty(0)))
+        wanted = {"Combined": "", "Noisy Image": "", **{f"Combined_{g}": o for g, o in groups.items()}}
+        if missing := sorted(set(wanted) - set(layers)):
+            raise _unreadable(f"it has no layer {missing[0]!r}")
+        pictures = {name: _rec709(layers[name], film) for name in wanted}
+        whole, noisy = pictures.pop("Combined"), pictures.pop("Noisy Image")
+        parts = {wanted[name]: picture for name, picture in pictures.items()}
+        rest = noisy - sum(parts.values(), torch.zeros_like(noisy))
+        rest = torch.where(rest > _ROUNDING * noisy, rest, torch.zeros_like(rest))
+        return CyclesPicture(whole, parts, rest, denoised)
+
+
+def _layers(path: Path) -> dict[str, np.ndarray]:
+    """Pass name to its colors (H, W, 3); Blender 4 writes them into one part, Blender 5 into one each."""
+    import OpenEXR
+
+    try:
+        with OpenEXR.File(str(path)) as file:
+            channels = [pair for part in file.parts for pair in part.channels.items()]
+            passes = {name.partition(".")[2]: np.array(c.pixels, np.float32) for name, c in channels}
+    except (OSError, RuntimeError, ValueError, TypeError) as error:
+        raise _unreadable(str(error)) from error
+    return {name: p[..., :3] for name, p in passes.items() if p.ndim == 3 and p.shape[2] >= 3}
+
+
+def _unreadable(reason: str) -> VibeError:
+    return VibeError(f"Cycles' picture cannot be read: {reason}.", "Try again.")
+
+
+def _rec709(picture: np.ndarray, film: FilmSettings) -> Tensor:
+    """Finite linear Rec.709 (H, W, 3), at least 0, of a picture in the scene's working space."""
+    picture = np.nan_to_num(picture, nan=0.0, posinf=_BRIGHTEST, neginf=0.0)
+    if film.working_space != _REC709:
+        picture = _convert(picture, film)
+    return torch.from_numpy(np.ascontiguousarray(picture.clip(0.0, _BRIGHTEST)))
+
+
+def _convert(picture: np.ndarray, film: FilmSettings) -> np.ndarray:
+    import PyOpenColorIO as OCIO
+
+    try:
+        config = OCIO.Config.CreateFromFile(film.ocio)
+        processor = config.getProcessor(film.working_space, _REC709).getDefaultCPUProcessor()
+    except (OCIO.Exception, OCIO.ExceptionMissingFile) as error:
+        raise VibeError(
+            f"Colors cannot be converted from {film.working_space!r}: {error}.",
+            "Choose another working space.",
+        ) from error
+    flat = np.ascontiguousarray(picture, np.float32).reshape(-1, 3)
+    processor.applyRGB(flat)
+    return flat.reshape(picture.shape)

@@ -1,2 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-"""Pictures that Cycles rendered, and what they teach the proxy."""

@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From scene-linear light (H, W, 3) to the picture that an artist sees: Vibe Grade, then the scene's view transform.
+
+The grade is the torch twin, node by node, of the compositor group that the add-on builds. Sources: Blender's compositor
+nodes Color Balance, Gamma, Hue/Saturation/Value and Glare (high quality), whose bloom halves highlights again and again
+and adds them up on the way back (Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import torch
+from jaxtyping import Float
+from torch import Tensor
+from torch.nn import functional
+
+from ..color.tensors import luminance
+from ..color.view_transform import ViewTransform
+from ..scene import FilmSettings
+from ..schema import FAMILIES
+
+_CLEAR = 1e-3  # coverage below which colors are too uncertain to be divided by it
+MIDDLE_GRAY = 0.18
+_BLACK = 1e-6  # stands in for 0 under a power, whose gradient there may be infinite
+BLOOM_THRESHOLD, BLOOM_SMOOTHNESS, BLOOM_SIZE = 1.0, 0.1, 0.5
+"""Settings of the node in the add-on's grade: brightness from which pixels glow, its softness, and the reach."""
+
+
+class Film:
+    """Develops linear pictures of one size (width, height); raises VibeError if the view transform cannot be read."""
+
+    def __init__(self, spec: FilmSettings, size: tuple[int, int], device: str = "cpu") -> None:
+        self._view = ViewTransform(spec.ocio, spec.display, spec.view, spec.look, device)
+        self._falloff = falloff(*size).to(device)
+
+    def develop(self, linear: Tensor, values: Mapping[str, Tensor], alpha: Tensor | None = None) -> Tensor:
+        """Display-encoded picture (H, W, 3) in [0, 1]; what is transparent shows black.
+
+        Args:
+            linear: (H, W, 3) scene-linear Rec.709, before the grade, times alpha.
+            values: "film/…" to (1,) or (3,) in Blender's units; what is missing leaves the picture alone.
+            alpha: (H, W) coverage of a transparent film; None where the background is seen.
+        """
+        graded = self.grade(linear, values)
+        if alpha is None:
+            return self.show(graded, values)
+        # Blender divides by alpha before its view transform (imbuf, IMB_colormanagement), and PNGs stay so.
+        alpha = alpha.clamp(0, 1)[..., None]
+        return self.show(graded / alpha.clamp_min(_CLEAR), values) * alpha
+
+    def grade(self, linear: Tensor, values: Mapping[str, Tensor]) -> Tensor:
+        """The compositor group "Vibe Grade", in its order. Neutral steps that nothing learns from are skipped."""
+        set_ = _Settings(values, linear)
+        c = linear
+        if set_.moves("glare"):
+            c = c.clamp_min(0) + set_["glare"] * bloom(c)
+        if set_.moves("grade_exposure"):
+            c = c * torch.exp2(set_["grade_exposure"])
+        if set_.moves("lift", "midtone", "gain"):
+            c = lift_gamma_gain(c, set_["lift"], set_["midtone"], set_["gain"])
+        if set_.moves("contrast"):
+            c = contrast(c, set_["contrast"])
+        if set_.moves("saturation"):
+            c = saturation(c, set_["saturation"])
+        if set_.moves("hue"):
+            c = turn_hue(c.clamp_min(0), set_["hue"])
+        if set_.moves("grade_gamma"):
+            c = power(c, set_["grade_gamma"])
+        if set_.moves("vignette"):
+            c = c * (1 - set_["vignette"] * self._falloff)
+        return c
+
+    def show(self, graded: Tensor, values: Mapping[str, Tensor]) -> Tensor:
+        """Exposure, OCIO view, gamma: Blender's color management."""
+        set_ = _Settings(values, graded)
+        if set_.moves("exposure"):
+            graded = graded * torch.exp2(set_["exposure"])
+        display = self._view(graded).clamp(0, 1)
+        if set_.moves("gamma"):
+            display = display.clamp_min(1e-8) ** (1 / set_["gamma"])
+        return display
+
+
+class _Settings:
+    """The film's values, with the schema's neutral ones for what is missing."""
+
+    def __init__(self, values: Mapping[str, Tensor], like: Tensor) -> None:
+        self._values, self._like = values, like
+
+    def __getitem__(self, name: str) -> Tensor:
+        key = f"film/{name}"
+        value = self._values.get(key)
+        return value if value is not None else self._like.new_full((1,), FAMILIES[key].default)
+
+    def moves(self, *names: str) -> bool:
+        """True if any of them changes the picture, or could: it is being learned."""
+        return any(
+            self[n].requires_grad or bool((self[n] != FAMILIES[f"film/{n}"].default).any()) for n in names
+        )
+
+
+def power(picture: Float[Tensor, "*pixels 3"], exponent: Float[Tensor, "*one"]) -> Float[Tensor, "*pixels 3"]:
+    """Blender's Gamma node: picture ** exponent where it is positive; the rest stays as it is."""
+    return torch.where(picture > _BLACK, picture.clamp_min(_BLACK) ** exponent, picture)
+
+
+def lift_gamma_gain(
+    picture: Float[Tensor, "*pixels 3"],
+    lift: Float[Tensor, "#3"],
+    midtone: Float[Tensor, "#3"],
+    gain: Float[Tensor, "#3"],
+) -> Float[Tensor, "*pixels 3"]:
+    """Blender's Color Balance node, type Lift/Gamma/Gain; each color (3,), 1 for no change."""
+    lifted = (picture - 1) * (2 - lift) + 1
+    scaled = lifted * gain
+    return scaled.clamp_min(_BLACK) ** (1 / midtone.clamp_min(_BLACK)) * (scaled > 0)
+
+
+def contrast(
+    picture: Float[Tensor, "*pixels 3"], amount: Float[Tensor, "*one"]
+) -> Float[Tensor, "*pixels 3"]:
+    """A power around middle gray, which stays: 0.18 · (c / 0.18) ** amount."""
+    return MIDDLE_GRAY * power(picture / MIDDLE_GRAY, amount)
+
+
+def saturation(
+    picture: Float[Tensor, "*pixels 3"], amount: Float[Tensor, "*one"]
+) -> Float[Tensor, "*pixels 3"]:
+    """Between gray of the same luminance (0), the picture (1) and beyond; never negative."""
+    gray = luminance(picture)
+    return (gray + (picture - gray) * amount).clamp_min(0)
+
+
+def turn_hue(
+    picture: Float[Tensor, "*pixels 3"], degrees: Float[Tensor, "*one"]
+) -> Float[Tensor, "*pixels 3"]:
+    """Blender's Hue/Saturation/Value node with only the hue turned; picture ≥ 0."""
+    brightest, darkest = picture.amax(-1, keepdim=True), picture.amin(-1, keepdim=True)
+    chroma = brightest - darkest
+    r, g, b = ((brightest - picture) / chroma.clamp_min(_BLACK)).unbind(-1)
+    red, green, blue = picture.unbind(-1)
+    sixth = torch.where(green >= blue, 2 + r - b, 4 + g - r)
+    sixth = torch.where((red >= green) & (red >= blue), b - g, sixth)
+    sixth = sixth[..., None] + degrees / 60 - picture.new_tensor((0.0, 2.0, 4.0))
+    # Distance of each primary from the new hue, in sixths of the circle.
+    away = (torch.remainder(sixth + 3, 6) - 3).abs()
+    return brightest - chroma * (away - 1).clamp(0, 1)
+
+
+def falloff(width: int, height: int) -> Float[Tensor, "{height} {width} 1"]:
+    """Share that a full vignette takes from each pixel (H, W, 1): 0 in the middle, 1 in the corners."""
+    x, y = ((torch.arange(n) + 0.5) / n * 2 - 1 for n in (width, height))
+    radius = ((x[None, :] ** 2 + y[:, None] ** 2) / 2).sqrt()
+    t = ((radius - 0.3) / 0.7).clamp(0, 1)
+    return (t * t * (3 - 2 * t))[..., None]
+
+
+def bloom(picture: Tensor) -> Tensor:
+    """Light that the node would add at strength 1 to a linear picture (H, W, 3); an even glow is as bright as its source."""
+    layers = [_highlights(picture).permute(2, 0, 1)[None]]
+    length = int(math.log2(max(min(picture.shape[:2]) * BLOOM_SIZE, 1)))
+    for level in range(length - 1):
+        layers.append(_halve(layers[-1], calm=level == 0))
+    total = layers[-1]
+    for finer in reversed(layers[:-1]):
+        total = finer + _tent(functional.interpolate(total, size=finer.shape[-2:], mode="bilinear"))
+    return total[0].permute(1, 2, 0) / len(layers)
+
+
+def _highlights(picture: Tensor) -> Tensor:
+    """Colors with their HSV value lowered by the threshold, smoothly."""
+    value = picture.amax(-1, keepdim=True)
+    near = (BLOOM_SMOOTHNESS - (value - BLOOM_THRESHOLD).abs()).clamp_min(0) / BLOOM_SMOOTHNESS
+    above = (value - BLOOM_THRESHOLD).clamp_min(0) + near * near * (BLOOM_SMOOTHNESS / 4)
+    return picture.clamp_min(0) * (above / value.clamp_min(1e-6))
+
+
+def _halve(layer: Tensor, calm: bool) -> Tensor:
+    """Half the size of (1, 3, H, W), from five overlapping squares of four 2×2 blocks each, the middle one counting half.
+
+    Calm: blocks are weighted by 1 / (1 + brightness), so that fireflies stay small.
+    """
+    blocks = functional.avg_pool2d(functional.pad(layer, (3, 3, 3, 3), mode="replicate"), 2, 1)
+    squares = _corners(blocks)
+    if calm:
+        weight = 1 / (1 + blocks.amax(1, keepdim=True).clamp_min(1))  # Blender counts the alpha of 1, too
+        squares = _corners(blocks * weight) / _corners(weight)
+    rows, columns = (n // 2 for n in layer.shape[-2:])
+    sides = _corners(squares[..., 1:, 1:])[..., ::2, ::2]
+    middle = squares[..., 2::2, 2::2]
+    return (middle[..., :rows, :columns] + sides[..., :rows, :columns]) / 2
+
+
+def _corners(field: Tensor) -> Tensor:
+    """Mean of the corners of every 3×3 square."""
+    wide = field[..., :-2] + field[..., 2:]
+    return (wide[..., :-2, :] + wide[..., 2:, :]) / 4
+
+
+def _tent(layer: Tensor) -> Tensor:
+    """The 3×3 filter (1, 2, 1)² / 16."""
+    around = functional.pad(layer, (1, 1, 1, 1), mode="replicate")
+    return functional.avg_pool2d(functional.avg_pool2d(around, 2, 1), 2, 1)

@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The interface of all types of light, and what lights with a position have in common.
+
+Formulas follow Cycles (kernel/light, scene/light.cpp). Irradiance and intensity are per unit of `LightSource.color`:
+whatever is geometric stays the same while only power, color or temperature change.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
+
+import torch
+from jaxtyping import Bool, Float, Int
+from torch import Tensor
+
+from ...color.tensors import blackbody
+from ...scene import Light, SceneData
+from ...scene.values import RenderValues, needs_gradient
+from ..geometry.camera import RaySegments, direction, frame
+from ..geometry.vectors import dot, tangents, within
+
+POINT_RADIUS = 1e-3
+"""Least angular radius of a light in radians: a true point would have no highlight in a mirror."""
+
+
+@dataclass(frozen=True)
+class DirectIrradiance:
+    """Light that reaches N points from one light, unshadowed, per unit of its color."""
+
+    toward: Float[Tensor, "3 n"]  # (3, N) unit vectors to the light's center
+    distance: Float[Tensor, " n"]  # (N,) to the light's center in meters; infinite for suns
+    irradiance: Float[Tensor, " n"]  # (N,) on the surface, cosine included
+    frontal: Float[Tensor, " n"]  # (N,) on a surface that faces the light: radiance times solid angle
+    solid_angle: Float[Tensor, " n"]  # (N,) that the light fills, steradians
+
+    def pick(self, index: Tensor) -> DirectIrradiance:
+        """The points at an index."""
+        fields = self.toward, self.distance, self.irradiance, self.frontal, self.solid_angle
+        return DirectIrradiance(*(field[..., index] for field in fields))
+
+
+@dataclass(frozen=True)
+class SegmentLight:
+    """Light that reaches the S segments of rays from one light, unshadowed, per unit of its color."""
+
+    points: Float[Tensor, "3 ..."]  # (3, S · parts, …) where the middle of the light arrives
+    toward: Float[Tensor, "3 ..."]  # (3, S · parts, …) unit vectors from there to the light
+    distance: Float[Tensor, "*n"]  # (S · parts, …) to the light in meters; infinite for suns
+    irradiance: Float[Tensor, "*n"]  # (S · parts, …) mean over a part, on a surface that faces the light
+
+
+@dataclass(frozen=True)
+class LightSource(ABC):
+    """A light in one render. A type of light is a subclass; by default it is round and has a position and a power."""
+
+    light: Light  # the scene's record
+    color: Float[Tensor, " 3"]  # (3,) power or strength times color, temperature and exposure
+    position: Float[Tensor, " 3"]  # (3,) in meters; for suns the pivot, which nothing depends on
+    axes: Float[Tensor, "3 3"]  # (3, 3) columns x, y, z of the light; it shines along -z
+    size: Float[Tensor, ""]  # () as `read_size` has it
+
+    energy_name: ClassVar[str] = "power"  # the parameter of its energy: "power" in watts, "strength" in W/m²
+    at_infinity: ClassVar[bool] = False  # whether all its light comes from one direction, with no distance
+    segment_parts: ClassVar[int] = 1  # in how many parts a segment of fog in its light is looked at
+
+    @classmethod
+    def of(cls, light: Light, scene: SceneData, values: RenderValues) -> Self:
+        """A scene's light at the values of one render."""
+        key = f"light/{light.name}/"
+        azimuth, elevation = values.scalar(key + "azimuth"), values.scalar(key + "elevation")
+        energy = values.scalar(key + cls.energy_name, 1.0)
+        color = values.color(key + "color", 1.0) * (energy * 2.0**light.exposure)
+        temperature = values.scalar(key + "temperature", 6500.0)
+        if light.use_temperature or needs_gradient(temperature) or float(temperature.detach()) != 6500.0:
+            color = color * blackbody(temperature)
+        if light.tint != (1.0, 1.0, 1.0):
+            color = color * torch.tensor(light.tint, device=values.device)
+        pivot = torch.tensor(scene.pivot, device=values.device)
+        distance = 0.0 if cls.at_infinity else values.scalar(key + "distance", 1.0)
+        size = cls.read_size(light, values)
+        axes = torch.tensor(light.residual, device=values.device)
+        if light.fixed:
+            position = torch.tensor(light.position, device=values.device)
+        else:
+            axes = frame(azimuth, elevation) @ axes
+            position = pivot + distance * direction(azimuth, elevation)
+        return cls(light, color, position, axes, within(size, 0.0, math.inf))
+
+    @staticmethod
+    def read_size(light: Light, values: RenderValues) -> Float[Tensor, ""]:
+        """Radius of a point or spot and width of an area light in meters, angular diameter of a sun in radians: ()."""
+        return values.scalar(f"light/{light.name}/size") * light.scale
+
+    def toward(self, points: Float[Tensor, "3 n"]) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
+        """Unit vectors (3, N) from points (3, N) to the light's center, and distances (N,) in meters."""
+        return offsets(self.position, points)[:2]
+
+    @abstractmethod
+    def irradiance(self, points: Float[Tensor, "3 n"], normals: Float[Tensor, "3 n"]) -> DirectIrradiance:
+        """Unshadowed light at points (3, N) with unit normals (3, N)."""
+
+    @abstractmethod
+    def shadow_targets(
+        self, direct: DirectIrradiance, uv: Float[Tensor, "2 n"]
+    ) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
+        """Unit directions (3, N) and distances (N,) of shadow rays to points on the light, from uv (2, N) in [0, 1)."""
+
+    @abstractmethod
+    def in_scattering(self, segments: RaySegments, parts: int) -> SegmentLight:
+        """Unshadowed light that fog gets along rays, each segment looked at in some parts, where it matters."""
+
+    def half_sides(self) -> tuple[Float[Tensor, "3 1"], Float[Tensor, "3 1"]] | None:
+        """Half the sides, (3, 1) each, of a rectangular outline; None for a round one."""
+        return None
+
+    def lights(self, objects: Int[Tensor, " n"]) -> Bool[Tensor, " n"]:
+        """(N,) bool: surfaces of objects (N,) that get its light; light linking may leave some out."""
+        return ~torch.isin(objects, objects.new_tensor(self.light.unlit))
+
+    @property
+    def owner(self) -> str:
+        """Whose parameters its color depends on: "light/NAME" or "world"; "" for what surfaces emit."""
+        return f"light/{self.light.name}"
+
+    @property
+    def pictured(self) -> bool:
+        """True if reflections show its image, so that it has no highlight."""
+        return False
+
+    @property
+    def shadowless(self) -> int:
+        """The material whose surfaces cast no shadow in its light; -1 for none."""
+        return -1
+
+    @property
+    def has_shadow_edges(self) -> bool:
+        """True if its shadows' edges have gradients."""
+        return self.light.shadow
+
+    @property
+    def moving(self) -> bool:
+        """True if gradients with respect to its place, direction or size are wanted."""
+        return needs_gradient(self.position, self.axes, self.size)
+
+    def signature(self) -> tuple[float, ...]:
+        """Numbers that change when anything that shadows depend on does."""
+        parts = torch.cat((self.position, self.axes.flatten(), self.size[None]))
+        return tuple(parts.detach().tolist())
+
+    def detached(self) -> Self:
+        """The same light without gradients."""
+        return replace(
+            self,
+            color=self.color.detach(),
+            position=self.position.detach(),
+            axes=self.axes.detach(),
+            size=self.size.detach(),
+        )
+
+
+def offsets(position: Tensor, points: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+    """From points (3, N) to a place (3,): unit vectors (3, N), distances (N,) in meters, and their squares (N,)."""
+    offset = position[:, None] - points
+    squared = dot(offset, offset).clamp_min(1e-8)
+    distance = squared.sqrt()
+    return offset / distance, distance, squared
+
+
+def disc_offsets(toward: Tensor, solid_angle: Tensor, uv: Tensor) -> Tensor:
+    """Offsets (3, N) over a disc of a solid angle (N,) at distance 1 that faces a point, from its middle."""
+    radius, angle = uv[0].sqrt(), 2 * math.pi * uv[1]
+    x, y = radius * angle.cos(), radius * angle.sin()
+    across, up = tangents(toward)
+    return (across * x + up * y) * (solid_angle / math.pi).sqrt()
+
+
+def clipped_sphere(cosine: Tensor, sine2: Tensor) -> Tensor:
+    """Cosine-weighted part of a sphere above the horizon, relative to the unclipped vector flux.
+
+    Args:
+        cosine: (N,) of the angle between the normal and the sphere's middle.
+        sine2: (N,) squared sine of the sphere's angular radius.
+
+    Returns:
+        (N,) the cosine where the sphere is fully above the horizon, 0 where it is below, in between a smooth blend
+        that meets both ends with the right slope (Hill and Heitz, "Real-Time Area Lighting", 2016).
+    """
+    sine = sine2.clamp_min(1e-8).sqrt()
+    t = (cosine / sine).clamp(-1.0, 1.0)
+    partial = sine * (1 + t) * (1 + t) / 4
+    return torch.where(cosine > sine, cosine, partial)
+
+
+def equiangular(
+    segments: RaySegments,
+    position: Tensor,
+    softness: Tensor,
+    back: Tensor | None,
+    parts: int,
+    intensity: Callable[[Tensor], Tensor],
+) -> SegmentLight:
+    """Light of a place (3,) along rays, analytically (equiangular sampling: Kulla and Fajardo 2012).
+
+    Parts of a segment subtend the same angle at the light, and so count the same.
+
+    Args:
+        softness: () meters by which the light is at least off the ray: about what averaging over its size does.
+        back: (3,) unit vector away from where a flat light shines; None for one that shines to all sides.
+        parts: In how many parts each segment is looked at.
+        intensity: Radiant intensity (n,) back along unit vectors (3, n) to the light.
+    """
+    to_light = position.view(3, 1, 1) - segments.start
+    closest = (to_light * segments.toward).sum(0)
+    aside = (to_light * to_light).sum(0) - closest * closest
+    aside = (aside.clamp_min(0) + softness * softness + 1e-6).sqrt()
+    cuts = segments.cuts if back is None else _lit_cuts(segments, position, back)
+    angle = torch.atan((cuts - closest) / aside)[:, None]
+    step = angle[1:] - angle[:-1]
+    part = (torch.arange(parts, device=aside.device) + 0.5).view(-1, 1, 1) / parts
+    middle = closest + aside * torch.tan(angle[:-1] + step * part)
+    spans = (segments.cuts[1:] - segments.cuts[:-1])[:, None]
+    mean_inverse_square = (step / (aside * spans).clamp_min(1e-12)).expand_as(middle).flatten(0, 1)
+    points = segments.start[:, None] + segments.toward[:, None] * middle.flatten(0, 1)
+    offset = position.view(3, 1, 1, 1) - points
+    distance = (offset * offset).sum(0).clamp_min(1e-8).sqrt()
+    toward = offset / distance
+    strength = intensity(toward.flatten(1)).view(distance.shape) * mean_inverse_square
+    return SegmentLight(points, toward, distance, strength)
+
+
+def _lit_cuts(segments: RaySegments, position: Tensor, back: Tensor) -> Tensor:
+    """The segments' ends (S + 1, …), those behind a flat light moved to its plane: it shines to one side only."""
+    z = back.view(3, 1, 1)
+    before = (z * (position.view(3, 1, 1) - segments.start)).sum(0)
+    slope = (z * segments.toward).sum(0)
+    plane = before / torch.where(slope.abs() < 1e-6, 1e-6, slope)
+    leaving = slope > 0  # from the lit side to the dark one
+    return torch.where(leaving, torch.minimum(segments.cuts, plane), torch.maximum(segments.cuts, plane))

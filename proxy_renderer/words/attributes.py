@@ -1,0 +1,354 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The sum of bound look words: objects with their attributes, colors with shades, and the lights that a prompt tells apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import product
+
+from ..color.constants import Lab
+from ..color.floats import chroma, lab_from_srgb
+from ..color.shades import basic, hue_apart, relative_shade, shade
+from ..schema import Values
+from ..schema.parameters import Region
+from .lexer import Token
+from .lexicon.entries import Effect
+from .lexicon.languages import singular
+from .lexicon.quantities import COLORS
+from .lexicon.rigs import RigTable
+from .lexicon.vocabulary import Vocabulary
+from .passage import LIGHTS, Passage
+from .types import Attribute, Parsed, PromptObject
+
+NamedThing = tuple[str, Region, tuple[str, ...]]
+"""Name, region and materials."""
+_COLORED = {
+    "light": "lighting",
+    "fill": "lighting",
+    "rim": "lighting",
+    "fog": "atmosphere",
+    "glow": "material",
+}
+"""Kind of thing -> slot that a color word about it counts for."""
+_OUTER = {"surroundings", "atmosphere", "setting", "fog"}
+"""Regions, slots and kinds of what is not the subject's."""
+_BLACK = 12.0  # L* of a black thing whose form can be seen
+_DARKEST, _LIGHTEST = 14.0, 78.0  # L* of lit things of a strong color, navy and yellow
+_STRONG = 30.0  # C* that lit things show in full
+_KEPT = 0.7  # share of the chroma beyond that
+_WARM_LIGHT, _COOL_LIGHT = (1.0, 0.7, 0.35), (0.5, 0.7, 1.0)
+"""sRGB that stands for light below and above the temperatures that count as white."""
+_WHITE = (5000.0, 7000.0)  # kelvins
+_APART = 60.0  # degrees of hue from which one light cannot have both colors
+
+
+def complete(
+    parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[NamedThing], sky: bool = True
+) -> None:
+    """Fills in the objects of a prompt whose attributes are bound, and relations of words to each other."""
+    parsed.attributes = _with_lamps(_qualified(parsed.attributes, vocabulary), vocabulary)
+    if not sky:  # a sky that the camera does not see is its light alone: what colors it colors the image
+        hidden = (a.kind == "sky" and a.color for a in parsed.attributes)
+        both = zip(parsed.attributes, hidden, strict=True)
+        parsed.attributes = [replace(a, kind="ambience", region="whole") if h else a for a, h in both]
+    parsed.objects = _objects(parsed.attributes, subject, things)
+    parsed.ignored = list(dict.fromkeys(parsed.ignored))
+    parsed.notes = list(dict.fromkeys(parsed.notes))
+
+
+def _qualified(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Attribute]:
+    """Attributes that no later word takes back: "dark, but not too dark"; "the fog is too thick" asks for less."""
+    later = {(a.entry, a.kind, a.owners): i for i, a in enumerate(attributes) if a.word.startswith("not ")}
+    kept = [a for i, a in enumerate(attributes) if later.get((a.entry, a.kind, a.owners), i) <= i]
+    classes = {a.entry: vocabulary.entries[a.entry].classes for a in kept if a.entry in vocabulary.entries}
+    much = [(a.kind, classes[a.entry]) for a in kept if a.word.startswith("too ") and classes.get(a.entry)]
+    return [a for a in kept if a.negated or a.cause or a.color or (a.kind, classes.get(a.entry)) not in much]
+
+
+def _objects(attributes: list[Attribute], subject: str, things: list[NamedThing]) -> list[PromptObject]:
+    """The prompt's objects with their attributes, the subject first."""
+    main = next((name for name, region, _ in things if region == "subject"), subject) or "subject"
+    objects: dict[tuple[str, Region], PromptObject] = {(main, "subject"): PromptObject(main, "subject")}
+    objects |= {
+        (name, region): PromptObject(name, region, materials=owners) for name, region, owners in things
+    }
+    around: tuple[str, Region] = next(
+        (k for k in objects if k[1] == "surroundings"), ("surroundings", "surroundings")
+    )
+    for attribute in (a for a in attributes if not a.cause):
+        key = (attribute.thing, attribute.region)
+        if key not in objects:
+            is_outer = _OUTER & {attribute.region, attribute.slot, attribute.kind}
+            key = around if is_outer else (main, "subject")
+        slots = objects.setdefault(key, PromptObject(*key)).attributes
+        slot, word = attribute.slot, attribute.word
+        if slot == "color" and attribute.region == "whole":
+            slot, word = _COLORED.get(attribute.kind, "grade"), f"{word} {attribute.thing}"
+        said = [*filter(None, slots.get(slot, "").split(", ")), word]
+        slots[slot] = ", ".join(dict.fromkeys(said))
+    return list(objects.values())
+
+
+# Colors
+
+
+def color_class(attribute: Attribute) -> str:
+    """The basic color of a color word: its own last word where that is one ("light blue")."""
+    last = attribute.entry.rpartition(" ")[2].replace("gray", "grey")
+    return last if last in COLORS else basic(attribute.color or (0.5, 0.5, 0.5))
+
+
+def display_color(color: tuple[float, ...], region: Region) -> Lab:
+    """A Lab value that a lit region of a color can reach on the display.
+
+    Shading and the view transform's shoulder keep saturated colors from the gamut's corners, and
+    nothing lit is as black as its name.
+    """
+    light, a, b = lab_from_srgb(color)
+    if (own := chroma((light, a, b))) > _STRONG:
+        kept = (_STRONG + _KEPT * (own - _STRONG)) / own
+        return min(max(light, _DARKEST), _LIGHTEST), kept * a, kept * b
+    ceiling = 95.0 if region == "surroundings" else 86.0
+    return min(max(light, _BLACK), ceiling), a, b
+
+
+def fog_color(srgb: Values) -> Values:
+    """The display color of fog of a color: scattering makes it paler, and neither dark nor white."""
+    return shade(srgb, lightness=0.4, chroma=0.6, towards=70.0)
+
+
+def shaded(attribute: Attribute, word: str, entry: str, strength: float, vocabulary: Vocabulary) -> Attribute:
+    """A color as a word before it makes it ("boring green" is muted); itself where the word says nothing of colors, or it is none.
+
+    Args:
+        entry: Of the word, for a thing.
+    """
+    known = vocabulary.entries.get(entry)
+    effects = known.effects if known and known.slot == "color" else ()
+    effect = next((e for e in effects if (e.family, e.mode) == ("material/base_color", "shade")), None)
+    if effect is None or not attribute.color:
+        return attribute
+    lighter, share = ((a + b) / 2 for a, b in zip(effect.lower, effect.upper, strict=True))
+    color = relative_shade(attribute.color, lighter, share, strength)
+    return replace(attribute, word=f"{word} {attribute.word}", color=color)
+
+
+# Lights that contradict each other: "warm lamp, cold blue window light"
+
+
+@dataclass
+class _Lamp:
+    """One light that words describe.
+
+    Attributes:
+        role: "key", "fill" or "rim"; "" where the words do not say.
+        fixture: Words that say which one it is: {"street", "lamps"}.
+        attributes: Its attributes.
+        places: Their places in the prompt.
+    """
+
+    role: str
+    fixture: frozenset[str]
+    attributes: list[Attribute] = field(default_factory=list)
+    places: list[int] = field(default_factory=list)
+
+
+def fixture(thing: str, vocabulary: Vocabulary) -> frozenset[str]:
+    """Words of a light's name that say which one is meant: of "warm light" and "from the left" none does."""
+    words = thing.split()
+    if thing in vocabulary.lists["hour"] or not vocabulary.lists["where"].isdisjoint(words):
+        return frozenset()
+    plain = vocabulary.lists["anylight"] | vocabulary.lists["stop"] | vocabulary.adjectives.keys()
+    return frozenset(words) - plain
+
+
+def side(attributes: Iterable[Attribute], vocabulary: Vocabulary) -> tuple[float, float] | None:
+    """Azimuths relative to the camera, degrees, that words say a light comes from; None if they do not."""
+    effects = (effect for attribute in attributes for effect in _strong(attribute, "azimuth", vocabulary))
+    return next(((e.lower[0], e.upper[0]) for e in effects if e.mode == "camera"), None)
+
+
+def _strong(attribute: Attribute, name: str, vocabulary: Vocabulary) -> list[Effect]:
+    """Effects of a word that is no color on one parameter of lights, without the weak ones."""
+    entry = vocabulary.entries.get("" if attribute.color else attribute.entry)
+    effects = [e for e in entry.effects if e.name == name] if entry else []
+    return [e for e in effects if e.owner in ("light", "lights") and not e.weak]
+
+
+def _with_lamps(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Attribute]:
+    """The attributes, with the number of the light that each is said of: `Attribute.lamp`.
+
+    Numbers are given only where the words contradict each other on color or side, so that one light cannot be all.
+    """
+    lamps: list[_Lamp] = []
+    for place, attribute in enumerate(attributes):
+        # The light of an evening is no lamp of its own
+        known = attribute.cause or attribute.lights or attribute.thing in vocabulary.lists["hour"]
+        if known or attribute.kind not in LIGHTS or attribute.slot not in ("lighting", "color"):
+            continue
+        words = fixture(attribute.thing, vocabulary)
+        for lamp in reversed(lamps):  # the newest goes on where the words do not say which
+            goes_on = (lamp is lamps[-1] and not (words and lamp.fixture)) or words == lamp.fixture
+            same = lamp.role == attribute.role and goes_on
+            if same and not any(_contradicts(a, attribute, vocabulary) for a in lamp.attributes):
+                break
+        else:
+            lamp = _Lamp(attribute.role, words)
+            lamps.append(lamp)
+        lamp.fixture |= words
+        lamp.attributes.append(attribute)
+        lamp.places.append(place)
+    others = ((one, other) for one in lamps for other in lamps if other is not one and not one.role)
+    pairs = (pair for one, other in others for pair in product(one.attributes, other.attributes))
+    if not any(_contradicts(a, b, vocabulary) for a, b in pairs):
+        return attributes
+    number = {place: n for n, lamp in enumerate(lamps, start=1) for place in lamp.places}
+    return [replace(a, lamp=number.get(place, 0)) for place, a in enumerate(attributes)]
+
+
+def _contradicts(one: Attribute, other: Attribute, vocabulary: Vocabulary) -> bool:
+    """Whether no light can be both: of two colors, or on two sides."""
+    if one.negated or other.negated:
+        return False
+    here, there = side([one], vocabulary), side([other], vocabulary)
+    if here and there and max(here[0], there[0]) > min(here[1], there[1]):
+        return True
+    if one.color and other.color:
+        return one.entry != other.entry
+    tones = [*filter(None, (_tone(one, vocabulary), _tone(other, vocabulary)))]
+    is_one = one.thing == other.thing  # "a cold green light"
+    return len(tones) == 2 and not is_one and hue_apart(*tones) > _APART
+
+
+def _tone(attribute: Attribute, vocabulary: Vocabulary) -> Values | None:
+    """sRGB of the color that a word gives to light; None for white light and for words that give none."""
+    for effect in _strong(attribute, "temperature", vocabulary):
+        if effect.upper[0] < _WHITE[0]:
+            return _WARM_LIGHT
+        return _COOL_LIGHT if effect.lower[0] > _WHITE[1] else None
+    return attribute.color
+
+
+# Lights that are described one by one: "a hard key from the left, warm, and a cold rim from behind"
+
+
+@dataclass
+class LightPhrases:
+    """The lights that a prompt describes one by one.
+
+    Attributes:
+        of: Place of an item -> the numbers, from 1, of the lights that it belongs to; items that belong to none are left out.
+        roles: Number of a light -> "fill" or "rim", where its name says so.
+        gone: Places of items that describe what is to be replaced.
+    """
+
+    of: dict[int, tuple[int, ...]] = field(default_factory=dict)
+    roles: dict[int, str] = field(default_factory=dict)
+    gone: set[int] = field(default_factory=set)
+
+    def role(self, place: int) -> str:
+        """The role of the light that an item belongs to; "" if none is said."""
+        return next((self.roles[n] for n in self.of.get(place, ()) if n in self.roles), "")
+
+
+def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> LightPhrases:
+    """The lights of a prompt.
+
+    A light is described from the words that lead its name up to the next light or the next thing, and goes on in parts of the
+    sentence that name nothing: "a softbox from the left, large and warm". "Both" and "all" speak of every light before them.
+    """
+    found, words = LightPhrases(), vocabulary.words
+    number = 0  # of the last light
+    several = False  # lights were counted before they are described
+    spoken_of: tuple[int, ...] = ()  # lights that words say something of now
+    counted: list[int] = []  # places of a description of lights that are counted: "two rim lights"
+    listed: list[int] = []  # the numbers of these lights
+    for places in _segments(passage, vocabulary):
+        items = [passage.items[place] for place in places]
+        goes_on = all(_goes_on(item, rigs, vocabulary) for item in items)
+        counts = any("count" in item.lists for item in items) and not any(i.names_a_look for i in items)
+        following = passage.items[places[-1] + 1 : places[-1] + 2]
+        heads = [n for n, i in enumerate(items) if _is_light(i, rigs, vocabulary, several or bool(spoken_of))]
+        if counts and any(item.noun == "light" for item in items):  # "two lights only: a pink one ..."
+            several, spoken_of = True, ()
+        elif _exchanges(items, vocabulary) and any(i.text in words["exchanged"] for i in following):
+            found.gone |= {*places}  # "replace the lamp with ..."
+            spoken_of = ()
+        elif heads and not any("negation" in item.lists for item in items[: heads[0]]):  # a light is named
+            number += 1
+            spoken_of = (number,)
+            found.of |= dict.fromkeys(places, spoken_of)
+            first = [item.text.split() for item in items]
+            is_counted = any("count" in item.lists for item in items)
+            is_counted |= any(len(text) > 1 and text[0] in vocabulary.lists["count"] for text in first)
+            counted, listed = (places if is_counted else []), []
+            if role := next((item.noun for item in items if item.noun in ("fill", "rim")), ""):
+                found.roles[number] = role
+        elif counted and goes_on and any(item.color for item in items):
+            # One of the counted lights gets a color: "two rims from behind: orange on the left, blue on the right"
+            number += bool(listed)
+            listed.append(number)
+            spoken_of = (number,)
+            found.of |= dict.fromkeys(places, spoken_of) | dict.fromkeys(counted, tuple(listed))
+            if role := found.roles.get(listed[0], ""):
+                found.roles[number] = role
+        elif not goes_on:
+            spoken_of = ()
+        elif spoken_of and any(item.text in words["together"] for item in items):
+            spoken_of = tuple(range(1, number + 1))
+        for place, item in zip(places, items, strict=True):
+            # "cup, warm light, pale blue": a color there may be a thing's
+            if spoken_of and (place in found.of or item.color is None or item.text.endswith("white")):
+                found.of[place] = spoken_of
+    return found
+
+
+def _segments(passage: Passage, vocabulary: Vocabulary) -> list[list[int]]:
+    """Places of the items, parted where a clause begins and at words that join or end a description.
+
+    A comma between adjectives parts nothing: "a small, hard lamp".
+    """
+    words, parts, part = vocabulary.words, list[list[int]](), list[int]()
+    for place, item in enumerate(passage.items):
+        before = [passage.items[p] for p in part]
+        begins = place in passage.starts and not _awaits_a_noun(before)
+        exchanged = item.text in words["exchanged"] and _exchanges(before, vocabulary)
+        if part and (begins or exchanged or "joiner" in item.lists or item.text in words["consequence"]):
+            parts.append(part)
+            part = []
+        part.append(place)
+    return [*parts, part] if part else parts
+
+
+def _awaits_a_noun(items: Sequence[Token]) -> bool:
+    """Whether words end with an article and adjectives: "as a crisp"."""
+    articles = [n for n, item in enumerate(items) if "article" in item.lists and "definite" not in item.lists]
+    tail = items[max(articles, default=len(items)) + 1 :]
+    return bool(tail) and all((i.adjective or i.color) and not (i.noun or i.scene) for i in tail)
+
+
+def _exchanges(items: Sequence[Token], vocabulary: Vocabulary) -> bool:
+    """Whether words say that one thing takes the place of another: "replace the lamp"."""
+    return any(item.text in vocabulary.words["exchanges"] for item in items)
+
+
+def _is_light(item: Token, rigs: RigTable, vocabulary: Vocabulary, expected: bool) -> bool:
+    """Whether an item names a light; "one" does where lights were spoken of."""
+    if (expected and item.text in vocabulary.words["one_of_them"]) or item.noun in LIGHTS:
+        return True
+    if vocabulary.slot(item.entry) != "lighting":
+        return False
+    behind = any(
+        vocabulary.nouns.get(singular(word)) in LIGHTS for word in item.text.split()
+    )  # "light behind"
+    return behind or rigs.is_a_light(item.entry, item.text)
+
+
+def _goes_on(item: Token, rigs: RigTable, vocabulary: Vocabulary) -> bool:
+    """Whether an item names no other thing and no setup, so that it may go on about the light before it."""
+    known = item.names_a_look or item.filler or item.lists or item.strength is not None
+    setup = item.entry in rigs.rigs and item.entry not in rigs.modifiers
+    rest = "others" in item.lists and item.text not in vocabulary.words["together"]
+    names = item.scene or rest or setup or "action" in item.lists
+    return bool(known) and item.noun in ("", "glow") and not names

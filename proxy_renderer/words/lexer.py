@@ -1,0 +1,301 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cuts a prompt into clauses of tokens: words and known phrases with every role that they can play."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Container, Iterator
+from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
+from functools import cached_property
+from operator import ne
+
+from ..color.shades import shade
+from ..schema import Values
+from .lexicon.entries import normalize
+from .lexicon.languages import singular, thing_words
+from .lexicon.vocabulary import Vocabulary, compound, parted, tending
+from .lexicon.word_table import Nearest, table
+from .names import scene_names
+from .types import SceneDescription
+
+TIES = ("link", "around", "joiner", "comparison", "exception")
+"""Lists of words that only say how their neighbors belong together."""
+_LONGEST = 5  # words in a phrase
+_SHORTEST, _SHORTEST_FOREIGN = 4, 6  # characters of a word that may be mistyped
+_COMPARED = ("finish", "grade", "mood", "atmosphere")
+"""Slots of words of which there can be more: "glossier", "moodier", "drier"."""
+_NAME_ALIKE, _ALIKE = 0.86, 0.84  # share of characters that a mistyped name, and any other word, has right
+_BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*#=+]|\s[-–—/]\s|/")
+_SLASHED = re.compile(r"\b[A-Za-z]+/[A-Za-z]+\b")
+ShadeArguments = tuple[float, float, float, float]
+"""Arguments of `color.shade`."""
+
+
+@dataclass
+class Token:
+    """One word or known phrase of the prompt.
+
+    Attributes:
+        text: As the prompt has it, normalized.
+        color: sRGB.
+        adjective: A key of the vocabulary's adjectives.
+        noun: Kind of thing that it names.
+        scene: It names a thing in the scene.
+        strength: Factor on the next look word, if it is an intensity.
+        lists: Names of the grammar lists that it is in: "negation", "link", ...
+        name: The spelling that the vocabulary knows.
+        guess: The known word that is meant, if it is misspelled.
+        unsure: Not known, but near to looks that are: it is not used, names no thing, and known words are offered for it.
+        shades: Changes of a material's color by shade words before it, see `types.Attribute`.
+        clause: Number of its clause.
+        wished: It is part of a wish that values cannot fulfill: "remove the chair".
+        presents: Of an object in a change phrase, its looks at present: red of "the roof from red to grey".
+        change: Number of the change phrase that it is in, as its object or as a look that is wished of it; 0 for none.
+    """
+
+    text: str
+    entry: str = ""
+    color: Values | None = None
+    adjective: str = ""
+    noun: str = ""
+    scene: bool = False
+    strength: float | None = None
+    lists: frozenset[str] = field(default_factory=frozenset)
+    name: str = ""
+    guess: str = ""
+    unsure: bool = False
+    shades: tuple[ShadeArguments, ...] = ()
+    clause: int = 0
+    wished: bool = False
+    presents: tuple[Token, ...] = ()
+    change: int = 0
+
+    @property
+    def known(self) -> bool:
+        """Whether it plays any role."""
+        return bool(self.names_a_look or self.noun or self.scene or self.strength or self.lists)
+
+    @property
+    def ties(self) -> bool:
+        """Whether it only says how its neighbors belong together: "of", "with", "than"."""
+        return not (self.entry or self.lists.isdisjoint(TIES))
+
+    @property
+    def filler(self) -> bool:
+        """Whether it says nothing: articles and the like."""
+        return "stop" in self.lists and not (self.names_a_look or self.noun)
+
+    @property
+    def names_a_look(self) -> bool:
+        """Whether it can be a look word."""
+        return bool(self.entry or self.color or self.adjective)
+
+
+class Lexer:
+    """Finds the longest known phrases; built once per prompt, as scenes bring their own names.
+
+    Args:
+        foreign: Words of another language: only long ones may be English ones with a mistake, "travertin".
+    """
+
+    def __init__(
+        self, vocabulary: Vocabulary, words: SceneDescription, foreign: Collection[str] = ()
+    ) -> None:
+        self.vocabulary, self.foreign = vocabulary, {*map(normalize, foreign)}
+        self.names = scene_names(words)
+
+    def clauses(self, prompt: str) -> list[list[Token]]:
+        """Tokens of each clause of a prompt."""
+        text = normalize(_SLASHED.sub(self._unslashed, re.sub(r"\s*&\s*", " and ", prompt)))
+        words = [re.findall(r"[^\W_]+(?:'[a-z]+)?", part) for part in _BREAK.split(text)]
+        return [self._tokens(self._spelled(part)) for part in words if part]
+
+    def _unslashed(self, pair: re.Match[str]) -> str:
+        """ "Blue/green" as "blue green", where that is one color."""
+        words, colors = pair[0].lower().split("/"), self.vocabulary.colors
+        one = " ".join(words)
+        return one if one in colors or compound(words, colors) else pair[0]
+
+    def _spelled(self, words: list[str]) -> list[str]:
+        """The words that are meant by those typed in a hurry, by "on" at the end, and by "bluegreen" and "lightblue"."""
+        v = self.vocabulary
+        if len(words) > 1 and words[-1] in v.words["burns"]:
+            (burning,) = v.words["burning"]
+            words = [*words[:-1], *burning.split()]
+        found = []
+        for word in (w if w in self._in_names else v.typed.get(w, w) for w in words):
+            known = any(word in table for table in (v.synonyms, v.nouns, self.names))
+            found += [word] if known else parted(word, v.colors, v.shades)
+        return found
+
+    @cached_property
+    def _in_names(self) -> frozenset[str]:
+        """All words of names in the scene."""
+        return frozenset(word for name in self.names for word in name.split())
+
+    def _tokens(self, words: list[str]) -> list[Token]:
+        tokens: list[Token] = []
+        start = 0
+        while start < len(words):
+            for count in range(min(_LONGEST, len(words) - start), 0, -1):
+                part = words[start : start + count]
+                if self._ends_in_thing(part):
+                    continue
+                cuts = self._cuts_a_phrase(words, start, start + count)
+                token = (None if cuts else _composed(part, self.vocabulary)) or self._phrase(" ".join(part))
+                if token.known or count == 1:
+                    end = self._end(words, start, start + count, token.entry)
+                    token = token if end == start + count else replace(token, text=" ".join(words[start:end]))
+                    tokens.append(token if token.known else self._guess(token))
+                    start = end
+                    break
+        return tokens
+
+    def _cuts_a_phrase(self, words: list[str], start: int, end: int) -> bool:
+        """Whether words take the first word of a listed phrase: "warm golden" of "golden hour"."""
+        later = range(end + 1, min(end + _LONGEST, len(words) + 1))
+        both = ((i, j) for i in range(start + 1, end) for j in later)
+        return any(" ".join(words[i:j]) in self.vocabulary.synonyms for i, j in both)
+
+    def _end(self, words: list[str], start: int, end: int, entry: str) -> int:
+        """The end of a phrase, or of another of the same entry that begins in it: "light from the camera's side" is two."""
+        synonyms = self.vocabulary.synonyms
+        later = range(min(end + _LONGEST - 1, len(words)), end, -1) if entry else ()
+        both = ((i, j) for j in later for i in range(start + 1, end))
+        return next((j for i, j in both if synonyms.get(" ".join(words[i:j])) == entry), end)
+
+    def _ends_in_thing(self, words: list[str]) -> bool:
+        """Whether a phrase is a look and a thing of this scene: "terracotta pot", or "turquoise water" where water is."""
+        v, last, first, whole = self.vocabulary, words[-1], " ".join(words[:-1]), " ".join(words)
+        if len(words) < 2 or last not in self.names:
+            return False
+        if whole in self.names and v.slot(first) != "material":  # "leather seat" is of leather all the same
+            return False
+        looks = first in v.colors or (first in v.shades and whole not in v.synonyms)
+        may_be_thing = last not in v.colors and (last not in v.synonyms or looks)
+        return may_be_thing and self._phrase(first).known
+
+    def _phrase(self, text: str) -> Token:
+        """A phrase as it stands, without an ending, or as what it compares: "cooler", "glossiest"."""
+        v = self.vocabulary
+        tint = tending(text, v.colors)
+        for token in map(self._spelled_so, _spellings(text, v.nouns)):
+            if token.known:
+                return replace(token, text=text, color=token.color or tint)
+        for stem in (stem for degree in v.endings for stem in v.stems(text, degree)):
+            if stem in v.adjectives or stem in v.colors or v.slot(stem) in _COMPARED:
+                return replace(self._phrase(stem), text=text)
+        return Token(text, color=tint)
+
+    def _spelled_so(self, spelling: str) -> Token:
+        """A token with every role that a spelling has."""
+        v, in_scene = self.vocabulary, spelling in self.names
+        lists = (kind for kind, phrases in v.lists.items() if spelling in phrases)
+        noun = v.nouns.get(spelling, "")
+        if (
+            not noun and v.slot(spelling) == "setting"
+        ):  # phrases for a setting end in the thing: "minimal backdrop"
+            noun = v.nouns.get(spelling.rpartition(" ")[2], "")
+        return Token(
+            spelling,
+            v.synonyms.get(spelling, ""),
+            v.colors.get(spelling),
+            spelling if spelling in v.adjectives else "",
+            noun,
+            in_scene,
+            v.intensity.get(spelling),
+            frozenset(kind for kind in lists if kind != "beyond" or not in_scene),
+            name=spelling,
+        )
+
+    def _guess(self, token: Token) -> Token:
+        """The known word that is meant, where the other one can only be a slip of the keyboard."""
+        text, foreign = token.text, token.text in self.foreign
+        is_thing = singular(text) in thing_words().rows
+        token.unsure = not (foreign or is_thing) and self.vocabulary.made(Nearest).may_be_a_look(text)
+        if len(text) < (_SHORTEST_FOREIGN if foreign else _SHORTEST) or table().is_english(text):
+            return token
+        spelling = self.vocabulary.made(_misspellable)
+        near = (
+            # Two characters inside a word changed places: "wihte", "balck"
+            [w for w in spelling if sorted(w) == sorted(text) and sum(map(ne, w, text)) == 2]
+            or get_close_matches(text, self.names, 1, _NAME_ALIKE)
+            or get_close_matches(text, spelling, 3, _ALIKE)
+        )
+        known = next((w for w in near if w[0] == text[0]), "")  # likelier than a rare word
+        return replace(self._phrase(known), text=text, guess=known) if known else token
+
+
+def _spellings(text: str, nouns: Container[str]) -> list[str]:
+    """A phrase, and words that it may be a form of; "car parked" is no car park, and "walled" no wall."""
+    bases = [text.removesuffix("s"), text.removesuffix("es")]
+    past = text.removesuffix("ed")
+    bases += [] if " " in text or past in nouns else [past]
+    return [text, *(base for base in bases if len(base) > 2)]
+
+
+def _misspellable(v: Vocabulary) -> list[str]:
+    return sorted(w for w in {*v.synonyms, *v.colors, *v.adjectives} if " " not in w and len(w) > 3)
+
+
+def _composed(words: list[str], vocabulary: Vocabulary) -> Token | None:
+    """A color or material with the words that shift it: "warm golden", "very dark blue", "dark walnut"; None for others."""
+    text, v = " ".join(words), vocabulary
+    made_of = words[0] in v.colors and words[0] in v.synonyms  # "ruby red lips" are red
+    if not made_of and (color := compound(words, v.colors)):
+        return Token(text, color=color, name=text)
+    led = [(leading, rest) for leading, rest in _led_by_shades(words, v) if text not in v.colors]
+    found = [_shaded_color(leading, rest, v) for leading, rest in led]
+    found += [_shaded_material(leading, rest, v) for leading, rest in led if text not in v.synonyms]
+    return next(filter(None, found), None)
+
+
+def _shaded_color(leading: list[str], rest: list[str], v: Vocabulary) -> Token | None:
+    """A color with shade words before it: "very dark blue", "dusty rose"."""
+    last = " ".join(rest)
+    name = last if last in v.colors else last.removesuffix("s")
+    color = v.colors.get(name) or compound(rest, v.colors)
+    if color is None or v.slot(last) == "grade":  # "faded sepia" is no paler brown
+        return None
+    shades = _shades(leading, v)
+    for arguments in shades:
+        color = shade(color, *arguments)
+    both = leading[-1] in v.words["lightness"] and last in v.adjectives
+    return Token(
+        " ".join([*leading, last]), color=color, adjective=last if both else "",
+        name=" ".join([*leading, name]), shades=shades if both else (),
+    )  # fmt: skip
+
+
+def _shaded_material(leading: list[str], rest: list[str], v: Vocabulary) -> Token | None:
+    """A material with its own color, lighter or darker: "dark oak", "very pale wood"."""
+    name = " ".join(rest)
+    entry = v.entry(name)
+    if entry is None or not (leading[-1] in v.words["lightness"] and entry.is_colored):
+        return None
+    return Token(" ".join([*leading, name]), entry.name, name=name, shades=_shades(leading, v))
+
+
+def _led_by_shades(words: list[str], v: Vocabulary) -> Iterator[tuple[list[str], list[str]]]:
+    """Shade words with their intensities, and the rest; "very dark blue" is darker than the dark blue of the list."""
+    for split in range(1, len(words)):
+        leading, rest = words[:split], words[split:]
+        listed = " ".join(rest) in v.colors and rest[0] in v.shades
+        if listed and all(v.intensity.get(w, 0) > 1 for w in leading):
+            leading = rest[:1]
+        if leading[-1] in v.shades and all(w in v.shades or w in v.intensity for w in leading):
+            yield leading, rest
+
+
+def _shades(leading: list[str], v: Vocabulary) -> tuple[ShadeArguments, ...]:
+    """Changes by shade words, that of the one next to the color first; "very" doubles one, "slightly" halves it."""
+    found = []
+    for before, word in [*zip(["", *leading], leading, strict=False)][::-1]:
+        if word in v.shades:
+            row, strength = v.shades[word], v.intensity.get(before, 1.0)
+            strength = max(strength, strength**2)
+            lightness = max(1 - (1 - row.get("lightness", 1.0)) * strength, 0.05)
+            chroma = 1 - (1 - row.get("chroma", 1.0)) * strength
+            found.append((lightness, chroma, row.get("towards", 60.0), row.get("warmth", 0.0) * strength))
+    return tuple(found)

@@ -1,0 +1,310 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rigs: what a gaffer sets up for a lighting word, read from `rigs.toml` and checked. The head of that file explains the rows."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from ...color.floats import is_hex
+from ...folders import config_folder
+from ...schema import VibeError
+from ...schema.added_lights import PARTS, PATTERNS
+from .entries import Effect, normalize, parse_effect, temperature
+
+SOURCES = {"point": "POINT", "spot": "SPOT", "area": "AREA", "sun": "SUN"}
+REACHES = ("subject", "pool", "background", "all")
+THROUGH = ("", "window")
+KINDS = ("source", "style", "time", "season", "mood", "hour", "place")
+TIMES = ("time", "season", "hour")
+"""Kinds that have a sky."""
+_DISTANCES = {"POINT": 1.8, "SPOT": 5.0, "AREA": 3.0, "SUN": 0.0}
+_SIZES = {"POINT": 0.1, "SPOT": 0.08, "AREA": 1.2, "SUN": 0.5}
+_KELVINS = (1000.0, 20000.0)
+
+
+@dataclass(frozen=True)
+class RigLight:
+    """One light of a rig, as the head of `rigs.toml` explains it; angles in degrees, lengths in the subject's radii.
+
+    Attributes:
+        type: Blender's type.
+        mirrored: Whether the other side does as well.
+        kelvin: 0 where `color` is given.
+        color: "#rrggbb"; "" where `kelvin` is given.
+        own: The light of the scene that it is, where a prompt names it; "" otherwise.
+    """
+
+    part: str
+    type: str
+    azimuth: float
+    elevation: float
+    mirrored: bool = True
+    distance: float = 0.0
+    size: float = 0.0
+    kelvin: float = 0.0
+    color: str = ""
+    stops: float = 0.0
+    reach: str = "subject"
+    names: frozenset[str] = frozenset()
+    own: str = ""
+    through: str = ""
+    pattern: str = ""
+
+    @property
+    def is_warm(self) -> bool:
+        """Whether people call it warm."""
+        return 0.0 < self.kelvin < 4200.0
+
+
+@dataclass(frozen=True)
+class Rig:
+    """A lighting setup, as the head of `rigs.toml` explains it; None and "" leave a value as it is.
+
+    Attributes:
+        lights: Its lights, the key first.
+        under_sky: Whether its sky is that of an hour that the prompt names too.
+    """
+
+    name: str
+    words: tuple[str, ...]
+    entries: tuple[str, ...]
+    says: str
+    kind: str = "source"
+    adds: bool = False
+    exposure: float = 0.0
+    own: float = -6.0
+    world: float | None = None
+    world_color: str = ""
+    sky: float | None = None
+    sky_color: str = ""
+    air: float | None = None
+    grade: tuple[Effect, ...] = ()
+    lights: tuple[RigLight, ...] = ()
+    under_sky: bool = False
+
+    @property
+    def keeps_own_light(self) -> bool:
+        """Whether the scene stays lit as it is, and lights are only added to that."""
+        return self.own == 0.0 and all(light.part != "key" for light in self.lights)
+
+
+@dataclass(frozen=True)
+class Modifier:
+    """What a word changes about the lights of a rig.
+
+    Attributes:
+        azimuth: Degrees from the camera; None to leave it.
+        elevation: Degrees; None to leave it.
+        size: Factor.
+        kelvin: Color temperature; 0 to leave it.
+        exposure: Stops that are added to the exposure.
+        contrast: Stops that are added to all lights but the key, and to the world.
+        distance: Factor.
+        both: Whether the other side gets such a light too.
+    """
+
+    azimuth: float | None = None
+    elevation: float | None = None
+    size: float = 1.0
+    kelvin: float = 0.0
+    exposure: float = 0.0
+    contrast: float = 0.0
+    distance: float = 1.0
+    both: bool = False
+
+    def change(self, light: RigLight, strength: float) -> RigLight:
+        """A light with the change, as strong as the word says."""
+        light = replace(
+            light, size=light.size * self.size**strength, distance=light.distance * self.distance**strength
+        )
+        if self.azimuth is not None:
+            light = replace(light, azimuth=self.azimuth, mirrored=False, through="")
+        if self.elevation is not None:
+            light = replace(light, elevation=self.elevation)
+        tints = self.kelvin and not light.color
+        return replace(light, kelvin=self.kelvin, color="") if tints else light
+
+    @property
+    def aspects(self) -> tuple[str, ...]:
+        """What of a light it says: "direction", "color", "contrast"."""
+        directed = self.azimuth is not None or self.elevation is not None
+        each = {"direction": directed, "color": self.kelvin, "contrast": self.contrast < 0}
+        return tuple(name for name, says in each.items() if says)
+
+    def reversed(self) -> Modifier:
+        """What the word asks for where it is negated: less of its exposure and contrast, and the other size."""
+        return Modifier(size=1 / self.size, exposure=-self.exposure, contrast=-self.contrast)
+
+
+@dataclass(frozen=True)
+class RigTable:
+    """All rigs and modifiers.
+
+    Attributes:
+        rigs: Vocabulary entry -> the rig that it stands for.
+        modifiers: Vocabulary entry -> what it changes.
+        luminaries: Words in the names of times and hours that are lights themselves.
+    """
+
+    rigs: Mapping[str, Rig]
+    modifiers: Mapping[str, Modifier]
+    luminaries: frozenset[str] = frozenset()
+
+    def modifier(self, entry: str) -> Modifier | None:
+        """What a word changes about lights, a color temperature in kelvins too; None if it changes nothing."""
+        kelvin = temperature(entry)
+        return Modifier(kelvin=kelvin) if kelvin else self.modifiers.get(entry)
+
+    def is_a_light(self, entry: str, word: str) -> bool:
+        """Whether a word for a setup names a light by itself: a candle, the low sun of "low sun", and no night."""
+        rig = self.rigs.get(entry)
+        if rig is None or not rig.lights:
+            return False
+        if rig.kind == "source":
+            return entry not in self.modifiers
+        return rig.kind in TIMES and not self.luminaries.isdisjoint(word.split())
+
+    @property
+    def two_colors(self) -> Rig:
+        """The rig of two colored lights."""
+        return self.rigs["neon light"]
+
+    @property
+    def plain(self) -> Rig:
+        """The rig of words that only say how light is, and where it comes from."""
+        return self.rigs["plain key"]
+
+
+@cache
+def rig_table() -> RigTable:
+    """The rigs and modifiers that are shipped, and on top of them those of the user's own `rigs.toml`.
+
+    Raises:
+        VibeError: Something in a file is wrong; names the file, the line and the remedy.
+    """
+    folder, own = Path(__file__).parent, config_folder() / "rigs.toml"
+    every = read((folder / "rigs.toml").read_text("utf-8"), "rigs.toml")
+    if own.is_file():
+        every |= read(own.read_text("utf-8"), str(own))
+    rigs: dict[str, Rig] = {}
+    for rig in every.values():
+        for entry in rig.entries:
+            if entry in rigs:
+                problem = f"Rigs: '{entry}' is in '{rigs[entry].name}' and in '{rig.name}'."
+                raise VibeError(problem, "Keep one.")
+            rigs[entry] = rig
+    rows = tomllib.loads((folder / "modifiers.toml").read_text("utf-8"))
+    modifiers = {normalize(name): Modifier(**row) for name, row in rows["modifier"].items()}
+    return RigTable(rigs, modifiers, frozenset(_words(rows["luminaries"])))
+
+
+def read(text: str, place: str) -> dict[str, Rig]:
+    """Rigs by name from the text of a .toml file.
+
+    Raises:
+        VibeError: Something in it is not what it should be; names the line and the remedy.
+    """
+    try:
+        rows = tomllib.loads(text).get("rig", {})
+    except tomllib.TOMLDecodeError as error:
+        raise VibeError(f"{place} cannot be read: {error}.", "Correct that line.") from error
+    found = {}
+    for name, row in rows.items():
+        try:
+            found[normalize(name)] = _rig(normalize(name), row)
+        except (VibeError, TypeError, ValueError) as error:
+            remedy = error.remedy if isinstance(error, VibeError) else "Compare with the head of rigs.toml."
+            said = error.message if isinstance(error, VibeError) else f"{error}."
+            raise VibeError(f"{place}, line {_line(text, name)}, rig '{name}': {said}", remedy) from error
+    return found
+
+
+def _line(text: str, name: str) -> int:
+    heads = re.finditer(r"^\[rig\.\"?([^\"\]]+)\"?\]", text, re.MULTILINE)
+    return next((text[: h.start()].count("\n") + 1 for h in heads if h[1] == name), 1)
+
+
+def _rig(name: str, row: dict[str, Any]) -> Rig:
+    known = {f.name for f in fields(Rig)} - {"name", "under_sky"}
+    _only(row, known)
+    entries = _words(row.get("entries", ""))
+    numbers: dict[str, Any] = {
+        key: float(row[key]) for key in ("exposure", "own", "world", "sky", "air") if key in row
+    }
+    lights = tuple(_light(light) for light in row.get("lights", ()))
+    if not lights and not entries:
+        raise VibeError("it has no light.", "Give it a row lights = [...].")
+    return Rig(
+        name=name,
+        words=(name, *_words(row.get("words", ""))),
+        entries=tuple(dict.fromkeys((name, *entries))),
+        says=row["says"] if "says" in row else _missing("says"),
+        kind=_one_of("kind", row.get("kind", "source"), KINDS),
+        adds=bool(row.get("adds", False)),
+        world_color=_color(row.get("world_color", "")),
+        sky_color=_color(row.get("sky_color", "")),
+        grade=tuple(map(parse_effect, row.get("grade", ()))),
+        lights=lights,
+        **numbers,
+    )
+
+
+_LIGHT_ROWS = {"source", "from", "side"} | {f.name for f in fields(RigLight)} - {
+    "type",
+    "azimuth",
+    "elevation",
+    "mirrored",
+    "own",
+}
+
+
+def _light(row: dict[str, Any]) -> RigLight:
+    _only(row, _LIGHT_ROWS)
+    part, source = row.get("part", "key"), row.get("source", "area")
+    _one_of("part", part, PARTS)
+    _one_of("source", source, tuple(SOURCES))
+    reach, through = row.get("reach", "subject"), row.get("through", "")
+    _one_of("reach", reach, REACHES)
+    _one_of("through", through, THROUGH)
+    azimuth, elevation = map(float, row["from"]) if "from" in row else _missing("from = [azimuth, elevation]")
+    kind, color = SOURCES[source], _color(row.get("color", ""))
+    kelvin = float(row.get("kelvin", 0.0 if color else 5600.0))
+    if kelvin and not _KELVINS[0] <= kelvin <= _KELVINS[1]:
+        raise VibeError(f"{kelvin:g} K is no color of light.", "Write 1000 to 20000.")
+    return RigLight(
+        part, kind, azimuth, elevation, row.get("side", "either") == "either",
+        float(row.get("distance", _DISTANCES[kind])), float(row.get("size", _SIZES[kind])),
+        kelvin, color, float(row.get("stops", 0.0)), reach, frozenset(_words(row.get("names", ""))), "", through,
+        _one_of("pattern", row.get("pattern", ""), ("", *PATTERNS)),
+    )  # fmt: skip
+
+
+def _words(text: str) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(normalize(word) for word in text.split(",") if word.strip()))
+
+
+def _color(text: str) -> str:
+    if text and not is_hex(text):
+        raise VibeError(f"'{text}' is no color.", 'Write "#rrggbb".')
+    return text
+
+
+def _only(row: Mapping[str, Any], known: set[str]) -> None:
+    for key in row:
+        _one_of("row", key, tuple(sorted(known)))
+
+
+def _one_of(what: str, value: str, known: tuple[str, ...]) -> str:
+    if value not in known:
+        raise VibeError(f"'{value}' is no {what}.", f"Use one of: {', '.join(k for k in known if k)}.")
+    return value
+
+
+def _missing(row: str) -> Any:
+    raise VibeError(f"it lacks the row {row}.", "Add it.")

@@ -1,0 +1,319 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Understands a prompt: which look words there are, what each of them describes, and why."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import InitVar, dataclass, field, replace
+
+from ..schema import VibeError
+from ..schema.limits import LONGEST_PROMPT
+from ..schema.options import checks
+from ..schema.targets import GENERAL, NOT_USED, OFFERED, joined
+from .attributes import complete
+from .features import looks
+from .foreign import Gloss, Retelling, gloss, other_language, understood
+from .lexer import Token
+from .lexicon.entries import normalize
+from .lexicon.user_words import default_vocabulary
+from .lexicon.vocabulary import Vocabulary
+from .model import FactWeights, scores
+from .normalizing import Normalized, normalized
+from .reader import PromptReading, read_words
+from .targets import described_name, key_numbers, plain_key, sense_at, target_name
+from .types import Candidate, Parsed, PromptWord, SceneDescription
+
+_TAG = re.compile(r"</?[a-zA-Z][^<>]{0,200}>|\x1b\[[0-9;]*[A-Za-z]|[\x00-\x08\x0e-\x1f\x7f]")
+_THINGS_STAY = "things are not added, moved or removed, only their look changes."
+_LEAST = 0.02  # probability of a candidate
+_MOST = 16  # objects, and lights, that a word is offered besides
+_TARGETS, _FACTS = 4, 4  # lines of `why` for each look word, and facts in each line
+
+
+@dataclass(frozen=True)
+class Understood:
+    """A prompt, read once against one description of a scene, for everyone who needs to know what it says.
+
+    Attributes:
+        prompt: As the artist typed it.
+        scene: The names in the scene.
+        told: "copper=Cup": targets that the artist has chosen for words.
+        words: The look words of the prompt and the words that are left out, in its order.
+        unknown: Why nothing in the prompt is understood; None where something is.
+    """
+
+    prompt: str
+    scene: SceneDescription
+    told: InitVar[Iterable[str]] = ()
+    words: tuple[PromptWord, ...] = field(default=(), init=False)
+    unknown: VibeError | None = field(default=None, init=False)
+    _parsed: Parsed = field(default_factory=lambda: Parsed(""), init=False, repr=False)
+
+    def __post_init__(self, told: Iterable[str]) -> None:
+        """Reads the prompt."""
+        try:
+            parsed = read(self.prompt, self.scene, default_vocabulary(), told=checks.targets(told))
+        except VibeError as error:
+            object.__setattr__(self, "unknown", error)
+        else:
+            object.__setattr__(self, "_parsed", parsed)
+            object.__setattr__(self, "words", parsed.words)
+            object.__setattr__(self, "unknown", parsed.unknown)
+
+    @property
+    def parsed(self) -> Parsed:
+        """The result; the same for everyone, who leave it as it is.
+
+        Raises:
+            VibeError: Nothing in the prompt is understood.
+        """
+        if self.unknown:
+            raise self.unknown
+        return self._parsed
+
+
+def prepared(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> str:
+    """A prompt as readers take it."""
+    return normalized(gloss(text, scene, vocabulary).english, scene, vocabulary).text
+
+
+def _opened(prompt: str, scene: SceneDescription, vocabulary: Vocabulary) -> tuple[Gloss, bool, Normalized]:
+    """A prompt in English words, whether some of it is in a language that is not understood, and as readers take it.
+
+    Raises:
+        VibeError: It is empty, too long, or in a language that is not understood.
+    """
+    text = " ".join(_TAG.sub(" ", prompt).split())
+    if not text:
+        raise VibeError(
+            "The prompt is empty.", "Describe a look, for example: 'glossy teal, white studio background'."
+        )
+    if len(text) > LONGEST_PROMPT:
+        raise VibeError(f"The prompt has {len(text)} characters.", f"Say it in {LONGEST_PROMPT} or less.")
+    glossed = gloss(text, scene, vocabulary)
+    foreign = "" if glossed.language else other_language(text)
+    if foreign == "all":
+        raise VibeError(f"The prompt '{text[:60]}' is in a language that is not understood.", understood())
+    return glossed, bool(foreign), normalized(glossed.english, scene, vocabulary)
+
+
+def refuse_without_look(prompt: str) -> None:
+    """Refuses a prompt that says nothing in any scene, before Blender is started.
+
+    It only looks for look words. What they describe is read later, against the scene, see `Understood`.
+
+    Raises:
+        VibeError: The prompt is empty, too long, in a language that is not understood, or has no look word.
+    """
+    scene, vocabulary = SceneDescription(), default_vocabulary()
+    glossed, mixed, normal = _opened(prompt, scene, vocabulary)
+    found = looks(normal.text, scene, vocabulary, glossed.unknown)
+    if not found.looks:
+        raise _without_look(glossed, mixed, undone=bool(found.wishes))
+
+
+def _without_look(glossed: Gloss, mixed: bool, undone: bool, lacking: Iterable[str] = ()) -> VibeError:
+    """The error for a prompt in which no look is understood."""
+    language = glossed.language or ("English" if mixed else "")
+    return VibeError(
+        f"Nothing in the prompt '{glossed.prompt[:60]}' names a look{f' in {language}' if language else ''}"
+        + (f": {_THINGS_STAY}" if undone else ".")
+        + "".join(f" {note}" for note in lacking),
+        "Name colors (teal), materials (glossy, gold), light (warm soft light), fog, grading (noir, vignette) "
+        "or a mood (cosy, ominous).",
+    )
+
+
+def parse(
+    prompt: str,
+    scene: SceneDescription,
+    vocabulary: Vocabulary | None = None,
+    weights: FactWeights | None = None,
+    told: Mapping[str, str] | None = None,
+) -> Parsed:
+    """As `read`.
+
+    Raises:
+        VibeError: The prompt is empty, too long, or holds no look word at all.
+    """
+    parsed = read(prompt, scene, vocabulary, weights, told)
+    if parsed.unknown:
+        raise parsed.unknown
+    return parsed
+
+
+def read(
+    prompt: str,
+    scene: SceneDescription,
+    vocabulary: Vocabulary | None = None,
+    weights: FactWeights | None = None,
+    told: Mapping[str, str] | None = None,
+) -> Parsed:
+    """Finds the look words of a prompt and binds them to subject, surroundings, lights or the film.
+
+    Args:
+        vocabulary: Meanings of words; with the artist's own if None.
+        weights: Of the reader; those that are shipped if None.
+        told: Word -> the target that the artist has chosen for it: a name in the scene, "lights", "not used" and so on.
+
+    Returns:
+        The result; `unknown` says why nothing is understood.
+
+    Raises:
+        VibeError: The prompt is empty, too long, or in a language that is not understood; a target cannot be.
+    """
+    vocabulary = vocabulary or default_vocabulary()
+    glossed, mixed, normal = _opened(prompt, scene, vocabulary)
+    retelling = Retelling(glossed)
+    reading = read_words(
+        normal.text,
+        scene,
+        vocabulary,
+        weights,
+        foreign=glossed.unknown,
+        keyed=normal.keyed,
+        targets=told,
+        english={word: retelling.english(word) for word in map(plain_key, told or ()) if glossed.language},
+    )
+    parsed, undone, beyond = reading.parsed, reading.undone, reading.pairs.passage.beyond
+    parsed.prompt = glossed.prompt
+    for passage, kept in normal.protections:
+        names = ", ".join(key.partition("/")[2] or key for key in kept)
+        parsed.notes.append(f"'{passage}': {names or 'what no word names'} stays as it is.")
+    parsed.protected = tuple(dict.fromkeys(key for _, kept in normal.protections for key in kept))
+    if beyond:
+        parsed.notes.append(
+            f"{_quoted(beyond)}: no value of a material, light, world, fog or film gives that."
+        )
+    if undone:
+        parsed.notes.append(f"{_quoted(undone)}: {_THINGS_STAY}")
+    if mixed:
+        parsed.notes.append(f"Some of the prompt is in a language that is not understood. {understood()}")
+    if not parsed.attributes or (mixed and all(a.guess or a.cause for a in parsed.attributes)):
+        parsed.unknown = _without_look(glossed, mixed, bool(undone), reading.lacking)
+    complete(parsed, vocabulary, reading.subject, reading.mentioned, scene.sky)
+    if glossed.language:
+        retelling.retell(parsed)
+        if glossed.unknown:
+            lacks = f"The prompt was read as {glossed.language}, which lacks: {_quoted(glossed.unknown)}."
+            parsed.notes.append(lacks)
+    parsed.words = _prompt_words(reading, parsed, retelling.own)
+    return parsed
+
+
+def _quoted(words: Iterable[str]) -> str:
+    return ", ".join(f"'{word}'" for word in dict.fromkeys(words))
+
+
+# Accounts for people
+
+
+def why(reading: PromptReading) -> str:
+    """Each look word with its likeliest targets and the facts that weigh most; the chosen target is marked by an arrow."""
+    lines = ["Why (each look word with its likeliest targets, and the facts that weigh most)"]
+    weights = reading.weights
+    for pairs, chosen in zip(reading.pairs.pairs, reading.chosen, strict=True):
+        lines.append(f"  {chosen.look.text}")
+        ranked = sorted(zip(scores(pairs, weights), pairs, strict=True), key=lambda both: -both[0])
+        for score, pair in ranked[:_TARGETS] + [each for each in ranked[_TARGETS:] if each[1] is chosen]:
+            facts = sorted(filter(weights.__contains__, pair.features), key=lambda name: -abs(weights[name]))
+            most = ", ".join(f"{name} {weights[name]:+.1f}" for name in facts[:_FACTS])
+            lines.append(
+                f"   {'→' if pair is chosen else ' '} {math.exp(score):4.0%}  {pair.target}  ({most})"
+            )
+    return "\n".join(lines)
+
+
+def _prompt_words(
+    reading: PromptReading, parsed: Parsed, own: Callable[[str], str]
+) -> tuple[PromptWord, ...]:
+    """The look words of a prompt and the words that are left out, in the order of the text.
+
+    Args:
+        own: The prompt's own words for English ones.
+    """
+    looks = (_look_word(reading, parsed, number, own) for number in range(len(reading.chosen)))
+    numbers = key_numbers([pair.look.text for pair in reading.chosen])
+    both = zip(looks, numbers, strict=True)
+    words = [replace(word, key=normalize(word.key) + number) for word, number in both if word]
+    known = {word.text for word in words}
+    words += [PromptWord(text, text) for text in dict.fromkeys(parsed.ignored) if text not in known]
+    return _placed(words, parsed.prompt)
+
+
+def _look_word(
+    reading: PromptReading, parsed: Parsed, number: int, own: Callable[[str], str]
+) -> PromptWord | None:
+    """A look word; None where it is part of another word, or a later word takes it back."""
+    pair = reading.chosen[number]
+    attributes = [a for a in parsed.attributes if a.look == number and not a.cause]
+    if not attributes and number not in reading.unused:
+        return None
+    names = dict.fromkeys(pair.chosen or described_name(a, reading.scene) for a in attributes)
+    candidates = _candidates(reading, number, next(iter(names), NOT_USED))
+    offered = _offered(pair.look.token, reading.scene, reading.vocabulary)
+    first = attributes[0] if attributes else None
+    return PromptWord(
+        text=first.word if first else own(pair.look.text),
+        key=own(pair.look.text),
+        entry=first.entry if first else "",
+        strength=pair.look.strength,
+        negated=pair.look.negated,
+        target=joined(names) if names else NOT_USED,
+        thing=first.thing if first and first.thing not in first.word else "",
+        confidence=candidates[0].probability,
+        candidates=candidates,
+        others=tuple(name for name in offered if name not in {c.name for c in candidates}),
+        guess=pair.look.token.guess,
+    )
+
+
+def _candidates(reading: PromptReading, number: int, target: str) -> tuple[Candidate, ...]:
+    """The target of a look word, then what else it likely describes; "not used" is offered last, by the menu."""
+    chosen = reading.chosen[number]
+    found = {target: 0.0}
+    for pair, probability in reading.probabilities[number]:
+        is_chosen = pair.target == chosen.target and target != NOT_USED
+        if name := target if is_chosen else target_name(pair.target, reading.scene):
+            found[name] = found.get(name, 0.0) + probability
+    if chosen.chosen or number in reading.absent:
+        found[target] = 1.0
+    likely = sorted(found, key=lambda name: (name != target, -found[name]))
+    likely = [n for n in likely if n == target or (found[n] >= _LEAST and n != NOT_USED)]
+    return tuple(Candidate(name, round(found[name], 3)) for name in likely)
+
+
+def _offered(token: Token, scene: SceneDescription, vocabulary: Vocabulary) -> Iterator[str]:
+    """Names in a scene that a word can describe, the largest in the image first, and general ones."""
+
+    def fits(kind: str) -> bool:
+        return sense_at(token, kind, vocabulary) is not None
+
+    if fits("things"):
+        yield from scene.made(_largest, vocabulary)
+    if fits("lights"):
+        yield from [*scene.lights][:_MOST]
+    yield from (name for name in OFFERED if fits(GENERAL[name]))
+
+
+def _largest(scene: SceneDescription, _: Vocabulary) -> list[str]:
+    """The objects that cover most of the image."""
+
+    def share(name: str) -> float:
+        looks = (scene.looks[m] for m in scene.object_materials[name] if m in scene.looks)
+        return sum(look.worn.get(name, 0.0) for look in looks)
+
+    return sorted(scene.object_materials, key=share, reverse=True)[:_MOST]
+
+
+def _placed(words: Iterable[PromptWord], prompt: str) -> tuple[PromptWord, ...]:
+    """Words with their places in a prompt, in its order; those that it says in other letters come last."""
+    found, end = [], 0
+    for word in words:
+        pattern = re.compile(r"[\W_]+".join(map(re.escape, re.findall(r"[^\W_]+", word.text))), re.IGNORECASE)
+        match = (pattern.search(prompt, end) or pattern.search(prompt)) if pattern.pattern else None
+        end = match.end() if match and word.candidates else end
+        found.append(replace(word, place=match.span() if match else None))
+    return tuple(sorted(found, key=lambda word: word.place or (len(prompt), len(prompt))))

@@ -1,0 +1,250 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A prompt as a row of tokens, with the look words that are in it; present looks of change phrases are no look words."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from itertools import groupby, takewhile
+
+from .lexer import Token
+from .lexicon.languages import singular, thing_words
+from .lexicon.vocabulary import Vocabulary
+from .types import STRONGEST, WEAKEST
+
+_WISHES = {"action", "undo"}
+_ENDS = {*_WISHES, "again"}
+"""Lists of words that end a wish."""
+LIGHTS = ("light", "fill", "rim")
+"""Kinds of nouns that are lights."""
+STRUCTURES = ("ground", "support", "wall", "roof", "ceiling")
+"""Rows of [grammar.words]: parts of a scene that its names hardly ever say."""
+_LETTERS = {
+    "V": "changes", "P": "paints", "S": "exchanges", "J": "becoming", "f": "leaving", "t": "reaching", "w": "exchanged",
+    "I": "instead", "R": "former", "b": "rather", "O": "one", "v": "particles", "G": "gradients",
+}  # fmt: skip
+"""Letter of a token in change phrases -> row of [grammar.words] that has it. Others: L a look of a surface, N an object, K a light,
+the sky or the like, d "the", _ fillers and ties, . anything else."""
+_A, _B, _X = "(?P<a>L+)", "(?P<b>L+)", "(?P<x>N+)"
+_CHANGES = [
+    re.compile(pattern)
+    for pattern in (
+        f"(?:V[^LNK]*)?{_X}[^LNK]*?f[d_]*{_A}t[d_]*{_B}",  # "change the roof from red to grey"
+        f"^[^LNK]*V[^LNK]*f[d_]*{_A}t[d_]*{_B}(?:[_d]*{_X})?",  # "go from red to grey on the roof"
+        f"S[d_]*{_A}[^LNK]*?[wt][d_w]*{_B}[_d]*{_X}",  # "swap the cyan glow for orange on the rings"
+        f"S[d_]*{_A}(?:[^LNK]*{_X})?[^LK]*?[wt][d_w]*{_B}O?",  # "swap the navy surface for oak"
+        f"[VP][d_]*{_A}(?:[^LNK]*{_X})?[^LK]*?t[d_]*{_B}O?",  # "turn the purple ground into a pale mint"
+        f"[VP](?:.*?_)??[_d]*{_A}{_X}(?:[._][^LVK]*?)?(?<!d){_B}(?!N)",  # "make the red chair blue"
+        f"[VP]_*d{_A}(?:[._][^LVK]*?)?(?<!d){_B}(?!N)",  # "turn the black plastic between the stickers shiny"
+        f"d{_A}{_X}[^LNK]*?J[d_]*{_B}(?!N)",  # "the red roof becomes grey"
+        f"(?:{_X}[^LNK]*)?R[d_]*{_A}_*b[d_]*{_B}",  # "the roof is no longer red but grey"
+        f"{_B}{_X}[^LK]*?I[d_]*{_A}O?",  # "a grey roof instead of a red one"
+        f"(?:{_X}[^LNK]*)?{_B}[^LNK]*?I[d_]*{_A}O?",  # "the roof grey instead of red"
+        f"(?:{_X}[^LNK]*)?I[d_]*(?P<a>L){_B}",  # "the roof, instead of red, grey"
+    )
+]
+_MOST = 4  # changes in one clause
+_SAID = "VSftwIRbOv"
+"""Letters of tokens that only make a change phrase."""
+
+
+@dataclass(frozen=True)
+class PromptLook:
+    """A look word.
+
+    Attributes:
+        index: Its place among the items.
+        text: As the prompt says it, with its intensity and negation.
+        strength: Of the intensities before it.
+    """
+
+    index: int
+    token: Token
+    text: str
+    strength: float
+    negated: bool
+
+    @property
+    def less(self) -> bool:
+        """Whether it is to be there in a smaller degree than now: a step towards its opposite."""
+        word_of_its_own = self.token.text.startswith("less ")  # "less contrast"
+        return self.text.startswith("less ") and not word_of_its_own
+
+
+@dataclass
+class Passage:
+    """A prompt's tokens and look words.
+
+    Attributes:
+        items: All tokens, with the numbers of their clauses.
+        looks: The look words, in order.
+        starts: Places of the items that begin a clause as it is written, those of a list too.
+        wishes: Wishes that only a modeler can fulfill, as the prompt says them.
+        beyond: Words that no value can give.
+    """
+
+    items: list[Token]
+    looks: list[PromptLook] = field(default_factory=list)
+    starts: set[int] = field(default_factory=set)
+    wishes: list[list[str]] = field(default_factory=list)
+    beyond: list[str] = field(default_factory=list)
+
+    def tinged(self, look: PromptLook) -> PromptLook | None:
+        """The color right after a look word, whose shade the word may say."""
+        clause = self.items[look.index].clause
+        following = (other for other in self.looks if other.index == look.index + 1 and other.token.color)
+        return next((other for other in following if self.items[other.index].clause == clause), None)
+
+    def adjoin(self, one: PromptLook, other: PromptLook) -> bool:
+        """Whether nothing but an intensity stands between two look words."""
+        between = self.items[one.index + 1 : other.index]
+        parted = self.starts.intersection(range(one.index + 1, other.index + 1))
+        return not parted and all(item.strength is not None for item in between)
+
+    def content(self, start: int, end: int) -> list[Token]:
+        """The items from start to end that say something, without `end`."""
+        return [item for item in self.items[max(start, 0) : end] if not item.filler]
+
+
+def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
+    """The look words of a prompt.
+
+    Args:
+        clauses: Tokens of each clause, as the lexer gives them.
+    """
+    found = Passage([])
+    number = 0
+    for tokens, following in zip(clauses, [*clauses[1:], []], strict=False):
+        found.starts.add(len(found.items))
+        found.items += _without_wishes(number, tokens, found)
+        # "red, green and blue balls" is one clause
+        listed = len(tokens) == 1 and tokens[0].color and len(following) > 2 and following[0].color
+        number += not (listed and "listing" in following[1].lists)
+    for _, clause in groupby(enumerate(found.items), key=lambda each: each[1].clause):
+        found.looks += _looks(found, clause, vocabulary)
+    found.beyond = [i.text for i in found.items if "beyond" in i.lists]
+    return found
+
+
+def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterator[Token]:
+    """The tokens of a clause; a wish to add or remove things is marked, one about light, fog or the like is none."""
+    until = 0
+    for index, token in enumerate(tokens):
+        if token.lists & _WISHES:
+            objects = [*takewhile(lambda t: not t.lists & _ENDS, tokens[index + 1 :])]
+            about_looks = any(t.entry or t.noun in (*LIGHTS, "fog") for t in objects)
+            if not (about_looks and all(t.known and "count" not in t.lists for t in objects)):
+                until = index + 1 + len(objects)
+                found.wishes.append([t.text for t in tokens[index:until] if not t.lists & {"stop", "joiner"}])
+        yield replace(token, clause=number, wished=index < until)
+
+
+def _looks(
+    found: Passage, clause: Iterable[tuple[int, Token]], vocabulary: Vocabulary
+) -> Iterator[PromptLook]:
+    """The look words of a clause, with the intensities and negations before them."""
+    prefix: list[str] = []
+    strength, negated = 1.0, False
+    for index, token in clause:
+        if token.wished or "beyond" in token.lists:
+            continue
+        following = next(iter(found.content(index + 1, len(found.items))), None)
+        absent = negated and token.noun in vocabulary.absent and not token.entry  # "no shadows" is a look too
+        if token.strength is not None and _is_intensity(token, following, vocabulary):
+            strength = min(max(strength * token.strength, WEAKEST), STRONGEST)
+            prefix.append(token.text)
+        elif token.lists & {"negation", "undo"}:
+            negated = True
+            prefix.append(token.text)
+        elif absent or token.names_a_look:
+            look = replace(token, entry=vocabulary.absent[token.noun], noun="") if absent else token
+            text = " ".join([*(prefix if prefix or not negated else ["no"]), token.text])
+            yield PromptLook(index, look, text, strength, negated and not absent)
+            prefix, strength = [], 1.0
+        elif token.ties or token.lists & {"action"}:
+            negated = negated and "either" in token.lists
+        elif not token.filler:
+            prefix, strength = [], 1.0
+
+
+def _is_intensity(token: Token, following: Token | None, vocabulary: Vocabulary) -> bool:
+    """Whether "strong" strengthens the next look word ("strong fog"), or is itself one ("strong light")."""
+    if not token.names_a_look:
+        return True
+    if following is None or following.clause != token.clause or not following.names_a_look:
+        return False
+    nouns = (following.noun, "lamp") if following.noun in LIGHTS else (following.noun,)
+    return vocabulary.adjectives.get(token.adjective, {}).keys().isdisjoint(nouns)
+
+
+def is_object(token: Token, vocabulary: Vocabulary) -> bool:
+    """Whether a word names an object: one of the scene, of a kind with a surface, or of the list of things."""
+    if token.noun:
+        return token.noun in ("surroundings", "subject")
+    structure = any(token.text in vocabulary.words[kind] for kind in STRUCTURES)
+    return token.scene or structure or (singular(token.text) in thing_words().rows and not token.known)
+
+
+def with_changes(clauses: list[list[Token]], vocabulary: Vocabulary) -> list[list[Token]]:
+    """Clauses in which present looks are with their objects, see `Token.presents`: "the roof from red to slate", "teal, not pink".
+
+    Args:
+        clauses: Tokens of each clause, as the lexer gives them.
+    """
+    found = []
+    for clause, tokens in enumerate(clauses, start=1):
+        for number in range(_MOST):  # "make the red door blue and the white wall grey"
+            letters = "".join(_letter(token, vocabulary) for token in tokens)
+            matches = filter(None, (pattern.search(letters) for pattern in _CHANGES))
+            match = next((match for match in matches if _is_a_change(tokens, match)), None)
+            if match is None or "G" in letters:
+                break
+            tokens = _changed(clause * _MOST + number, tokens, match)
+        found.append(tokens)
+    return found
+
+
+def _letter(token: Token, vocabulary: Vocabulary) -> str:
+    for letter, kind in _LETTERS.items():
+        if token.text in vocabulary.words[kind]:
+            return letter
+    if is_object(token, vocabulary):
+        return "N"
+    if token.color or vocabulary.slot(token.entry) in ("color", "finish", "material"):
+        return "L"
+    if "definite" in token.lists:
+        return "d"
+    if token.noun and token.noun not in ("tone", "glow"):
+        return "K"
+    return "_" if token.noun or token.filler or token.ties or token.strength else "."
+
+
+def _is_a_change(tokens: list[Token], match: re.Match[str]) -> bool:
+    """Whether a phrase says more than "make red chair glossy", in which both looks are wished, and than "make the leather red"."""
+    present, wished = (tokens[slice(*match.span(part))] for part in "ab")
+    colored = any(token.color for token in present)
+    done = any(token.change for token in (*present, *wished))
+    if done or not (colored or match.groupdict().get("x") is not None or "I" in match[0]):
+        return False
+    says_so = not set("df_tSIRJ").isdisjoint(match.string[match.start() : match.start("b")])
+    return says_so or (colored and any(token.color for token in wished))
+
+
+def _changed(number: int, tokens: list[Token], match: re.Match[str]) -> list[Token]:
+    """A clause in which an object has its present looks, and the looks that are wished of it are tied to it."""
+    looks = tuple(tokens[place] for place in range(*match.span("a")))
+    named = match.groupdict().get("x") is not None
+    owner = match.end("x") - 1 if named else match.end("a") - 1
+    number = number if named or any(look.color for look in looks) else 0
+    found = []
+    for place, token in enumerate(tokens):
+        only_says = match.start() <= place < match.end() and match.string[place] in _SAID
+        if place == owner and number:
+            noun = token.noun or "unknown"  # that of a look too: "the lawn", "the black plastic"
+            found.append(Token(token.text, scene=token.scene, noun=noun, presents=looks, change=number))
+        elif match.start("b") <= place < match.end("b"):
+            found.append(replace(token, change=number))
+        elif not (match.start("a") <= place < match.end("a") or only_says):
+            found.append(token)
+    return found

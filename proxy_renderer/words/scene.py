@@ -1,0 +1,326 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sets of materials and lights of a scene that nouns may name, by name ("lamp") or by present look ("the navy surface")."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+from ..color.floats import oklab_from_srgb
+from ..schema import Values
+from .lexer import Token
+from .lexicon.vocabulary import Vocabulary
+from .names import FITS, best, fit, guessed_fit, is_detail, limbs, parts, plain_name
+from .passage import STRUCTURES
+from .types import GLOW, MaterialLook, SceneDescription
+
+REGIONS = {"surroundings": "surroundings", "subject": "subject", "unknown": "subject"}
+"""Kinds of nouns that mean a part of the image where nothing of the scene is called so -> the part."""
+_VAGUE = FITS.index("misspelled")  # from here on a name is only guessed
+_TYPES = {"SUN": "sun", "SPOT": "spot"}
+"""Types of lights that people call by name."""
+_OF_ITS_KIND = ("exact", "last", "whole", "synonym")
+"""Ways to fit the name of a thing that is what a word says, or a limb of it."""
+_OF_THE_WORD = ("exact", "last", "part")
+"""Ways to fit a name that has the very word: "stone" in "Ruin_Stone" and "Stone_Mossy"."""
+_WORDS = 512  # words of prompts whose names are cached
+# Present looks
+_NEAR = 0.11  # OKLab distance, lightness at less than half, within which a color is called so
+_LIGHTNESS = 0.4  # weight of lightness in that distance
+_CLEAR = 1.4  # how many times farther away the next color has to be
+_ALIKE = 0.05  # distance within which two materials have one color
+_GRAY = 0.04  # chroma below which a hue says nothing
+_PALER, _STRONGER = 0.5, 1.6  # chroma that a color may have, in multiples of its name's
+_SHAPED = 0.6  # factor on the distance of a material with the shape that the noun says
+_SEEN = 0.001  # share of the image from which somebody would speak of a material
+_OWN = 0.5  # share of what is seen of a material that has to be on an object by whose name it is found
+_MAIN = 3.0  # how many times larger than others of its color a material is that one noun means
+_Found = tuple[Iterable[str], tuple[str, ...]]
+"""Names, and the signs by which they were found."""
+
+
+@dataclass(frozen=True)
+class Named:
+    """Materials or lights that words may name.
+
+    Attributes:
+        kind: "things" or "lights".
+        names: Of materials, or of lights; glows among lights start with `GLOW`.
+        signs: How it was found: "object exact", "material part", "first", "several".
+    """
+
+    kind: str
+    names: frozenset[str]
+    signs: frozenset[str]
+
+
+@dataclass(frozen=True)
+class NounMention:
+    """A noun, or several that belong together ("box and cup").
+
+    Attributes:
+        start, end: Places of its first and its last item.
+        noun: Kind of thing by the vocabulary's nouns; "others" for what was not named, "unknown" for a word that nobody knows.
+        role: "key", "fill" or "rim", where it names one.
+        named: What it may name in the scene.
+        members: Of several nouns, how many.
+        excepted: The prompt leaves it out: "everything but the floor".
+    """
+
+    start: int
+    end: int
+    text: str
+    noun: str = ""
+    role: str = ""
+    named: tuple[Named, ...] = ()
+    members: int = 1
+    excepted: bool = False
+
+    def covers(self, index: int) -> bool:
+        """Whether an item is one of its own."""
+        return self.start <= index <= self.end
+
+
+def fit_signs(named: Named) -> dict[str, str]:
+    """Signs that say how well words fit its name -> the way: "object exact" -> "exact"."""
+    return {sign: way for sign in named.signs for way in FITS if sign.endswith(f" {way}")}
+
+
+def fit_rank(named: Named) -> int:
+    """Place in `FITS` of the surest way in which it was found, 0 for the surest."""
+    return min((FITS.index(way) for way in fit_signs(named).values()), default=len(FITS))
+
+
+def surest(mention: NounMention, kind: str, first: str) -> Named | None:
+    """The surest of what a mention names; None if it names nothing of a kind.
+
+    Args:
+        first: What is preferred: "material" or "object" for a source, "first" or "whole" for a part or all of a thing.
+    """
+
+    def rank(named: Named) -> tuple[int, bool]:
+        return fit_rank(named), not any(sign.startswith(first) for sign in named.signs)
+
+    return min((n for n in mention.named if n.kind == kind), key=rank, default=None)
+
+
+def materials_of(region: str, words: SceneDescription) -> frozenset[str]:
+    """The materials of "subject" or "surroundings"."""
+    return frozenset(name for name, its in words.materials.items() if its == region)
+
+
+def taken(mentions: Iterable[NounMention], words: SceneDescription) -> frozenset[str]:
+    """The materials that nouns name in the surest way; what is left out by a word that no name has is the subject."""
+    names: set[str] = set()
+    for mention in mentions:
+        best = surest(mention, "things", "object") if mention.members == 1 else None
+        if mention.excepted and (best is None or fit_rank(best) >= _VAGUE):
+            names |= materials_of(REGIONS.get(mention.noun, ""), words)
+        names |= best.names if best else set()
+    return frozenset(names)
+
+
+class SceneIndex:
+    """Finds what words may name; `SceneDescription.made` keeps it with the scene."""
+
+    def __init__(self, words: SceneDescription, vocabulary: Vocabulary) -> None:
+        self.words, self._vocabulary = words, vocabulary
+        self._materials = {name: parts(name) for name in words.materials}
+        self._objects = {name: parts(name) for name in words.objects}
+        self._groups = {name: parts(name) for name in words.groups}
+        self._lights = {name: parts(name) for name in words.lights}
+        self._stuff = {  # material -> what its name says that it is made of
+            name: {part for part in its if vocabulary.slot(part) == "material"}
+            for name, its in self._materials.items()
+        }
+        self._limbs = limbs(words)
+        self._worn_by_limbs = {name for worn in self._limbs.values() for name in worn}
+        self._found = lru_cache(_WORDS)(self._find)
+
+    def named(self, said: tuple[str, ...], plural: bool = False, guess: bool = False) -> list[Named]:
+        """All that words may name.
+
+        Args:
+            said: Words of the prompt, as `parts` gives them.
+            plural: Whether all of a kind may be meant, and not only what is called exactly so.
+            guess: Whether things of nearly the same spelling count.
+        """
+        return list(self._found(said, plural, guess))
+
+    def objects(self, said: tuple[str, ...]) -> list[str]:
+        """The objects whose names words fit best."""
+        ways = self._ways(said, self._objects)
+        surest = best(ways.values())
+        return [name for name, way in ways.items() if way == surest]
+
+    def is_several(self, named: Named) -> bool:
+        """Whether several objects wear what is named."""
+        worn = self.words.object_materials.values()
+        return sum(not named.names.isdisjoint(its) for its in worn) > 1
+
+    def worn(self, name: str) -> frozenset[str]:
+        """The materials of an object."""
+        return frozenset(self.words.object_materials.get(name, ()))
+
+    def _find(self, said: tuple[str, ...], plural: bool, guess: bool) -> list[Named]:
+        found: dict[tuple[str, frozenset[str]], set[str]] = defaultdict(set)
+        shown = self._ways(said, self._objects, guess)
+        things = self._of_things(said, shown, plural, guess)
+        for kind, named in (("things", things), ("lights", self._of_lights(said, shown, guess))):
+            for names, signs in named:
+                if every := frozenset(names):
+                    found[kind, every] |= {*signs, *(("several",) if len(every) > 1 else ())}
+        return [Named(kind, names, frozenset(signs)) for (kind, names), signs in found.items()]
+
+    def _ways(
+        self, said: tuple[str, ...], names: Mapping[str, tuple[str, ...]], guess: bool = False
+    ) -> dict[str, str]:
+        """The names that words fit, with the way; of thousands, many have the same parts."""
+        each = {*names.values()}
+        if guess:
+            ways = {its: guessed_fit(said[0], its, self._vocabulary) for its in each}
+        else:
+            ways = {its: fit(said, its, self._vocabulary) for its in each}
+        return {name: ways[its] for name, its in names.items() if ways[its]}
+
+    def _of_things(
+        self, said: tuple[str, ...], shown: dict[str, str], plural: bool, guess: bool
+    ) -> Iterator[_Found]:
+        materials, groups = (self._ways(said, names, guess) for names in (self._materials, self._groups))
+        for source, ways in (("material", materials), ("object", shown), ("group", groups)):
+            surest = best(ways.values())
+            for way in dict.fromkeys(ways.values()):  # in an order that is the same in every process
+                if way == "whole" and surest == "exact" and not plural:  # a duck is not its head alone
+                    continue
+                chosen = [name for name, its in ways.items() if its == way]
+                signs = (f"{source} {way}", *(() if way == surest else ("less sure",)))
+                yield from self._chosen(source, chosen, signs)
+            of_word = [name for name, way in ways.items() if way in _OF_THE_WORD]
+            if source == "material" and len({ways[name] for name in of_word}) > 1:
+                yield from self._chosen(source, of_word, (f"{source} {surest}", "any of it"))
+            kind = [name for name, way in ways.items() if way in _OF_ITS_KIND]
+            if plural and source != "material" and len({ways[name] for name in kind}) > 1:
+                yield from self._chosen(source, kind, (f"{source} {surest}", "every one"))
+
+    def _chosen(self, source: str, chosen: list[str], signs: tuple[str, ...]) -> Iterator[_Found]:
+        """The materials of what was chosen: all of them, without details, and the first one of each object."""
+        theirs = self.words.object_materials
+        if source == "material":  # with what the limbs wear of an object that is called like a material
+            called = (
+                (o, m) for m in chosen for o in theirs if plain_name(o) == plain_name(m) and m in theirs[o]
+            )
+            worn = [*chosen, *(limb for o, _ in called for limb in self._limbs.get(o, ()))]
+            yield from self._split(worn, (*signs, "whole"))
+            return
+        groups = self.words.groups if source == "group" else {}
+        objects = [o for name in chosen for o in groups.get(name, (name,)) if theirs.get(o)]
+        own = [m for o in objects for m in theirs[o]]
+        worn = [*own, *(m for o in objects for m in self._limbs[o])]
+        signs = (*signs, "of one object") if len(objects) == 1 else signs
+        yield from self._split(worn, (*signs, "whole"))
+        yield [m for m in worn if not is_detail(m)], (*signs, "without details")
+        stuff = {word for m in own for word in self._stuff[m]}
+        alike = [m for m in worn if m in own or stuff.issuperset(self._stuff[m])]
+        if {*alike} < {*worn}:
+            yield alike, (*signs, "of the same stuff")
+        if self._worn_by_limbs.isdisjoint(worn):  # limbs look like their whole
+            yield from self._split([theirs[o][0] for o in objects], (*signs, "first"))
+
+    def _split(self, names: list[str], signs: tuple[str, ...]) -> Iterator[_Found]:
+        """Materials, and apart from each other those of subject and surroundings."""
+        yield names, signs
+        for region in dict.fromkeys(self.words.materials.get(n) for n in names):
+            mine = [n for n in names if self.words.materials.get(n) == region]
+            if len(mine) < len(names):
+                yield mine, (*signs, f"only {region}")
+
+    def _of_lights(self, said: tuple[str, ...], shown: dict[str, str], guess: bool) -> Iterator[_Found]:
+        words, lamps = self.words, self._ways(said, self._lights, guess)
+        if surest := best(lamps.values()):
+            yield [n for n, way in lamps.items() if way == surest], (f"light {surest}",)
+        types = {n: (_TYPES[x.type],) for n, x in words.lights.items() if x.type in _TYPES}
+        yield self._ways(said, types, guess), ("light type",)
+        glows = self._ways(said, {n: self._materials[n] for n in words.glows}, guess)
+        yield [GLOW + n for n in glows], (f"glow {best(glows.values())}",)
+        lit = [n for n in words.glows if any(n in words.object_materials[o] for o in shown)]
+        yield [GLOW + n for n in lit], (f"glow on object {best(shown.values())}",)
+        yield [n for n, x in words.lights.items() if {*x.objects} & {*shown}], ("lights it",)
+
+
+class LookIndex:
+    """Finds what a noun means by present looks: the color and the shape of materials."""
+
+    def __init__(self, words: SceneDescription, vocabulary: Vocabulary) -> None:
+        self._vocabulary = vocabulary
+        looks = words.looks.items()
+        self._looks = {n: look for n, look in looks if look.share >= _SEEN and n in words.materials}
+
+    def meant(self, noun: str, presents: Iterable[Token]) -> frozenset[str]:
+        """The materials that a noun clearly means; none where they cannot be told.
+
+        Args:
+            presents: Looks that it has at present.
+        """
+        words = {noun, noun.rpartition(" ")[2]}
+        kinds = {kind for kind in STRUCTURES if words & self._vocabulary.words[kind]}
+        shaped = [name for name, look in self._looks.items() if kinds & look.structures]
+        color = next((look.color for look in presents if look.color), None)
+        if color is None:
+            return frozenset(shaped if len(shaped) == 1 else ())
+        return self._colored(color, shaped, plural=noun.endswith("s"))
+
+    def own(self, named: Iterable[Named], objects: Iterable[str]) -> list[Named]:
+        """The same without materials by objects that are mostly seen on others: a sofa that wears the wall's paint."""
+        wearers, others = {*objects}, set()
+        for name, look in self._looks.items():
+            if 0 < sum(share for o, share in look.worn.items() if o in wearers) < _OWN * look.share:
+                others.add(name)
+        by_object = (not any(s.startswith("material") for s in n.signs) and n.kind == "things" for n in named)
+        kept = ((n, n.names - others if only else n.names) for n, only in zip(named, by_object, strict=True))
+        return [replace(n, names=names) for n, names in kept if names]
+
+    def narrowed(self, names: frozenset[str], presents: Iterable[Token]) -> frozenset[str]:
+        """Those of some materials that have a present look; all where none is known to."""
+        color = next((look.color for look in presents if look.color), None)
+        known = [n for n in names if n in self._looks]
+        if color is None or len(known) < 2:
+            return names
+        distances = {n: self._distance(color, self._looks[n]) for n in known}
+        best = min(distances.values())
+        return frozenset(n for n in known if distances[n] <= best + _ALIKE) if best < _NEAR else names
+
+    def _colored(self, color: Values, shaped: list[str], plural: bool) -> frozenset[str]:
+        """The materials of a color, if no other comes near; of several that a singular means, the main one."""
+        distances = {
+            name: self._distance(color, look) * (_SHAPED if name in shaped else 1.0)
+            for name, look in self._looks.items()
+        }
+        best = min(distances.values(), default=math.inf)
+        if best > _NEAR:
+            return frozenset()
+        alike = [name for name, distance in distances.items() if distance <= best + _ALIKE]
+        near = [name for name, distance in distances.items() if distance < _CLEAR * (best + _ALIKE)]
+        if not plural:
+            alike = [max(alike, key=lambda name: (name in shaped, self._looks[name].share))]
+        rivals = [name for name in near if name not in alike]
+        # Rivals have to cover far less of the image, or to have another shape.
+        if shaped and {*alike} <= {*shaped}:
+            is_main = {*rivals}.isdisjoint(shaped)
+        else:
+            least = min(self._looks[name].share for name in alike)
+            is_main = all(least >= _MAIN * self._looks[name].share for name in rivals)
+        return frozenset(alike if is_main else ())
+
+    def _distance(self, color: Values, look: MaterialLook) -> float:
+        """Distance of a material from the color of a name; lightness counts less, and how strong the color is hardly."""
+        if look.color is None:
+            return math.inf
+        (light, *named), (own_light, *own) = oklab_from_srgb(color), oklab_from_srgb(look.color)
+        strong, length = math.hypot(*named), math.hypot(*own)
+        hues = min(strong, length) > _GRAY
+        factor = min(max(strong / length, 1 / _STRONGER), 1 / _PALER) if hues else 1.0
+        lighter = 0.0 if look.glows else _LIGHTNESS * (light - own_light)
+        return math.hypot(lighter, *(a - factor * b for a, b in zip(named, own, strict=True)))

@@ -1,0 +1,362 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Targets: what look words may describe in a scene, what a word is there ("gold" is a metal on a bowl), and the artist's own choices."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from ..schema import VibeError
+from ..schema.targets import GENERAL, NAME_OF, NUMBER, joined, target_names
+from .lexer import Token
+from .lexicon.entries import OWNERS, normalize
+from .lexicon.vocabulary import Vocabulary
+from .names import is_detail
+from .passage import Passage, PromptLook
+from .scene import NounMention, taken
+from .types import GLOW, Attribute, SceneDescription
+
+MATTER = ("things", "subject", "surroundings", "others")
+"""Kinds of targets that have a surface."""
+ROLES = ("key", "fill", "rim")
+"""Kinds of targets that are the lights of a role."""
+LAMPS = ("lights", *ROLES)
+"""Kinds of targets that are some of the lights."""
+UNNAMED = ("subject", "surroundings", "light", "sky", "air", "picture", "none")
+"""Kinds of targets that a prompt need not name."""
+TINGE = "tinge"
+"""Kind of target of a word that only says which shade the color after it is: "fire red"."""
+NOWHERE = ("none", TINGE)
+"""Kinds of targets that change nothing."""
+SURFACE = ("finish", "material", "color")
+"""Slots of words about a surface."""
+_OF_NOUNS = {
+    "surroundings": "surroundings", "sky": "sky", "light": "light", "fill": "fill", "rim": "rim", "fog": "air",
+    "shadow": "shadow", "highlight": "highlight", "tone": "picture", "subject": "subject", "others": "others", "unknown": "subject",
+}  # fmt: skip
+"""Kind of noun -> kind of target."""
+_KINDS = {
+    "things": ("thing", "subject", "surroundings"), "subject": ("thing", "subject"), "surroundings": ("surroundings", "subject", "thing"),
+    "others": ("thing", "subject", "surroundings"), "lights": ("lamp", "light"), "key": ("lamp", "light"),
+    "fill": ("lamp", "fill", "light"), "rim": ("lamp", "rim", "light"), "light": ("light",), "shadow": ("shadow",), "highlight": ("highlight",),
+    "sky": ("sky",), "air": ("fog",), "picture": ("tone",),
+}  # fmt: skip
+"""Kind of target -> kinds of things that the vocabulary's adjectives know, the first one first."""
+_SLOTS = {
+    "surroundings": ("setting",), "sky": ("setting", "lighting", "atmosphere"), "air": ("atmosphere",),
+    "light": ("lighting",), "shadow": ("lighting", "grade"), "highlight": ("lighting", "grade", "finish"), "picture": ("lighting", "atmosphere", "grade", "mood", "setting"),
+}  # fmt: skip
+"""Kind of target -> slots of words that describe it, besides surfaces and particular lights."""
+_NAMES = 8  # names of one target: more are not worth reading
+_TARGET_OF = {"light": "light", "fog": "air", "sky": "sky", "shadow": "shadow", "highlight": "highlight"}
+"""Kind of thing -> kind of target, where that is not a region."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """Something that a look word may describe.
+
+    Attributes:
+        kind: "things", "lights", "shadow", "highlight", one of the labels of `UNNAMED`, "others", "key", "fill", "rim" or `TINGE`.
+        names: Of the materials or lights; empty where the kind says it all.
+        mention: Number of the mention that names it; -1 if none does.
+        signs: How its names were found.
+    """
+
+    kind: str
+    names: frozenset[str] = frozenset()
+    mention: int = -1
+    signs: frozenset[str] = field(default=frozenset(), compare=False)
+
+    def __str__(self) -> str:
+        return f"{self.kind}: {' + '.join(sorted(self.names))}" if self.names else self.kind
+
+
+@dataclass(frozen=True)
+class Sense:
+    """The sense of a look word at a target.
+
+    Attributes:
+        entry: Of the vocabulary; "" for the color that the word names.
+        slot: Of the entry.
+        way: "row" of the vocabulary's adjectives, "own" entry, "color", "otherwise", or "elsewhere".
+    """
+
+    entry: str
+    slot: str
+    way: str
+
+
+@dataclass(frozen=True)
+class TargetPair:
+    """A look word with something that it may describe.
+
+    Attributes:
+        sense: Of the word there.
+        features: Facts about the two, each once, in order: sums are the same in every process.
+        names_itself: The look word is in the noun that names the target: "sunlight".
+        chosen: Name of the target that the artist has chosen; "" where the reader has.
+    """
+
+    look: PromptLook
+    target: Target
+    sense: Sense
+    features: tuple[str, ...]
+    names_itself: bool = False
+    chosen: str = ""
+
+
+@dataclass(frozen=True)
+class PromptPairs:
+    """A prompt with its open questions: `pairs` has those of each look word, in the order of the passage's."""
+
+    passage: Passage
+    mentions: list[NounMention]
+    pairs: list[list[TargetPair]]
+
+
+def targets(mentions: list[NounMention], words: SceneDescription) -> list[Target]:
+    """All targets of a prompt."""
+    found = [Target(kind) for kind in UNNAMED]
+    for number, mention in enumerate(mentions):
+        found += (Target(named.kind, named.names, number, named.signs) for named in mention.named)
+        if kind := mention.role or _OF_NOUNS.get(mention.noun, ""):
+            theirs = frozenset(name for name, light in words.lights.items() if light.role == kind)
+            names = rest(mentions, words) if kind == "others" else theirs
+            found.append(Target(kind, names, number, frozenset({f"noun {mention.noun}"})))
+        if not mention.excepted:
+            found += _without(number, mention, mentions, words)
+    return found
+
+
+def _without(
+    number: int, mention: NounMention, mentions: list[NounMention], words: SceneDescription
+) -> Iterator[Target]:
+    """Materials of a noun without those of other nouns: "the robot, not the cables", "the hut red, its roof black"."""
+    things = [(n.names, n.signs) for n in mention.named if n.kind == "things"]
+    excepted = taken((m for m in mentions if m.excepted), words)
+    for names, signs in things:
+        if names & excepted and names - excepted:
+            yield Target("things", names - excepted, number, signs | {"without what is spared"})
+    others = [taken([m], words) for m in mentions if m.members == 1 and m is not mention and not m.excepted]
+    for names, signs in things:
+        parts = frozenset().union(*(other for other in others if other < names))
+        if parts and names - parts:
+            yield Target("things", names - parts, number, signs | {"without what else is named"})
+
+
+def rest(
+    mentions: list[NounMention], words: SceneDescription, described: frozenset[str] = frozenset()
+) -> frozenset[str]:
+    """All materials that a prompt neither names nor leaves out; details only if nothing else is left.
+
+    Args:
+        described: Materials that are something else's.
+    """
+    left = frozenset(words.materials) - taken(mentions, words) - described
+    return frozenset(n for n in left if not is_detail(n)) or left
+
+
+def sense_at(token: Token, kind: str, vocabulary: Vocabulary) -> Sense | None:
+    """The sense of a word at a kind of target; None if it cannot describe it."""
+    if kind in NOWHERE:
+        return Sense("", "", "own")
+    rows = vocabulary.adjectives.get(token.adjective, {})
+    senses = [("row", rows.get(k, "")) for k in _KINDS[kind]] + [("own", token.entry)]
+    if kind == "picture" and token.entry and vocabulary.entries[token.entry].slot == "grade":
+        senses.reverse()  # "dark" says more than "dark tones"
+    if token.color:
+        senses.append(("color", ""))
+    senses.append(("otherwise", rows.get("otherwise", "")))
+    for way, entry in [*senses, *(("elsewhere", e) for e in _elsewhere(token, kind, vocabulary))]:
+        if way == "color":
+            return Sense("", "color", way)
+        blooms = way == "row" and kind == "light" and entry == rows.get(kind)  # "a glowing light"
+        if entry and (blooms or _describes(entry, kind, vocabulary)):
+            return Sense(entry, vocabulary.entries[entry].slot, way)
+    return None
+
+
+def _elsewhere(token: Token, kind: str, vocabulary: Vocabulary) -> Iterator[str]:
+    """Senses at a kind of target of which a word says nothing itself; of a mood, those of the parts of its meaning."""
+    rows = [vocabulary.elsewhere.get(k, {}) for k in _KINDS[kind]]
+    said = [token.adjective, token.entry]
+    for part in vocabulary.entries[token.entry].means.split(", ") if token.entry else ():
+        words = part.split()  # without how strongly: "slightly dim light" as "dim light"
+        ends = (" ".join(words[start:]) for start in range(len(words)))
+        said.append(next((vocabulary.synonyms[end] for end in ends if end in vocabulary.synonyms), ""))
+    yield from (row[word] for word in said for row in rows if word in row)
+
+
+def _describes(entry: str, kind: str, vocabulary: Vocabulary) -> bool:
+    """Whether an entry says something of a kind of target."""
+    slot = vocabulary.entries[entry].slot
+    if kind in LAMPS:
+        effects = vocabulary.entries[entry].effects
+        return any(OWNERS[e.owner] == "light" and not e.weak for e in effects) and slot == "lighting"
+    return (kind in MATTER and slot in SURFACE) or slot in _SLOTS.get(kind, ())
+
+
+# Targets by their names: `--target copper=Cup`, `Cup: copper`
+
+
+def target_name(target: Target, scene: SceneDescription) -> str:
+    """The name of something that a word may describe; "" where it has none."""
+    if target.names and target.kind not in ROLES:
+        return _joined_names(target.names, scene, is_matter=target.kind in MATTER)
+    return NAME_OF.get(target.kind, "")
+
+
+def described_name(attribute: Attribute, scene: SceneDescription) -> str:
+    """The name of what an attribute describes."""
+    names = _joined_names(attribute.lights, scene, is_matter=False) if attribute.lights else ""
+    names = names or (_joined_names(attribute.owners, scene, is_matter=True) if attribute.owners else "")
+    region = attribute.region if attribute.region in ("subject", "surroundings") else "picture"
+    kind = attribute.role or _TARGET_OF.get(attribute.kind) or region
+    return names or NAME_OF.get(kind, "lights" if attribute.role else "image")
+
+
+def _glow_name(material: str) -> str:
+    return f"glow of {material}"
+
+
+def _joined_names(names: Collection[str], scene: SceneDescription, is_matter: bool) -> str:
+    """Lights by their names; materials by the objects that wear nothing else, as far as these wear all of them."""
+    if not is_matter:
+        found = [name for name in scene.lights if name in names]
+        found += [_glow_name(name) for name in scene.glows if GLOW + name in names]
+    else:
+        objects = [o for o, worn in scene.object_materials.items() if worn and {*worn} <= {*names}]
+        worn = {m for o in objects for m in scene.object_materials[o]}
+        found = objects if worn == {*names} else [m for m in scene.materials if m in names]
+    return joined(sorted(found)) if len(found) <= _NAMES else ""
+
+
+def key_numbers(texts: Sequence[str]) -> list[str]:
+    """Ends of the keys of look words: "#2" for the second of equal ones, "" where the prompt says it once.
+
+    Args:
+        texts: Of all look words of a prompt, in English.
+    """
+    each = ((text, texts[: number + 1].count(text)) for number, text in enumerate(texts))
+    return [f"{NUMBER}{count}" if texts.count(text) > 1 else "" for text, count in each]
+
+
+def plain_key(key: str) -> str:
+    """The word of a key without its number: "red" of "red#2"."""
+    word, mark, number = key.rpartition(NUMBER)
+    return word if mark and number.isdigit() else key
+
+
+@dataclass(frozen=True)
+class _Choice:
+    """A word with the target that an artist has chosen.
+
+    Attributes:
+        word: As the artist wrote it.
+        known: The words in English by which the reader may know it, normalized.
+        number: Which of several equal words of the prompt; 0 for all of them.
+        name: Of the target.
+        target: The target in the scene.
+    """
+
+    word: str
+    known: frozenset[str]
+    number: int
+    name: str
+    target: Target
+
+
+class Choices:
+    """The targets that an artist has chosen for words.
+
+    Args:
+        chosen: Word of the prompt -> a name in the scene, several with " + ", or one of `schema.targets.GENERAL`.
+        english: Word of the prompt -> the same in English, where the prompt is in another language.
+        keyed: Number of a look word -> the name in the scene that the prompt itself sets before it: "Cup: copper".
+
+    Raises:
+        VibeError: The scene has nothing of such a name.
+    """
+
+    def __init__(
+        self,
+        chosen: Mapping[str, str],
+        english: Mapping[str, str],
+        keyed: Mapping[int, str],
+        scene: SceneDescription,
+        vocabulary: Vocabulary,
+    ) -> None:
+        self._vocabulary, self._scene, self._keyed = vocabulary, scene, keyed
+        self._choices = []
+        for key, name in chosen.items():
+            word = plain_key(key)
+            translated = normalize(english.get(word, ""))
+            known = frozenset({normalize(word), translated, *translated.split()} - {""})
+            number = int(key[len(word) + 1 :] or 0)
+            self._choices.append(_Choice(word, known, number, name, _target(word, name, scene)))
+        self._used: set[str] = set()
+
+    def bound(self, pairs: Iterable[TargetPair]) -> list[TargetPair]:
+        """Look words with the targets that were chosen for them, or else as the reader takes them.
+
+        Raises:
+            VibeError: A word can say nothing of its target.
+        """
+        counts: Counter[str] = Counter()
+        found = []
+        for number, pair in enumerate(pairs):
+            counts[pair.look.text] += 1
+            texts, count = {pair.look.text, pair.look.token.text}, counts[pair.look.text]
+            fitting = (c for c in self._choices if c.number in (0, count) and not texts.isdisjoint(c.known))
+            if choice := next(fitting, None):
+                self._used.add(choice.word)
+                means = sense_at(pair.look.token, choice.target.kind, self._vocabulary)
+                if means is None:
+                    raise VibeError(
+                        f"'{choice.word}' can say nothing of {choice.name!r}.",
+                        "Choose another target, or 'not used'.",
+                    )
+                pair = TargetPair(pair.look, choice.target, means, (), chosen=choice.name)
+            elif name := self._keyed.get(number, ""):
+                target = _target(pair.look.text, name, self._scene)
+                means = sense_at(pair.look.token, target.kind, self._vocabulary)
+                pair = TargetPair(pair.look, target, means, (), chosen=name) if means else pair
+            found.append(pair)
+        return found
+
+    def unused(self) -> list[str]:
+        """Words with a choice that are no look words of the prompt."""
+        return [choice.word for choice in self._choices if choice.word not in self._used]
+
+
+def _target(word: str, name: str, scene: SceneDescription) -> Target:
+    """The target of a name in a scene, or of several names that " + " joins."""
+    found = _named(name, scene)
+    several = [_named(part, scene) for part in target_names(name)]
+    if found is None and all(several):
+        targets = [target for target in several if target]
+        if len({target.kind for target in targets}) == 1 and all(target.names for target in targets):
+            found = replace(targets[0], names=frozenset().union(*(target.names for target in targets)))
+    if found is None:
+        raise VibeError(
+            f"'{name}', which '{word}' is to describe, is no object, material or light of the scene.",
+            f"Use a name in the scene, several with{joined(['', ''])}between them, or one of: {', '.join(GENERAL)}.",
+        )
+    return found
+
+
+def _named(name: str, scene: SceneDescription) -> Target | None:
+    """Something of the scene, or what every scene has; upper and lower case count only between these."""
+    own = {each: Target("lights", frozenset({each})) for each in scene.lights}
+    own |= {_glow_name(each): Target("lights", frozenset({GLOW + each})) for each in scene.glows}
+    own |= {each: Target("things", frozenset({each})) for each in scene.materials}
+    own |= {each: Target("things", frozenset(worn)) for each, worn in scene.object_materials.items()}
+    lower = name.casefold()
+    kind = "" if name in own else GENERAL.get(lower, "")
+    if kind in ROLES:
+        return Target(kind, frozenset(n for n, light in scene.lights.items() if light.role == kind))
+    if kind:
+        return Target(kind)
+    return own.get(name) or next((target for each, target in own.items() if each.casefold() == lower), None)
