@@ -6,8 +6,6 @@ import dump
 import pytest
 import small_scenes as scenes
 import torch
-from proxy_renderer.words.parser import parse
-from proxy_renderer.words.types import SceneDescription
 from vibe_render.export import reading
 from vibe_render.render import anchors
 from vibe_render.scene import bindings, snapshot
@@ -19,6 +17,8 @@ from proxy_renderer.planning.planner import plan
 from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import SceneDescription
 
 KEY = "material/Sign/emission"
 

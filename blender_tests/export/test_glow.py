@@ -5,16 +5,16 @@ import bpy
 import dump
 import pytest
 import small_scenes as scenes
-from proxy_renderer.optimize.scene_facts import described
-from proxy_renderer.optimize.stage import set_stage
-from proxy_renderer.words.parser import parse
 from vibe_render.export import reading
 from vibe_render.scene import bindings, prepare, snapshot
 from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.goals.resolve import goals_of
+from proxy_renderer.optimize.scene_words import described
+from proxy_renderer.optimize.stage import set_stage
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.scene import load_scene
+from proxy_renderer.words.parser import parse
 
 
 @pytest.fixture

@@ -21,7 +21,7 @@ PAGES += (
 BASES = (
     ROOT,
     ROOT / "proxy_renderer",
-    ROOT / "proxy_renderer" / "prompt",
+    ROOT / "proxy_renderer" / "words",
     ROOT / "addon" / "vibe_render",
     ROOT / "lab",
 )

@@ -2,20 +2,15 @@
 """Color temperatures that are told as numbers."""
 
 import pytest
+from plan_parts import SCENE, make_plan
 
-from proxy_renderer.cli.explain import _plain
-from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.planning.planner import plan
 from proxy_renderer.schema import VibeError
 from proxy_renderer.words.parser import parse
 
 
 def temperatures(prompt):
     """Light -> the middle of its range of temperatures, kelvin; None where no word is about it."""
-    words, instances, context = _plain()
-    parsed = parse(prompt, words)
-    planned = plan(goals_of(parsed), instances, context)
-    rows = {key.split("/")[1]: row for key, row in planned.items() if key.endswith("/temperature")}
+    rows = {key.split("/")[1]: row for key, row in make_plan(prompt).items() if key.endswith("/temperature")}
     return {name: (row.lower[0] + row.upper[0]) / 2 if row.priority else None for name, row in rows.items()}
 
 
@@ -43,4 +38,4 @@ def test_each_light_gets_its_own():
 @pytest.mark.parametrize("prompt", ["4K render", "8k", "90000 K", "480k", "12 k"])
 def test_other_numbers_are_no_temperatures(prompt):
     with pytest.raises(VibeError, match="names a look"):
-        parse(prompt, _plain()[0])
+        parse(prompt, SCENE)
