@@ -54,7 +54,7 @@ def options() -> str:
 
 def commands() -> str:
     """All commands, with what they do."""
-    return table(("command", "what it does"), *((f"`vibe {n}`", c.SUMMARY) for n, c in COMMANDS.items()))
+    return table(("command", "what it does"), *((f"`vibe {n}`", c.summary) for n, c in COMMANDS.items()))
 
 
 def other_options() -> str:

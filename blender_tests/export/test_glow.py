@@ -44,7 +44,7 @@ def planned(scene, prompt, folder):
 
 
 def test_no_key_is_added_where_a_panel_lights_the_scene(panel):
-    prepare.prepare(panel)
+    prepare.prepare_scene(panel)
     assert "Vibe Key" not in panel.objects
 
 
@@ -62,13 +62,13 @@ def test_a_glowing_curve_whose_emission_is_mixed_in_lights_the_scene(panel):
     tree.links.new(scenes.shader(material).outputs[0], mix.inputs[1])
     tree.links.new(glow.outputs[0], mix.inputs[2])
     tree.links.new(mix.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
-    prepare.prepare(panel)
+    prepare.prepare_scene(panel)
     assert "Vibe Key" not in panel.objects
 
 
 def test_a_dial_does_not_light_a_scene(panel):
     panel.objects["Panel"].hide_render = True
-    prepare.prepare(panel)
+    prepare.prepare_scene(panel)
     assert panel.objects["Vibe Key"].data.energy > 0
 
 

@@ -31,7 +31,7 @@ shot, out = Path(sys.argv[1]), Path(sys.argv[2])
 open_blend(shot)
 assert '"Domain", "Flow"' in fluid_note() or '"Flow", "Domain"' in fluid_note(), fluid_note()
 bpy.context.scene.frame_set(5)
-final_render.render(bpy.context.scene, out / "after.png", 32, 1)
+final_render.render_picture(bpy.context.scene, out / "after.png", 32, 1)
 save_blend(out / "vibed.blend")
 open_blend(out / "vibed.blend")
 assert "Domain" in fluid_note()  # it was saved as the artist has it: switched on

@@ -33,7 +33,7 @@ def test_applied_saved_and_reverted(held):
     assert mine.name == "Mine"
     assert mine.picture.is_file()
     assert mine.preset.roles["film"][0]["contrast"] == [pytest.approx(1.4)]
-    assert drawing.icon(mine) != drawing.icon(library.find_preset("Noir"))
+    assert drawing.look_icon(mine) != drawing.look_icon(library.find_preset("Noir"))
     assert bpy.ops.vibe.revert() == {"FINISHED"}
     assert difference(before, contents()) == {}
 
@@ -122,5 +122,5 @@ def test_assets_and_lut_of_the_look(held, tmp_path):
 
 def test_panel_finds_what_it_draws(held):
     """What is drawn without a window: nothing; but its icons and columns can be asked for."""
-    assert all(drawing.icon(look) for look in library.all_looks())
+    assert all(drawing.look_icon(look) for look in library.all_looks())
     assert presets.PresetsPanel.poll(bpy.context)

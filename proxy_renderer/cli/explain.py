@@ -104,11 +104,14 @@ def _read(
     from ..blender.progress import VibeProgress
 
     with tempfile.TemporaryDirectory(prefix="vibe-explain-") as folder, prepared(scene) as place:
-        # The engine takes as long to import as Blender takes to read the scene: both at the same time. No daemon:
-        # torch must not be left half imported when this process ends.
-        threading.Thread(target=importlib.import_module, args=("proxy_renderer.render.proxy",)).start()
-        arguments = ["export", str(place), f"--out={folder}", "--names-only", *subject]
-        launch(arguments, scene, VibeProgress(sys.stderr))
+        # The engine takes as long to import as Blender takes to read the scene: both at the same time.
+        engine = threading.Thread(target=importlib.import_module, args=("proxy_renderer.render.proxy",))
+        engine.start()
+        try:
+            arguments = ["export", str(place), f"--out={folder}", "--names-only", *subject]
+            launch(arguments, scene, VibeProgress(sys.stderr))
+        finally:  # torch must not be left half imported when this process ends
+            engine.join()
         from ..optimize.scene_facts import described_now
         from ..optimize.shots import lock, picture_size
         from ..optimize.stage import set_stage

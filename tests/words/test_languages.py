@@ -172,6 +172,6 @@ def test_a_mistake_in_a_lexicon_names_file_line_and_remedy(tmp_path, row, said):
 
 
 def test_the_lexicons_that_are_shipped_are_the_five_of_the_manual():
-    manual = Path(__file__).parents[2] / "docs" / "languages.md"
+    manual = Path(__file__).parents[2] / "docs" / "guide" / "languages.md"
     text = manual.read_text(encoding="utf-8")
     assert all(lexicon.name in text for lexicon in lexicons())

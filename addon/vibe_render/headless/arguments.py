@@ -78,6 +78,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = "run SCENE | demo | export SCENE | apply PRESET SCENE | revert FILE"
     add("words", nargs="*", metavar="WORD", help=commands)
     add("--events", action="store_true", help="print events for the vibe command")
+    add("--names-only", action="store_true", help="export: no textures and no world, for `vibe explain`")
     add("--scene", default="", help="a .blend or a mesh (default: the open file)")
     preset = "apply a preset instead: a file, or a name"
     add("--apply", dest="preset", default="", metavar="PRESET", help=preset)

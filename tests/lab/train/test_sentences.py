@@ -122,8 +122,8 @@ def test_a_folder_without_sentences_is_refused(tmp_path):
 def test_a_labeled_scene_is_planned_for_without_blender(tmp_path):
     (one,) = read_folder(write_folder(tmp_path))
     scene = stand_in(one.scene)
-    parsed = parse("red hull, cold desk lamp", scene.words)
-    decided = plan(goals_of(parsed), scene.instances, scene.context)
+    parsed = parse("red hull, cold desk lamp", scene.scene)
+    decided = plan(goals_of(parsed), scene.instances, scene.scene)
     assert decided["material/HullPaint/base_color"].priority is not None
     assert decided["material/SeatCloth/base_color"].priority is None
     assert decided["light/Desk Lamp/temperature"].lower[0] > 6500
