@@ -22,6 +22,7 @@ from .measures.picture import Part
 
 _OF_MOODS = 0.5  # weight of what a mood stands for
 _SLIGHT = 0.8  # strength below which a word is a weak one
+_LESS = 2.0  # by how many of its changes a claim would ask for less at strength 0
 _OPPOSED = 0.5  # cosine between a tint and the other direction, from where an image cannot have both
 _MUTED = 0.7  # share of a named color's chroma that an image keeps in which colors are muted
 _LIT, _LIT_SHARE = (
@@ -100,8 +101,13 @@ def _of_text(text: ClaimText, attribute: Attribute) -> Claim:
     part = part_of(attribute) if own else cast(Part, text.part)
     lower, upper, middle = text.lower, text.upper, (text.lower + text.upper) / 2
     mild = attribute.cause or attribute.strength < _SLIGHT
-    if mild and text.change is not None and math.isfinite(middle):
-        lower, upper = (lower, middle) if text.change > 0 else (middle, upper)
+    if mild and text.change is not None:  # the near end is met sooner, and so is the far one, where there is too much
+        less = (1.0 - min(attribute.strength, 1.0)) * _LESS * text.change
+        far = math.isfinite(middle)
+        rises = text.change > 0
+        lower, upper = lower - less if rises else lower, upper if rises else upper - less
+        if far:
+            lower, upper = (lower, middle) if rises else (middle, upper)
     color = srgb_from_hex(text.color) if text.color else None
     named = lab_from_srgb(color) if color else (0.0, 0.0, 0.0)
     return Claim(

@@ -47,7 +47,8 @@ def complete(
     parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[NamedThing], sky: bool = True
 ) -> None:
     """Fills in the objects of a prompt whose attributes are bound, and relations of words to each other."""
-    parsed.attributes = _with_lamps(_qualified(parsed.attributes, vocabulary), vocabulary)
+    bound = _all_shaded(_qualified(parsed.attributes, vocabulary), parsed.prompt.lower(), vocabulary)
+    parsed.attributes = _with_lamps(bound, vocabulary)
     if not sky:  # a sky that the camera does not see is its light alone: what colors it colors the image
         hidden = (a.kind == "sky" and a.color for a in parsed.attributes)
         both = zip(parsed.attributes, hidden, strict=True)
@@ -132,6 +133,22 @@ def shaded(attribute: Attribute, word: str, entry: str, strength: float, vocabul
     lighter, share = ((a + b) / 2 for a, b in zip(effect.lower, effect.upper, strict=True))
     color = relative_shade(attribute.color, lighter, share, strength)
     return replace(attribute, word=f"{word} {attribute.word}", color=color)
+
+
+def _all_shaded(attributes: list[Attribute], prompt: str, vocabulary: Vocabulary) -> list[Attribute]:
+    """The attributes, with a word that changes colors and the color right after it as one, where both are of one object."""
+    found: list[Attribute] = []
+    for each in attributes:
+        before = found[-1] if found else each
+        changes = before.slot == "color" and not (before.color or before.negated or before.cause)
+        same = (before.kind, before.owners) == (each.kind, each.owners)
+        whole = each
+        if changes and same and f"{before.word} {each.word}" in prompt:
+            whole = shaded(each, before.word, before.entry, before.strength, vocabulary)
+        if whole is not each:
+            found.pop()
+        found.append(whole)
+    return found
 
 
 # Lights that contradict each other: "warm lamp, cold blue window light"

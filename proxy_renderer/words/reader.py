@@ -257,13 +257,15 @@ def _attributes_of(read: PromptReading, number: int, is_part: bool) -> list[Attr
         thing = _thing(read, pair)
         thing = replace(thing, thing=pair.chosen) if pair.target.names else thing
         return [*_attributes(read, look, _entry(pair, []), thing, (), is_part)]
-    is_a_name = any(
-        m.named and m.covers(look.index) for m in read.pairs.mentions
-    )  # a pier where there is one
+    # a pier where there is one; the fire of "blue fire" is what another word describes
+    is_a_name = any(m.named and m.covers(look.index) for m in read.pairs.mentions)
+    described = _is_described(read, look)
     unsure = _is_unsure(read, pair, read.pairs.pairs[number])
     if look.index in read.phrases.gone and kind not in MATTER:  # "replace the harsh lamp"
         return []
-    if (kind == "none" or unsure) and _is_a_light(read, look) and not is_a_name:
+    if kind == "light" and is_a_name and described:
+        return None
+    if (kind == "none" or unsure) and _is_a_light(read, look) and not (is_a_name or described):
         thing = Thing("light", look.token.text, "whole")  # a source of light, said of light as a whole
         return [
             Attribute(
@@ -296,6 +298,12 @@ def _is_unsure(read: PromptReading, pair: TargetPair, pairs: Sequence[TargetPair
         return False
     likely = zip(scores(pairs, read.weights), pairs, strict=True)
     return sum(math.exp(score) for score, each in likely if each.target.kind == "none") > _UNSURE
+
+
+def _is_described(read: PromptReading, look: PromptLook) -> bool:
+    """True if a word is the object that other words describe."""
+    others = (pair for pair in read.chosen if pair.look is not look and pair.target.kind != "none")
+    return any(look.token.text in _thing(read, pair).thing.split() for pair in others)
 
 
 def _is_a_light(read: PromptReading, look: PromptLook) -> bool:
