@@ -53,42 +53,29 @@ class Claim:
 
     Where `change` is given, it is also enough if the measure has risen (or fallen, below 0) by so much since the artist's image and,
     with `near`, is not far from the interval; an excess that is there already may stay, and all of it where `change` is 0.
-
-    Attributes:
-        word: As the prompt has it; "" for claims without words, as that the subject can be seen.
-        thing: The prompt's name for the target: "teapot", "background", "picture".
-        measure: A key of `MEASURES`.
-        part: Of the image.
-        materials: Names of the target's materials; none for the whole part.
-        lower: One number for each that the measure gives, after `direction`.
-        upper: Likewise.
-        change: A sufficient change; None if only the interval counts.
-        direction: Unit vector along which a tint counts, or the hue of a color, whose numbers are then lightness, how far it
-            lies along the hue and how far across; none for the measure's own numbers.
-        color: The color that is asked for, sRGB; None for other claims.
-        box: Left, upper, right and lower end of the part in the frame, as shares of its width and height; None for all of it.
-        reason: Why it is claimed; "" where the word says it.
-        apart: Parts, each with its materials, that are left out: those that words color, in a claim about light.
-        weight: Of a step while values are sought: less, where a mood only usually stands for it.
-        compares: Whether the word only compares, as "colder" does: next to a reference image it is relative to that.
-        near: Whether a change is enough near the interval only; for words that only compare it is enough anywhere.
     """
 
-    word: str
-    thing: str
-    measure: str
-    part: Part
-    lower: Values
-    upper: Values
-    materials: tuple[str, ...] = ()
-    change: float | None = None
+    word: str  # as the prompt has it; "" for claims without words, as that the subject can be seen
+    thing: str  # the prompt's name for the target: "teapot", "background", "picture"
+    measure: str  # a key of `MEASURES`
+    part: Part  # of the image
+    lower: Values  # one number for each that the measure gives, after `direction`
+    upper: Values  # likewise
+    materials: tuple[str, ...] = ()  # names of the target's materials; none for the whole part
+    change: float | None = None  # a sufficient change; None if only the interval counts
+    # unit vector along which a tint counts, or the hue of a color, whose numbers are then lightness, how far it lies
+    # along the hue and how far across; none for the measure's own numbers
     direction: Values = ()
-    color: Values | None = None
+    color: Values | None = None  # the color that is asked for, sRGB; None for other claims
+    # Left, upper, right and lower end of the part in the frame, as shares of its width and height; None for all of it
     box: tuple[float, float, float, float] | None = None
-    reason: str = ""
+    reason: str = ""  # why it is claimed; "" where the word says it
+    # Parts, each with its materials, that are left out: those that words color, in a claim about light
     apart: tuple[tuple[Part, tuple[str, ...]], ...] = ()
-    weight: float = 1.0
+    weight: float = 1.0  # of a step while values are sought: less, where a mood only usually stands for it
+    # whether the word only compares, as "colder" does: next to a reference image it is relative to that
     compares: bool = False
+    # whether a change is enough near the interval only; for words that only compare it is enough anywhere
     near: bool = True
 
     @classmethod
@@ -194,16 +181,12 @@ class Claim:
 
 @dataclass(frozen=True)
 class ClaimSet:
-    """The claims of a prompt about a scene.
+    """The claims of a prompt about a scene."""
 
-    Attributes:
-        claims: In the order of the words.
-        before: Of each, the artist's image's value; None where the target is hardly seen.
-        regions: Of each, its pixels (H, W) bool in the images that are measured; None likewise.
-    """
-
-    claims: tuple[Claim, ...]
+    claims: tuple[Claim, ...]  # in the order of the words
+    # of each, the artist's image's value; None where the target is hardly seen
     before: tuple[Tensor | None, ...]
+    # of each, its pixels (H, W) bool in the images that are measured; None likewise
     regions: tuple[Tensor | None, ...]
 
     @classmethod

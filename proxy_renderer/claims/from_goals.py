@@ -101,7 +101,9 @@ def _of_text(text: ClaimText, attribute: Attribute) -> Claim:
     part = part_of(attribute) if own else cast(Part, text.part)
     lower, upper, middle = text.lower, text.upper, (text.lower + text.upper) / 2
     mild = attribute.cause or attribute.strength < _SLIGHT
-    if mild and text.change is not None:  # the near end is met sooner, and so is the far one, where there is too much
+    if (
+        mild and text.change is not None
+    ):  # the near end is met sooner, and so is the far one, where there is too much
         less = (1.0 - min(attribute.strength, 1.0)) * _LESS * text.change
         far = math.isfinite(middle)
         rises = text.change > 0

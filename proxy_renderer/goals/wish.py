@@ -32,28 +32,18 @@ _MAIN = 1
 
 @dataclass(frozen=True)
 class Wish:
-    """What one word wants of one quantity.
+    """What one word wants of one quantity."""
 
-    Attributes:
-        attribute: The word, with what it describes: source and target.
-        quantity: Name in `quantities.toml`.
-        named: The class that it asks for: "glossy"; "" where it names none, or is a color.
-        toward: The same where it is said too softly to ask for all of it: "slightly muted".
-        effects: What it does to parameters; of a color word, what colors do to such a thing.
-        claims: What the image has to look like, those of the class last.
-        strength: 1 as named; less for "slightly" and for what is only denied, more for "very".
-        breadth: How many things its word claims: what is about nothing else counts more.
-        vague: Whether its word is about the light or the image as a whole, as a time of day and a style are.
-    """
-
-    attribute: Attribute
-    quantity: str
-    named: str = ""
-    toward: str = ""
+    attribute: Attribute  # the word, with what it describes: source and target
+    quantity: str  # name in `quantities.toml`
+    named: str = ""  # the class that it asks for: "glossy"; "" where it names none, or is a color
+    toward: str = ""  # the same where it is said too softly to ask for all of it: "slightly muted"
+    # what it does to parameters; of a color word, what colors do to such a thing
     effects: tuple[Effect, ...] = ()
-    claims: tuple[ClaimText, ...] = ()
-    strength: float = 1.0
-    breadth: int = 0
+    claims: tuple[ClaimText, ...] = ()  # what the image has to look like, those of the class last
+    strength: float = 1.0  # 1 as named; less for "slightly" and for what is only denied, more for "very"
+    breadth: int = 0  # how many things its word claims: what is about nothing else counts more
+    # whether its word is about the light or the image as a whole, as a time of day and a style are
     vague: bool = False
 
     @property

@@ -203,18 +203,13 @@ def _wish(wish: Wish, winner: str | None) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class WrittenGoals:
-    """Goals that were read, and are about no scene yet.
-
-    Attributes:
-        objects: That the prompt names; the scene's subject for none.
-        stays: Owners of parameters that stay as they are.
-        attributes: All words, also those that wish for nothing themselves, as names of rigs do.
-    """
+    """Goals that were read, and are about no scene yet."""
 
     prompt: str
-    objects: tuple[PromptObject, ...]
-    stays: tuple[str, ...]
+    objects: tuple[PromptObject, ...]  # that the prompt names; the scene's subject for none
+    stays: tuple[str, ...]  # owners of parameters that stay as they are
     wishes: tuple[Wish, ...]
+    # all words, also those that wish for nothing themselves, as names of rigs do
     attributes: tuple[Attribute, ...]
 
     def within(self, words: SceneDescription) -> Goals:
@@ -262,11 +257,7 @@ def read(path: Path) -> WrittenGoals:
 
 
 def from_json(raw: Any) -> WrittenGoals:
-    """Goals of a JSON value.
-
-    Raises:
-        VibeError: A field is missing, unknown or wrong.
-    """
+    """Goals of a JSON value. Raises VibeError if a field is missing, unknown or wrong."""
     goals = JsonFields(raw, "goals")
     if (version := goals.number("version", VERSION)) != VERSION:
         raise VibeError(f"These goals are of version {version:g}; this is version {VERSION}.", _HELP)

@@ -94,39 +94,23 @@ def prior_loss(where: Tensor, home: Tensor, weight: Tensor) -> Tensor:
 
 @dataclass(frozen=True)
 class Weights:
-    """Weights of the terms; those of equation 9 are the paper's.
+    """Weights of the terms; those of equation 9 are the paper's."""
 
-    Attributes:
-        subject: λ_fg.
-        surroundings: λ_bg.
-        whole: λ_full.
-        direction: Change of the whole image in the direction of the words.
-        negative: λ_neg.
-        border: Subject on the image's border.
-        claims: Of claims, in noticeable steps.
-        prior: Pull of what no word names to the artist's value.
-        hue: Pull of a color's components to one place in their ranges.
-    """
-
-    subject: float = 1.0
-    surroundings: float = 1.0
-    whole: float = 0.25
-    direction: float = 0.2
-    negative: float = 0.8
-    border: float = 0.5
-    claims: float = 0.5
-    prior: float = 0.5
-    hue: float = 2.0
+    subject: float = 1.0  # λ_fg
+    surroundings: float = 1.0  # λ_bg
+    whole: float = 0.25  # λ_full
+    direction: float = 0.2  # change of the whole image in the direction of the words
+    negative: float = 0.8  # λ_neg
+    border: float = 0.5  # subject on the image's border
+    claims: float = 0.5  # of claims, in noticeable steps
+    prior: float = 0.5  # pull of what no word names to the artist's value
+    hue: float = 2.0  # pull of a color's components to one place in their ranges
 
 
 class Guidance(Protocol):
-    """Judges an image: `PromptGuidance`, or a plug-in's.
+    """Judges an image: `PromptGuidance`, or a plug-in's."""
 
-    Attributes:
-        views: Number of crops of each region.
-    """
-
-    views: regions.Views
+    views: regions.Views  # number of crops of each region
 
     def __call__(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
         """The weighted loss terms of an image (H, W, 3) in [0, 1] with a soft subject mask (H, W); their sum is the loss."""

@@ -93,16 +93,13 @@ PictureSource = Callable[[dict[str, list[float]], tuple[int, int]], CyclesPictur
 
 @dataclass(frozen=True)
 class AnchorState:
-    """A proxy's correction by a picture of Cycles.
+    """A proxy's correction by a picture of Cycles."""
 
-    Attributes:
-        correction: None for the plain proxy.
-        u: (N,) the values of the picture, where the correction is exact; None where there is no picture of the current ones.
-        earlier: The correction before this one, to see what a prediction was worth without the last picture.
-    """
-
-    correction: Correction | None = None
+    correction: Correction | None = None  # None for the plain proxy
+    # (N,) the values of the picture, where the correction is exact; None where there is no picture of the current
+    # ones
     u: Tensor | None = None
+    # the correction before this one, to see what a prediction was worth without the last picture
     earlier: Correction | None = None
 
     def distance(self, u: Tensor) -> float:

@@ -39,23 +39,14 @@ _PROGRESS = 1e-3  # a predicted decrease that is not worth a picture
 
 @dataclass(frozen=True)
 class Assessment:
-    """The judgment of the images of a point.
+    """The judgment of the images of a point."""
 
-    Attributes:
-        values: (M,) of the claims' measures, in noticeable steps.
-        lower: (M,) of the interval that is sought, likewise.
-        upper: (M,) likewise.
-        claim: (M,) number of the claim that each belongs to, from 0.
-        rest: () the loss's other terms.
-        picture: The first shot's.
-    """
-
-    values: Tensor
-    lower: Tensor
-    upper: Tensor
-    claim: Tensor
-    rest: Tensor
-    picture: Any
+    values: Tensor  # (M,) of the claims' measures, in noticeable steps
+    lower: Tensor  # (M,) of the interval that is sought, likewise
+    upper: Tensor  # (M,) likewise
+    claim: Tensor  # (M,) number of the claim that each belongs to, from 0
+    rest: Tensor  # () the loss's other terms
+    picture: Any  # the first shot's
 
     def misses(self, values: Tensor) -> Tensor:
         """(claims,) noticeable steps by which values (M,) miss each claim."""
@@ -85,21 +76,13 @@ class Slopes(NamedTuple):
 
 @dataclass(frozen=True)
 class LinearModel:
-    """The loss near a point x.
+    """The loss near a point x."""
 
-    Attributes:
-        here: The judgment of the point.
-        slopes: (M, n) of the values.
-        rest_slope: (n,) of the rest.
-        stiffness: (n, n) curvature of the rest.
-        weight: Of a noticeable step by which a claim is missed.
-    """
-
-    here: Assessment
-    slopes: Tensor
-    rest_slope: Tensor
-    stiffness: Tensor
-    weight: float
+    here: Assessment  # the judgment of the point
+    slopes: Tensor  # (M, n) of the values
+    rest_slope: Tensor  # (n,) of the rest
+    stiffness: Tensor  # (n, n) curvature of the rest
+    weight: float  # of a noticeable step by which a claim is missed
 
     def loss(self, move: Tensor) -> float:
         """Predicted at x + move (n,)."""
@@ -283,21 +266,13 @@ def _resized(radius: float, share: float, length: float) -> float:
 
 @dataclass
 class Descent:
-    """The result of the inner steps.
+    """The result of the inner steps."""
 
-    Attributes:
-        u: (N,) the point of least loss on the fixed views.
-        loss: Its loss on them.
-        start_loss: The loss of the start on them.
-        steps: Steps taken, at most T.
-        repairs: Times that a non-finite loss or gradient was rolled back.
-    """
-
-    u: Tensor
-    loss: float
-    start_loss: float
-    steps: int = 0
-    repairs: int = 0
+    u: Tensor  # (N,) the point of least loss on the fixed views
+    loss: float  # its loss on them
+    start_loss: float  # the loss of the start on them
+    steps: int = 0  # steps taken, at most T
+    repairs: int = 0  # times that a non-finite loss or gradient was rolled back
 
 
 def fixed_views() -> torch.Generator:

@@ -19,16 +19,11 @@ from .vector import begun, feasible_ranges, project
 
 @dataclass(frozen=True)
 class EarlyLook:
-    """Values on the way to the result.
+    """Values on the way to the result."""
 
-    Attributes:
-        values: Key to components, of what differs from the artist's scene.
-        display: (H, W, 3) their image in [0, 1]; None where it has not been drawn yet.
-        words: Word to whether the image shows it; words that claim nothing measurable are left out.
-    """
-
-    values: Mapping[str, tuple[float, ...]]
-    display: Tensor | None
+    values: Mapping[str, tuple[float, ...]]  # key to components, of what differs from the artist's scene
+    display: Tensor | None  # (H, W, 3) their image in [0, 1]; None where it has not been drawn yet
+    # word to whether the image shows it; words that claim nothing measurable are left out
     words: Mapping[str, bool]
 
 

@@ -20,13 +20,9 @@ BEFORE, PREVIEW = "before.png", "preview.png"
 
 
 class Observer(Protocol):
-    """Follows the loop.
+    """Follows the loop."""
 
-    Attributes:
-        wants_looks: Whether looks are shown before the end, see `looks`.
-    """
-
-    wants_looks: bool
+    wants_looks: bool  # whether looks are shown before the end, see `looks`
 
     def stage(self, name: str) -> None:
         """Something other than a step begins."""

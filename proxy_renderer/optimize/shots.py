@@ -45,48 +45,32 @@ _OF_A_PICTURE = (
 
 @dataclass(frozen=True)
 class ShotInput:
-    """A shot before the loop.
+    """A shot before the loop."""
 
-    Attributes:
-        scene: As its camera sees it at its frame.
-        source: Of Cycles' pictures of it; None for none.
-        file: Names its .blend: what differs within one .blend is animated.
-    """
-
-    scene: SceneData
-    source: PictureSource | None = None
-    file: str = ""
+    scene: SceneData  # as its camera sees it at its frame
+    source: PictureSource | None = None  # of Cycles' pictures of it; None for none
+    file: str = ""  # names its .blend: what differs within one .blend is animated
 
 
 @dataclass
 class ShotState:
-    """A shot in the loop. Its methods change nothing but what is cached: a new anchor, view or plan gives another state.
+    """A shot in the loop. Its methods change nothing but what is cached: a new anchor, view or plan gives another state."""
 
-    Attributes:
-        scene: As its camera sees it at its frame.
-        names: Its keys -> the shared vector's.
-        vector: The shared vector under its keys.
-        proxy: Renders the loop's images; all states of a shot have the same one. Use `corrected`.
-        source: Of Cycles' pictures.
-        anchor: The proxy's correction.
-        records: One per picture of Cycles, for all states: the number of the round, and the mean CIEDE2000 between what the
-            proxy had predicted and what it says with the picture.
-        guidance: Judges the images as the round's advice says; calibrated on the artist's image.
-        claims: What the words say that its images have to look like; None before the loop.
-        seen: What its camera sees where the claims are measured.
-        before: The artist's image, with which the loop began, and what its camera saw.
-    """
-
-    scene: SceneData
-    names: dict[str, str]
-    vector: ParameterVector
-    proxy: Proxy
-    source: PictureSource | None = None
-    anchor: AnchorState = field(default_factory=AnchorState)
+    scene: SceneData  # as its camera sees it at its frame
+    names: dict[str, str]  # its keys -> the shared vector's
+    vector: ParameterVector  # the shared vector under its keys
+    proxy: Proxy  # renders the loop's images; all states of a shot have the same one. Use `corrected`
+    source: PictureSource | None = None  # of Cycles' pictures
+    anchor: AnchorState = field(default_factory=AnchorState)  # the proxy's correction
+    # one per picture of Cycles, for all states: the number of the round, and the mean CIEDE2000 between what the
+    # proxy had predicted and what it says with the picture
     records: list[dict[str, Any]] = field(default_factory=list)
+    # judges the images as the round's advice says; calibrated on the artist's image
     guidance: Guidance | None = None
+    # what the words say that its images have to look like; None before the loop
     claims: ClaimSet | None = None
-    seen: GBuffer | None = None
+    seen: GBuffer | None = None  # what its camera sees where the claims are measured
+    # the artist's image, with which the loop began, and what its camera saw
     before: MeasuredPicture | None = None
     _last: tuple[Tensor, Render] | None = None  # where the last image was drawn, and it
 

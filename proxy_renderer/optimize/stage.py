@@ -30,19 +30,12 @@ _SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim")}
 
 @dataclass(frozen=True)
 class StagedScenes:
-    """Scenes and goals of a vibe.
+    """Scenes and goals of a vibe."""
 
-    Attributes:
-        scenes: The shots, with the lights that the words ask for and the scene lacks.
-        understood: The words, read against the scene.
-        goals: The words' wishes; the reason why there are none where nothing is understood.
-        lighting: The rig that the words ask for, set up; None where they ask for none.
-    """
-
-    scenes: list[SceneData]
-    understood: Understood
-    goals: Goals | VibeError
-    lighting: Lighting | None = None
+    scenes: list[SceneData]  # the shots, with the lights that the words ask for and the scene lacks
+    understood: Understood  # the words, read against the scene
+    goals: Goals | VibeError  # the words' wishes; the reason why there are none where nothing is understood
+    lighting: Lighting | None = None  # the rig that the words ask for, set up; None where they ask for none
 
     @property
     def plan(self) -> LightPlan | None:

@@ -20,21 +20,15 @@ NO_PROMPTS = Prompts("", "", "")
 
 @dataclass(frozen=True)
 class Advice:
-    """A round's understanding of the prompt, and its plan.
+    """A round's understanding of the prompt, and its plan."""
 
-    Attributes:
-        goals: What the words wish for; with the objects list O.
-        unmeasured: Captions and negatives of the words alone that no measure covers.
-        placed: Keys of what a rig has placed already.
-        source: Who gave it: "offline planner", or the model; with the reason if it was not the one asked for.
-    """
-
-    goals: Goals
+    goals: Goals  # what the words wish for; with the objects list O
     prompts: Prompts
     plan: Plan
-    unmeasured: Prompts = NO_PROMPTS
+    unmeasured: Prompts = NO_PROMPTS  # captions and negatives of the words alone that no measure covers
+    # who gave it: "offline planner", or the model; with the reason if it was not the one asked for
     source: str = "offline planner"
-    placed: frozenset[str] = frozenset()
+    placed: frozenset[str] = frozenset()  # keys of what a rig has placed already
 
 
 class Advisor(Protocol):

@@ -34,23 +34,15 @@ _COLORED = ("light", "fill", "rim", "shadow", "highlight", "glow", "ambience")
 
 @dataclass(frozen=True)
 class Prompts:
-    """What the encoder is asked, region by region (equations 5 and 6); never negations.
+    """What the encoder is asked, region by region (equations 5 and 6); never negations."""
 
-    Attributes:
-        subject: Short caption of the subject alone.
-        surroundings: Short caption of the surroundings alone; "" when the words leave them open.
-        whole: Caption of the whole picture.
-        subject_negatives: What the subject must not look like: swaps and antonyms, positively worded.
-        surroundings_negatives: Likewise for the surroundings.
-        whole_negatives: Likewise for the whole picture: "thick fog" for "no fog".
-    """
-
-    subject: str
-    surroundings: str
-    whole: str
+    subject: str  # short caption of the subject alone
+    surroundings: str  # short caption of the surroundings alone; "" when the words leave them open
+    whole: str  # caption of the whole picture
+    # what the subject must not look like: swaps and antonyms, positively worded
     subject_negatives: tuple[str, ...] = ()
-    surroundings_negatives: tuple[str, ...] = ()
-    whole_negatives: tuple[str, ...] = ()
+    surroundings_negatives: tuple[str, ...] = ()  # likewise for the surroundings
+    whole_negatives: tuple[str, ...] = ()  # likewise for the whole picture: "thick fog" for "no fog"
 
 
 def compose(

@@ -50,21 +50,14 @@ class WorldLook:
 
 @dataclass(frozen=True)
 class Sources:
-    """What ranges are computed from besides the effect itself.
-
-    Attributes:
-        exposure: Stops between the scene's radiance and the view transform, as the artist has them.
-        world: What the plan settles on for the world.
-        backdrop: The same for what the camera sees of it.
-        own_color: sRGB of the color that the material gets or has, for glows.
-        key: Radiance, before exposure, of a white surface that faces the key lights; 0 if there are none.
-    """
+    """What ranges are computed from besides the effect itself."""
 
     scene: SceneDescription
-    exposure: float = 0.0
-    world: WorldLook = WorldLook()
-    backdrop: WorldLook = WorldLook()
-    own_color: Values = (1.0, 1.0, 1.0)
+    exposure: float = 0.0  # stops between the scene's radiance and the view transform, as the artist has them
+    world: WorldLook = WorldLook()  # what the plan settles on for the world
+    backdrop: WorldLook = WorldLook()  # the same for what the camera sees of it
+    own_color: Values = (1.0, 1.0, 1.0)  # sRGB of the color that the material gets or has, for glows
+    # Radiance, before exposure, of a white surface that faces the key lights; 0 if there are none
     key: float = 0.0
 
 

@@ -19,18 +19,13 @@ _NEAR = 90.0  # degrees from where words want a light within which one is alread
 
 @dataclass(frozen=True)
 class KnownLight:
-    """A light of a scene, as words may mean it.
+    """A light of a scene, as words may mean it."""
 
-    Attributes:
-        name: The artist's name of a light, or "material/NAME" of what glows.
-        names: What it may be called: its own name and its type, or its material's and those of its objects.
-        turn: Azimuth relative to the camera, degrees.
-    """
-
-    name: str
+    name: str  # the artist's name of a light, or "material/NAME" of what glows
     role: str
+    # what it may be called: its own name and its type, or its material's and those of its objects
     names: tuple[str, ...]
-    turn: float
+    turn: float  # azimuth relative to the camera, degrees
     added: bool = False
 
 

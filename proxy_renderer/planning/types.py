@@ -42,16 +42,11 @@ class PlanEntry:
 
 @dataclass(frozen=True)
 class LightPlan:
-    """What a lighting rig plans, in the place of the words that it stands for.
+    """What a lighting rig plans, in the place of the words that it stands for."""
 
-    Attributes:
-        entries: For every parameter that it sets, by key.
-        served: The words that it stands for; they ask for nothing else.
-        grade: What belongs to it of the film: effects, with the word that asks for them.
-    """
-
-    entries: dict[str, PlanEntry] = field(default_factory=dict)
-    served: tuple[Attribute, ...] = ()
+    entries: dict[str, PlanEntry] = field(default_factory=dict)  # for every parameter that it sets, by key
+    served: tuple[Attribute, ...] = ()  # the words that it stands for; they ask for nothing else
+    # what belongs to it of the film: effects, with the word that asks for them
     grade: tuple[tuple[Attribute, Effect], ...] = ()
 
 

@@ -27,17 +27,11 @@ _STRONG = 6.0  # C* of a cast whose hue counts
 
 @dataclass(frozen=True)
 class LightColors:
-    """The colors that light may have: on the line between the two ends of a range, for more than one line has more hues.
+    """The colors that light may have: on the line between the two ends of a range, for more than one line has more hues."""
 
-    Attributes:
-        key: Of key lights: lower and upper end, linear, in [0, 1].
-        fill: Of all other light, that of the world included.
-        paint: Saturation that paint keeps at least, so that a colorful picture makes nothing gray.
-    """
-
-    key: tuple[Values, Values]
-    fill: tuple[Values, Values]
-    paint: float
+    key: tuple[Values, Values]  # of key lights: lower and upper end, linear, in [0, 1]
+    fill: tuple[Values, Values]  # of all other light, that of the world included
+    paint: float  # saturation that paint keeps at least, so that a colorful picture makes nothing gray
 
 
 def light_colors(claims: Sequence[Claim]) -> LightColors:

@@ -45,18 +45,12 @@ Box = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class PictureRegions:
-    """A flat picture, ready to be measured, with its regions.
-
-    Attributes:
-        subject: Whether a subject is found.
-        sky: Whether a sky is found.
-        counts: (H, W) bool, the pixels that are seen: not those that are transparent.
-    """
+    """A flat picture, ready to be measured, with its regions."""
 
     picture: MeasuredPicture
-    subject: bool
-    sky: bool
-    counts: Tensor
+    subject: bool  # whether a subject is found
+    sky: bool  # whether a sky is found
+    counts: Tensor  # (H, W) bool, the pixels that are seen: not those that are transparent
 
     def region(self, part: Part, box: Box | None = None) -> Tensor | None:
         """The pixels (H, W) bool of a part, or of a box in it, that are seen; None where they are few."""

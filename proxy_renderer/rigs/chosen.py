@@ -133,18 +133,13 @@ _ALL: Asked = ((), ())
 
 @dataclass(frozen=True)
 class ChosenRig:
-    """The rig of a prompt.
+    """The rig of a prompt."""
 
-    Attributes:
-        rig: With the changes that modifiers make to it.
-        words: Words of the prompt that it shows, each with the parts of the rig and the aspects of their light that the word
-            asks for; no aspects for all of them.
-        served: The attributes that it takes the place of.
-    """
-
-    rig: Rig
+    rig: Rig  # with the changes that modifiers make to it
+    # words of the prompt that it shows, each with the parts of the rig and the aspects of their light that the word
+    # asks for; no aspects for all of them
     words: Mapping[str, Asked]
-    served: tuple[Attribute, ...]
+    served: tuple[Attribute, ...]  # the attributes that it takes the place of
 
 
 def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary) -> ChosenRig | None:

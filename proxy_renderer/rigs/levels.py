@@ -90,17 +90,12 @@ _BARELY = 1e-7
 
 @dataclass(frozen=True)
 class Levels:
-    """What a rig's lights are to give.
+    """What a rig's lights are to give."""
 
-    Attributes:
-        factors: Light -> what its power in the trial values is multiplied by; 0 of a light that reaches nothing.
-        key: Irradiance of the key on the subject's lit side.
-        world: What a white world of strength 1 gives to the subject.
-    """
-
+    # light -> what its power in the trial values is multiplied by; 0 of a light that reaches nothing
     factors: Mapping[str, float]
-    key: float
-    world: float
+    key: float  # irradiance of the key on the subject's lit side
+    world: float  # what a white world of strength 1 gives to the subject
 
 
 def measured(

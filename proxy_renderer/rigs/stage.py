@@ -32,17 +32,11 @@ _PLAIN = 0.5  # albedo of what is not known
 
 @dataclass(frozen=True)
 class Points:
-    """Places on surfaces that the camera sees.
+    """Places on surfaces that the camera sees."""
 
-    Attributes:
-        position: (3, N), world space, just above the surface.
-        normal: (3, N), towards the camera.
-        albedo: (N,), the mean of a texture.
-    """
-
-    position: Tensor
-    normal: Tensor
-    albedo: Tensor
+    position: Tensor  # (3, N), world space, just above the surface
+    normal: Tensor  # (3, N), towards the camera
+    albedo: Tensor  # (N,), the mean of a texture
 
     def __len__(self) -> int:
         return self.position.shape[1]

@@ -156,19 +156,12 @@ def _all_shaded(attributes: list[Attribute], prompt: str, vocabulary: Vocabulary
 
 @dataclass
 class _Lamp:
-    """One light that words describe.
+    """One light that words describe."""
 
-    Attributes:
-        role: "key", "fill" or "rim"; "" where the words do not say.
-        fixture: Words that say which one it is: {"street", "lamps"}.
-        attributes: Its attributes.
-        places: Their places in the prompt.
-    """
-
-    role: str
-    fixture: frozenset[str]
-    attributes: list[Attribute] = field(default_factory=list)
-    places: list[int] = field(default_factory=list)
+    role: str  # "key", "fill" or "rim"; "" where the words do not say
+    fixture: frozenset[str]  # words that say which one it is: {"street", "lamps"}
+    attributes: list[Attribute] = field(default_factory=list)  # its attributes
+    places: list[int] = field(default_factory=list)  # their places in the prompt
 
 
 def fixture(thing: str, vocabulary: Vocabulary) -> frozenset[str]:
@@ -252,17 +245,14 @@ def _tone(attribute: Attribute, vocabulary: Vocabulary) -> Values | None:
 
 @dataclass
 class LightPhrases:
-    """The lights that a prompt describes one by one.
+    """The lights that a prompt describes one by one."""
 
-    Attributes:
-        of: Place of an item -> the numbers, from 1, of the lights that it belongs to; items that belong to none are left out.
-        roles: Number of a light -> "fill" or "rim", where its name says so.
-        gone: Places of items that describe what is to be replaced.
-    """
-
+    # place of an item -> the numbers, from 1, of the lights that it belongs to; items that belong to none are left
+    # out
     of: dict[int, tuple[int, ...]] = field(default_factory=dict)
+    # number of a light -> "fill" or "rim", where its name says so
     roles: dict[int, str] = field(default_factory=dict)
-    gone: set[int] = field(default_factory=set)
+    gone: set[int] = field(default_factory=set)  # places of items that describe what is to be replaced
 
     def role(self, place: int) -> str:
         """The role of the light that an item belongs to; "" if none is said."""

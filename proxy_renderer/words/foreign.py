@@ -63,19 +63,12 @@ class Piece:
 
 @dataclass(frozen=True)
 class Gloss:
-    """A prompt in English words.
+    """A prompt in English words."""
 
-    Attributes:
-        prompt: As the artist wrote it.
-        english: As it is read.
-        language: That it is in; "" for English.
-        pieces: The parts of the prompt that the English words stand for.
-    """
-
-    prompt: str
-    english: str
-    language: str = ""
-    pieces: tuple[Piece, ...] = ()
+    prompt: str  # as the artist wrote it
+    english: str  # as it is read
+    language: str = ""  # that it is in; "" for English
+    pieces: tuple[Piece, ...] = ()  # the parts of the prompt that the English words stand for
 
     @property
     def unknown(self) -> list[str]:

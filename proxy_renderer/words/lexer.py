@@ -34,41 +34,28 @@ ShadeArguments = tuple[float, float, float, float]
 
 @dataclass
 class Token:
-    """One word or known phrase of the prompt.
+    """One word or known phrase of the prompt."""
 
-    Attributes:
-        text: As the prompt has it, normalized.
-        color: sRGB.
-        adjective: A key of the vocabulary's adjectives.
-        noun: Kind of thing that it names.
-        scene: It names a thing in the scene.
-        strength: Factor on the next look word, if it is an intensity.
-        lists: Names of the grammar lists that it is in: "negation", "link", ...
-        name: The spelling that the vocabulary knows.
-        guess: The known word that is meant, if it is misspelled.
-        unsure: Not known, but near to looks that are: it is not used, names no thing, and known words are offered for it.
-        shades: Changes of a material's color by shade words before it, see `types.Attribute`.
-        clause: Number of its clause.
-        wished: It is part of a wish that values cannot fulfill: "remove the chair".
-        presents: Of an object in a change phrase, its looks at present: red of "the roof from red to grey".
-        change: Number of the change phrase that it is in, as its object or as a look that is wished of it; 0 for none.
-    """
-
-    text: str
+    text: str  # as the prompt has it, normalized
     entry: str = ""
-    color: Values | None = None
-    adjective: str = ""
-    noun: str = ""
-    scene: bool = False
-    strength: float | None = None
+    color: Values | None = None  # sRGB
+    adjective: str = ""  # a key of the vocabulary's adjectives
+    noun: str = ""  # kind of thing that it names
+    scene: bool = False  # it names a thing in the scene
+    strength: float | None = None  # factor on the next look word, if it is an intensity
+    # names of the grammar lists that it is in: "negation", "link", ...
     lists: frozenset[str] = field(default_factory=frozenset)
-    name: str = ""
-    guess: str = ""
+    name: str = ""  # the spelling that the vocabulary knows
+    guess: str = ""  # the known word that is meant, if it is misspelled
+    # not known, but near to looks that are: it is not used, names no thing, and known words are offered for it
     unsure: bool = False
+    # changes of a material's color by shade words before it, see `types.Attribute`
     shades: tuple[ShadeArguments, ...] = ()
-    clause: int = 0
-    wished: bool = False
+    clause: int = 0  # number of its clause
+    wished: bool = False  # it is part of a wish that values cannot fulfill: "remove the chair"
+    # of an object in a change phrase, its looks at present: red of "the roof from red to grey"
     presents: tuple[Token, ...] = ()
+    # number of the change phrase that it is in, as its object or as a look that is wished of it; 0 for none
     change: int = 0
 
     @property

@@ -34,20 +34,14 @@ _TARGETS, _FACTS = 4, 4  # lines of `why` for each look word, and facts in each 
 
 @dataclass(frozen=True)
 class Understood:
-    """A prompt, read once against one description of a scene, for everyone who needs to know what it says.
+    """A prompt, read once against one description of a scene, for everyone who needs to know what it says."""
 
-    Attributes:
-        prompt: As the artist typed it.
-        scene: The names in the scene.
-        told: "copper=Cup": targets that the artist has chosen for words.
-        words: The look words of the prompt and the words that are left out, in its order.
-        unknown: Why nothing in the prompt is understood; None where something is.
-    """
-
-    prompt: str
-    scene: SceneDescription
-    told: InitVar[Iterable[str]] = ()
+    prompt: str  # as the artist typed it
+    scene: SceneDescription  # the names in the scene
+    told: InitVar[Iterable[str]] = ()  # "copper=Cup": targets that the artist has chosen for words
+    # the look words of the prompt and the words that are left out, in its order
     words: tuple[PromptWord, ...] = field(default=(), init=False)
+    # why nothing in the prompt is understood; None where something is
     unknown: VibeError | None = field(default=None, init=False)
     _parsed: Parsed = field(default_factory=lambda: Parsed(""), init=False, repr=False)
 
@@ -133,11 +127,7 @@ def parse(
     weights: FactWeights | None = None,
     told: Mapping[str, str] | None = None,
 ) -> Parsed:
-    """As `read`.
-
-    Raises:
-        VibeError: The prompt is empty, too long, or holds no look word at all.
-    """
+    """As `read`. Raises VibeError if the prompt is empty, too long, or holds no look word at all."""
     parsed = read(prompt, scene, vocabulary, weights, told)
     if parsed.unknown:
         raise parsed.unknown

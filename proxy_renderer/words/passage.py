@@ -51,18 +51,12 @@ _SAID = "VSftwIRbOv"
 
 @dataclass(frozen=True)
 class PromptLook:
-    """A look word.
+    """A look word."""
 
-    Attributes:
-        index: Its place among the items.
-        text: As the prompt says it, with its intensity and negation.
-        strength: Of the intensities before it.
-    """
-
-    index: int
+    index: int  # its place among the items
     token: Token
-    text: str
-    strength: float
+    text: str  # as the prompt says it, with its intensity and negation
+    strength: float  # of the intensities before it
     negated: bool
 
     @property
@@ -74,21 +68,15 @@ class PromptLook:
 
 @dataclass
 class Passage:
-    """A prompt's tokens and look words.
+    """A prompt's tokens and look words."""
 
-    Attributes:
-        items: All tokens, with the numbers of their clauses.
-        looks: The look words, in order.
-        starts: Places of the items that begin a clause as it is written, those of a list too.
-        wishes: Wishes that only a modeler can fulfill, as the prompt says them.
-        beyond: Words that no value can give.
-    """
-
-    items: list[Token]
-    looks: list[PromptLook] = field(default_factory=list)
+    items: list[Token]  # all tokens, with the numbers of their clauses
+    looks: list[PromptLook] = field(default_factory=list)  # the look words, in order
+    # places of the items that begin a clause as it is written, those of a list too
     starts: set[int] = field(default_factory=set)
+    # wishes that only a modeler can fulfill, as the prompt says them
     wishes: list[list[str]] = field(default_factory=list)
-    beyond: list[str] = field(default_factory=list)
+    beyond: list[str] = field(default_factory=list)  # words that no value can give
 
     def tinged(self, look: PromptLook) -> PromptLook | None:
         """The color right after a look word, whose shade the word may say."""

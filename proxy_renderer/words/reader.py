@@ -49,33 +49,23 @@ class Thing:
 
 @dataclass
 class PromptReading:
-    """A prompt whose look words are bound.
-
-    Attributes:
-        chosen: The pair of each look word.
-        phrases: The lights that the prompt describes one by one.
-        subject: Its name for the subject, or that of the scene.
-        parts: Id of a pair -> its part of the materials, where several looks deal them out.
-        parsed: The result, without what `attributes.complete` adds.
-        mentioned: The nouns with a surface: name, region and materials.
-        absent: Numbers of the look words whose object the scene lacks.
-        unused: Numbers of the look words that are left out.
-        lacking: Says which words describe objects that the scene lacks.
-    """
+    """A prompt whose look words are bound."""
 
     vocabulary: Vocabulary
     scene: SceneDescription
     weights: Mapping[str, float]
     pairs: PromptPairs
-    chosen: list[TargetPair]
-    phrases: LightPhrases
-    subject: str
+    chosen: list[TargetPair]  # the pair of each look word
+    phrases: LightPhrases  # the lights that the prompt describes one by one
+    subject: str  # its name for the subject, or that of the scene
+    # id of a pair -> its part of the materials, where several looks deal them out
     parts: dict[int, tuple[str, ...]]
-    parsed: Parsed
+    parsed: Parsed  # the result, without what `attributes.complete` adds
+    # the nouns with a surface: name, region and materials
     mentioned: list[NamedThing] = field(default_factory=list)
-    absent: set[int] = field(default_factory=set)
-    unused: set[int] = field(default_factory=set)
-    lacking: list[str] = field(default_factory=list)
+    absent: set[int] = field(default_factory=set)  # numbers of the look words whose object the scene lacks
+    unused: set[int] = field(default_factory=set)  # numbers of the look words that are left out
+    lacking: list[str] = field(default_factory=list)  # says which words describe objects that the scene lacks
 
     @property
     def undone(self) -> list[str]:

@@ -44,17 +44,11 @@ _Found = tuple[Iterable[str], tuple[str, ...]]
 
 @dataclass(frozen=True)
 class Named:
-    """Materials or lights that words may name.
+    """Materials or lights that words may name."""
 
-    Attributes:
-        kind: "things" or "lights".
-        names: Of materials, or of lights; glows among lights start with `GLOW`.
-        signs: How it was found: "object exact", "material part", "first", "several".
-    """
-
-    kind: str
-    names: frozenset[str]
-    signs: frozenset[str]
+    kind: str  # "things" or "lights"
+    names: frozenset[str]  # of materials, or of lights; glows among lights start with `GLOW`
+    signs: frozenset[str]  # how it was found: "object exact", "material part", "first", "several"
 
 
 @dataclass(frozen=True)

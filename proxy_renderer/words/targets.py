@@ -55,19 +55,14 @@ _TARGET_OF = {"light": "light", "fog": "air", "sky": "sky", "shadow": "shadow", 
 
 @dataclass(frozen=True)
 class Target:
-    """Something that a look word may describe.
+    """Something that a look word may describe."""
 
-    Attributes:
-        kind: "things", "lights", "shadow", "highlight", one of the labels of `UNNAMED`, "others", "key", "fill", "rim" or `TINGE`.
-        names: Of the materials or lights; empty where the kind says it all.
-        mention: Number of the mention that names it; -1 if none does.
-        signs: How its names were found.
-    """
-
+    # "things", "lights", "shadow", "highlight", one of the labels of `UNNAMED`, "others", "key", "fill", "rim" or
+    # `TINGE`
     kind: str
-    names: frozenset[str] = frozenset()
-    mention: int = -1
-    signs: frozenset[str] = field(default=frozenset(), compare=False)
+    names: frozenset[str] = frozenset()  # of the materials or lights; empty where the kind says it all
+    mention: int = -1  # number of the mention that names it; -1 if none does
+    signs: frozenset[str] = field(default=frozenset(), compare=False)  # how its names were found
 
     def __str__(self) -> str:
         return f"{self.kind}: {' + '.join(sorted(self.names))}" if self.names else self.kind
@@ -75,36 +70,23 @@ class Target:
 
 @dataclass(frozen=True)
 class Sense:
-    """The sense of a look word at a target.
+    """The sense of a look word at a target."""
 
-    Attributes:
-        entry: Of the vocabulary; "" for the color that the word names.
-        slot: Of the entry.
-        way: "row" of the vocabulary's adjectives, "own" entry, "color", "otherwise", or "elsewhere".
-    """
-
-    entry: str
-    slot: str
-    way: str
+    entry: str  # of the vocabulary; "" for the color that the word names
+    slot: str  # of the entry
+    way: str  # "row" of the vocabulary's adjectives, "own" entry, "color", "otherwise", or "elsewhere"
 
 
 @dataclass(frozen=True)
 class TargetPair:
-    """A look word with something that it may describe.
-
-    Attributes:
-        sense: Of the word there.
-        features: Facts about the two, each once, in order: sums are the same in every process.
-        names_itself: The look word is in the noun that names the target: "sunlight".
-        chosen: Name of the target that the artist has chosen; "" where the reader has.
-    """
+    """A look word with something that it may describe."""
 
     look: PromptLook
     target: Target
-    sense: Sense
-    features: tuple[str, ...]
-    names_itself: bool = False
-    chosen: str = ""
+    sense: Sense  # of the word there
+    features: tuple[str, ...]  # facts about the two, each once, in order: sums are the same in every process
+    names_itself: bool = False  # the look word is in the noun that names the target: "sunlight"
+    chosen: str = ""  # name of the target that the artist has chosen; "" where the reader has
 
 
 @dataclass(frozen=True)
@@ -251,21 +233,13 @@ def plain_key(key: str) -> str:
 
 @dataclass(frozen=True)
 class _Choice:
-    """A word with the target that an artist has chosen.
+    """A word with the target that an artist has chosen."""
 
-    Attributes:
-        word: As the artist wrote it.
-        known: The words in English by which the reader may know it, normalized.
-        number: Which of several equal words of the prompt; 0 for all of them.
-        name: Of the target.
-        target: The target in the scene.
-    """
-
-    word: str
-    known: frozenset[str]
-    number: int
-    name: str
-    target: Target
+    word: str  # as the artist wrote it
+    known: frozenset[str]  # the words in English by which the reader may know it, normalized
+    number: int  # which of several equal words of the prompt; 0 for all of them
+    name: str  # of the target
+    target: Target  # the target in the scene
 
 
 class Choices:

@@ -20,73 +20,50 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class LightDescription:
-    """A light of a scene.
+    """A light of a scene."""
 
-    Attributes:
-        type: "POINT", "SPOT", "AREA" or "SUN"; "" if unknown.
-        role: "key", "fill", "rim" or "other".
-        turn: Azimuth relative to the camera, degrees: 0 behind it, 90 on its right; None if unknown.
-        objects: Names of those that it mainly lights; none where that is unknown.
-        stops: Added to its power by Blender (its `exposure`).
-        elevations: Lowest and highest elevation that floor and ceiling leave it, degrees.
-    """
-
-    type: str = ""
-    role: str = "other"
+    type: str = ""  # "POINT", "SPOT", "AREA" or "SUN"; "" if unknown
+    role: str = "other"  # "key", "fill", "rim" or "other"
+    # azimuth relative to the camera, degrees: 0 behind it, 90 on its right; None if unknown
     turn: float | None = None
-    objects: tuple[str, ...] = ()
-    stops: float = 0.0
+    objects: tuple[str, ...] = ()  # names of those that it mainly lights; none where that is unknown
+    stops: float = 0.0  # added to its power by Blender (its `exposure`)
+    # lowest and highest elevation that floor and ceiling leave it, degrees
     elevations: tuple[float, float] = (-90.0, 90.0)
 
 
 @dataclass(frozen=True)
 class MaterialLook:
-    """How a material looks before any wish.
+    """How a material looks before any wish."""
 
-    Attributes:
-        color: sRGB in [0, 1], that of its glow where it glows; None where nothing says it.
-        glows: Whether it emits light.
-        share: Of the image's pixels.
-        worn: Object -> the share of the image that it covers with the material.
-        structures: What it clearly is by its shape: "ground", "support" (the subject stands on it), "wall", "roof", "ceiling".
-    """
-
-    color: Values | None = None
-    glows: bool = False
-    share: float = 0.0
+    color: Values | None = None  # sRGB in [0, 1], that of its glow where it glows; None where nothing says it
+    glows: bool = False  # whether it emits light
+    share: float = 0.0  # of the image's pixels
+    # object -> the share of the image that it covers with the material
     worn: Mapping[str, float] = field(default_factory=dict)
+    # what it clearly is by its shape: "ground", "support" (the subject stands on it), "wall", "roof", "ceiling"
     structures: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
 class Glow:
-    """Light of a material that emits.
+    """Light of a material that emits."""
 
-    Attributes:
-        light: Radiance of a white surface at the subject that faces it, if its own radiance is 1.
-        azimuth: Direction in which it is seen from the subject, degrees, as in `schema.orbit`.
-        objects: Names of the objects that show it.
-        color: Mean color that nodes compute, linear; its emission color multiplies it. White where nodes compute none.
-        strength: Mean strength that nodes compute; its emission multiplies it. 1 where nodes compute none.
-    """
-
-    light: float
-    azimuth: float
-    objects: tuple[str, ...] = ()
+    light: float  # radiance of a white surface at the subject that faces it, if its own radiance is 1
+    azimuth: float  # direction in which it is seen from the subject, degrees, as in `schema.orbit`
+    objects: tuple[str, ...] = ()  # names of the objects that show it
+    # mean color that nodes compute, linear; its emission color multiplies it. White where nodes compute none
     color: Values = (1.0, 1.0, 1.0)
+    # mean strength that nodes compute; its emission multiplies it. 1 where nodes compute none
     strength: float = 1.0
 
 
 @dataclass(frozen=True)
 class PictureStats:
-    """Measurements of the current image.
+    """Measurements of the current image."""
 
-    Attributes:
-        lab: "subject"/"surroundings" -> mean display color.
-        percentiles: Display lightness L* of the whole image at 5, 50 and 95 percent.
-    """
-
-    lab: dict[Region, Lab] = field(default_factory=dict)
+    lab: dict[Region, Lab] = field(default_factory=dict)  # "subject"/"surroundings" -> mean display color
+    # display lightness L* of the whole image at 5, 50 and 95 percent
     percentiles: tuple[float, float, float] | None = None
 
 
@@ -98,52 +75,39 @@ GLOW = "material/"
 
 @dataclass(frozen=True)
 class SceneDescription:
-    """A scene as words and plans know it; everything is empty or unknown where there is none.
+    """A scene as words and plans know it; everything is empty or unknown where there is none."""
 
-    Attributes:
-        subject: Name of the subject, say the mesh file's; "" when unknown.
-        objects: Object name -> region.
-        materials: Material name -> region.
-        object_materials: Object name -> names of the materials on it.
-        lights: Light name -> its description.
-        glows: Names of materials that emit light.
-        groups: Collection or parent -> names of the objects in it.
-        places: Object name -> x (-1 left, 1 right), y (0 near, 1 far), and size as a share of the image's width.
-        looks: Material name -> its present look; empty where only names are known.
-        sky: Whether the camera sees the sky.
-        added_lights: Light that the scene lacks and that the words ask for -> the light.
-        emitters: Material -> light of its emission; also of a material whose emission is black.
-        camera_azimuth: Degrees, as in `schema.orbit`: light directions are relative to it.
-        view: View transform: "AgX", "Filmic", "Standard", ...
-        world_share: Share of the surroundings' pixels that show the world, not a surface; None if unknown.
-        material_share: Material -> share of its region's pixels; empty if unknown.
-        environment_luminance: Mean luminance of a linked environment at strength 1, untinted.
-        backdrop_luminance: The same of a linked backdrop that only the camera sees.
-        texture_luminance: Material -> mean luminance of its linked base color.
-        values: Current values by key; the artist's where missing.
-        picture: Measurements of the image that these values give; None before the first one.
-    """
-
-    subject: str = ""
-    objects: dict[str, Region] = field(default_factory=dict)
-    materials: dict[str, Region] = field(default_factory=dict)
+    subject: str = ""  # name of the subject, say the mesh file's; "" when unknown
+    objects: dict[str, Region] = field(default_factory=dict)  # object name -> region
+    materials: dict[str, Region] = field(default_factory=dict)  # material name -> region
+    # object name -> names of the materials on it
     object_materials: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    lights: dict[str, LightDescription] = field(default_factory=dict)
-    glows: tuple[str, ...] = ()
+    lights: dict[str, LightDescription] = field(default_factory=dict)  # light name -> its description
+    glows: tuple[str, ...] = ()  # names of materials that emit light
+    # collection or parent -> names of the objects in it
     groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    # object name -> x (-1 left, 1 right), y (0 near, 1 far), and size as a share of the image's width
     places: dict[str, tuple[float, float, float]] = field(default_factory=dict)
+    # material name -> its present look; empty where only names are known
     looks: Mapping[str, MaterialLook] = field(default_factory=dict)
-    sky: bool = True
+    sky: bool = True  # whether the camera sees the sky
+    # light that the scene lacks and that the words ask for -> the light
     added_lights: dict[str, LightDescription] = field(default_factory=dict)
+    # material -> light of its emission; also of a material whose emission is black
     emitters: dict[str, Glow] = field(default_factory=dict)
-    camera_azimuth: float = 0.0
-    view: str = "AgX"
+    camera_azimuth: float = 0.0  # Degrees, as in `schema.orbit`: light directions are relative to it
+    view: str = "AgX"  # view transform: "AgX", "Filmic", "Standard", ...
+    # share of the surroundings' pixels that show the world, not a surface; None if unknown
     world_share: float | None = None
+    # material -> share of its region's pixels; empty if unknown
     material_share: dict[str, float] = field(default_factory=dict)
-    environment_luminance: float = 0.5
-    backdrop_luminance: float = 0.5
+    environment_luminance: float = 0.5  # mean luminance of a linked environment at strength 1, untinted
+    backdrop_luminance: float = 0.5  # the same of a linked backdrop that only the camera sees
+    # material -> mean luminance of its linked base color
     texture_luminance: dict[str, float] = field(default_factory=dict)
+    # current values by key; the artist's where missing
     values: dict[str, Values] = field(default_factory=dict)
+    # measurements of the image that these values give; None before the first one
     picture: PictureStats | None = None
     _made: dict[Any, tuple[Vocabulary, Any]] = field(
         init=False, repr=False, compare=False, default_factory=dict
@@ -163,50 +127,35 @@ class SceneDescription:
 
 @dataclass(frozen=True)
 class Attribute:
-    """One look word of the prompt, bound to what it describes.
+    """One look word of the prompt, bound to what it describes."""
 
-    Attributes:
-        word: As the prompt says it, with its intensity or negation: "very glossy", "no fog".
-        entry: Name of the vocabulary entry, or of the color.
-        slot: "color", "finish", "material", "lighting", "atmosphere", "grade", "mood" or "setting".
-        region: Of the image.
-        kind: Kind of the thing that it describes: "subject", "surroundings", "sky", "light", "fog", ...
-        strength: 1 as named; below for "slightly", above for "very".
-        negated: "no", "without", "not".
-        owners: Materials that are meant; empty for all of the region.
-        lamp: Number of the light that is meant, where the prompt tells several apart by color or side; else 0.
-        phrases: Numbers of the lights that the prompt describes one by one, see `attributes.light_phrases`.
-        look: Number of the look word in the prompt, from 0; -1 where no reader has bound it.
-        role: The lights that are meant: "key", "fill", "rim" or "others"; "" for light in general.
-        color: The named color, sRGB in [0, 1]; None unless the slot is "color".
-        thing: What the prompt calls the thing that it describes: "teapot", "wall", "key light".
-        cause: The mood or style word that stands for this one, as the prompt says it; "" when the prompt says this one itself.
-        guess: Misspelled, and taken for the known word.
-        shades: How a material's own color is changed ("dark oak"): arguments of `color.shade`, one after the other.
-        lights: Names of the lights that are meant, where the words single them out; of a glow "material/NAME".
-        english: The word in English, where the prompt says it in another language.
-        place: Where it begins and ends in the prompt, where that is in another language; None if unknown.
-    """
-
-    word: str
-    entry: str
-    slot: str
-    region: Region
+    word: str  # as the prompt says it, with its intensity or negation: "very glossy", "no fog"
+    entry: str  # name of the vocabulary entry, or of the color
+    slot: str  # "color", "finish", "material", "lighting", "atmosphere", "grade", "mood" or "setting"
+    region: Region  # of the image
+    # kind of the thing that it describes: "subject", "surroundings", "sky", "light", "fog", ...
     kind: str = "subject"
-    strength: float = 1.0
-    negated: bool = False
-    owners: tuple[str, ...] = ()
-    role: str = ""
-    color: Values | None = None
-    thing: str = ""
+    strength: float = 1.0  # 1 as named; below for "slightly", above for "very"
+    negated: bool = False  # "no", "without", "not"
+    owners: tuple[str, ...] = ()  # materials that are meant; empty for all of the region
+    role: str = ""  # the lights that are meant: "key", "fill", "rim" or "others"; "" for light in general
+    color: Values | None = None  # the named color, sRGB in [0, 1]; None unless the slot is "color"
+    thing: str = ""  # what the prompt calls the thing that it describes: "teapot", "wall", "key light"
+    # the mood or style word that stands for this one, as the prompt says it; "" when the prompt says this one itself
     cause: str = ""
-    guess: bool = False
+    guess: bool = False  # Misspelled, and taken for the known word
+    # how a material's own color is changed ("dark oak"): arguments of `color.shade`, one after the other
     shades: tuple[tuple[float, float, float, float], ...] = ()
+    # number of the light that is meant, where the prompt tells several apart by color or side; else 0
     lamp: int = 0
+    # names of the lights that are meant, where the words single them out; of a glow "material/NAME"
     lights: tuple[str, ...] = ()
-    english: str = ""
+    english: str = ""  # the word in English, where the prompt says it in another language
+    # where it begins and ends in the prompt, where that is in another language; None if unknown
     place: tuple[int, int] | None = None
+    # numbers of the lights that the prompt describes one by one, see `attributes.light_phrases`
     phrases: tuple[int, ...] = ()
+    # number of the look word in the prompt, from 0; -1 where no reader has bound it
     look: int = field(default=-1, compare=False)
 
     @property
@@ -227,65 +176,41 @@ class Attribute:
 
 @dataclass
 class PromptObject:
-    """Something that the prompt describes, in the foreground or around it.
+    """Something that the prompt describes, in the foreground or around it."""
 
-    Attributes:
-        name: "teapot", "wall"; "subject" or "surroundings" where the prompt names nothing.
-        region: "subject" or "surroundings".
-        attributes: Slot -> words, comma separated: {"color": "teal", "finish": "very glossy"}.
-        materials: Materials that it is made of; empty when no name in the scene matches.
-    """
-
-    name: str
-    region: Region
+    name: str  # "teapot", "wall"; "subject" or "surroundings" where the prompt names nothing
+    region: Region  # "subject" or "surroundings"
+    # slot -> words, comma separated: {"color": "teal", "finish": "very glossy"}
     attributes: dict[str, str] = field(default_factory=dict)
-    materials: tuple[str, ...] = ()
+    materials: tuple[str, ...] = ()  # materials that it is made of; empty when no name in the scene matches
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """Something that a word may describe.
+    """Something that a word may describe."""
 
-    Attributes:
-        name: As `--target` takes it, see `schema.targets`.
-        probability: By the reader's weights, in the prompt as a whole.
-    """
-
-    name: str
-    probability: float
+    name: str  # as `--target` takes it, see `schema.targets`
+    probability: float  # by the reader's weights, in the prompt as a whole
 
 
 @dataclass(frozen=True)
 class PromptWord:
-    """A word of the prompt, understood: a look word, or a word that is not used.
+    """A word of the prompt, understood: a look word, or a word that is not used."""
 
-    Attributes:
-        text: As the prompt says it, with its intensity or negation: "very glossy".
-        key: What `--target` calls it: "glossy", or "red#2" where the prompt says it several times.
-        place: Where it begins and ends in the prompt; None if unknown.
-        entry: Its sense: name of the vocabulary entry, or of the color; "" where it is not used.
-        strength: 1 as named; below for "slightly", above for "very".
-        negated: "no", "without", "not".
-        target: Name of what it describes, see `schema.targets`; "not used" where it is left out.
-        thing: What the prompt calls that: "cube"; "" where it says only the word.
-        confidence: Probability of the target; 1 where the artist says so, or the scene lacks what the prompt names.
-        candidates: What it may describe, the target first, then the likeliest; empty for a word that is no look word.
-        others: What else of the scene it can describe.
-        guess: The known word that it is taken for, where it is misspelled.
-    """
-
-    text: str
-    key: str
-    place: tuple[int, int] | None = None
-    entry: str = ""
-    strength: float = 1.0
-    negated: bool = False
-    target: str = NOT_USED
-    thing: str = ""
+    text: str  # as the prompt says it, with its intensity or negation: "very glossy"
+    key: str  # what `--target` calls it: "glossy", or "red#2" where the prompt says it several times
+    place: tuple[int, int] | None = None  # where it begins and ends in the prompt; None if unknown
+    entry: str = ""  # its sense: name of the vocabulary entry, or of the color; "" where it is not used
+    strength: float = 1.0  # 1 as named; below for "slightly", above for "very"
+    negated: bool = False  # "no", "without", "not"
+    target: str = NOT_USED  # name of what it describes, see `schema.targets`; "not used" where it is left out
+    thing: str = ""  # what the prompt calls that: "cube"; "" where it says only the word
+    # probability of the target; 1 where the artist says so, or the scene lacks what the prompt names
     confidence: float = 1.0
+    # what it may describe, the target first, then the likeliest; empty for a word that is no look word
     candidates: tuple[Candidate, ...] = ()
-    others: tuple[str, ...] = ()
-    guess: str = ""
+    others: tuple[str, ...] = ()  # what else of the scene it can describe
+    guess: str = ""  # the known word that it is taken for, where it is misspelled
 
     @property
     def is_used(self) -> bool:
@@ -299,26 +224,18 @@ class PromptWord:
 
 @dataclass
 class Parsed:
-    """A prompt, understood.
+    """A prompt, understood."""
 
-    Attributes:
-        prompt: The text, white space tidied.
-        objects: At least one for the subject.
-        attributes: Every look word found, in the order of the text.
-        ignored: Words that could not be used, in the order of the text.
-        guesses: Misspelled word -> the known word, or the name in the scene, that it was taken for.
-        notes: What the artist should hear of how the prompt was read, one sentence each.
-        protected: Owners of parameters that the prompt says should stay: "material/Plaster", "light/Key", "world".
-        words: Its look words and what is left out, in the order of the text.
-        unknown: Why nothing in it is understood; None where something is.
-    """
-
-    prompt: str
-    objects: list[PromptObject] = field(default_factory=list)
+    prompt: str  # the text, white space tidied
+    objects: list[PromptObject] = field(default_factory=list)  # at least one for the subject
+    # every look word found, in the order of the text
     attributes: list[Attribute] = field(default_factory=list)
-    ignored: list[str] = field(default_factory=list)
+    ignored: list[str] = field(default_factory=list)  # words that could not be used, in the order of the text
+    # misspelled word -> the known word, or the name in the scene, that it was taken for
     guesses: dict[str, str] = field(default_factory=dict)
+    # what the artist should hear of how the prompt was read, one sentence each
     notes: list[str] = field(default_factory=list)
+    # owners of parameters that the prompt says should stay: "material/Plaster", "light/Key", "world"
     protected: tuple[str, ...] = ()
-    words: tuple[PromptWord, ...] = ()
-    unknown: VibeError | None = None
+    words: tuple[PromptWord, ...] = ()  # its look words and what is left out, in the order of the text
+    unknown: VibeError | None = None  # why nothing in it is understood; None where something is

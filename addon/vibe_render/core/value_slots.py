@@ -29,16 +29,12 @@ class ValueSlot(Protocol):
 
 @dataclass
 class PropertySlot:
-    """A property of anything: a node socket's value, a light's energy.
-
-    Attributes:
-        index: The component of an array; None for all.
-    """
+    """A property of anything: a node socket's value, a light's energy."""
 
     owner: bpy_struct
     name: str
     locked: str = ""
-    index: int | None = None
+    index: int | None = None  # the component of an array; None for all
 
     def get(self) -> Any:
         """As for `ValueSlot`."""
@@ -65,17 +61,12 @@ def socket_slot(socket: NodeSocket, locked: str = "") -> PropertySlot:
 
 @dataclass
 class LazySlot:
-    """A value of a node or object of ours, which is made only when a value is written that changes the picture.
+    """A value of a node or object of ours, which is made only when a value is written that changes the picture."""
 
-    Attributes:
-        find: The slot, if its node or object is there.
-        make: Makes that; None where it must not be made for this value alone.
-        identity: The value that changes nothing.
-    """
-
-    find: Callable[[], ValueSlot | None]
+    find: Callable[[], ValueSlot | None]  # the slot, if its node or object is there
+    # makes that; None where it must not be made for this value alone
     make: Callable[[Journal], ValueSlot | None]
-    identity: Any
+    identity: Any  # the value that changes nothing
     locked: str = ""
 
     def get(self) -> Any:

@@ -20,30 +20,21 @@ from .materials import uv_of
 
 @dataclass(frozen=True)
 class VisibleScene:
-    """A captured scene and what its camera sees of it; holds no reference into Blender's data.
-
-    Attributes:
-        blocks: Kind and name of the objects and materials that the geometry names.
-    """
+    """A captured scene and what its camera sees of it; holds no reference into Blender's data."""
 
     geometry: SceneGeometry
     visible: visibility.VisibleSurfaces
-    blocks: frozenset[tuple[str, str]]
+    blocks: frozenset[tuple[str, str]]  # kind and name of the objects and materials that the geometry names
 
 
 @dataclass(frozen=True)
 class SceneCapture:
-    """A copy of what a render of a scene shows; holds no reference into Blender's data.
-
-    Attributes:
-        warnings: What could not be copied, in words for the artist.
-        blocks: Kind and name of all objects and materials of the file.
-    """
+    """A copy of what a render of a scene shows; holds no reference into Blender's data."""
 
     meshes: list[PlacedMesh]
-    warnings: list[str]
+    warnings: list[str]  # what could not be copied, in words for the artist
     camera: visibility.RayCamera
-    blocks: frozenset[tuple[str, str]]
+    blocks: frozenset[tuple[str, str]]  # kind and name of all objects and materials of the file
 
     def visible_scene(self) -> VisibleScene:
         """Computes what the camera sees. Safe in a thread: it reads nothing of Blender's data."""

@@ -66,20 +66,16 @@ def _finite_content(value: Any, path: str, warnings: list[str]) -> Any:
 
 @dataclass
 class SceneJob:
-    """A job folder and what Blender knows about its scene.
-
-    Attributes:
-        instances: Its parameters, by key.
-        standby: Those of the lights, and of the backdrop, that are added if the words ask for them.
-        warnings: What the engine sees only approximately, in words for the artist, after `view_notes`.
-        view_notes: What spoils the picture whatever its look, in words for the artist.
-    """
+    """A job folder and what Blender knows about its scene."""
 
     folder: Path
     analysis: SceneAnalysis
-    instances: dict[str, schema.Instance]
+    instances: dict[str, schema.Instance]  # its parameters, by key
+    # those of the lights, and of the backdrop, that are added if the words ask for them
     standby: dict[str, schema.Instance] = field(default_factory=dict)
+    # what the engine sees only approximately, in words for the artist, after `view_notes`
     warnings: list[str] = field(default_factory=list)
+    # what spoils the picture whatever its look, in words for the artist
     view_notes: list[str] = field(default_factory=list)
 
     @property

@@ -89,21 +89,16 @@ NO_MATERIAL = "(no material)"
 
 @dataclass
 class ExportedMaterial:
-    """A material.
+    """A material."""
 
-    Attributes:
-        row: Its entry in scene.json, but for the role and the pictures.
-        pictures: Inputs that vary, by name: "base_color", "alpha", "normal", or a parameter's; "far" is the
-            base color as mirrors may show it.
-        values: Values that bindings cannot know: of other shaders, and means of computed inputs.
-        reason: The reason why those values are locked.
-        notes: What is only approximate about it, each a sentence without its full stop.
-    """
-
-    row: dict[str, Any]
+    row: dict[str, Any]  # its entry in scene.json, but for the role and the pictures
+    # inputs that vary, by name: "base_color", "alpha", "normal", or a parameter's; "far" is the base color as mirrors
+    # may show it
     pictures: dict[str, ExportedTexture] = field(default_factory=dict)
+    # values that bindings cannot know: of other shaders, and means of computed inputs
     values: dict[str, schema.Values] = field(default_factory=dict)
-    reason: str = ""
+    reason: str = ""  # the reason why those values are locked
+    # what is only approximate about it, each a sentence without its full stop
     notes: list[str] = field(default_factory=list)
 
 

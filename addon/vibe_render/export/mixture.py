@@ -34,17 +34,13 @@ class MeasuredChannel:
 
 @dataclass
 class Mixture:
-    """The shaders of a material, with the computed factors of their mixes.
+    """The shaders of a material, with the computed factors of their mixes."""
 
-    Attributes:
-        layers: All shaders.
-        factors: Where the computed factors come from, each once; their channels are "mix0", "mix1" …
-        colors: Where the colors of its body come from; the channels of computed ones are "color0", "color1" …
-            if there are several.
-    """
-
-    layers: list[Layer]
+    layers: list[Layer]  # all shaders
+    # where the computed factors come from, each once; their channels are "mix0", "mix1" …
     factors: list[ValueOrigin] = field(default_factory=list)
+    # where the colors of its body come from; the channels of computed ones are "color0", "color1" … if there are
+    # several
     colors: list[ValueOrigin] = field(default_factory=list)
 
     @classmethod

@@ -32,20 +32,14 @@ _TEXTURES = {
 
 @dataclass(frozen=True)
 class ExportedTexture:
-    """A picture of a material's input.
+    """A picture of a material's input."""
 
-    Attributes:
-        image: (H, W, C) float32 linear, row 0 at the bottom.
-        extension: "REPEAT", "EXTEND" or "CLIP".
-        warning: What is only approximate about it, "" if nothing.
-        window: Left, bottom, right and top in parts of the camera's picture; None for a texture over UVs.
-        plane: For a flat surface seen straight on: the 2 x 4 matrix that takes world-space points to the image.
-    """
-
-    image: np.ndarray
-    extension: str = "REPEAT"
-    warning: str = ""
+    image: np.ndarray  # (H, W, C) float32 linear, row 0 at the bottom
+    extension: str = "REPEAT"  # "REPEAT", "EXTEND" or "CLIP"
+    warning: str = ""  # what is only approximate about it, "" if nothing
+    # Left, bottom, right and top in parts of the camera's picture; None for a texture over UVs
     window: tuple[float, float, float, float] | None = None
+    # for a flat surface seen straight on: the 2 x 4 matrix that takes world-space points to the image
     plane: list[list[float]] | None = None
 
 

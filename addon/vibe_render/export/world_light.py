@@ -23,15 +23,10 @@ _LIGHT = {"Is Diffuse Ray": 1.0, "Is Reflection Ray": 1.0, "Ray Depth": 1.0, "Di
 
 @dataclass(frozen=True)
 class WorldPictures:
-    """The world's pictures, laid out as Blender's equirectangular mapping without rotation, row 0 straight down.
+    """The world's pictures, laid out as Blender's equirectangular mapping without rotation, row 0 straight down."""
 
-    Attributes:
-        light: (H, 2H, 3) float32 linear; None for a world of one color.
-        backdrop: The same as the camera sees it, where that is another picture.
-    """
-
-    light: np.ndarray | None = None
-    backdrop: np.ndarray | None = None
+    light: np.ndarray | None = None  # (H, 2H, 3) float32 linear; None for a world of one color
+    backdrop: np.ndarray | None = None  # the same as the camera sees it, where that is another picture
     note: str = ""
 
 

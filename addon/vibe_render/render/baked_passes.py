@@ -56,17 +56,12 @@ class PassRequest:
 
 @dataclass(frozen=True)
 class BakedPicture:
-    """A computed input where the camera sees its material.
+    """A computed input where the camera sees its material."""
 
-    Attributes:
-        image: (h, w, C) float32 linear, row 0 at the bottom.
-        window: Left, bottom, right and top of the image in parts of the picture.
-        mean: (C,) over the pixels that show nothing else.
-    """
-
-    image: np.ndarray
+    image: np.ndarray  # (h, w, C) float32 linear, row 0 at the bottom
+    # Left, bottom, right and top of the image in parts of the picture
     window: tuple[float, float, float, float]
-    mean: np.ndarray
+    mean: np.ndarray  # (C,) over the pixels that show nothing else
 
 
 def bake_passes(

@@ -21,14 +21,10 @@ _ROUND = 0.01  # relative difference of the sides' scales up to which a cone cou
 
 @dataclass(frozen=True)
 class LightExtent:
-    """A measure of how large a light is: the larger, the softer its shadows.
+    """A measure of how large a light is: the larger, the softer its shadows."""
 
-    Attributes:
-        parameter: The schema's name of it.
-        to_angle: From a value per distance to the angle that the light fills, degrees; `from_angle` is the inverse.
-    """
-
-    parameter: str
+    parameter: str  # the schema's name of it
+    # from a value per distance to the angle that the light fills, degrees; `from_angle` is the inverse
     to_angle: Callable[[float], float]
     from_angle: Callable[[float], float]
 

@@ -22,36 +22,24 @@ GEOMETRY = {"MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES", "POINTCLOUD"}
 
 @dataclass(frozen=True)
 class Owner:
-    """An owner of parameters.
+    """An owner of parameters."""
 
-    Attributes:
-        name: Its name in keys; "" for what a scene has one of.
-        thing: Its data-block.
-        role: "subject" or "surroundings" for materials; "key", "fill" or "rim" for lights.
-        lengths: Its own lengths, by the names of the schema's REFERENCES.
-    """
-
-    name: str
-    thing: Any
-    role: str = ""
+    name: str  # its name in keys; "" for what a scene has one of
+    thing: Any  # its data-block
+    role: str = ""  # "subject" or "surroundings" for materials; "key", "fill" or "rim" for lights
+    # its own lengths, by the names of the schema's REFERENCES
     lengths: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class SceneContext:
-    """A scene, its subject, and the pivot of its orbits.
-
-    Attributes:
-        subject: The objects that the picture is about.
-        pivot: The center of their bounding box, world space, which cameras and lights orbit.
-        everything: Whether materials that the camera does not see count too.
-        poses: The poses that have been read, by object; the coordinates of one share it.
-    """
+    """A scene, its subject, and the pivot of its orbits."""
 
     scene: Scene
-    subject: Sequence[Object]
-    pivot: Vector
-    everything: bool = False
+    subject: Sequence[Object]  # the objects that the picture is about
+    pivot: Vector  # the center of their bounding box, world space, which cameras and lights orbit
+    everything: bool = False  # whether materials that the camera does not see count too
+    # the poses that have been read, by object; the coordinates of one share it
     poses: dict[Object, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

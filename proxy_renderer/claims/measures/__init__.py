@@ -13,20 +13,14 @@ from . import color, light, tone
 
 @dataclass(frozen=True)
 class Measure:
-    """A way to get numbers off an image.
+    """A way to get numbers off an image."""
 
-    Attributes:
-        take: The image and a region (H, W) bool, of at least one pixel, in; (n,) numbers out.
-        unit: For the report.
-        notice: The least difference between two images that people notice side by side.
-        says: Its name in the report.
-        directed: Whether `take` also wants the (2,) direction in a* and b* of the color that it looks for.
-    """
-
+    # the image and a region (H, W) bool, of at least one pixel, in; (n,) numbers out
     take: Callable[..., Tensor]
-    unit: str
-    notice: float
-    says: str
+    unit: str  # for the report
+    notice: float  # the least difference between two images that people notice side by side
+    says: str  # its name in the report
+    # whether `take` also wants the (2,) direction in a* and b* of the color that it looks for
     directed: bool = False
 
 

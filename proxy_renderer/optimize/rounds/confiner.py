@@ -25,19 +25,13 @@ _NEAR = 0.25  # of a range on either side of a start: a variant stays what it is
 
 @dataclass(frozen=True)
 class Start:
-    """The start of a refinement.
+    """The start of a refinement."""
 
-    Attributes:
-        u: (N,) the point.
-        shots: As they are corrected so far.
-        drawn: (N,) bool, components that stay near the start, so that variants stay different; None where all are free.
-        first: Number of the first round, over all starts.
-    """
-
-    u: Tensor
-    shots: Sequence[ShotState]
+    u: Tensor  # (N,) the point
+    shots: Sequence[ShotState]  # as they are corrected so far
+    # (N,) bool, components that stay near the start, so that variants stay different; None where all are free
     drawn: Tensor | None = None
-    first: int = 0
+    first: int = 0  # number of the first round, over all starts
 
 
 class RoundPlace(Enum):
@@ -51,38 +45,23 @@ class RoundPlace(Enum):
 
 @dataclass(frozen=True)
 class RoundReach:
-    """The part of the ranges that a round may reach.
+    """The part of the ranges that a round may reach."""
 
-    Attributes:
-        share: From where it begins, of each component's feasible range.
-        opening: By how much ranges that words name are wider than the plan's on either side.
-    """
-
-    share: float = 1.0
-    opening: float = 0.0
+    share: float = 1.0  # from where it begins, of each component's feasible range
+    opening: float = 0.0  # by how much ranges that words name are wider than the plan's on either side
 
 
 @dataclass(frozen=True)
 class RoundStart:
-    """A round before it is planned.
+    """A round before it is planned."""
 
-    Attributes:
-        start: Of the refinement.
-        place: Where it begins.
-        u: (N,) the point.
-        shots: As they are corrected at that point.
-        number: Over all starts, from 0.
-        earlier: The plan of the round before; empty for the first.
-        reach: How far from u it may go.
-    """
-
-    start: Start
-    place: RoundPlace
-    u: Tensor
-    shots: Sequence[ShotState]
-    number: int
-    earlier: Plan
-    reach: RoundReach = RoundReach()
+    start: Start  # of the refinement
+    place: RoundPlace  # where it begins
+    u: Tensor  # (N,) the point
+    shots: Sequence[ShotState]  # as they are corrected at that point
+    number: int  # over all starts, from 0
+    earlier: Plan  # the plan of the round before; empty for the first
+    reach: RoundReach = RoundReach()  # how far from u it may go
 
     @classmethod
     def at(cls, start: Start) -> RoundStart:
@@ -92,28 +71,18 @@ class RoundStart:
 
 @dataclass
 class Confined:
-    """A round, confined: lines 3 to 5 and 7 of Algorithm 1.
+    """A round, confined: lines 3 to 5 and 7 of Algorithm 1."""
 
-    Attributes:
-        advice: Objects and attributes O, prompts p and negative prompts p⁻.
-        plan: Range and priority π_i of every parameter, by key.
-        ranges: Key -> (l_i, u_i) in schema units, azimuths turned to where the values are.
-        lower: (N,) lower corner of the feasible box in u.
-        upper: (N,) upper corner.
-        u: (N,) the point, projected into the box.
-        shots: They draw and judge; all of them are corrected near the point.
-        number: Of the round, over all starts.
-        opening: By how much ranges are wider than the plan's, because claims are missed; 0 in the first round.
-    """
-
-    advice: Advice
-    plan: Plan
+    advice: Advice  # objects and attributes O, prompts p and negative prompts p⁻
+    plan: Plan  # range and priority π_i of every parameter, by key
+    # key -> (l_i, u_i) in schema units, azimuths turned to where the values are
     ranges: dict[str, tuple[Values, Values]]
-    lower: Tensor
-    upper: Tensor
-    u: Tensor
-    shots: Sequence[ShotState]
-    number: int = 0
+    lower: Tensor  # (N,) lower corner of the feasible box in u
+    upper: Tensor  # (N,) upper corner
+    u: Tensor  # (N,) the point, projected into the box
+    shots: Sequence[ShotState]  # they draw and judge; all of them are corrected near the point
+    number: int = 0  # of the round, over all starts
+    # by how much ranges are wider than the plan's, because claims are missed; 0 in the first round
     opening: float = 0.0
 
 

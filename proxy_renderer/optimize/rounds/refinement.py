@@ -51,65 +51,40 @@ _SAME = 0.1  # noticeable steps by which a claim may be farther from what is sou
 
 @dataclass
 class Outcome:
-    """The result of a vibe.
+    """The result of a vibe."""
 
-    Attributes:
-        vector: The parameters of u.
-        u: (N,) the best point that a round ended at; see `ParameterVector.values`.
-        plan: That round's plan.
-        ranges: Key -> that round's (lower, upper) in schema units, azimuths turned as the values are.
-        optimized: Keys that some round optimized.
-        goals: The words' wishes.
-        prompts: The encoder's captions.
-        claims: Of words and reference image.
-        shots: With their proxies corrected at u.
-        loss: At u, when its round ended.
-        rounds: One record per round: parameters, loss at start and end, its terms, how far its end was from the
-            words' claims, steps, seconds.
-        reference: The image that replaces words, or adds to them.
-        stopped: Whether the observer ended the loop.
-        variants: All variants, if several were asked for; the one of least loss first.
-    """
-
-    vector: ParameterVector
-    u: Tensor
-    plan: Plan
+    vector: ParameterVector  # the parameters of u
+    u: Tensor  # (N,) the best point that a round ended at; see `ParameterVector.values`
+    plan: Plan  # that round's plan
+    # key -> that round's (lower, upper) in schema units, azimuths turned as the values are
     ranges: dict[str, tuple[Values, Values]]
-    optimized: set[str]
-    goals: Goals
-    prompts: Prompts
-    claims: tuple[Claim, ...]
-    shots: Sequence[ShotState]
-    loss: float
+    optimized: set[str]  # keys that some round optimized
+    goals: Goals  # the words' wishes
+    prompts: Prompts  # the encoder's captions
+    claims: tuple[Claim, ...]  # of words and reference image
+    shots: Sequence[ShotState]  # with their proxies corrected at u
+    loss: float  # at u, when its round ended
+    # one record per round: parameters, loss at start and end, its terms, how far its end was from the words' claims,
+    # steps, seconds
     rounds: list[dict[str, Any]]
-    reference: Reference | None = None
-    stopped: bool = False
+    reference: Reference | None = None  # the image that replaces words, or adds to them
+    stopped: bool = False  # whether the observer ended the loop
+    # all variants, if several were asked for; the one of least loss first
     variants: list[Outcome] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
 class RoundEnd:
-    """The end of a round, as Cycles has it.
+    """The end of a round, as Cycles has it."""
 
-    Attributes:
-        u: (N,) the point.
-        shots: With their proxies corrected there.
-        missed: Distance of its images from the words' claims.
-        loss: At the point, before that correction.
-        start: The round before it was planned.
-        confined: The round's plan and ranges.
-        record: For the report, see `Outcome.rounds`.
-        settled: Whether the steps have hardly lowered the loss.
-    """
-
-    u: Tensor
-    shots: Sequence[ShotState]
-    missed: Missed
-    loss: float
-    start: RoundStart
-    confined: Confined
-    record: dict[str, Any]
-    settled: bool
+    u: Tensor  # (N,) the point
+    shots: Sequence[ShotState]  # with their proxies corrected there
+    missed: Missed  # distance of its images from the words' claims
+    loss: float  # at the point, before that correction
+    start: RoundStart  # the round before it was planned
+    confined: Confined  # the round's plan and ranges
+    record: dict[str, Any]  # for the report, see `Outcome.rounds`
+    settled: bool  # whether the steps have hardly lowered the loss
 
     @classmethod
     def seen(

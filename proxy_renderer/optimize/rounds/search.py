@@ -101,16 +101,12 @@ class ImageJudge:
 
 
 class Missed(NamedTuple):
-    """Distance of images from the words' claims; the least is the best.
+    """Distance of images from the words' claims; the least is the best."""
 
-    Attributes:
-        distance: Sum over claims of how far each is missed, see `claims_loss`: one that is far off, as a subject that
-            can hardly be seen, counts more than two that are nearly satisfied.
-        claims: Number of claims that are not satisfied.
-    """
-
+    # sum over claims of how far each is missed, see `claims_loss`: one that is far off, as a subject that can hardly
+    # be seen, counts more than two that are nearly satisfied
     distance: float
-    claims: int
+    claims: int  # number of claims that are not satisfied
 
 
 class Search:

@@ -39,18 +39,13 @@ _NOTHING_NEW = 0.1  # share of its gain that is left to it then, up to which it 
 
 @dataclass(frozen=True)
 class Selection:
-    """Parameters that a round optimizes.
+    """Parameters that a round optimizes."""
 
-    Attributes:
-        keys: S_K, the most useful first.
-        objective: Differentiable in all that was looked at.
-        shared: Key of a parameter that is held -> the one of S_K that does the same to the claims.
-        model: The objective near the point where they were chosen, over the components of S_K; None if nobody needs it.
-    """
-
-    keys: list[str]
-    objective: RoundObjective
+    keys: list[str]  # S_K, the most useful first
+    objective: RoundObjective  # differentiable in all that was looked at
+    # key of a parameter that is held -> the one of S_K that does the same to the claims
     shared: dict[str, str] = field(default_factory=dict)
+    # the objective near the point where they were chosen, over the components of S_K; None if nobody needs it
     model: LinearModel | None = None
 
     def with_reasons(self, plan: Plan) -> Plan:

@@ -51,27 +51,16 @@ _LARGEST = 1e9
 
 @dataclass(frozen=True)
 class Effect:
-    """What a word does to one family of parameters; see the head of vocabulary.toml.
+    """What a word does to one family of parameters; see the head of vocabulary.toml."""
 
-    Attributes:
-        owner: A key of `OWNERS`.
-        name: Parameter name within the group.
-        mode: One of `RANGE_MODES` or `COLOR_MODES`.
-        lower: One or three numbers; empty for color modes.
-        upper: Likewise.
-        color: For color modes: "@", "own" or "#rrggbb".
-        weak: Gives way silently to any other word.
-        priority: 1 is the most important.
-    """
-
-    owner: str
-    name: str
-    mode: str
-    lower: Values = ()
-    upper: Values = ()
-    color: str = ""
-    weak: bool = False
-    priority: int = 4
+    owner: str  # a key of `OWNERS`
+    name: str  # parameter name within the group
+    mode: str  # one of `RANGE_MODES` or `COLOR_MODES`
+    lower: Values = ()  # one or three numbers; empty for color modes
+    upper: Values = ()  # likewise
+    color: str = ""  # for color modes: "@", "own" or "#rrggbb"
+    weak: bool = False  # gives way silently to any other word
+    priority: int = 4  # 1 is the most important
 
     @property
     def family(self) -> str:
@@ -88,19 +77,12 @@ class Effect:
 
 @dataclass(frozen=True)
 class EntryWish:
-    """What a word wishes of one quantity.
+    """What a word wishes of one quantity."""
 
-    Attributes:
-        quantity: Name in `quantities.toml`.
-        named: The class that it asks for: "glossy" of the finish; "" if it names none.
-        effects: What it does to parameters.
-        claims: What the image has to look like, beside what the class claims.
-    """
-
-    quantity: str
-    named: str = ""
-    effects: tuple[Effect, ...] = ()
-    claims: tuple[ClaimText, ...] = ()
+    quantity: str  # name in `quantities.toml`
+    named: str = ""  # the class that it asks for: "glossy" of the finish; "" if it names none
+    effects: tuple[Effect, ...] = ()  # what it does to parameters
+    claims: tuple[ClaimText, ...] = ()  # what the image has to look like, beside what the class claims
 
 
 @dataclass(frozen=True)

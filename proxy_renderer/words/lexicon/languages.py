@@ -82,32 +82,21 @@ def any_of(phrases: Iterable[str]) -> str:
 
 @dataclass(frozen=True)
 class Meaning:
-    """The meaning of a wording of another language.
+    """The meaning of a wording of another language."""
 
-    Attributes:
-        english: In English; "" for what English leaves out.
-        table: One of `TABLES`.
-        shade: The same beside a color or a material; "" if it does not differ.
-        others: Other things that are called so: "esfera" is a sphere, and the dial of a watch.
-    """
-
-    english: str
-    table: str
-    shade: str = ""
+    english: str  # in English; "" for what English leaves out
+    table: str  # one of `TABLES`
+    shade: str = ""  # the same beside a color or a material; "" if it does not differ
+    # other things that are called so: "esfera" is a sphere, and the dial of a watch
     others: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class Wordings:
-    """Wordings as they are spelled in one way: with their accents, or folded.
+    """Wordings as they are spelled in one way: with their accents, or folded."""
 
-    Attributes:
-        meanings: Wording, word by word -> its meaning.
-        endings: Pairs of an ending that is typed, and that of the word.
-    """
-
-    meanings: dict[Wording, Meaning]
-    endings: tuple[tuple[str, str], ...]
+    meanings: dict[Wording, Meaning]  # Wording, word by word -> its meaning
+    endings: tuple[tuple[str, str], ...]  # pairs of an ending that is typed, and that of the word
 
     @cached_property
     def words(self) -> frozenset[str]:
@@ -136,29 +125,17 @@ def _bases(wordings: Wordings, word: str) -> tuple[str, ...]:
 
 @dataclass(frozen=True, eq=False)
 class LanguageLexicon:
-    """The words of a language.
+    """The words of a language."""
 
-    Attributes:
-        name: In English.
-        spaces: Whether words are written apart.
-        looks_follow: Whether look words stand after their noun.
-        links: Letters between the parts of a compound.
-        particles: Small word -> the look that it says at the end of a clause: "Lampe aus".
-        spelled: The wordings as they are written.
-        folded: The same in lower case and without accents, as many type them.
-        looks: English look word -> its wordings in the language.
-        things: English name of a thing -> its names in the language.
-    """
-
-    name: str
-    spaces: bool
-    looks_follow: bool
-    links: tuple[str, ...]
-    particles: dict[str, str]
-    spelled: Wordings
-    folded: Wordings
-    looks: dict[str, tuple[str, ...]]
-    things: dict[str, tuple[str, ...]]
+    name: str  # in English
+    spaces: bool  # whether words are written apart
+    looks_follow: bool  # whether look words stand after their noun
+    links: tuple[str, ...]  # letters between the parts of a compound
+    particles: dict[str, str]  # small word -> the look that it says at the end of a clause: "Lampe aus"
+    spelled: Wordings  # the wordings as they are written
+    folded: Wordings  # the same in lower case and without accents, as many type them
+    looks: dict[str, tuple[str, ...]]  # english look word -> its wordings in the language
+    things: dict[str, tuple[str, ...]]  # english name of a thing -> its names in the language
 
     def find(self, words: Sequence[str]) -> tuple[Wording, Meaning] | None:
         """The wording that words are a form of, folded, and its meaning; None where they are none.
@@ -266,15 +243,10 @@ def _mistakes(content: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
 
 @dataclass(frozen=True)
 class ThingWords:
-    """Names of the same thing.
+    """Names of the same thing."""
 
-    Attributes:
-        rows: Word -> the rows that it is in, each named by its first word.
-        joined: Of those, the words that a name without spaces may contain, the longest first.
-    """
-
-    rows: dict[str, frozenset[str]]
-    joined: tuple[str, ...]
+    rows: dict[str, frozenset[str]]  # word -> the rows that it is in, each named by its first word
+    joined: tuple[str, ...]  # of those, the words that a name without spaces may contain, the longest first
 
     def senses(self, word: str) -> frozenset[str]:
         """Rows that a word, or a few, of a prompt or of a name in a scene may mean, and the word itself."""

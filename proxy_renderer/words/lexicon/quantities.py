@@ -49,25 +49,16 @@ _CLAIM = re.compile(
 
 @dataclass(frozen=True)
 class ClaimText:
-    """A claim that is bound to no word yet.
+    """A claim that is bound to no word yet."""
 
-    Attributes:
-        part: One of `PARTS`; "thing" is what the word describes.
-        measure: A key of `claims.measures.registry.MEASURES`.
-        lower: Of the interval.
-        upper: Of the interval.
-        change: What is enough of a change since the artist's picture; None if only the interval counts.
-        near: Whether a change is enough near the interval only.
-        color: "#rrggbb" in whose direction a tint counts; "" for measures that need none.
-    """
-
-    part: str
-    measure: str
-    lower: float = -math.inf
-    upper: float = math.inf
+    part: str  # one of `PARTS`; "thing" is what the word describes
+    measure: str  # a key of `claims.measures.registry.MEASURES`
+    lower: float = -math.inf  # of the interval
+    upper: float = math.inf  # of the interval
+    # what is enough of a change since the artist's picture; None if only the interval counts
     change: float | None = None
-    near: bool = True
-    color: str = ""
+    near: bool = True  # whether a change is enough near the interval only
+    color: str = ""  # "#rrggbb" in whose direction a tint counts; "" for measures that need none
 
     def __str__(self) -> str:
         """As `read_claim` reads it."""
@@ -120,38 +111,26 @@ def read_claim(text: str) -> ClaimText:
 
 @dataclass(frozen=True)
 class Quantity:
-    """What parameters serve, measures measure, and words wish for.
+    """What parameters serve, measures measure, and words wish for."""
 
-    Attributes:
-        name: Its key in the table.
-        says: What it is called in sentences.
-        exclusive: Whether of two words one has its way, though they name it by different parameters or measures.
-        softly: Whether its classes are meant under "slightly" too.
-        classes: Name of a class -> what it claims of the image.
-        softer: Class -> class under "slightly".
-    """
-
-    name: str
-    says: str
+    name: str  # its key in the table
+    says: str  # what it is called in sentences
+    # whether of two words one has its way, though they name it by different parameters or measures
     exclusive: bool = False
-    softly: bool = False
+    softly: bool = False  # whether its classes are meant under "slightly" too
+    # name of a class -> what it claims of the image
     classes: Mapping[str, tuple[ClaimText, ...]] = field(default_factory=dict)
-    softer: Mapping[str, str] = field(default_factory=dict)
+    softer: Mapping[str, str] = field(default_factory=dict)  # class -> class under "slightly"
 
 
 @dataclass(frozen=True)
 class QuantityTable:
-    """All quantities, and what belongs to each.
+    """All quantities, and what belongs to each."""
 
-    Attributes:
-        by_name: Name -> quantity, in the order of the table.
-        parameters: "OWNER/PARAMETER MODE", "OWNER/PARAMETER" or a family of parameters -> name of its quantity.
-        measures: "PART MEASURE" or "MEASURE" -> name of its quantity.
-    """
-
-    by_name: Mapping[str, Quantity]
+    by_name: Mapping[str, Quantity]  # name -> quantity, in the order of the table
+    # "OWNER/PARAMETER MODE", "OWNER/PARAMETER" or a family of parameters -> name of its quantity
     parameters: Mapping[str, str]
-    measures: Mapping[str, str]
+    measures: Mapping[str, str]  # "PART MEASURE" or "MEASURE" -> name of its quantity
 
     def of_parameter(self, owner: str, family: str, mode: str) -> str:
         """The quantity that an effect serves: the name of the most specific row.
@@ -171,11 +150,7 @@ class QuantityTable:
         return found
 
     def of_claim(self, claim: ClaimText) -> str:
-        """The quantity that a claim measures.
-
-        Raises:
-            VibeError: There is no such measure.
-        """
+        """The quantity that a claim measures. Raises VibeError if there is no such measure."""
         for row in (f"{claim.part} {claim.measure}", claim.measure):
             if row in self.measures:
                 return self.measures[row]

@@ -30,29 +30,21 @@ _KELVINS = (1000.0, 20000.0)
 
 @dataclass(frozen=True)
 class RigLight:
-    """One light of a rig, as the head of `rigs.toml` explains it; angles in degrees, lengths in the subject's radii.
-
-    Attributes:
-        type: Blender's type.
-        mirrored: Whether the other side does as well.
-        kelvin: 0 where `color` is given.
-        color: "#rrggbb"; "" where `kelvin` is given.
-        own: The light of the scene that it is, where a prompt names it; "" otherwise.
-    """
+    """One light of a rig, as the head of `rigs.toml` explains it; angles in degrees, lengths in the subject's radii."""
 
     part: str
-    type: str
+    type: str  # Blender's type
     azimuth: float
     elevation: float
-    mirrored: bool = True
+    mirrored: bool = True  # whether the other side does as well
     distance: float = 0.0
     size: float = 0.0
-    kelvin: float = 0.0
-    color: str = ""
+    kelvin: float = 0.0  # 0 where `color` is given
+    color: str = ""  # "#rrggbb"; "" where `kelvin` is given
     stops: float = 0.0
     reach: str = "subject"
     names: frozenset[str] = frozenset()
-    own: str = ""
+    own: str = ""  # the light of the scene that it is, where a prompt names it; "" otherwise
     through: str = ""
     pattern: str = ""
 
@@ -64,12 +56,7 @@ class RigLight:
 
 @dataclass(frozen=True)
 class Rig:
-    """A lighting setup, as the head of `rigs.toml` explains it; None and "" leave a value as it is.
-
-    Attributes:
-        lights: Its lights, the key first.
-        under_sky: Whether its sky is that of an hour that the prompt names too.
-    """
+    """A lighting setup, as the head of `rigs.toml` explains it; None and "" leave a value as it is."""
 
     name: str
     words: tuple[str, ...]
@@ -85,8 +72,8 @@ class Rig:
     sky_color: str = ""
     air: float | None = None
     grade: tuple[Effect, ...] = ()
-    lights: tuple[RigLight, ...] = ()
-    under_sky: bool = False
+    lights: tuple[RigLight, ...] = ()  # its lights, the key first
+    under_sky: bool = False  # whether its sky is that of an hour that the prompt names too
 
     @property
     def keeps_own_light(self) -> bool:
@@ -96,27 +83,16 @@ class Rig:
 
 @dataclass(frozen=True)
 class Modifier:
-    """What a word changes about the lights of a rig.
+    """What a word changes about the lights of a rig."""
 
-    Attributes:
-        azimuth: Degrees from the camera; None to leave it.
-        elevation: Degrees; None to leave it.
-        size: Factor.
-        kelvin: Color temperature; 0 to leave it.
-        exposure: Stops that are added to the exposure.
-        contrast: Stops that are added to all lights but the key, and to the world.
-        distance: Factor.
-        both: Whether the other side gets such a light too.
-    """
-
-    azimuth: float | None = None
-    elevation: float | None = None
-    size: float = 1.0
-    kelvin: float = 0.0
-    exposure: float = 0.0
-    contrast: float = 0.0
-    distance: float = 1.0
-    both: bool = False
+    azimuth: float | None = None  # degrees from the camera; None to leave it
+    elevation: float | None = None  # Degrees; None to leave it
+    size: float = 1.0  # factor
+    kelvin: float = 0.0  # color temperature; 0 to leave it
+    exposure: float = 0.0  # stops that are added to the exposure
+    contrast: float = 0.0  # stops that are added to all lights but the key, and to the world
+    distance: float = 1.0  # factor
+    both: bool = False  # whether the other side gets such a light too
 
     def change(self, light: RigLight, strength: float) -> RigLight:
         """A light with the change, as strong as the word says."""
@@ -144,16 +120,11 @@ class Modifier:
 
 @dataclass(frozen=True)
 class RigTable:
-    """All rigs and modifiers.
+    """All rigs and modifiers."""
 
-    Attributes:
-        rigs: Vocabulary entry -> the rig that it stands for.
-        modifiers: Vocabulary entry -> what it changes.
-        luminaries: Words in the names of times and hours that are lights themselves.
-    """
-
-    rigs: Mapping[str, Rig]
-    modifiers: Mapping[str, Modifier]
+    rigs: Mapping[str, Rig]  # vocabulary entry -> the rig that it stands for
+    modifiers: Mapping[str, Modifier]  # vocabulary entry -> what it changes
+    # words in the names of times and hours that are lights themselves
     luminaries: frozenset[str] = frozenset()
 
     def modifier(self, entry: str) -> Modifier | None:

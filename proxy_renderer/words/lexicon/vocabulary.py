@@ -36,43 +36,26 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """All that parser and planner know.
+    """All that parser and planner know."""
 
-    Attributes:
-        entries: Name -> entry.
-        synonyms: Phrase -> entry name.
-        colors: Color name -> sRGB.
-        shades: Shade word -> keyword arguments: lightness, towards, chroma, warmth.
-        intensity: Phrase -> strength.
-        lists: "negation", "link", "around", ... -> phrases.
-        nouns: Phrase -> kind of thing.
-        painted: Kind of thing -> effects of a color word on it.
-        adjectives: Word -> kind of thing (or "otherwise") -> entry name.
-        absent: Kind of thing -> entry that the lack of it means: "no shadows".
-        picks: Word -> which one of several it picks out, see `mentions.with_picks`.
-        words: "lightness", "off", "leave", ... -> words that are looked for by themselves.
-        roles: Word of a light's name -> the role of that light.
-        typed: Word that is typed in a hurry -> the word that is meant.
-        elsewhere: Kind of thing -> entry or adjective -> entry, where words say nothing of it themselves: "a calm lamp".
-        endings: "comparative" or "superlative" -> how such words end.
-    """
-
-    entries: dict[str, VocabularyEntry]
-    synonyms: dict[str, str]
-    colors: dict[str, Values]
-    shades: dict[str, dict[str, float]]
-    intensity: dict[str, float]
-    lists: dict[str, frozenset[str]]
-    nouns: dict[str, str]
-    painted: dict[str, tuple[Effect, ...]]
-    adjectives: dict[str, dict[str, str]]
-    absent: dict[str, str]
-    picks: dict[str, str]
+    entries: dict[str, VocabularyEntry]  # name -> entry
+    synonyms: dict[str, str]  # phrase -> entry name
+    colors: dict[str, Values]  # color name -> sRGB
+    shades: dict[str, dict[str, float]]  # shade word -> keyword arguments: lightness, towards, chroma, warmth
+    intensity: dict[str, float]  # phrase -> strength
+    lists: dict[str, frozenset[str]]  # "negation", "link", "around", ... -> phrases
+    nouns: dict[str, str]  # phrase -> kind of thing
+    painted: dict[str, tuple[Effect, ...]]  # kind of thing -> effects of a color word on it
+    adjectives: dict[str, dict[str, str]]  # word -> kind of thing (or "otherwise") -> entry name
+    absent: dict[str, str]  # kind of thing -> entry that the lack of it means: "no shadows"
+    picks: dict[str, str]  # word -> which one of several it picks out, see `mentions.with_picks`
+    # "lightness", "off", "leave", ... -> words that are looked for by themselves
     words: dict[str, frozenset[str]]
-    roles: dict[str, str]
-    typed: dict[str, str]
+    roles: dict[str, str]  # word of a light's name -> the role of that light
+    typed: dict[str, str]  # word that is typed in a hurry -> the word that is meant
+    # kind of thing -> entry or adjective -> entry, where words say nothing of it themselves: "a calm lamp"
     elsewhere: dict[str, dict[str, str]]
-    endings: dict[str, str]
+    endings: dict[str, str]  # "comparative" or "superlative" -> how such words end
     _made: dict[Callable[[Vocabulary], Any], Any] = field(
         init=False, repr=False, compare=False, default_factory=dict
     )

@@ -29,21 +29,13 @@ _SHARPNESS = 12.0  # factor on the likeness in the exponent of a vote
 
 @dataclass(frozen=True)
 class WordTable:
-    """Words that may speak of a look, and others.
+    """Words that may speak of a look, and others."""
 
-    Attributes:
-        index: Word -> row.
-        stems: Stem -> row; words known by heart come first.
-        vectors: (N, D) unit vectors.
-        kinds: (N,) indices into KINDS.
-        common: Frequent English words that say nothing about looks.
-    """
-
-    index: dict[str, int]
-    stems: dict[str, int]
-    vectors: np.ndarray
-    kinds: np.ndarray
-    common: frozenset[str]
+    index: dict[str, int]  # word -> row
+    stems: dict[str, int]  # stem -> row; words known by heart come first
+    vectors: np.ndarray  # (N, D) unit vectors
+    kinds: np.ndarray  # (N,) indices into KINDS
+    common: frozenset[str]  # frequent English words that say nothing about looks
 
     def is_english(self, word: str) -> bool:
         """Whether it is a word at all."""

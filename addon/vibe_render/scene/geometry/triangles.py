@@ -16,76 +16,47 @@ _BATCH = 1_000_000
 
 @dataclass(frozen=True)
 class SourceMesh:
-    """One mesh as Blender holds it, in its own space.
+    """One mesh as Blender holds it, in its own space."""
 
-    Attributes:
-        vertices: (V, 3) float32.
-        corners: (C,) int32, the vertex of each corner.
-        normals: (C, 3) float32, one per corner; custom normals are honored.
-        triangles: (F, 3) int32, corners.
-        slot: (F,) int32, the number of the material slot.
-        solid: (S,) bool, which slots show a surface.
-        uvs: For each slot the UVs that its material's texture reads, (C, 2) float32, and a 3x3 matrix for them;
-            empty without a UV map.
-    """
-
-    vertices: np.ndarray
-    corners: np.ndarray
-    normals: np.ndarray
-    triangles: np.ndarray
-    slot: np.ndarray
-    solid: np.ndarray
+    vertices: np.ndarray  # (V, 3) float32
+    corners: np.ndarray  # (C,) int32, the vertex of each corner
+    normals: np.ndarray  # (C, 3) float32, one per corner; custom normals are honored
+    triangles: np.ndarray  # (F, 3) int32, corners
+    slot: np.ndarray  # (F,) int32, the number of the material slot
+    solid: np.ndarray  # (S,) bool, which slots show a surface
+    # for each slot the UVs that its material's texture reads, (C, 2) float32, and a 3x3 matrix for them; empty
+    # without a UV map
     uvs: list[tuple[np.ndarray, np.ndarray]]
 
 
 @dataclass(frozen=True)
 class PlacedMesh:
-    """A mesh at its place in the world.
+    """A mesh at its place in the world."""
 
-    Attributes:
-        mesh: Shared by instances.
-        materials: A name for each slot.
-        matrix: (4, 4), to world space.
-        owner: Name, and name of the object that it is an instance of or for, otherwise "".
-        hidden: Kinds of rays that pass it, by Blender's names: "camera", "shadow", …
-    """
-
-    mesh: SourceMesh
-    materials: tuple[str, ...]
-    matrix: np.ndarray
-    owner: tuple[str, str]
+    mesh: SourceMesh  # shared by instances
+    materials: tuple[str, ...]  # a name for each slot
+    matrix: np.ndarray  # (4, 4), to world space
+    owner: tuple[str, str]  # Name, and name of the object that it is an instance of or for, otherwise ""
+    # kinds of rays that pass it, by Blender's names: "camera", "shadow", …
     hidden: frozenset[str] = frozenset()
 
 
 @dataclass
 class SceneGeometry:
-    """All triangles of a scene.
+    """All triangles of a scene."""
 
-    Attributes:
-        vertices: (V, 3) float32, world space.
-        faces: (F, 3) int32.
-        normals: (F, 3, 3) float32, one per corner; custom normals are honored.
-        uvs: (F, 3, 2) float32; zeros without a UV map.
-        material: (F,) int32, number in `materials`.
-        object: (F,) int32, number in `objects`.
-        materials: Names; "" for faces without one.
-        objects: (name, name of the object that it is an instance of or for, otherwise "").
-        boxes: (N, 2, 3), the least and the greatest corner of each object.
-        hidden: For each object the kinds of rays that pass it.
-        warnings: Notes about what was left out, in words for the artist.
-    """
-
-    vertices: np.ndarray
-    faces: np.ndarray
-    normals: np.ndarray
-    uvs: np.ndarray
-    material: np.ndarray
-    object: np.ndarray
-    materials: list[str]
+    vertices: np.ndarray  # (V, 3) float32, world space
+    faces: np.ndarray  # (F, 3) int32
+    normals: np.ndarray  # (F, 3, 3) float32, one per corner; custom normals are honored
+    uvs: np.ndarray  # (F, 3, 2) float32; zeros without a UV map
+    material: np.ndarray  # (F,) int32, number in `materials`
+    object: np.ndarray  # (F,) int32, number in `objects`
+    materials: list[str]  # Names; "" for faces without one
+    # (name, name of the object that it is an instance of or for, otherwise "")
     objects: list[tuple[str, str]]
-    boxes: np.ndarray
-    hidden: list[frozenset[str]]
-    warnings: list[str]
+    boxes: np.ndarray  # (N, 2, 3), the least and the greatest corner of each object
+    hidden: list[frozenset[str]]  # for each object the kinds of rays that pass it
+    warnings: list[str]  # notes about what was left out, in words for the artist
 
     @property
     def seen(self) -> np.ndarray:
@@ -140,21 +111,15 @@ def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
 
 @dataclass
 class _Piece:
-    """A placed mesh: arrays as in `SceneGeometry`, but `faces` count from its own vertices.
-
-    Attributes:
-        slot: (F,) numbers of material slots.
-        box: (2, 3), the least and the greatest corner.
-        broken: Whether some vertices have no usable place.
-    """
+    """A placed mesh: arrays as in `SceneGeometry`, but `faces` count from its own vertices."""
 
     vertices: np.ndarray
     faces: np.ndarray
     normals: np.ndarray
     uvs: np.ndarray
-    slot: np.ndarray
-    box: np.ndarray
-    broken: bool
+    slot: np.ndarray  # (F,) numbers of material slots
+    box: np.ndarray  # (2, 3), the least and the greatest corner
+    broken: bool  # whether some vertices have no usable place
 
 
 def _pieces(copies: list[PlacedMesh]) -> Iterator[_Piece]:

@@ -18,32 +18,20 @@ _SLACK = 1e-3  # of a step between rays: what rounding may move a corner
 
 @dataclass(frozen=True)
 class RayCamera:
-    """All of a camera that rays through its picture depend on; holds no reference into Blender's data.
+    """All of a camera that rays through its picture depend on; holds no reference into Blender's data."""
 
-    Attributes:
-        frame: (4, 3), the corners of its picture, camera space.
-        pose: (4, 4), to world space, without scale.
-        flat: Whether it is orthographic.
-        clip: Nearest and farthest depth that it sees, meters.
-    """
-
-    frame: np.ndarray
-    pose: np.ndarray
-    flat: bool
-    clip: tuple[float, float]
+    frame: np.ndarray  # (4, 3), the corners of its picture, camera space
+    pose: np.ndarray  # (4, 4), to world space, without scale
+    flat: bool  # whether it is orthographic
+    clip: tuple[float, float]  # nearest and farthest depth that it sees, meters
 
 
 @dataclass(frozen=True)
 class VisibleSurfaces:
-    """The surface that each of R x R rays meets (R = `RAYS`); row 0 is the bottom of the picture.
+    """The surface that each of R x R rays meets (R = `RAYS`); row 0 is the bottom of the picture."""
 
-    Attributes:
-        object: (R, R) int, index into the geometry's objects, -1 for none.
-        material: (R, R) int, index into its materials, -1 for none.
-    """
-
-    object: np.ndarray
-    material: np.ndarray
+    object: np.ndarray  # (R, R) int, index into the geometry's objects, -1 for none
+    material: np.ndarray  # (R, R) int, index into its materials, -1 for none
 
 
 def ray_camera(scene: bpy.types.Scene) -> RayCamera:

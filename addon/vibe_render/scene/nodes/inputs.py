@@ -98,17 +98,11 @@ def _separate(journal: Journal, origin: ValueOrigin) -> None:
 
 @dataclass(frozen=True)
 class Inset:
-    """A kind of inset. Its group's first input takes what comes in, its only output gives what goes on.
+    """A kind of inset. Its group's first input takes what comes in, its only output gives what goes on."""
 
-    Attributes:
-        name: Of the group.
-        identities: Its other inputs, with the values that change nothing.
-        fill: Declares the sockets of a new group and fills it.
-    """
-
-    name: str
-    identities: Mapping[str, Any]
-    fill: Callable[[NodeTree], None]
+    name: str  # of the group
+    identities: Mapping[str, Any]  # its other inputs, with the values that change nothing
+    fill: Callable[[NodeTree], None]  # declares the sockets of a new group and fills it
 
     def slot(self, find: FindEntry, name: str, plain: bool = False) -> ValueSlot | None:
         """An input of the inset on an input; None without such an input, or if its value is not computed.

@@ -45,35 +45,24 @@ _UNLIKE = {
 
 @dataclass(frozen=True)
 class NodeEntry:
-    """An input of a node.
-
-    Attributes:
-        inside: The group nodes that lead to its node, from the outermost tree inwards.
-        alike: Inputs that mean the same for the picture: the colors of shaders that are mixed.
-    """
+    """An input of a node."""
 
     socket: NodeSocket
-    inside: tuple[Node, ...] = ()
+    inside: tuple[Node, ...] = ()  # the group nodes that lead to its node, from the outermost tree inwards
+    # inputs that mean the same for the picture: the colors of shaders that are mixed
     alike: tuple[NodeSocket, ...] = ()
 
 
 @dataclass(frozen=True)
 class ValueOrigin:
-    """The origin of an input's value.
+    """The origin of an input's value."""
 
-    Attributes:
-        socket: The socket that holds the value; of a computed one, the input where the trail ends.
-        source: The output that computes the value; None where none does.
-        inside: The group nodes that lead to `socket` and `source`.
-        targets: Of a linked value: the inputs of that tree with the same meaning that it goes to.
-        feeds_others: Whether inputs of another meaning get the value too.
-    """
-
-    socket: NodeSocket
-    source: NodeSocket | None
-    inside: tuple[Node, ...]
+    socket: NodeSocket  # the socket that holds the value; of a computed one, the input where the trail ends
+    source: NodeSocket | None  # the output that computes the value; None where none does
+    inside: tuple[Node, ...]  # the group nodes that lead to `socket` and `source`
+    # of a linked value: the inputs of that tree with the same meaning that it goes to
     targets: tuple[NodeSocket, ...] = ()
-    feeds_others: bool = False
+    feeds_others: bool = False  # whether inputs of another meaning get the value too
 
 
 def active_links(socket: NodeSocket) -> list[NodeLink]:
