@@ -195,7 +195,7 @@ class AbsentObjects:
     def _has_a_name(self) -> bool:
         """Whether the subject's objects are called what they are, so that nobody calls it otherwise."""
         scene = self._scene
-        general = name_words("primitives") | name_words("limbs") | name_words("details")
+        general = frozenset[str]().union(*map(name_words, ("primitives", "limbs", "details", "pipeline")))
         things = thing_words().rows.keys() - general
         names: list[Mapping[str, str]] = [scene.objects, scene.materials]
         mine = (name for some in names for name, region in some.items() if region == "subject")

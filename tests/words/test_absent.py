@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a scene lacks paints nothing else."""
 
+from dataclasses import replace
+
 import pytest
 
 from proxy_renderer.schema import VibeError
 from proxy_renderer.words.parser import parse
-from proxy_renderer.words.types import SceneDescription
+from proxy_renderer.words.types import MaterialLook, SceneDescription
 
 VASE = SceneDescription(
     objects={"Vase": "subject", "Lemons": "subject", "Table": "surroundings"},
@@ -45,6 +47,29 @@ def test_a_word_whose_object_is_not_in_the_scene_is_not_used(prompt, used, absen
 )
 def test_the_only_thing_there_may_be_called_anything(prompt, used):
     assert said(prompt, MESH) == used
+
+
+@pytest.mark.parametrize("material", ["Material", "Material.001", "mat_01", "Material #25"])
+@pytest.mark.parametrize("subject", ["Torus", "Cube.003", "Mesh"])
+def test_names_that_blender_gives_do_not_tell_what_an_object_is(subject, material):
+    """A torus with Blender's own material name may be called a mug, also beside a ground."""
+    scene = SceneDescription(
+        subject,
+        {subject: "subject", "Plane": "surroundings"},
+        {material: "subject", "Material.002": "surroundings"},
+        {subject: (material,), "Plane": ("Material.002",)},
+        looks={material: MaterialLook(share=0.2), "Material.002": MaterialLook(share=0.6)},
+    )
+    for noun in ("mug", "kettle", "sofa"):
+        (copper,) = [
+            a for a in parse(f"the {noun} is copper, warm light", scene).attributes if a.word == "copper"
+        ]
+        assert copper.region == "subject"
+    named = replace(
+        scene, objects={"Vase": "subject", "Plane": "surroundings"}, object_materials={"Vase": (material,)}
+    )
+    with pytest.raises(VibeError, match="no 'mug' in the scene"):
+        parse("the mug is copper", replace(named, subject="Vase"))
 
 
 def test_light_and_air_need_no_object():
