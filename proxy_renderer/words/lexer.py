@@ -10,6 +10,7 @@ from difflib import get_close_matches
 from functools import cached_property
 from operator import ne
 
+from ..color.floats import is_hex, srgb_from_hex
 from ..color.shades import shade
 from ..schema import Values
 from .lexicon.entries import normalize
@@ -26,7 +27,9 @@ _SHORTEST, _SHORTEST_FOREIGN = 4, 6  # characters of a word that may be mistyped
 _COMPARED = ("finish", "grade", "mood", "atmosphere")
 """Slots of words of which there can be more: "glossier", "moodier", "drier"."""
 _NAME_ALIKE, _ALIKE = 0.86, 0.84  # share of characters that a mistyped name, and any other word, has right
-_BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*#=+]|\s[-–—/]\s|/")
+_BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*=+]|#(?![0-9a-f]{6}\b)|\s[-–—/]\s|/")
+_WORD = re.compile(r"#[0-9a-f]{6}\b|[^\W_]+(?:'[a-z]+)?")
+"""A word, or a color by its number: "#c8102e"."""
 _SLASHED = re.compile(r"\b[A-Za-z]+/[A-Za-z]+\b")
 ShadeArguments = tuple[float, float, float, float]
 """Arguments of `color.shade`."""
@@ -95,7 +98,7 @@ class Lexer:
     def clauses(self, prompt: str) -> list[list[Token]]:
         """Tokens of each clause of a prompt."""
         text = normalize(_SLASHED.sub(self._unslashed, re.sub(r"\s*&\s*", " and ", prompt)))
-        words = [re.findall(r"[^\W_]+(?:'[a-z]+)?", part) for part in _BREAK.split(text)]
+        words = [_WORD.findall(part) for part in _BREAK.split(text)]
         return [self._tokens(self._spelled(part)) for part in words if part]
 
     def _unslashed(self, pair: re.Match[str]) -> str:
@@ -166,6 +169,8 @@ class Lexer:
     def _phrase(self, text: str) -> Token:
         """A phrase as it stands, without an ending, or as what it compares: "cooler", "glossiest"."""
         v = self.vocabulary
+        if is_hex(text):
+            return Token(text, color=srgb_from_hex(text))
         tint = tending(text, v.colors)
         for token in map(self._spelled_so, _spellings(text, v.nouns)):
             if token.known:

@@ -123,3 +123,19 @@ def test_very_dark_is_darker_than_what_the_list_calls_dark(name: str) -> None:
     assert very is not None
     assert polar(very)[0] < polar(dark)[0] - 2
     assert abs((polar(very)[2] - polar(dark)[2] + 180) % 360 - 180) < 30
+
+
+@pytest.mark.parametrize("number", ["#c8102e", "#00A0B0", "#123abc"])
+@pytest.mark.parametrize(
+    "prompt", ["{} vase", "the vase is {}", "glossy {} vase, warm light", "Vase: {}", "Vase in {}"]
+)
+def test_a_color_may_be_a_number(prompt, number):
+    scene = SceneDescription("Vase", {"Vase": "subject"}, {"Clay": "subject"}, {"Vase": ("Clay",)})
+    (color,) = [a for a in parse(prompt.format(number), scene).attributes if a.color]
+    assert color.color == srgb_from_hex(number.lower())
+    assert color.region == "subject"
+
+
+@pytest.mark.parametrize("text", ["#c8102", "#c8102e1", "#vase", "#1"])
+def test_other_numbers_are_no_colors(text):
+    assert not any(a.color for a in parse(f"glossy vase {text}", SceneDescription()).attributes)
