@@ -61,10 +61,8 @@ class TomlSource:
             else:
                 continue
             if place[: len(keys)] == keys:
-                texts = (
-                    f'"{quoted}"',
-                    f"'{quoted}'",
-                )  # from here on, the first line that has the text in quotes
+                # from here on, the first line that has the text in quotes
+                texts = (f'"{quoted}"', f"'{quoted}'")
                 rest = enumerate(self._lines[number:], number + 1)
                 return next((n for n, later in rest if quoted and any(t in later for t in texts)), number + 1)
         return 1

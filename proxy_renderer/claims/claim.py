@@ -67,7 +67,7 @@ class Claim:
     # along the hue and how far across; none for the measure's own numbers
     direction: Values = ()
     color: Values | None = None  # the color that is asked for, sRGB; None for other claims
-    # Left, upper, right and lower end of the part in the frame, as shares of its width and height; None for all of it
+    # left, upper, right and lower end of the part in the frame, as shares of its width and height; None for all of it
     box: tuple[float, float, float, float] | None = None
     reason: str = ""  # why it is claimed; "" where the word says it
     # Parts, each with its materials, that are left out: those that words color, in a claim about light

@@ -19,10 +19,8 @@ from .measures.picture import Part
 # Intervals of a color, around the nearest one that an image can show
 _LIGHTNESS = 10.0  # lightness on either side
 _CHROMA, _LEAST_CHROMA = 0.25, 2.5  # share of its chroma on either side, but at least so much
-_FAINTEST, _OFF_GRAY = (
-    1.8,
-    0.6,
-)  # chroma from which a color is not gray; share of what it has beyond the least that may be missing
+# chroma from which a color is not gray; share of what it has beyond the least that may be missing
+_FAINTEST, _OFF_GRAY = (1.8, 0.6)
 _ASIDE, _LEAST_ASIDE = 0.2, 1.5  # across its hue, as a share of its chroma, but at least so much
 _FARTHEST = 12.0  # lighter or darker than the named color; more, only where it cannot be shown
 
@@ -33,10 +31,8 @@ _LIT, _LIT_SHARE = 20.0, 0.4  # likewise where light has the color, but no more 
 _LIT_MORE = (
     0.8  # share of that which is enough of a change: in yellow light white is yellow, not only less blue
 )
-_MOST_SHARE, _LEAST_MOST = (
-    0.5,
-    25.0,
-)  # share of a color's chroma, but at least this, that leaves nothing of other colors
+# share of a color's chroma, but at least this, that leaves nothing of other colors
+_MOST_SHARE, _LEAST_MOST = (0.5, 25.0)
 _OFF_HUE = 6.0  # how far the tint may lie across that direction, unless it did before
 _ACCENT = 12.0  # in a tenth of the image, where one of several lights has the color
 _CAST = (6.0, 24.0)  # of the darks or lights, at least and at most
@@ -45,22 +41,16 @@ _CAST = (6.0, 24.0)  # of the darks or lights, at least and at most
 _BLACK, _WHITE = 35.0, 85.0
 _BLACK_AIR, _WHITE_AIR = 35.0, 74.0
 
-_DIM, _DIMMEST = (
-    45.0,
-    0.5,
-)  # L* of an image from where it is dark; share of a color's lightness that is left in it at least
+# L* of an image from where it is dark; share of a color's lightness that is left in it at least
+_DIM, _DIMMEST = (45.0, 0.5)
 _LIT_WHITE = 6.0  # how far white things may lie in the direction of the light's color
 
 # Gray materials
-_DARKER, _LIGHTER = (
-    0.65,
-    22.0,
-)  # share of its lightness, for white things have shades; L* beyond it, for black ones have highlights
+# share of its lightness, for white things have shades; L* beyond it, for black ones have highlights
+_DARKER, _LIGHTER = (0.65, 22.0)
 _REPAINTED = 20.0  # L* that are enough of a change
-_WHITE_MATERIAL, _BLACK_MATERIAL = (
-    75.0,
-    40.0,
-)  # L* from where it cannot be too light, and up to which it cannot be too dark
+# L* from where it cannot be too light, and up to which it cannot be too dark
+_WHITE_MATERIAL, _BLACK_MATERIAL = (75.0, 40.0)
 _REFLECTING = {"material/metallic": 0.5, "material/transmission": 0.5}
 """Components -> the value from where an object shows its surroundings, and is as light as they are."""
 
@@ -81,9 +71,8 @@ def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
     elif attribute.kind in _TINTING:
         for tint in tints(attribute.word, "picture", "picture", srgb):
             yield from [as_accent(tint)] if attribute.of_one_light else _of_all_light(attribute, tint, srgb)
-    elif (
-        attribute.kind in _TONE_CASTS
-    ):  # "teal shadows": a cast of what is dark, whatever is painted; nothing for gray
+    # "teal shadows": a cast of what is dark, whatever is painted; nothing for gray
+    elif attribute.kind in _TONE_CASTS:
         for tint in tints(attribute.word, "picture", "picture", srgb):
             lower, upper = ((end,) for end in _CAST)
             measure = _TONE_CASTS[attribute.kind]

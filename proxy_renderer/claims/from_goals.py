@@ -25,20 +25,16 @@ _SLIGHT = 0.8  # strength below which a word is a weak one
 _LESS = 2.0  # by how many of its changes a claim would ask for less at strength 0
 _OPPOSED = 0.5  # cosine between a tint and the other direction, from where an image cannot have both
 _MUTED = 0.7  # share of a named color's chroma that an image keeps in which colors are muted
-_LIT, _LIT_SHARE = (
-    44.0,
-    0.7,
-)  # least L* of an image in colored light; share of the color's own lightness that is enough
+# least L* of an image in colored light; share of the color's own lightness that is enough
+_LIT, _LIT_SHARE = (44.0, 0.7)
 
 # Of every image
 _BURNT, _SUBJECT_DROWNED, _DROWNED = 0.06, 0.3, 0.12  # shares that may be overexposed, or drown in black
 _WHITE, _BRIGHT = 90.0, 60.0  # L* of a color that is white, and of an image of which parts may be overexposed
 _BLACK, _DARK = 22.0, 50.0  # L* of a color that is black, and the most that words for dark ask for
 _APART = 10.0  # Lab distance between the subject and its ground
-_SHAPED, _FLAT = (
-    14.0,
-    8.0,
-)  # least L* between a subject's tenths, for light from everywhere shows no shape; the same if words ask for flat
+# least L* between a subject's tenths, for light from everywhere shows no shape; the same if words ask for flat
+_SHAPED, _FLAT = (14.0, 8.0)
 _DIMMEST = 24.0  # least L* of the lightest parts of a subject: even at night its lights are seen
 
 _TINTS = ("tint", "accent")
@@ -72,9 +68,8 @@ def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
         else:
             claim = in_colored_light(darkened(claim, darkest), casts)
         if (claim.part, claim.measure) == ("picture", "chroma") and claim.lower[0] > 0.0:
-            claim = replace(
-                claim, apart=(("sky", ()),)
-            )  # vivid objects: a gray world behind them has no color, and lights them
+            # vivid objects: a gray world behind them has no color, and lights them
+            claim = replace(claim, apart=(("sky", ()),))
         shown.append(claim)
     return (*shown, *_of_every_image(goals, claims))
 
@@ -99,17 +94,8 @@ def _of_text(text: ClaimText, attribute: Attribute) -> Claim:
     """
     own = text.part == "thing"
     part = part_of(attribute) if own else cast(Part, text.part)
-    lower, upper, middle = text.lower, text.upper, (text.lower + text.upper) / 2
     mild = attribute.cause or attribute.strength < _SLIGHT
-    if (
-        mild and text.change is not None
-    ):  # the near end is met sooner, and so is the far one, where there is too much
-        less = (1.0 - min(attribute.strength, 1.0)) * _LESS * text.change
-        far = math.isfinite(middle)
-        rises = text.change > 0
-        lower, upper = lower - less if rises else lower, upper if rises else upper - less
-        if far:
-            lower, upper = (lower, middle) if rises else (middle, upper)
+    lower, upper = _milder(text, min(attribute.strength, 1.0)) if mild else (text.lower, text.upper)
     color = srgb_from_hex(text.color) if text.color else None
     named = lab_from_srgb(color) if color else (0.0, 0.0, 0.0)
     return Claim(
@@ -126,6 +112,16 @@ def _of_text(text: ClaimText, attribute: Attribute) -> Claim:
         weight=_OF_MOODS if attribute.cause else 1.0,
         near=text.near,
     )
+
+
+def _milder(text: ClaimText, strength: float) -> tuple[float, float]:
+    """The ends of an interval of a weak word: the near one is met sooner, and so is the far one, where there is too much."""
+    if text.change is None:
+        return text.lower, text.upper
+    less, middle = (1.0 - strength) * _LESS * text.change, (text.lower + text.upper) / 2
+    if text.change > 0:
+        return text.lower - less, middle if math.isfinite(middle) else text.upper
+    return middle if math.isfinite(middle) else text.lower, text.upper - less
 
 
 def _compares(attribute: Attribute, attributes: Sequence[Attribute], vocabulary: Vocabulary) -> bool:

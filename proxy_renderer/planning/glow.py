@@ -34,9 +34,8 @@ def glows(scene: SceneData) -> dict[str, Glow]:
         if material.name not in names or not len(faces):
             continue
         corners = mesh.vertices[mesh.faces[faces]].astype(float)
-        normal = (
-            np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2.0
-        )  # as long as its area
+        # as long as its area
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2.0
         way = corners.mean(1) - pivot
         square = np.maximum((way**2).sum(1), max(near, 1e-12))
         light = np.abs((normal * way).sum(1)) / (math.pi * square**1.5)

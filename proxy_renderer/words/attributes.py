@@ -346,9 +346,8 @@ def _is_light(item: Token, rigs: RigTable, vocabulary: Vocabulary, expected: boo
         return True
     if vocabulary.slot(item.entry) != "lighting":
         return False
-    behind = any(
-        vocabulary.nouns.get(singular(word)) in LIGHTS for word in item.text.split()
-    )  # "light behind"
+    # "light behind"
+    behind = any(vocabulary.nouns.get(singular(word)) in LIGHTS for word in item.text.split())
     return behind or rigs.is_a_light(item.entry, item.text)
 
 

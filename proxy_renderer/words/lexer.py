@@ -185,9 +185,8 @@ class Lexer:
         v, in_scene = self.vocabulary, spelling in self.names
         lists = (kind for kind, phrases in v.lists.items() if spelling in phrases)
         noun = v.nouns.get(spelling, "")
-        if (
-            not noun and v.slot(spelling) == "setting"
-        ):  # phrases for a setting end in the thing: "minimal backdrop"
+        # phrases for a setting end in the thing: "minimal backdrop"
+        if not noun and v.slot(spelling) == "setting":
             noun = v.nouns.get(spelling.rpartition(" ")[2], "")
         return Token(
             spelling,

@@ -112,9 +112,8 @@ def fit(words: tuple[str, ...], name: tuple[str, ...], vocabulary: Vocabulary) -
     joined = "".join(words)
     if words in (name, tuple(n for n in name if len(n) > 1)) or joined == "".join(name):
         return "exact"
-    if (
-        len(words) > 1
-    ):  # a look stands only for itself: "rubber tire" is no "tire", "oak floor" no "floor wood"
+    # a look stands only for itself: "rubber tire" is no "tire", "oak floor" no "floor wood"
+    if len(words) > 1:
         found = (
             w in name or (_shares_a_sense(w, name) and not _is_of_surfaces(w, vocabulary)) for w in words
         )

@@ -302,7 +302,9 @@ def _placed(words: Iterable[PromptWord], prompt: str) -> tuple[PromptWord, ...]:
     """Words with their places in a prompt, in its order; those that it says in other letters come last."""
     found, end = [], 0
     for word in words:
-        pattern = re.compile(r"[\W_]+".join(map(re.escape, re.findall(r"[^\W_]+", word.text))), re.IGNORECASE)
+        pattern = re.compile(
+            r"[\W_]+".join(map(re.escape, re.findall(r"#?[^\W_]+", word.text))), re.IGNORECASE
+        )
         match = (pattern.search(prompt, end) or pattern.search(prompt)) if pattern.pattern else None
         end = match.end() if match and word.candidates else end
         found.append(replace(word, place=match.span() if match else None))

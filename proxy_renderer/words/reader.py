@@ -155,9 +155,8 @@ def _where_it_stands(read: PromptReading, pair: TargetPair, pairs: list[TargetPa
     if mention >= 0:
         noun = read.pairs.mentions[mention]
         here = read.phrases.of.get(noun.start) == read.light_numbers(pair.look)
-        side = here and any(
-            word in read.vocabulary.picks for word in noun.text.split()
-        )  # "a pink one at the left"
+        # "a pink one at the left"
+        side = here and any(word in read.vocabulary.picks for word in noun.text.split())
         stays = here if kind in LAMPS else not side
     else:
         matter = kind in MATTER or (kind == "picture" and color)
@@ -247,15 +246,14 @@ def _attributes_of(read: PromptReading, number: int, is_part: bool) -> list[Attr
         thing = _thing(read, pair)
         thing = replace(thing, thing=pair.chosen) if pair.target.names else thing
         return [*_attributes(read, look, _entry(pair, []), thing, (), is_part)]
-    # a pier where there is one; the fire of "blue fire" is what another word describes
+    # a pier where there is one
     is_a_name = any(m.named and m.covers(look.index) for m in read.pairs.mentions)
-    described = _is_described(read, look)
     unsure = _is_unsure(read, pair, read.pairs.pairs[number])
     if look.index in read.phrases.gone and kind not in MATTER:  # "replace the harsh lamp"
         return []
-    if kind == "light" and is_a_name and described:
+    if kind == "light" and is_a_name and _is_described(read, look):  # the fire of "blue fire"
         return None
-    if (kind == "none" or unsure) and _is_a_light(read, look) and not (is_a_name or described):
+    if (kind == "none" or unsure) and not is_a_name and _is_a_light(read, look):
         thing = Thing("light", look.token.text, "whole")  # a source of light, said of light as a whole
         return [
             Attribute(
@@ -293,7 +291,7 @@ def _is_unsure(read: PromptReading, pair: TargetPair, pairs: Sequence[TargetPair
 def _is_described(read: PromptReading, look: PromptLook) -> bool:
     """True if a word is the object that other words describe."""
     others = (pair for pair in read.chosen if pair.look is not look and pair.target.kind != "none")
-    return any(look.token.text in _thing(read, pair).thing.split() for pair in others)
+    return any(look.token.text in _name(read, pair).split() for pair in others)
 
 
 def _is_a_light(read: PromptReading, look: PromptLook) -> bool:
@@ -301,7 +299,9 @@ def _is_a_light(read: PromptReading, look: PromptLook) -> bool:
     rig = rig_table().rigs.get(look.token.entry)
     if rig is None or rig.kind not in ("source", *TIMES) or rig.adds or look.token.guess:
         return False
-    return not (_is_definite(read, look) and "thing" in look.token.lists)
+    if _is_definite(read, look) and "thing" in look.token.lists:
+        return False
+    return not _is_described(read, look)
 
 
 def _entry(pair: TargetPair, after: list[TargetPair]) -> str:
@@ -351,17 +351,20 @@ def _attributes(
             yield replace(part, cause=word.text, strength=strength, guess=guess, phrases=())
 
 
+def _name(read: PromptReading, pair: TargetPair) -> str:
+    """The name that the prompt gives what a pair binds its look word to."""
+    kind = pair.target.kind
+    if pair.target.mention >= 0:
+        return read.pairs.mentions[pair.target.mention].text
+    if kind == "subject":
+        return read.subject or "subject"
+    return kind if kind in MATTER else pair.look.token.text
+
+
 def _thing(read: PromptReading, pair: TargetPair) -> Thing:
     """The thing that a pair binds its look word to; one with a surface is mentioned."""
     target, scene, slot = pair.target, read.scene, pair.sense.slot
-    kind, word = target.kind, pair.look.token.text
-    # The name that the prompt gives it
-    if target.mention >= 0:
-        name = read.pairs.mentions[target.mention].text
-    elif kind == "subject":
-        name = read.subject or "subject"
-    else:
-        name = kind if kind in MATTER else word
+    kind, word, name = target.kind, pair.look.token.text, _name(read, pair)
     if kind in MATTER:
         return _matter(read, pair, name)
     if kind == "picture":  # the image, or what a word about many things is about in the first place

@@ -12,7 +12,7 @@ from lab.bench.sealed.prompts import survey_colors
 from proxy_renderer.color.floats import oklab_from_srgb, srgb_from_hex
 from proxy_renderer.schema import Values
 from proxy_renderer.words.lexicon.user_words import default_vocabulary
-from proxy_renderer.words.parser import parse
+from proxy_renderer.words.parser import Understood, parse
 from proxy_renderer.words.types import SceneDescription
 
 COLORS = default_vocabulary().colors
@@ -134,6 +134,8 @@ def test_a_color_may_be_a_number(prompt, number):
     (color,) = [a for a in parse(prompt.format(number), scene).attributes if a.color]
     assert color.color == srgb_from_hex(number.lower())
     assert color.region == "subject"
+    (word,) = [w for w in Understood(prompt.format(number), scene).words if w.text == number.lower()]
+    assert prompt.format(number)[slice(*word.place)] == number
 
 
 @pytest.mark.parametrize("text", ["#c8102", "#c8102e1", "#vase", "#1"])

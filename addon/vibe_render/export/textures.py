@@ -37,7 +37,7 @@ class ExportedTexture:
     image: np.ndarray  # (H, W, C) float32 linear, row 0 at the bottom
     extension: str = "REPEAT"  # "REPEAT", "EXTEND" or "CLIP"
     warning: str = ""  # what is only approximate about it, "" if nothing
-    # Left, bottom, right and top in parts of the camera's picture; None for a texture over UVs
+    # left, bottom, right and top in parts of the camera's picture; None for a texture over UVs
     window: tuple[float, float, float, float] | None = None
     # for a flat surface seen straight on: the 2 x 4 matrix that takes world-space points to the image
     plane: list[list[float]] | None = None
@@ -66,9 +66,8 @@ def uv_texture(material: bpy.types.Material, channel: str, origin: ValueOrigin) 
     image = image_alpha(node.image) if alpha else image_colors(node.image)
     if image is None:
         missing = f"The image {node.image.name!r} is missing"
-        return ExportedTexture(
-            np.array([[[1.0, 0.0, 1.0]]], np.float32), warning=missing
-        )  # as Cycles shows it
+        # as Cycles shows it
+        return ExportedTexture(np.array([[[1.0, 0.0, 1.0]]], np.float32), warning=missing)
     return ExportedTexture(image, {"MIRROR": "REPEAT"}.get(node.extension, node.extension))
 
 

@@ -49,9 +49,8 @@ def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectCho
                 if key.endswith(_POWER) and key not in scene_reading.instances
             }
             bindings.write(scene, added, subject, pivot)
-            as_result = messages.Result(
-                fitted.values, {}, ""
-            )  # no reasons: the preset's name is above the list
+            # no reasons: the preset's name is above the list
+            as_result = messages.Result(fitted.values, {}, "")
             result.apply(scene, look.prompt or look.name, as_result, subject, pivot, fresh_list=True)
     except BaseException:
         settings.show_original = shown

@@ -59,7 +59,7 @@ class BakedPicture:
     """A computed input where the camera sees its material."""
 
     image: np.ndarray  # (h, w, C) float32 linear, row 0 at the bottom
-    # Left, bottom, right and top of the image in parts of the picture
+    # left, bottom, right and top of the image in parts of the picture
     window: tuple[float, float, float, float]
     mean: np.ndarray  # (C,) over the pixels that show nothing else
 

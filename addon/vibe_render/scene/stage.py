@@ -135,13 +135,14 @@ def cyclorama(
     turn = np.linspace(0, math.pi / 2, 17)
     bend = 0.5 * radius
     start = np.linspace(0.01 * radius, radius - bend, 5)
+    # (P, 2): distance from the middle, height
     wall = np.stack(
         [
             np.concatenate([start, radius - bend + bend * np.sin(turn[1:]), [radius]]),
             np.concatenate([np.zeros(5), bend - bend * np.cos(turn[1:]), [height]]),
         ],
         axis=1,
-    )  # (P, 2): distance from the middle, height
+    )
     flat = np.stack([np.linspace(0.01 * radius, radius, len(wall)), np.zeros(len(wall))], axis=1)
     around = np.arange(0, 360, 5)
     raised = np.clip((np.abs((around - azimuth + 180) % 360 - 180) - 60) / 30, 0, 1)

@@ -58,9 +58,8 @@ class ImageJudge:
         self._method, self._encoder, self._prompt, self._every_word = method, encoder, prompt, every_word
         self._word_claims, self._reference = word_claims, reference
         self.claims: tuple[Claim, ...] = ()
-        self._artist: list[
-            tuple[Render, MeasuredPicture, ClaimSet]
-        ] = []  # of each shot: the artist's image, as measured, its claims
+        # of each shot: the artist's image, as measured, its claims
+        self._artist: list[tuple[Render, MeasuredPicture, ClaimSet]] = []
         self._asked: object = None
         self._guidance: list[Guidance] = []
 
