@@ -8,22 +8,10 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from bpy.types import Light, Material, Mesh, Object, Scene, World
+from bpy.types import Light, Material, Object, Scene, World
 from vibe_render.core import compat
 
-
-def cube(scene: Scene, name: str, location=(0.0, 0.0, 0.0), size: float = 1.0) -> Object:
-    """A cube of its own mesh, with UVs."""
-    h = size / 2.0
-    corners = [(x, y, z) for x in (-h, h) for y in (-h, h) for z in (-h, h)]
-    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    mesh: Mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(corners, [], faces)
-    mesh.uv_layers.new(name="UVMap")
-    obj = bpy.data.objects.new(name, mesh)
-    obj.location = location
-    scene.collection.objects.link(obj)
-    return obj
+from lab.blender.scenes.properties.plain import cube as cube
 
 
 def principled(name: str, obj: Object) -> Material:

@@ -18,6 +18,7 @@ import bpy
 
 sys.path.append(str(Path(__file__).parent))
 from window_files import files
+from window_further import further
 from window_presets import presets
 from window_scene import a_scene, effort, same, values
 from window_screen import Screen
@@ -302,7 +303,19 @@ def preferences(screen):
 
 WAYS = {
     way.__name__: way
-    for way in (ways_out, live, choosing, presets, questions, ends, without_engine, files, still, words)
+    for way in (
+        ways_out,
+        live,
+        choosing,
+        presets,
+        questions,
+        ends,
+        without_engine,
+        files,
+        still,
+        words,
+        further,
+    )
 }
 
 

@@ -12,7 +12,7 @@ HEADER = 363
 def still(screen):
     """The picture's panel is opened; a file's path is typed, and its look searched for; then other pictures are given."""
     from bl_ext.user_default.vibe_render.render import reference
-    from bl_ext.user_default.vibe_render.run.notes import words_shown
+    from bl_ext.user_default.vibe_render.run.notes import words_of
     from bl_ext.user_default.vibe_render.run.state import addon_state
     from bl_ext.user_default.vibe_render.scene import snapshot
 
@@ -37,7 +37,7 @@ def still(screen):
     screen.shoot("like_a_file")
     screen.observed["like_failure"] = addon_state.failure
     screen.observed["like_changes"] = values() != before and settings.vibed_like.endswith("dusk.png")
-    screen.observed["like_words"] = sorted(words_shown(addon_state.session.report["claims"]))
+    screen.observed["like_words"] = sorted(words_of(addon_state.session.report["verdicts"], "visible"))
     yield from screen.undo()
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "undo")
     yield from choose(screen, "IMAGE")

@@ -9,6 +9,7 @@ tree.jpg       vibe run tree.obj --prompt "Misty tree silhouette, cool blue fog,
 like.jpg       vibe demo --like coffee.png --out out/like, coffee.png being skimage.data.coffee()
 fidelity.jpg   python -m lab fidelity --out out/fidelity
 sealed.jpg     python -m lab sealed --out out/sealed
+gallery/       vibe batch examples/batch.toml --out out/gallery, after the scenes (examples/README.md)
 rigs.jpg       vibe batch rigs.toml --out out/rigs: four scenes, and the prompts of `RIGS`
 results/       results.json of out/sealed, and of out/sealed-long (`python -m lab sealed --long --out out/sealed-long`)
 tutorial/      the tutorial's own commands
@@ -65,6 +66,20 @@ RIGS = (
 )
 """Prompts of rigs.jpg, from left to right."""
 
+GALLERY = {
+    "interior": "cozy evening by lamplight, warm",
+    "landscape": "sunset, warm orange sky, thin mist over the lake",
+    "bust": "cinematic teal and orange, dramatic light from the left, dark background",
+    "car": "glossy burgundy car, warm sunset light, long shadows",
+}
+"""Prompts of the gallery, by scene."""
+
+FAILURES = {
+    "product": "emerald perfume, dark moody studio, warm rim light",
+    "street": "rainy night, neon pink and cyan light",
+}
+"""Prompts of the gallery whose result is not worth keeping, by scene."""
+
 _SIDE, _GAP = 128, 6
 
 
@@ -79,6 +94,8 @@ def main(folder: Path) -> None:
         if (folder / name / "results.json").is_file():
             (HERE / "results").mkdir(exist_ok=True)
             shutil.copy(folder / name / "results.json", HERE / "results" / f"{name}.json")
+    if (folder / "gallery").is_dir():
+        gallery(folder / "gallery" / "jobs")
     if (folder / "rigs").is_dir():
         save(rigs(folder / "rigs" / "jobs"), "rigs.jpg")
     scenes = [folder / "fidelity" / "scenes" / name for name in SCENES]
@@ -103,6 +120,19 @@ def rigs(jobs: Path) -> Image.Image:
     return sheet
 
 
+def gallery(jobs: Path) -> None:
+    """An image of each scene before, and one for each of its prompts in the gallery."""
+    for report in sorted(jobs.glob("*/report.json")):
+        told = json.loads(report.read_text("utf-8"))
+        scene = Path(told["scene"]).stem
+        for prompts, ending in ((GALLERY, ""), (FAILURES, "-failed")):
+            if prompts.get(scene) == told["prompt"]:
+                for source, name in (("before", f"{scene}-before"), ("after", scene + ending)):
+                    picture = Image.open(report.parent / f"{source}.png").convert("RGB")
+                    picture.thumbnail((720, 720), Image.Resampling.LANCZOS)
+                    save(picture, f"gallery/{name}.jpg")
+
+
 def beside(scenes: list[Path]) -> Image.Image:
     """A column for each scene: Cycles' picture, and the proxy's below it."""
     step = _SIDE + _GAP
@@ -116,6 +146,7 @@ def beside(scenes: list[Path]) -> Image.Image:
 
 def save(picture: Image.Image, name: str) -> None:
     """Writes a picture of the documents, and says how large it is."""
+    (HERE / name).parent.mkdir(exist_ok=True)
     picture.save(HERE / name, quality=85, optimize=True)
     print(f"{HERE / name}: {(HERE / name).stat().st_size / 1000:.0f} kB")
 

@@ -9,8 +9,7 @@ import sys
 from pathlib import Path
 
 from proxy_renderer.batch import schedule
-from proxy_renderer.batch.manifest import Limits, SceneGroup
-from proxy_renderer.batch.plan import BatchPlan
+from proxy_renderer.batch.manifest import BatchPlan, Limits, SceneGroup
 from proxy_renderer.batch.schedule import LocalPool
 from proxy_renderer.batch.sheet import Sheet
 from proxy_renderer.batch.store import Store

@@ -19,7 +19,7 @@ class Silent:
     def stage(self, name):
         self.seen.append(name)
 
-    def begin(self, display):
+    def begin(self, display, lit):
         self.first = display
 
     def step(self, progress, display):

@@ -30,7 +30,7 @@ LAYERS = {
         .
     """,
     "lab": """
-        blender.scenes blender blender.like judge heads methods train.sentences train.pictures train.text train
+        blender.scenes.properties blender.scenes blender blender.like judge heads methods train.sentences train.pictures train.text train
         bench.mitsuba bench bench.speed bench.encoder bench.paper bench.ladder bench.wild bench.sealed bench.scale bench.materials
         bench.binding bench.like .
     """,

@@ -42,18 +42,11 @@ def main() -> int:
             commands.COMMANDS[given.command](given, reporter)
         return 0
     except Exception as error:
-        known = _known(error)
+        full = isinstance(error, OSError) and atomic.is_full(error)
+        unwritten = files.unwritable(Path(tempfile.gettempdir(), "vibe"), error, "") if full else None
+        known = error if isinstance(error, schema.VibeError) else unwritten
         reporter.error(known or errors.unexpected(error, reporter.doing))
         return 2 if known and not isinstance(known, errors.UnexpectedError) else 1
-
-
-def _known(error: Exception) -> schema.VibeError | None:
-    """The error to show, where that is known."""
-    if isinstance(error, schema.VibeError):
-        return error
-    if isinstance(error, OSError) and atomic.is_full(error):
-        return files.unwritable(Path(tempfile.gettempdir(), "vibe"), error, "")
-    return None
 
 
 def _end(status: list[int]) -> None:

@@ -66,6 +66,26 @@ def test_a_color_and_a_tint_turn_where_the_scene_does(studio):
     assert float(pink[0]) > float(taken(studio, "tint", "surroundings", {})[0]) + 5
 
 
+BLUE_LIGHT = {"light__Key__color": (0.25, 0.35, 1.0), "world__color": (0.02, 0.03, 0.1)}
+
+
+@pytest.mark.parametrize("paint", [(0.6, 0.03, 0.02), (0.8, 0.8, 0.8)])
+def test_the_color_of_a_thing_is_that_in_its_light(studio, paint):
+    """In blue light a red ball is nearly as red as in white light, and a white one nearly as white; in that nothing changes."""
+
+    def seen(**light):
+        values = light | {"material__Ball__base_color": paint}
+        display = studio.shoot(**values).measured.display.float()
+        tensors = {key.replace("__", "/"): torch.tensor(value) for key, value in values.items()}
+        picture = MeasuredPicture(display, Proxy(load_scene(studio.job.folder), (96, 96)).gbuffer(tensors))
+        where = region_of(picture.seen, "subject")
+        return [MEASURES["color"].take(p, where)[1:] for p in (picture, picture.in_white_light(where))]
+
+    (plain, same), (bluish, adapted) = seen(), seen(**BLUE_LIGHT)
+    assert (same - plain).norm() < 0.2
+    assert (adapted - plain).norm() < 0.65 * (bluish - plain).norm()
+
+
 @pytest.mark.parametrize("density", [0.0, 0.05])
 def test_what_the_air_lets_through_is_what_a_homogeneous_fog_does(studio, density):
     proxy = Proxy(load_scene(studio.job.folder), (64, 64))

@@ -41,6 +41,17 @@ def offline(monkeypatch):
     monkeypatch.delenv("PIP_FIND_LINKS", raising=False)
 
 
+@pytest.fixture(autouse=True)
+def roomy(monkeypatch):
+    """The stand-ins are empty: they need none of the room that the real packages take."""
+    leave_free(monkeypatch, 100e9)
+
+
+def leave_free(monkeypatch, free):
+    usage = namedtuple("usage", "total used free")
+    monkeypatch.setattr(setup.shutil, "disk_usage", lambda path: usage(200e9, 200e9 - free, free))
+
+
 def installed(environment):
     return {
         path.name.removesuffix(".dist-info") for path in environment.glob("lib/*/site-packages/*.dist-info")
@@ -142,8 +153,7 @@ def test_a_finished_environment_replaces_the_older_one_and_runs_there(tmp_path):
 
 
 def test_a_full_disk_is_said_before_anything_is_downloaded(tmp_path, monkeypatch):
-    usage = namedtuple("usage", "total used free")
-    monkeypatch.setattr(setup.shutil, "disk_usage", lambda path: usage(9e9, 7e9, 2e9))
+    leave_free(monkeypatch, 2e9)
     environment = setup.EngineSetup(tmp_path / "engine", [], torch_builds.CUDA)
     with pytest.raises(VibeError, match=r"2\.0 GB are free, the engine takes 5\.8 GB"):
         environment.finish()

@@ -59,7 +59,7 @@ def test_a_factor_turns_it_down_as_predicted_and_is_reverted(sign, tmp_path):
     scene = load_scene(tmp_path)
     for values in ({}, {KEY: (0.25,)}):
         groups = anchors.render_anchor(sign, tmp_path / "a.exr", values, *place, 64, 32)
-        cycles = CyclesPicture.load(tmp_path / "a.exr", groups, scene.film).whole.mean((0, 1))
+        cycles = CyclesPicture.load(tmp_path / "a.exr", groups).whole.mean((0, 1))
         with torch.no_grad():
             given = {key: torch.tensor(value) for key, value in values.items()}
             predicted = Proxy(scene, (64, 64)).render(given).linear.mean((0, 1))
@@ -124,7 +124,7 @@ def test_a_fire_of_a_color_ramp_turns_blue(fire, tmp_path, prompt):
     }
     place = job.analysis.objects, job.analysis.pivot
     groups = anchors.render_anchor(fire, tmp_path / "a.exr", values, *place, 64, 32)
-    cycles = CyclesPicture.load(tmp_path / "a.exr", groups, data.film).whole.mean((0, 1))
+    cycles = CyclesPicture.load(tmp_path / "a.exr", groups).whole.mean((0, 1))
     with torch.no_grad():
         given = {key: torch.tensor(value) for key, value in values.items()}
         predicted = Proxy(data, (64, 64)).render(given).linear.mean((0, 1))

@@ -52,7 +52,7 @@ def test_they_light_the_prediction_from_where_they_are(street, tmp_path):
     groups = anchors.render_anchor(
         street, tmp_path / "a.exr", {}, job.analysis.objects, job.analysis.pivot, 64, 32
     )
-    picture = CyclesPicture.load(tmp_path / "a.exr", groups, scene.film)
+    picture = CyclesPicture.load(tmp_path / "a.exr", groups)
     whole, theirs = picture.whole, picture.parts["light/Bulb"]
     assert abs(theirs.mean() / whole.mean() - 1.0) < 0.02
     with torch.no_grad():

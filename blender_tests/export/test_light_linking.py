@@ -66,7 +66,7 @@ def test_a_linked_lamp_lights_its_receivers_only(balls, tmp_path, state, child, 
     assert {data.objects[number].name for number in lamp.unlit} == unlit
     place = job.analysis.objects, job.analysis.pivot
     groups = anchors.render_anchor(balls, tmp_path / "a.exr", {}, *place, 96, 128)
-    cycles = CyclesPicture.load(tmp_path / "a.exr", groups, data.film).whole.numpy()
+    cycles = CyclesPicture.load(tmp_path / "a.exr", groups).whole.numpy()
     with torch.no_grad():
         predicted = Proxy(data, (96, 48)).render({}).linear.numpy()
     for part in (np.s_[18:26, 26:34], np.s_[18:26, 62:70], np.s_[-6:]):  # the balls, the floor

@@ -130,7 +130,7 @@ def cycles_and_proxy(scene, job, folder, values):
     groups = anchors.render_anchor(scene, folder / "a.exr", values, *place, 64, 64)
     with torch.no_grad():
         predicted = Proxy(data, (64, 64)).render({k: torch.tensor(v) for k, v in values.items()}).linear
-    return CyclesPicture.load(folder / "a.exr", groups, data.film).whole.numpy(), predicted.numpy()
+    return CyclesPicture.load(folder / "a.exr", groups).whole.numpy(), predicted.numpy()
 
 
 def test_backdrop_and_light_are_predicted_and_change_as_predicted(studio, tmp_path):

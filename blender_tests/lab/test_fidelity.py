@@ -3,13 +3,12 @@
 
 import json
 import random
-import types
 
 import bpy
 import pytest
 from benches import bench
 from PIL import Image
-from vibe_render.scene import scene_context
+from vibe_render.core import rendered
 
 from lab.blender.move import STEP, move
 from lab.blender.scenes.build import WORLDS, build
@@ -80,8 +79,8 @@ def test_the_set_covers_what_the_issue_names():
 @pytest.mark.parametrize("recipe", SET_CATALOG, ids=lambda recipe: recipe.name)
 def test_sets_are_of_several_things_that_the_camera_sees(recipe):
     scene, subject = build(recipe, 0)
-    to_clip = scene_context.frustum(scene)
-    seen = [o for o in subject if scene_context.in_frame(to_clip, _instance(o))]
+    to_clip = rendered.frustum(scene)
+    seen = [o for o in subject if rendered.in_frame(to_clip, o, o.matrix_world)]
     assert len(seen) >= 2
     assert len({o.data.materials[0].name for o in seen}) >= 2
 
@@ -92,11 +91,6 @@ def test_in_a_room_only_its_lamp_glows(name, lamps):
     _, subject = build(recipe, 0)
     names = {"Stuff 0"}
     assert [o.name for o in subject if o.data.materials[0].name in names] == lamps
-
-
-def _instance(thing):
-    """As much of an instance as `in_frame` asks for."""
-    return types.SimpleNamespace(object=thing, matrix_world=thing.matrix_world)
 
 
 @pytest.mark.parametrize("name", ["knot", "rock"])

@@ -11,6 +11,7 @@ from dump import contents, difference
 from results import FOUND, PIVOT, PROMPT, read
 from sample_presets import DAY, NOIR
 from vibe_render.looks import library, thumbnail, transfer, use
+from vibe_render.render import bake
 from vibe_render.run.session import result
 from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.subject import SubjectChoice
@@ -94,7 +95,7 @@ def test_a_folder_that_cannot_be_written(own, monkeypatch):
 
 def test_thumbnails_show_the_middle(wide, tmp_path, scene):
     thumbnail.save_thumbnail(wide, tmp_path / "small.jpg")
-    small = thumbnail.read_picture(tmp_path / "small.jpg")
+    small = bake.read_file(tmp_path / "small.jpg")
     assert small.shape == (thumbnail.SIZE, thumbnail.SIZE, 4)
     assert np.abs(small[5:-5, 5:-5, :3] - (0, 1, 0)).max() < 0.05
     with pytest.raises(VibeError, match="No thumbnail"):
@@ -167,4 +168,4 @@ def test_a_look_is_captured_as_it_is_now(addon, tmp_path):
     assert flat.roles["film"][0]["saturation"] == [pytest.approx(1.0)]
     assert snapshot.exists(addon)
     thumbnail.render_thumbnail(addon, tmp_path / "small.jpg")
-    assert thumbnail.read_picture(tmp_path / "small.jpg").shape == (thumbnail.SIZE, thumbnail.SIZE, 4)
+    assert bake.read_file(tmp_path / "small.jpg").shape == (thumbnail.SIZE, thumbnail.SIZE, 4)

@@ -9,6 +9,7 @@ import vibe_render
 from dump import contents, difference
 from small_scenes import studio
 from vibe_render.looks import library, thumbnail, use
+from vibe_render.render import bake
 from vibe_render.run.session import result
 from vibe_render.scene.subject import SubjectChoice
 
@@ -45,7 +46,7 @@ def test_it_is_whole_and_small(row):
     assert look.shipped
     assert look.prompt == row["prompt"]
     assert look.picture.stat().st_size < 15_000
-    assert thumbnail.read_picture(look.picture).shape == (thumbnail.SIZE, thumbnail.SIZE, 4)
+    assert bake.read_file(look.picture).shape == (thumbnail.SIZE, thumbnail.SIZE, 4)
     assert not {"subject", "surroundings"} & set(look.preset.roles)  # materials are the artist's
 
 

@@ -34,11 +34,8 @@ def contents():
 
 
 def load(scene, path, groups):
-    from vibe_render.export.view import film_row
 
-    from proxy_renderer.scene import FilmSettings
-
-    return CyclesPicture.load(path, groups, FilmSettings(**film_row(scene)))
+    return CyclesPicture.load(path, groups)
 
 
 @pytest.fixture
@@ -166,7 +163,7 @@ def test_an_anchored_proxy_shows_what_cycles_renders(scene, tmp_path):
     moved = {k: torch.tensor(v) for k, v in values.items()}
     with torch.no_grad():
         before = mean_difference(proxy.render(moved).display, after)
-        proxy.anchor({}, CyclesPicture.load(path, groups, data.film))
+        proxy.anchor({}, CyclesPicture.load(path, groups))
         anchored = mean_difference(proxy.render(moved).display, after)
     assert anchored < before
     assert anchored < 1.0

@@ -89,17 +89,20 @@ def reopen(tmp_path):
 
 
 def moved(backdrop):
-    """A green, dimmer backdrop, in the parameters that it has."""
-    return {key: GREEN if len(i.value) == 3 else (0.5,) for key, i in backdrop.items()}
+    """A green, dimmer backdrop that is lighter at the horizon, in the parameters that it has."""
+    horizon = {"world/backdrop_horizon": (2.0, 1.5, 3.0)}
+    green = {key: GREEN if len(i.value) == 3 else (0.5,) for key, i in backdrop.items()}
+    return green | {key: value for key, value in horizon.items() if key in backdrop}
 
 
 def test_it_is_offered_with_the_worlds_values_and_is_no_part_of_the_scene(studio, tmp_path):
     before = contents()
     job, backdrop, place = exported(studio, tmp_path)
     assert not set(backgrounds.WORLD_OF_BACKDROP) & set(job.instances)
-    assert len(backdrop) == 2
+    assert len(backdrop) == (2 if "world/backdrop_tint" in backdrop else 3)
     for key, instance in backdrop.items():
-        assert instance.value == job.instances[backgrounds.WORLD_OF_BACKDROP[key]].value
+        own = job.instances.get(backgrounds.WORLD_OF_BACKDROP[key])
+        assert instance.value == (own.value if own else (1.0, 1.0, 1.0))
         assert instance.key == key
     same = {key: i.value for key, i in backdrop.items()}
     assert bindings.write(studio, same, *place) == {}
@@ -185,7 +188,7 @@ def test_the_proxy_sees_what_cycles_renders(studio, tmp_path, again):
         steps.append({**values, "world/rotation": (120.0,)})
     for step in steps:
         groups = anchors.render_anchor(studio, tmp_path / "a.exr", step, *place, 64, 64)
-        cycles = CyclesPicture.load(tmp_path / "a.exr", groups, data.film).whole.numpy()
+        cycles = CyclesPicture.load(tmp_path / "a.exr", groups).whole.numpy()
         with torch.no_grad():
             tensors = {k: torch.tensor(v) for k, v in step.items()}
             predicted = Proxy(data, (64, 64)).render(tensors).linear.numpy()
@@ -220,11 +223,42 @@ def test_a_preset_brings_it_to_another_scene(scene, tmp_path):
         read = reading.prepare_and_read(bpy.context.scene, CHOICE)
         fitted = transfer.fit_look(look, read)
         assert fitted.rest == []
-        assert set(fitted.values) == {f"world/backdrop_{color}", "world/backdrop_strength"}
+        horizon = {"world/backdrop_horizon"} if world is plain else set()  # a picture has its own
+        assert set(fitted.values) == {f"world/backdrop_{color}", "world/backdrop_strength"} | horizon
         assert (
             bindings.write(bpy.context.scene, fitted.values, read.analysis.objects, read.analysis.pivot) == {}
         )
         assert backgrounds.has_backdrop(bpy.context.scene.world)
+
+
+def test_its_horizon_stays_where_it_was_made(scene, tmp_path):
+    fill(scene, plain)
+    scene.camera.rotation_euler = (1.7, 0.0, 0.0)
+    _, backdrop, place = exported(scene, tmp_path)
+    made = load_scene(tmp_path).world.horizon
+    bindings.write(scene, moved(backdrop), *place)
+    scene.camera.rotation_euler = (1.5, 0.0, 0.0)
+    exported(scene, tmp_path / "again")
+    assert load_scene(tmp_path / "again").world.horizon == pytest.approx(made)
+
+
+@pytest.mark.parametrize("turn", [(1.1, 0.0, 0.0), (1.75, 0.2, 0.0), "orthographic"])
+def test_its_horizon_is_where_the_cameras_is(scene, tmp_path, turn):
+    fill(scene, plain)
+    if turn == "orthographic":
+        scene.camera.data.type = "ORTHO"
+    else:
+        scene.camera.rotation_euler = turn
+    _, backdrop, place = exported(scene, tmp_path)
+    values = moved(backdrop)
+    groups = anchors.render_anchor(scene, tmp_path / "a.exr", values, *place, 64, 64)
+    cycles = CyclesPicture.load(tmp_path / "a.exr", groups).whole.numpy()
+    proxy = Proxy(load_scene(tmp_path).with_backdrop(), (64, 64))
+    with torch.no_grad():
+        predicted = proxy.render({k: torch.tensor(v) for k, v in values.items()}).linear.numpy()
+    rows, predicted = (picture[2:-2, np.r_[0:6, 58:64]].mean((1, 2)) for picture in (cycles, predicted))
+    assert rows == pytest.approx(predicted, rel=0.02)
+    assert np.ptp(rows) > 0.1
 
 
 def test_the_list_of_changes_starts_from_the_world_and_so_does_the_slider(addon):

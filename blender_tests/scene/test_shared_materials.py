@@ -2,10 +2,13 @@
 """Materials that the subject shares with other things: found, and separated so that Revert takes it back."""
 
 import bpy
+import pytest
 import small_scenes as scenes
 from dump import difference, dump
 from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.prepare import separate_materials, shared_materials
+
+from proxy_renderer.schema import material_copies
 
 PIVOT = (0.0, 0.0, 0.5)
 
@@ -65,3 +68,29 @@ def test_materials_from_a_library_are_nobodys_to_change(scene, tmp_path):
     for obj in (*subject, bpy.data.objects["Floor"]):
         obj.data.materials[0] = here.materials[0]
     assert names(subject) == {}
+
+
+def test_the_value_of_a_copy_makes_it_for_its_objects_and_revert_takes_it_away(scene):
+    """All objects of a name wear it, also one that shares its mesh with another object."""
+    subject = sharing(scene)
+    floor = bpy.data.objects["Floor"]
+    for name in ("Tile", "Tile.001", "Other"):
+        scene.collection.objects.link(bpy.data.objects.new(name, floor.data))
+    key = f"material/{material_copies.copy_name('Body', ['Tile.*', 'Floor'])}/roughness"
+    before, values = dump(), {key: (0.9,), "material/Body/roughness": (0.2,)}
+    assert bindings.write(scene, values, subject, PIVOT) == {}
+    worn = {o.name: o.material_slots[0].material for o in scene.objects if o.material_slots}
+    assert worn["Floor"] == worn["Tile"] == worn["Tile.001"] != worn["Other"] == worn[subject[0].name]
+    for name, roughness in (("Floor", 0.9), ("Other", 0.2)):
+        assert scenes.shader(worn[name]).inputs["Roughness"].default_value == pytest.approx(roughness)
+    assert bindings.read(scene, subject, PIVOT)[key] == pytest.approx((0.9,))
+    assert bindings.write(scene, {key: (0.8,)}, subject, PIVOT) == {}  # the same copy
+    assert snapshot.revert(scene) == []
+    assert difference(before, dump()) == {}
+
+
+def test_a_copy_whose_objects_are_gone_is_not_made(scene):
+    subject = sharing(scene)
+    before, key = dump(), f"material/{material_copies.copy_name('Body', ['Gone'])}/roughness"
+    assert [*bindings.write(scene, {key: (0.9,)}, subject, PIVOT)] == [key]
+    assert difference(before, dump()) == {}

@@ -16,6 +16,7 @@ from vibe_render.render import anchors
 from vibe_render.run import preview, result, session
 from vibe_render.run.state import addon_state, engine_choice
 from vibe_render.scene import bindings, snapshot
+from vibe_render.scene.steps import along
 from vibe_render.ui import setup
 from vibe_render.ui.engine_state import engine_state
 
@@ -111,9 +112,8 @@ def test_another_variant_brings_its_own_reasons(vibed):
     scene, before = vibed
     other = {"light/Area/power": [90.0], "world/strength": [0.2]}
     original, _ = scene.vibe.changes["film/contrast"].values()
-    first = messages.Variant(FOUND, "variant-1.png", 0.6, {})
     second = messages.Variant(other, "variant-2.png", 0.5, {"light/Area/power": "bright"})
-    result.choose(scene, 1, [first, second], ())
+    result.choose(scene, 1, second, ())
     there = bindings.read(scene, (), PIVOT)
     assert there["light/Area/power"] == pytest.approx((90.0,))
     assert there["film/contrast"] == pytest.approx(original)
@@ -154,7 +154,7 @@ def test_variants_leave_what_an_earlier_vibe_did(vibed):
     own = scene.vibe.changes["light/Area/power"].values()[0]
     looks = [messages.Variant({"light/Area/power": [p]}, "", 0.5, {}) for p in (90.0, 40.0)]
     result.apply(scene, "bright", messages.Result(looks[0].values, {}, ""), (), PIVOT)
-    result.choose(scene, 1, looks, ())
+    result.choose(scene, 1, looks[1], ())
     there = bindings.read(scene, (), PIVOT)
     assert there["light/Area/power"] == pytest.approx((40.0,))
     assert there["film/contrast"] == pytest.approx((1.3,))
@@ -176,9 +176,9 @@ def test_keep_leaves_nothing_to_revert_to(vibed):
 def test_mixing_ends_at_its_ends(family):
     parameter = FAMILIES[family]
     low, high = ((b,) * parameter.components for b in (parameter.lower, parameter.upper))
-    assert result.blend(family, low, high, 0.0) == low
-    assert result.blend(family, low, high, 1.0) == high
-    assert all(low[0] < v < high[0] for v in result.blend(family, low, high, 0.5))
+    assert along(family, low, (low, high), 0.0) == list(low)
+    assert along(family, low, (low, high), 1.0) == list(high)
+    assert all(low[0] < v < high[0] for v in along(family, low, (low, high), 0.5))
 
 
 @pytest.fixture(scope="module")

@@ -87,7 +87,7 @@ def test_locks_open_and_close(addon):
 
 
 def test_the_cache_is_measured_and_cleared_but_not_during_a_vibe(folder, addon, monkeypatch):
-    setup.measure_again()
+    setup._measured.clear()
     place = preferences.cache_folder(bpy.context)
     assert setup.cache_size(place) == "Empty"
     assert not bpy.ops.vibe.clear_cache.poll()
@@ -95,7 +95,7 @@ def test_the_cache_is_measured_and_cleared_but_not_during_a_vibe(folder, addon, 
     (place / "deep" / "answer.json").write_bytes(bytes(1500))
     beside = place.parent / "mine.txt"
     beside.write_text("the artist's")
-    setup.measure_again()
+    setup._measured.clear()
     assert setup.cache_size(place) == "1.5 kB in 1 file"
     monkeypatch.setattr(addon_state, "running", True)
     assert not bpy.ops.vibe.clear_cache.poll()

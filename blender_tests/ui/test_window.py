@@ -222,6 +222,15 @@ def test_a_picture_is_given_instead_of_words(walk):
     assert observed["like_slot"] == "render slot 1"
 
 
+def test_a_further_sentence_and_its_steps(walk):
+    """What is typed goes on from the result; a step is shown and switched off with a click, and undone by one undo step."""
+    observed = walk("further")
+    assert observed["failure"] == ""
+    assert observed["sentences"][1:] == ["much darker"]
+    for seen in ("further_changes", "show_restores", "undo_restores", "off_restores"):
+        assert observed[seen], seen
+
+
 def test_shared_materials_are_asked_about(walk):
     """Both answers are followed."""
     observed = walk("questions")

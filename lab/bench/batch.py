@@ -18,8 +18,7 @@ from rich.console import Console
 from rich.table import Table
 
 from proxy_renderer.batch import manifest, schedule
-from proxy_renderer.batch.manifest import Limits, SceneGroup
-from proxy_renderer.batch.plan import BatchPlan, Job
+from proxy_renderer.batch.manifest import BatchPlan, Job, Limits, SceneGroup
 from proxy_renderer.batch.schedule import LocalPool, local_pool
 from proxy_renderer.batch.sheet import Sheet
 from proxy_renderer.batch.store import DONE, JobRow, Store, head, read_json, tidy, write_json

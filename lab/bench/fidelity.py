@@ -130,7 +130,7 @@ def _anchored(proxy: Proxy, anchors: Mapping[str, Any], reference: Tensor, folde
     small: Proxy | None = None
     for name, figure in (("still", "anchored_still_delta_e"), ("moved", "anchored_delta_e")):
         anchor = anchors[name]
-        cycles = CyclesPicture.load(anchor["picture"], anchor["groups"], proxy.scene.film)
+        cycles = CyclesPicture.load(anchor["picture"], anchor["groups"])
         small = small or Proxy(proxy.scene, cycles.size)
         values = {key: torch.tensor(value) for key, value in anchor["values"].items()}
         with torch.no_grad():

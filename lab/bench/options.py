@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 
-from lab.methods import BASELINES, PROJECTION
+from lab.methods import METHODS
 from proxy_renderer.schema.options import command_line
 from proxy_renderer.schema.options.table import named
 
@@ -44,6 +44,13 @@ def _fidelity(sub: argparse.ArgumentParser) -> None:
         "--seed", type=int, default=0, metavar="N", help="another set of the same kind (default: 0)"
     )
     _eevee(sub)
+
+
+def _rendered(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--count", type=int, default=500, metavar="N", help="so many scenes (default: 500)")
+    sub.add_argument("--seed", type=int, default=0, metavar="N", help="other scenes (default: 0)")
+    sub.add_argument("--only", default="*", metavar="GLOB", help='only such names: "*portal*"')
+    _pictures_of(sub, size=160, samples=32)
 
 
 def _eevee(sub: argparse.ArgumentParser) -> None:
@@ -174,8 +181,8 @@ def _sealed(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--rival",
         default="",
-        choices=(*BASELINES, PROJECTION),
-        help="who gets the same jobs: a baseline, with as many seconds, or the plan alone; who shows more is counted "
+        choices=[name for name in METHODS if name],
+        help="another method for the same jobs, a baseline with as many seconds; who shows more is counted "
         "(default: none)",
     )
     sub.add_argument(
@@ -284,6 +291,10 @@ BENCHES: dict[str, tuple[str, AddOptions]] = {
     ),
     "materials": ("Whether names of measured materials and lamps give what was measured.", _materials),
     "binding": ("Whether look words of labeled sentences are bound to what they describe.", _binding),
+    "rendered": (
+        "Whether predictions show what Cycles renders, where things hide, replace or multiply: scenes at random.",
+        _rendered,
+    ),
     "gradients": ("Whether the proxy's gradients point where Cycles' pictures go.", _gradients),
 }
 """By name: a summary, and what declares the options, which are the keywords of its module's `run`."""

@@ -30,6 +30,7 @@ VOLATILE = {
     "rna_type",
     "session_uid",
     "tag",
+    "is_outdated",  # of a cache of particles: any evaluation sets it
     "uv_sculpt",  # Blender 4.2 dies of reading it
 }
 BULK = {  # of meshes, read as one array each, of so many numbers an item
@@ -88,6 +89,8 @@ def _walk(struct: bpy_struct, path: str, seen: set[int]) -> Iterator[tuple[str, 
             continue
         if name == "outputs" and isinstance(struct, bpy.types.CompositorNodeRLayers):
             continue  # they follow the passes: any render makes them anew
+        if name == "users" and isinstance(struct, bpy.types.Scene):
+            continue  # a Render Layers node that comes a second time counts twice, though both are gone
         value = getattr(struct, name, None)
         if _given_by_blender(struct, name, value):
             continue

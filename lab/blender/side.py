@@ -103,6 +103,6 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--work", type=Path, default=Path())
     parser.add_argument("--cache", type=Path, default=Path())
     parser.add_argument("--blend", action="store_true")
-    for name in ("size", "samples", "seed"):
+    for name in ("size", "samples", "seed", "count"):
         parser.add_argument(f"--{name}", type=int, default=0)
     return parser.parse_args()

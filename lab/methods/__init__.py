@@ -8,8 +8,12 @@ from typing import NamedTuple
 RATE = "LAB_RATE"
 """Environment variable with the greatest step of `adam` and of the baselines, in thousandths of a range."""
 
-BASELINES = {"clip-only": "lab.methods.clip:ClipOnly", "clip-authors": "lab.methods.clip:ClipAuthors"}
-"""The paper's baselines."""
+BASELINES = {
+    "clip-only": "lab.methods.clip:ClipOnly",
+    "clip-authors": "lab.methods.clip:ClipAuthors",
+    "light-layers": "lab.methods.clip:LightLayers",
+}
+"""The paper's baselines, and the nearest rival's method. They have a budget of seconds."""
 
 PROJECTION = "projection"
 """The words' ranges and no gradients: the artist's values, projected."""
@@ -19,6 +23,7 @@ METHODS = {
     "adam": "lab.methods.adam:Adam",
     **BASELINES,
     PROJECTION: "lab.methods.parts:Projection",
+    "bare-rig": "lab.methods.parts:BareRig",
     "middle": "lab.methods.parts:Middle",
     "without-encoder": "lab.methods.parts:WithoutEncoder",
     "every-word": "lab.methods.parts:EveryWord",

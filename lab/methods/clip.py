@@ -74,6 +74,29 @@ class ClipAuthors(ClipOnly):
     frozen = ("camera", "volume")
 
 
+class LightLayers(ClipOnly):
+    """Coefficients of exact layers of light, as in the Eurographics 2026 short paper egs20261021 ("OLAT basis coefficients").
+
+    There each lamp, glowing mesh and world is rendered by Cycles alone, and gradient descent finds their powers and colors
+    under a similarity of the sum. Here the anchors correct the proxy light by light, so its layers are Cycles' own at the
+    anchor. Added lights of a rig, which take the place of the paper's dome, are among them.
+    """
+
+    coefficients = (
+        "light/power",
+        "light/strength",
+        "light/color",
+        "world/strength",
+        "world/color",
+        "material/emission",
+    )
+
+    def _entry(self, i: Instance) -> PlanEntry:
+        if i.parameter.family in self.coefficients:
+            return PlanEntry(i.lower, i.upper, 0, "a coefficient of its layer", prior=0.0)
+        return PlanEntry(i.lower, i.upper, None, "no layer has it", prior=0.0)
+
+
 class GlobalGuidance:
     """L_pos(I, t) alone (equation 3), on as many views as the product's whole-picture term has."""
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -16,11 +16,17 @@ from lab.methods.attributes import WithHeads
 from proxy_renderer.guidance.encoder import Encoder
 from proxy_renderer.guidance.guide import Guidance, NoGuidance, Weights
 from proxy_renderer.optimize.least_squares import Descent
+from proxy_renderer.optimize.objective import RoundObjective
 from proxy_renderer.optimize.rounds import selection
 from proxy_renderer.optimize.rounds.confiner import Confined
 from proxy_renderer.optimize.rounds.method import Method
+from proxy_renderer.optimize.shots import ShotState
+from proxy_renderer.optimize.vector import ParameterVector
 from proxy_renderer.planning.advice import Advice
+from proxy_renderer.planning.types import Plan
 from proxy_renderer.render.proxy import Render
+from proxy_renderer.schema import Instance
+from proxy_renderer.schema.messages import Options
 
 
 class Projection(Method):
@@ -37,6 +43,27 @@ class Projection(Method):
     ) -> Descent:
         """The round's projected point."""
         return Descent(now.u, 0.0, 0.0)
+
+
+class BareRig(Projection):
+    """The lights that the words need, set up, and nothing else: no other range is applied."""
+
+    def plan(self, instances: Mapping[str, Instance], plan: Plan) -> Plan:
+        """The rig's values as it sets them; all others are the artist's."""
+        values = {k: (e.usual and e.start) or instances[k].value for k, e in plan.items()}
+        return Plan({k: replace(e, lower=values[k], upper=values[k], start=None) for k, e in plan.items()})
+
+    def select(
+        self,
+        now: Confined,
+        vector: ParameterVector,
+        shots: Sequence[ShotState],
+        u: Tensor,
+        options: Options,
+    ) -> selection.Selection:
+        """Nothing: no value may move."""
+        box = now.lower, now.upper
+        return selection.Selection([], RoundObjective(shots, vector, now.plan, set(), box, self.weights))
 
 
 class Middle(Method):

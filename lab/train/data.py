@@ -13,12 +13,12 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
+from lab.heads.attributes import ATTRIBUTES
 from lab.train.pictures import dense, looks, shader, visible
 from lab.train.pictures.augment import ALONE, EMPTY, WHOLE, cut, frame, wear
 from lab.train.pictures.bank import SUBJECT
 from lab.train.text import captions, wording
 from lab.train.text.wording import NOUNS, TRAINED, WordingSplit
-from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 
 LOOKS = 4
 """Looks per group: a base, two one-attribute flips, a swap of the two colors."""

@@ -18,6 +18,7 @@ import trimesh
 from torch import Tensor
 
 from lab.heads import OF_SURFACES, folder_of, heads_of
+from lab.heads.attributes import ATTRIBUTES
 from lab.train.data import Batch, make_batch
 from lab.train.pictures import bank as banks
 from lab.train.pictures.looks import INDEX, NAMES
@@ -27,7 +28,6 @@ from lab.train.text.wording import NOUNS, TRAINED, WordingSplit
 from proxy_renderer.guidance import regions
 from proxy_renderer.guidance.encoder import Encoder, load_encoder
 from proxy_renderer.schema import atomic
-from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 
 _GROUPS, _BATCHES, _SEED = 48, 10, 7_000_000
 _UNIFORM = 0.8

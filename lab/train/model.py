@@ -16,6 +16,7 @@ from safetensors.torch import load_file, save_file
 from torch import Tensor, nn
 
 from lab.heads import AttributeHeads, folder_of
+from lab.heads.attributes import ATTRIBUTES
 from lab.judge import network as judge_network  # noqa: F401 - makes timm know the judge's picture tower
 from lab.train.data import LOOKS, Batch, choices, contradicts
 from lab.train.pictures.dense import MapReader
@@ -23,7 +24,6 @@ from lab.train.pictures.looks import STRESS
 from proxy_renderer.guidance import encoder
 from proxy_renderer.guidance.encoder import MERGES
 from proxy_renderer.schema import VibeError, atomic
-from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 
 CONFIG = {
     "embed_dim": 128,

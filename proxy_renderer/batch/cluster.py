@@ -13,8 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ..schema import VibeError
-from .manifest import Limits
-from .plan import Job
+from .manifest import Job, Limits
 from .schedule import PER_GPU
 from .store import TOKEN, JobRow, Store, read_json
 from .worker import Interrupted, Setup, Worker

@@ -20,7 +20,7 @@ from ..blender.progress import TerminalBar
 from ..schema import VibeError
 from ..words.lexicon.user_words import VARIABLE
 from . import manifest, schedule
-from .plan import BatchPlan, Job, Jobs
+from .manifest import BatchPlan, Job, Jobs
 from .schedule import Pool, fitting, local_pool
 from .sheet import Sheet
 from .store import DONE, FAILED, Finals, JobRow, Store, read_json, write_bytes

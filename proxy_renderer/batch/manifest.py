@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The manifest of `vibe batch`, checked to its last key before anything starts.
+"""The manifest of `vibe batch`, checked to its last key before anything starts, and the jobs that it makes.
 
 A mistake raises VibeError, which names its line.
 
@@ -34,14 +34,18 @@ from __future__ import annotations
 import fnmatch
 import glob
 import hashlib
+import json
 import os
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
+from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
+from .. import __version__
 from ..inputs import check
-from ..schema import VibeError
+from ..schema import VibeError, schema_hash
 from ..schema.limits import LARGEST_SEED
 from ..words.lexicon.user_words import user_file
 from .manifest_options import IN_FILES, OptionReader, TomlSource, texts
@@ -196,12 +200,8 @@ class _Reader:
         return tuple(prompts)
 
     def _seeds(self, given: Any, *keys: str) -> tuple[int, ...]:
-        whole = (
-            isinstance(given, list)
-            and given
-            and all(type(s) is int and 0 <= s <= LARGEST_SEED for s in given)
-        )
-        if not whole:
+        seeds = given if isinstance(given, list) else ()
+        if not seeds or not all(type(s) is int and 0 <= s <= LARGEST_SEED for s in seeds):
             raise self._problem("These are not seeds.", "Write numbers from 0: seeds = [0, 1].", *keys)
         return tuple(dict.fromkeys(given))
 
@@ -225,10 +225,8 @@ class _Reader:
             if key not in defaults:
                 raise self._problem(f"Unknown limit {key!r}.", f"Use {', '.join(defaults)}.", "limits", key)
             whole = isinstance(defaults[key], int)
-            if (
-                type(value) not in ((int,) if whole else (int, float))
-                or value < (key in ("minutes", "cores")) * 0.01
-            ):
+            least = 0.01 if key in ("minutes", "cores") else 0.0
+            if type(value) not in ((int,) if whole else (int, float)) or value < least:
                 remedy = f"Write a {'whole number' if whole else 'number'}, as in {key} = {defaults[key]}."
                 raise self._problem(f"{key} cannot be {value!r}.", remedy, "limits", key)
         return Limits(**self._table({"limits": table}, "limits"))
@@ -271,3 +269,78 @@ class _Reader:
         """The path of a file that the manifest names, once it is known to be readable."""
         with self._source.at(*keys):
             return check.file(str(self._base / name), what)
+
+
+# The jobs of a batch: scenes × prompts × seeds, made one at a time
+
+
+_WORDS, _DIGEST = 32, 12  # letters of a prompt, and of the digest, in a folder's name
+_FILES = tuple(f"--{name}=" for name in IN_FILES)
+
+
+@dataclass(frozen=True)
+class Take:
+    """Final frames of one .blend through one camera."""
+
+    blend: int  # its number among the job's scenes
+    camera: str = ""  # its name; "" for the .blend's own
+    frames: str = ""  # "1-24" or "1,50"; "" for the .blend's own
+    folder: str = ""  # for its frames, in that of the job's frames; "" for that itself
+
+
+@dataclass(frozen=True)
+class Job:
+    """One vibe."""
+
+    name: str  # of its folder: readable, and ending in a digest of everything that its result depends on
+    scene: str  # as the manifest names it
+    source: Path  # where the scene is now
+    prompt: str  # the look
+    seed: int  # of every random choice
+    arguments: tuple[str, ...]  # options for Blender's side, with prompt and seed
+    more: tuple[Path, ...] = ()  # where the other scenes are that are to have the same look
+    # None for a vibe; else the final frames of its result to render: "1-24", "" for the scene's own
+    frames: str | None = None
+    takes: tuple[Take, ...] = ()  # the same, for every .blend and camera of the result
+
+
+class Jobs(Protocol):
+    """Jobs that are made when they are asked for, again and again."""
+
+    def __len__(self) -> int: ...
+
+    def __iter__(self) -> Iterator[Job]: ...
+
+
+class BatchPlan:
+    """All jobs, in the order of the manifest; a new iteration makes them anew."""
+
+    def __init__(self, groups: Sequence[SceneGroup]) -> None:
+        self.groups = groups
+
+    def __len__(self) -> int:
+        return sum(len(group.prompts) * len(group.seeds) for group in self.groups)
+
+    def __iter__(self) -> Iterator[Job]:
+        version = f"{__version__} {schema_hash()}"
+        for group in self.groups:
+            # Where the picture and the goals lie does not matter: the group's digest knows what is in them.
+            options = [each for each in group.arguments if not each.startswith(_FILES)]
+            base = hashlib.sha256(json.dumps([group.name, group.digest, options, version]).encode())
+            stem = _slug(Path(group.name).stem)
+            for prompt in group.prompts:
+                # Without a prompt it is called after its files: "like", "goals".
+                files = (n for n in IN_FILES if any(a.startswith(f"--{n}=") for a in group.arguments))
+                words = _slug(prompt or "-".join(files))[:_WORDS].strip("-")
+                for seed in group.seeds:
+                    digest = base.copy()
+                    digest.update(f" {seed} {prompt}".encode())
+                    arguments = (f"--prompt={prompt}", f"--seed={seed}", *group.arguments)
+                    name = f"{stem}-{words}-{seed}-{digest.hexdigest()[:_DIGEST]}"
+                    yield Job(name, group.name, group.source, prompt, seed, arguments, group.more)
+
+
+@lru_cache(4096)
+def _slug(text: str) -> str:
+    """A text as a part of a file name on every system."""
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:48] or "x"

@@ -45,8 +45,7 @@ class TomlSource:
     def line(self, *keys: str, quoted: str = "") -> int:
         """The number, from 1, of the line that has a key; or of the first one after it with a text.
 
-        Args:
-            *keys: From the outermost table to the key; tables of a list, [[shots]], are counted: "shots", "0", "frames".
+        Keys begin with the outermost table; tables of a list, [[shots]], are counted: "shots", "0", "frames".
         """
         table: tuple[str, ...] = ()
         counts: Counter[tuple[str, ...]] = Counter()
@@ -107,11 +106,7 @@ class OptionReader:
         self._defaults = {row.name: row.command_default for row in self._rows.values() if row.name != "stage"}
 
     def read(self, table: dict[str, Any], keys: tuple[str, ...], where: str = "") -> dict[str, Any]:
-        """The options in a table of the manifest, each of its type, and good.
-
-        Args:
-            where: "scene" or "shots" if more may stand there than the options of every vibe.
-        """
+        """The options in a table of the manifest, each of its type, and good; in "scene" and "shots" more may stand."""
         rows = {n: row for n, row in self._rows.items() if {"options", where} & set(row.manifest)}
         options: dict[str, Any] = {}
         for key, value in table.items():
@@ -130,7 +125,9 @@ class OptionReader:
         if row.name == "frames" and isinstance(value, list):
             value = ",".join(map(str, value))
         if type(value) is not (list if several else type(row.default)) or (several and not texts(value)):
-            remedy = f"Write it as in {row.name} = {_example(row)}."
+            shown = {bool: "false", tuple: '["a", "b"]', str: '"text"'}
+            example = "[1, 50, 100]" if row.name == "frames" else shown.get(type(row.default), row.default)
+            remedy = f"Write it as in {row.name} = {example}."
             raise self._problem(f"{key} cannot be {value!r}.", remedy, *keys, key)
         if row.choices and value not in row.choices:
             raise self._problem(f"{key} cannot be {value!r}.", f"Use {', '.join(row.choices)}.", *keys, key)
@@ -176,9 +173,3 @@ class OptionReader:
 def texts(given: Any) -> bool:
     """True for a list of texts that is not empty."""
     return isinstance(given, list) and bool(given) and all(isinstance(text, str) for text in given)
-
-
-def _example(row: Option) -> str:
-    if row.name == "frames":
-        return "[1, 50, 100]"
-    return {bool: "false", tuple: '["a", "b"]', str: '"text"'}.get(type(row.default), str(row.default))

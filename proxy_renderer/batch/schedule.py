@@ -15,8 +15,7 @@ from typing import Protocol
 
 import psutil
 
-from .manifest import Limits
-from .plan import Job, Jobs
+from .manifest import Job, Jobs, Limits
 from .store import JobRow, Store, head
 from .worker import Interrupted, Setup, Worker
 
@@ -136,11 +135,9 @@ def run(
     tell: Callable[[str, Job, JobRow], None],
     finished: bytearray | None = None,
 ) -> None:
-    """Carries out the jobs that are not done yet. Jobs are made only when there is a worker for them.
+    """Carries out the jobs that are not done yet, see `Store.finished`. Jobs are made only when there is a worker for them.
 
-    Args:
-        tell: Hears of "started", "done", "again", "lost" and "failed" jobs.
-        finished: As `Store.finished` returns it; None to look it up.
+    `tell` hears of "started", "done", "again", "lost" and "failed" jobs.
     """
     finished = store.finished(plan) if finished is None else finished
     fresh: Iterator[Job] = (job for job, done in zip(plan, finished, strict=True) if not done)

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TextIO
 
 from ..schema import atomic
-from .plan import BatchPlan
+from .manifest import BatchPlan
 from .store import JobRow, Store, unwritable
 
 FIELDS = (
@@ -63,7 +63,10 @@ class Sheet:
                 full = complete(row)
                 table.writerow(full | {"shots": " | ".join(full["shots"] or [])})
                 lines.write(json.dumps(full, ensure_ascii=False) + "\n")
-                page.write(_in_script(row) + ",\n")
+                short = {k: row[k] for k in FIELDS if row.get(k) not in (None, "")}
+                text = json.dumps(short, ensure_ascii=False)
+                # nothing in a row can end the script that it is in
+                page.write(text.replace("<", "\\u003c").replace("\u2028", "\\u2028") + ",\n")
             page.write(after)
         now = time.monotonic()
         self._next = now + max(_SOONEST, (now - start) / _SHARE)
@@ -71,10 +74,9 @@ class Sheet:
 
 def complete(row: JobRow) -> JobRow:
     """A row with all fields, in their order, and with the paths of its files from the results folder."""
-    files = (
-        {kind: f"{row['folder']}/{name}" for kind, name in FILES.items()} if row["status"] == "done" else {}
-    )
-    return {key: row.get(key) for key in FIELDS} | {kind: files.get(kind) for kind in FILES}
+    done = row["status"] == "done"
+    files = {kind: f"{row['folder']}/{name}" if done else None for kind, name in FILES.items()}
+    return {key: row.get(key) for key in FIELDS} | files
 
 
 def _page(title: str) -> tuple[str, str]:
@@ -84,12 +86,6 @@ def _page(title: str) -> tuple[str, str]:
     page = texts["sheet.html"].replace("{{style}}", texts["sheet.css"]).replace("{{script}}", script)
     before, after = page.replace("{{title}}", html.escape(title)).split("{{rows}}")
     return before, after
-
-
-def _in_script(row: JobRow) -> str:
-    """A row for the page; nothing in it can end the script that it is in."""
-    short = {k: row[k] for k in FIELDS if row.get(k) not in (None, "")}
-    return json.dumps(short, ensure_ascii=False).replace("<", "\\u003c").replace("\u2028", "\\u2028")
 
 
 @contextmanager

@@ -24,7 +24,7 @@ from filelock import FileLock, Timeout
 
 from ..schema import VibeError, atomic
 from ..schema.options import checks
-from .plan import Job, Jobs, Take
+from .manifest import Job, Jobs, Take
 
 JobRow = dict[str, Any]
 DONE, FAILED, LOG = "done.json", "failed.json", "log.txt"

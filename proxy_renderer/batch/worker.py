@@ -25,8 +25,7 @@ from ..blender.crashes import temporary
 from ..blender.launch import blender_side, environment
 from ..blender.meshes import prepared
 from ..schema import VibeError, labels
-from .manifest import Limits
-from .plan import Job
+from .manifest import Job, Limits
 from .store import DONE, FINAL, FRAMES, LOG, JobRow, head, read_json, tidy, write_bytes, write_json
 
 _THUMB = 480  # pixels, the longer side
@@ -200,8 +199,8 @@ class Worker:
             return self._process
         if self._closed:
             raise VibeError("The worker is closed.")
-        threads = str(self._setup.limits.cores)
         self._scratch = tempfile.TemporaryDirectory(prefix="vibe-", ignore_cleanup_errors=True)
+        variables = environment() | temporary(Path(self._scratch.name)) | self._setup.variables
         process = self._process = subprocess.Popen(
             self._setup.command or (sys.executable, str(blender_side()), "--events", "serve"),
             stdin=subprocess.PIPE,
@@ -209,10 +208,7 @@ class Worker:
             stderr=subprocess.STDOUT,
             encoding="utf-8",
             errors="replace",
-            env=environment()
-            | temporary(Path(self._scratch.name))
-            | self._setup.variables
-            | {"OMP_NUM_THREADS": threads},
+            env=variables | {"OMP_NUM_THREADS": str(self._setup.limits.cores)},
             start_new_session=True,  # Ctrl-C is for the batch, which ends its workers itself
         )
         if self._cores and hasattr(os, "sched_setaffinity"):
@@ -238,16 +234,12 @@ def _orders(job: Job, folder: Path) -> list[list[str]]:
     sources = [str(job.source), *map(str, job.more)]
     if job.frames is None:
         return [["run", *sources, *job.arguments, f"--out={folder}"]]
-    return [
-        [
-            "frames",
-            sources[take.blend],
-            *([f"--cameras={take.camera}"] if take.camera else []),
-            f"--frames={take.frames}",
-            f"--out={folder / FRAMES / take.folder}",
-        ]
-        for take in job.takes
-    ]
+    orders = []
+    for take in job.takes:
+        camera = [f"--cameras={take.camera}"] if take.camera else []
+        place = f"--out={folder / FRAMES / take.folder}"
+        orders.append(["frames", sources[take.blend], *camera, f"--frames={take.frames}", place])
+    return orders
 
 
 class _Watch:

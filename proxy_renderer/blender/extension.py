@@ -28,12 +28,9 @@ _OF_THE_COMMAND = (
 
 
 def build(out: Path) -> Path:
-    """Builds and validates the extension for Blender's "Install from Disk": OUT/vibe_render-VERSION.zip.
+    """Builds and validates OUT/vibe_render-VERSION.zip, for Blender's "Install from Disk"; raises VibeError if that fails.
 
     It remembers which Python built it, so that on this computer Blender finds the engine.
-
-    Raises:
-        VibeError: If Blender's tool is not installed or refuses, or the folder cannot be written.
     """
     tool = _blender_tool()
     with tempfile.TemporaryDirectory() as scratch:
@@ -50,18 +47,11 @@ def install(blender: str = "") -> str:
     program = _blender(blender)
     with tempfile.TemporaryDirectory() as scratch:
         archive = build(Path(scratch))
-        command = [
-            program,
-            "--command",
-            "extension",
-            "install-file",
-            "-r",
-            "user_default",
-            "-e",
-            str(archive),
-        ]
+        how = ["--command", "extension", "install-file", "-r", "user_default", "-e"]
         try:
-            done = subprocess.run(command, capture_output=True, text=True, errors="replace")
+            done = subprocess.run(
+                [program, *how, str(archive)], capture_output=True, text=True, errors="replace"
+            )
         except OSError as error:
             raise VibeError(
                 f"{program} does not start: {error.strerror}.", "Choose another --blender."

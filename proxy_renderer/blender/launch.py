@@ -28,21 +28,10 @@ _MARK = "VIBE "
 
 
 def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None) -> int:
-    """Runs batch.py with these arguments to its end.
+    """Runs batch.py with these arguments to its end; returns the command's exit code: 0, or 130 after a second Ctrl-C.
 
-    Ctrl-C is passed on once, and Blender's side then finishes with the best so far; a second one
-    ends it at once.
-
-    Args:
-        arguments: For batch.py.
-        out: What the artist is told to open at the end.
-        progress: Shows how it goes; standard output if None.
-
-    Returns:
-        The command's exit code: 0, or 130 after a second Ctrl-C.
-
-    Raises:
-        VibeError: What Blender's side reports, or that it died.
+    Ctrl-C is passed on once, and Blender's side then finishes with the best so far; a second one ends it at once. The artist
+    is told to open OUT at the end. Raises VibeError: what Blender's side reports, or that it died.
     """
     told = progress is None
     progress = progress or VibeProgress()
@@ -74,12 +63,7 @@ def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None
 
 
 def start(arguments: Sequence[str], scratch: Path | None = None, **options: Any) -> subprocess.Popen[str]:
-    """Python with these arguments, as a Blender in a process of its own whose `events` can be read.
-
-    Args:
-        scratch: Its folder for temporary files; None for the usual one.
-        **options: More options of `subprocess.Popen`.
-    """
+    """Python with these arguments, as a Blender whose `events` can be read; its temporary files go to `scratch`."""
     return subprocess.Popen(
         [sys.executable, *arguments],
         stdout=subprocess.PIPE,
@@ -95,9 +79,7 @@ def start(arguments: Sequence[str], scratch: Path | None = None, **options: Any)
 def events(process: subprocess.Popen[str], tail: deque[str]) -> Iterator[dict[str, Any]]:
     """The events among the lines that Blender's side prints, as they come.
 
-    Args:
-        process: As `start` returns it.
-        tail: Takes all other lines, Blender's own and broken events.
+    All other lines, Blender's own and broken events, go to the tail.
     """
     assert process.stdout is not None
     for line in process.stdout:
@@ -119,7 +101,8 @@ def _forwarded_interrupts(process: subprocess.Popen[str], progress: VibeProgress
         presses.append(number)
         if len(presses) == 1:
             progress.note("Stopping with the best so far … (Ctrl-C again to give up)")
-            _send(process, signal.SIGINT)
+            interrupt = signal.SIGINT if os.name != "nt" else signal.CTRL_BREAK_EVENT  # type: ignore[attr-defined]
+            process.send_signal(interrupt)
         else:
             process.kill()
 
@@ -131,12 +114,6 @@ def _forwarded_interrupts(process: subprocess.Popen[str], progress: VibeProgress
             signal.signal(number, handler or signal.SIG_DFL)  # None: it was not set from Python
 
 
-def _send(process: subprocess.Popen[str], number: int) -> None:
-    if os.name == "nt":
-        number = signal.CTRL_BREAK_EVENT  # type: ignore[attr-defined]
-    process.send_signal(number)
-
-
 def _own_group() -> dict[str, Any]:
     """A terminal sends Ctrl-C to its whole group; Blender's side gets it from here, once."""
     if os.name == "nt":
@@ -145,11 +122,7 @@ def _own_group() -> dict[str, Any]:
 
 
 def blender_side() -> Path:
-    """Where batch.py is: in the installed package, or in the clone that this file is in.
-
-    Raises:
-        VibeError: It is in neither.
-    """
+    """Where batch.py is: in the installed package, or in the clone that this file is in; raises VibeError if in neither."""
     spec = importlib.util.find_spec("vibe_render")
     places = [Path(p) for p in (spec.submodule_search_locations or [])] if spec else []
     places.append(Path(__file__).resolve().parents[2] / "addon" / "vibe_render")

@@ -15,9 +15,11 @@ from torch import Tensor
 from ..color.floats import chroma, hex_from_srgb, lab_from_srgb, srgb_from_oklab
 from ..render.gbuffer import GBuffer
 from ..schema import Values
+from ..words.lexicon.quantities import quantities
+from ..words.types import Part
 from .measures import MEASURES
 from .measures.color import RegionMeans
-from .measures.picture import MeasuredPicture, Part, region_of
+from .measures.picture import MeasuredPicture, is_black, region_of
 
 _FEW = 16  # pixels of which nothing can be said
 _SEEN = 0.05  # share of a region that is left, at least, when what words color is left out
@@ -34,6 +36,7 @@ _INSIDE, _INSIDE_COLOR = 0.5, 0.85
 """Share of half an interval's width that is left at its ends when values are sought; the latter for colors: what only just
 passes as navy is another blue to some who look at the picture."""
 
+_FARTHER = 1e4  # beyond every value of a measure: the core of an interval with one end
 _MARGIN = 2.0  # the same for an interval with one end, in noticeable steps
 
 _SATURATED, _WIDENED = 40.0, 0.045
@@ -41,10 +44,10 @@ _SATURATED, _WIDENED = 40.0, 0.045
 seen, in the proportions of CIEDE2000's weights of chroma, 1 + 0.045 C* (Sharma, Wu and Dalal 2005): the second number."""
 
 _MANY = 8  # claims about mean colors that are worth being measured together
+_LEAST = 0.02  # share of the image below which judges did not see what a thing was like
 _HARDEST = 100.0  # a miss, in noticeable steps, that nothing is worse than
 
 _COLORS = ("color", "mean")  # measures in OKLab
-_BLACK = 0.02  # of white, as a picture is stored: what is darker everywhere shows nothing
 
 
 @dataclass(frozen=True)
@@ -67,21 +70,26 @@ class Claim:
     # along the hue and how far across; none for the measure's own numbers
     direction: Values = ()
     color: Values | None = None  # the color that is asked for, sRGB; None for other claims
-    # left, upper, right and lower end of the part in the frame, as shares of its width and height; None for all of it
-    box: tuple[float, float, float, float] | None = None
+    # left, upper, right and lower end of the part in the frame, as shares of its width and height; () for all of it
+    box: Values = ()
     reason: str = ""  # why it is claimed; "" where the word says it
     # Parts, each with its materials, that are left out: those that words color, in a claim about light
     apart: tuple[tuple[Part, tuple[str, ...]], ...] = ()
     weight: float = 1.0  # of a step while values are sought: less, where a mood only usually stands for it
-    # whether the word only compares, as "colder" does: next to a reference image it is relative to that
-    compares: bool = False
     # whether a change is enough near the interval only; for words that only compare it is enough anywhere
     near: bool = True
+    also: tuple[str, ...] = ()  # more words that stand or fall with it: they ask for the same of a light rig
+    by: bool = False  # whether both ends are noticeable steps from what the artist's image has
 
     @classmethod
     def unsaid(cls, part: Part, measure: str, lower: float = -math.inf, upper: float = math.inf) -> Claim:
         """A claim without words: a part of the image is in an interval, or no farther from it than before."""
         return cls("", part, measure, part, (lower,), (upper,), change=0.0)
+
+    @property
+    def is_of_thing(self) -> bool:
+        """True for a claim about objects, whose color is seen in the light that they stand in."""
+        return bool(self.materials) or self.part == "subject"
 
     def region(self, seen: GBuffer) -> Tensor | None:
         """The pixels (H, W) bool of its target; None where that is hardly seen."""
@@ -96,12 +104,16 @@ class Claim:
             apart = (*apart, ("picture", seen.surrounding))
         for part, materials in apart:
             rest &= ~region_of(seen, part, materials)
+        if self.by:
+            return rest if rest.sum() >= _FEW else None
         where = rest if rest.sum() > _SEEN * where.sum() else where
         return where if where.sum() >= _FEW else None
 
     def value(self, picture: MeasuredPicture, where: Tensor) -> Tensor:
         """Its value (n,) in the region `where` of an image, differentiable in it."""
         measure = MEASURES[self.measure]
+        if self.is_of_thing and self.measure in ("color", "tint"):
+            picture = picture.in_white_light(where)
         if measure.directed:
             return measure.take(picture, where, picture.display.new_tensor(self.direction))
         taken = measure.take(picture, where)
@@ -120,14 +132,21 @@ class Claim:
 
     def interval(self, before: Tensor | None) -> tuple[Values, Values]:
         """The lower and the upper end, the change considered since `before` (n,), of the artist's image; None if that is not known."""
+        if self.by and before is not None:
+            own, step = before.tolist(), before.new_tensor(self.notice).expand_as(before).tolist()
+            least, most = (
+                tuple(v + n * s for v, n, s in zip(own, end, step, strict=True))
+                for end in (self.lower, self.upper)
+            )
+            return least, most
         if self.change is None or before is None:
             return self.lower, self.upper
         if not self.change:
             stays = before.tolist()
             return tuple(map(min, self.lower, stays)), tuple(map(max, self.upper, stays))
-        own = float(before[0])
+        value = float(before[0])
         rises = self.change > 0.0
-        lower, upper = own + self.change if rises else own, own if rises else own + self.change
+        lower, upper = value + self.change if rises else value, value if rises else value + self.change
         if self.near and rises:
             lower = max(lower, self.lower[0] - _NEARLY * self.change)
         elif self.near:
@@ -162,21 +181,44 @@ class Claim:
         Args:
             ends: As it has returned them before: they are the same for every value of a type.
         """
-        lower, upper = ends or self._sought(value.detach(), before)
-        return self.weight * value / value.new_tensor(self.notice), lower, upper
-
-    def _sought(self, like: Tensor, before: Tensor | None) -> tuple[Tensor, Tensor]:
-        _, lower, upper = self.in_steps(like, before)
-        half = (upper - lower) / 2
-        if self.measure == "color":
-            inward = _INSIDE_COLOR * half
-        else:
-            inward = (_INSIDE * half).clamp_max(_MARGIN if self.word else 0.0)
-        return self.weight * (lower + inward), self.weight * (upper - inward)
+        if ends is None:
+            _, lower, upper = self.in_steps(value.detach(), before)
+            half = (upper - lower) / 2
+            if self.measure == "color":
+                inward = _INSIDE_COLOR * half
+            else:
+                inward = (_INSIDE * half).clamp_max(_MARGIN if self.word else 0.0)
+            ends = self.weight * (lower + inward), self.weight * (upper - inward)
+        return self.weight * value / value.new_tensor(self.notice), *ends
 
     def miss(self, value: Tensor, before: Tensor | None) -> float:
         """The length of the residual; a claim holds if it is at most `HOLDS`."""
         return min(float(self.residual(value, before).norm()), _HARDEST)
+
+    def was_so(self, before: Tensor, after: Tensor) -> bool:
+        """True if a value held before, and is no noticeable step nearer to the middle of the interval, or beyond its end, now."""
+        return not self.by and (
+            max(self.miss(before, None), self.miss(after, before)) <= HOLDS
+            and self.gain(before, after) < HOLDS
+        )
+
+    def gain(self, before: Tensor, after: Tensor) -> float:
+        """Noticeable steps by which a value came nearer to the middle of the interval, or went on beyond its open end."""
+        notice = before.new_tensor(self.notice)
+        lower, upper = (before.new_tensor(end) for end in (self.lower, self.upper))
+        core = torch.where(
+            upper.isinf(),
+            before + _FARTHER,
+            torch.where(lower.isinf(), before - _FARTHER, (lower + upper) / 2),
+        )
+        return float(((before - core) / notice).norm() - ((after - core) / notice).norm())
+
+    def is_sure(self, before: Tensor | None, after: Tensor | None, share: float) -> bool:
+        """Whether judges see what its measure tells of a target with this share of the image: it was so, or changed enough."""
+        steps = quantities().seen.get(self.measure, 1.0)
+        if math.isinf(steps) or share < _LEAST or before is None or after is None:
+            return False
+        return self.was_so(before, after) or self.gain(before, after) >= steps
 
 
 @dataclass(frozen=True)
@@ -233,8 +275,8 @@ class ClaimSet:
         """Ends of `Claim.aim`, by the claim's place and the value's type: they are the same for every picture."""
         return {}
 
-    def aims(self, picture: MeasuredPicture) -> list[tuple[Tensor, Tensor, Tensor]]:
-        """Of each claim that can be measured: its value (n,), differentiable in the image, and the interval that is sought, see `Claim.aim`."""
+    def aims(self, picture: MeasuredPicture) -> list[tuple[Claim, Tensor, Tensor, Tensor]]:
+        """Claims that can be measured, with value (n,), differentiable in the image, and the interval that is sought, see `Claim.aim`."""
         found = []
         for i, (claim, value, before) in enumerate(
             zip(self.claims, self.values(picture), self.before, strict=True)
@@ -243,7 +285,7 @@ class ClaimSet:
                 kind = i, value.dtype, value.device
                 aim = claim.aim(value, before, self._ends.get(kind))
                 self._ends[kind] = aim[1:]
-                found.append(aim)
+                found.append((claim, *aim))
         return found
 
     def residuals(self, picture: MeasuredPicture) -> list[Tensor]:
@@ -252,7 +294,7 @@ class ClaimSet:
         return [claim.residual(value, before) for claim, value, before in rows if value is not None]
 
 
-def _inside(box: tuple[float, float, float, float], like: Tensor) -> Tensor:
+def _inside(box: Values, like: Tensor) -> Tensor:
     """(H, W) bool: the pixels in a part of the frame, see `Claim.box`."""
     height, width = like.shape
     left, upper, right, lower = box
@@ -278,25 +320,28 @@ class ShotClaims:
         """The rows of `report.json` on every claim, of images (H, W, 3) of any one size.
 
         Returns:
-            For each claim: word, thing, measure, says, unit, wanted, before, predicted, after, holds, miss, and the
-            `reason` where there is one. `holds` is None where the target is hardly seen; `miss` is the image's distance
+            For each claim: word, thing, measure, says, unit, wanted, before, predicted, after, holds, miss, whether it
+            was `already` so, whether judges see that (`sure`), `also` its other words and the `reason` where there are any. `holds` is None where the target is hardly seen; `miss` is the image's distance
             from the interval in noticeable steps.
         """
         with torch.no_grad():
-            judged = ClaimSet.about(self.claims, MeasuredPicture.of(before, self.before)).in_view(self.after)
+            # The places that a further sentence leaves as they are come last, and are no news.
+            told = tuple(claim for claim in self.claims if claim.word or not claim.by)
+            judged = ClaimSet.about(told, MeasuredPicture.of(before, self.before)).in_view(self.after)
             guesses, values = (self._values(judged, picture) for picture in (predicted, after))
-        rows = zip(judged.claims, judged.before, guesses, values, strict=True)
+        shares = [0.0 if where is None else float(where.float().mean()) for where in judged.regions]
+        rows = zip(judged.claims, judged.before, guesses, values, shares, strict=True)
         return [_verdict(*row) for row in rows]
 
     def _values(self, judged: ClaimSet, picture: Tensor) -> list[Tensor | None]:
         """An image's value of each claim: nothing, where all of it is black."""
-        if picture.max() < _BLACK:
+        if is_black(picture):
             return [None] * len(judged.claims)
         return judged.values(MeasuredPicture.of(picture, self.after))
 
 
 def _verdict(
-    claim: Claim, before: Tensor | None, predicted: Tensor | None, after: Tensor | None
+    claim: Claim, before: Tensor | None, predicted: Tensor | None, after: Tensor | None, share: float
 ) -> dict[str, Any]:
     miss = None if after is None else claim.miss(after, before)
     return {
@@ -311,6 +356,9 @@ def _verdict(
         "after": _shown(claim, after),
         "holds": None if miss is None else miss <= HOLDS,
         "miss": None if miss is None else round(miss, 2),
+        "already": before is not None and after is not None and claim.was_so(before, after),
+        "sure": claim.is_sure(before, after, share),
+        **({"also": list(claim.also)} if claim.also else {}),
         **({"reason": claim.reason} if claim.reason else {}),
     }
 

@@ -12,9 +12,8 @@ from ..schema import Values
 from ..schema.parameters import Region
 from ..words.attributes import display_color
 from ..words.lexicon.vocabulary import Vocabulary
-from ..words.types import Attribute
+from ..words.types import Attribute, Part
 from .claim import Claim
-from .measures.picture import Part
 
 # Intervals of a color, around the nearest one that an image can show
 _LIGHTNESS = 10.0  # lightness on either side
@@ -43,7 +42,6 @@ _BLACK_AIR, _WHITE_AIR = 35.0, 74.0
 
 # L* of an image from where it is dark; share of a color's lightness that is left in it at least
 _DIM, _DIMMEST = (45.0, 0.5)
-_LIT_WHITE = 6.0  # how far white things may lie in the direction of the light's color
 
 # Gray materials
 # share of its lightness, for white things have shades; L* beyond it, for black ones have highlights
@@ -60,7 +58,7 @@ _TINTING = ("light", "fill", "rim", "ambience", "tone")  # kinds of targets whos
 
 def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
     """Claims of a color word: the color of an object, or a tint of the light, the air or the film."""
-    part, thing = part_of(attribute), attribute.thing or attribute.region
+    part, thing = attribute.part, attribute.thing or attribute.region
     if attribute.kind in ("subject", "surroundings", "sky"):
         region: Region = "subject" if part == "subject" else "surroundings"
         shown = srgb_from_lab(display_color(srgb, region))
@@ -145,7 +143,7 @@ def of_material(attribute: Attribute, others: Iterable[Attribute], vocabulary: V
     Args:
         others: All attributes of the prompt: a named color replaces that of a material that may have any, as leather.
     """
-    entry, part = vocabulary.entries.get(attribute.entry), part_of(attribute)
+    entry, part = vocabulary.entries.get(attribute.entry), attribute.part
     if entry is None or entry.slot != "material" or part == "picture":
         return
     painted = any(_colors(other, attribute) for other in others)
@@ -187,7 +185,7 @@ def darkened(claim: Claim, darkest: float) -> Claim:
         return claim
     if claim.measure == "lightness" and claim.part != "picture":
         return replace(claim, lower=(max(darkest / _DIM, _DIMMEST) * claim.lower[0],))
-    if claim.measure != "color":
+    if claim.measure != "color" or claim.is_of_thing:
         return claim
     middle = (claim.lower[0] + claim.upper[0]) / 2
     level = 100 * oklab_from_srgb(srgb_from_lab((darkest, 0.0, 0.0)))[0]
@@ -198,25 +196,3 @@ def darkened(claim: Claim, darkest: float) -> Claim:
         lower=tuple(min(end, part * end) for end, part in zip(claim.lower, shares, strict=True)),
         upper=tuple(max(end, part * end) for end, part in zip(claim.upper, shares, strict=True)),
     )
-
-
-def in_colored_light(claim: Claim, casts: Iterable[Values]) -> Claim:
-    """A claim about white or gray, eased for colored light: at blue hour a white car is bluish. Other claims stay.
-
-    Args:
-        casts: Unit vectors in a and b, where light is to have a color.
-    """
-    if claim.measure != "color" or claim.direction:
-        return claim
-    (light, *lower), (lightest, *upper) = claim.lower, claim.upper
-    for cast in casts:
-        lower = [min(end, end + _LIT_WHITE * part) for end, part in zip(lower, cast, strict=True)]
-        upper = [max(end, end + _LIT_WHITE * part) for end, part in zip(upper, cast, strict=True)]
-    return replace(claim, lower=(light, *lower), upper=(lightest, *upper))
-
-
-def part_of(attribute: Attribute) -> Part:
-    """The part of the image that a word describes."""
-    if attribute.kind == "sky":
-        return "sky"
-    return "picture" if attribute.region == "whole" else attribute.region

@@ -6,23 +6,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import cast
+from itertools import product
+from typing import Any
 
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
-from ..color.shades import WARM
+from ..goals.picture import beside_picture
 from ..goals.resolve import Goals
 from ..goals.wish import Wish
 from ..schema import Values
-from ..words.lexicon.quantities import ClaimText, warmth_asked
+from ..words.lexicon.quantities import ClaimText, quantities
 from ..words.lexicon.vocabulary import Vocabulary
-from ..words.types import Attribute
+from ..words.types import Attribute, Part
 from .claim import Claim
-from .colors import as_accent, darkened, in_colored_light, of_color, of_material, part_of
-from .measures.picture import Part
+from .colors import as_accent, darkened, of_color, of_material
 
 _OF_MOODS = 0.5  # weight of what a mood stands for
-_SLIGHT = 0.8  # strength below which a word is a weak one
-_LESS = 2.0  # by how many of its changes a claim would ask for less at strength 0
 _OPPOSED = 0.5  # cosine between a tint and the other direction, from where an image cannot have both
 _MUTED = 0.7  # share of a named color's chroma that an image keeps in which colors are muted
 # least L* of an image in colored light; share of the color's own lightness that is enough
@@ -30,48 +28,87 @@ _LIT, _LIT_SHARE = (44.0, 0.7)
 
 # Of every image
 _BURNT, _SUBJECT_DROWNED, _DROWNED = 0.06, 0.3, 0.12  # shares that may be overexposed, or drown in black
+_CLIPPED = 0.005  # share with a clipped channel: a pure red has no shading left
+_VIVID = 82.0  # colorfulness that people call high, Hasler and Süsstrunk 2003
+_FULL = 0.97  # a channel of a named color from where the image may have it clipped
 _WHITE, _BRIGHT = 90.0, 60.0  # L* of a color that is white, and of an image of which parts may be overexposed
 _BLACK, _DARK = 22.0, 50.0  # L* of a color that is black, and the most that words for dark ask for
 _APART = 10.0  # Lab distance between the subject and its ground
 # least L* between a subject's tenths, for light from everywhere shows no shape; the same if words ask for flat
 _SHAPED, _FLAT = (14.0, 8.0)
+_DIM = 22.0  # L* of the median of a reference image from where its subject may drown in black
+_SHOWN = ("burnt", "drowned", "separation")
 _DIMMEST = 24.0  # least L* of the lightest parts of a subject: even at night its lights are seen
 
 _TINTS = ("tint", "accent")
 
+# Of a further sentence
+_REST = "rest of the image"
+_PLACES = (6, 4)  # of the image, across and down, that stay as they are each by itself
+# OKLab, times 100, by which a place may change; the same if words say that it stays
+_STILL, _EXACT = (1.0, 0.4, 0.4), (0.5, 0.2, 0.2)
+_HELD = 0.3  # weight of a place
+_COLORED = ("light_color", "cast", "saturation", "color")
+"""Quantities of the whole image that leave its lightness as it is."""
+
 
 def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     """The claims of goals, and those of every image: that its subject can be seen."""
-    ranked = sorted(goals.wishes, key=lambda wish: wish.rank)
+    goals = beside_picture(goals, vocabulary)
+    ranked = sorted((wish for wish in goals.wishes if not wish.of_picture), key=lambda wish: wish.rank)
     rows = _with_accents([(wish, [*_of_wish(wish, goals, vocabulary)]) for wish in ranked])
     colors = [c for wish, row in rows if wish.attribute.color and not wish.implied for c in row]
 
     # Each word adds what those of higher rank do not claim already.
     claims: list[Claim] = []
     for wish, row in rows:
-        compared = _compares(wish.attribute, goals.parsed.attributes, vocabulary)
         for claim in row:
-            claim = replace(_allowing_colors(claim, wish.usual > 0, colors), compares=compared)
+            claim = _allowing_colors(claim, wish.usual > 0, colors)
             if all(_narrows(claim, wish.usual > 0, first) for first in claims):
                 claims.append(claim)
     claims += _least_lightness(colors, claims)
 
     # Objects are measured as they look in the light that is asked for, and light on what has no color of its own.
     darkest = min((c.upper[0] for c in claims if _is_brightness(c)), default=math.inf)
-    casts = [direction for c in claims if (direction := _cast_direction(c))]
     colored = [c for c in claims if c.measure == "color"]
     colored += [c for wish, row in rows for c in row if _is_painted(c, wish.attribute)]
     shown = []
     for claim in claims:
-        if _is_light(claim):
-            claim = _without_colored(claim, colored)
-        else:
-            claim = in_colored_light(darkened(claim, darkest), casts)
+        claim = _without_colored(claim, colored) if _is_light(claim) else darkened(claim, darkest)
         if (claim.part, claim.measure) == ("picture", "chroma") and claim.lower[0] > 0.0:
             # vivid objects: a gray world behind them has no color, and lights them
             claim = replace(claim, apart=(("sky", ()),))
         shown.append(claim)
-    return (*shown, *_of_every_image(goals, claims))
+    rig, pictured = (
+        [_of_text(text, wish) for wish in wishes for text in wish.claims if text.weight]
+        for wishes in (goals.shown, goals.pictured)
+    )
+    if goals.holds:
+        every = [*_held(goals, [*claims, *rig])]
+    else:
+        every = [claim for claim in _of_every_image(goals, claims) if not _is_told(claim, pictured)]
+    return (*beside_paint(_shared(rig), claims), *shown, *every, *pictured)
+
+
+def _shared(rig: Sequence[Claim]) -> list[Claim]:
+    """A rig's claims, each once, for the first word that asks for it; others share it."""
+    words: dict[tuple[object, ...], dict[str, Claim]] = {}
+    for claim in rig:
+        words.setdefault((claim.measure, claim.color), {}).setdefault(claim.word, claim)
+    return [replace(next(iter(each.values())), also=tuple(each)[1:]) for each in words.values()]
+
+
+def beside_paint(light: Sequence[Claim], claims: Sequence[Claim]) -> Iterator[Claim]:
+    """A rig's claims, without those that the paint of a subject decides: a red one has no cool highlights, and a dark one stays dark.
+
+    The light's color is then measured around it.
+    """
+    painted = any(c.part == "subject" and c.measure in ("color", "tint") for c in claims)
+    for claim in light:
+        if painted and claim.measure == "highlight_warmth":
+            claim = replace(claim, thing="picture", part="picture", apart=(("subject", ()),))
+        if not (painted and claim.measure == "standing_out"):
+            yield claim
 
 
 def _of_wish(wish: Wish, goals: Goals, vocabulary: Vocabulary) -> Iterator[Claim]:
@@ -81,58 +118,32 @@ def _of_wish(wish: Wish, goals: Goals, vocabulary: Vocabulary) -> Iterator[Claim
         for claim in of_color(attribute, attribute.color):
             yield replace(claim, word=wish.word, weight=weight)
         return
-    for text in wish.claims:
-        yield _of_text(text, attribute)
+    yield from (_of_text(wish.asked_of(text), wish) for text in wish.claims if text.weight)
     if wish.quantity == "color" and not attribute.negated:
         yield from of_material(attribute, goals.parsed.attributes, vocabulary)
 
 
-def _of_text(text: ClaimText, attribute: Attribute) -> Claim:
-    """A lexicon's claim about what a word describes; a strong word asks for more of a change, a weak one for less.
-
-    What a mood stands for counts less than a named look, and is too much sooner: a summery image is not all orange.
-    """
-    own = text.part == "thing"
-    part = part_of(attribute) if own else cast(Part, text.part)
-    mild = attribute.cause or attribute.strength < _SLIGHT
-    lower, upper = _milder(text, min(attribute.strength, 1.0)) if mild else (text.lower, text.upper)
+def _of_text(text: ClaimText, wish: Wish) -> Claim:
+    """A claim of a wish. What a mood stands for counts less than a named look: a summery image is not all orange."""
+    attribute, part, own = wish.attribute, wish.part_of(text), text.part == "thing"
     color = srgb_from_hex(text.color) if text.color else None
     named = lab_from_srgb(color) if color else (0.0, 0.0, 0.0)
     return Claim(
-        word=attribute.cause or attribute.word,
+        word=wish.word,
         thing=(attribute.thing or part) if own else part,
         measure=text.measure,
         part=part,
-        lower=(lower,),
-        upper=(upper,),
+        lower=text.lower,
+        upper=text.upper,
         materials=attribute.owners if own else (),
-        change=None if text.change is None else text.change * attribute.strength,
+        change=text.change,
         direction=tuple(v / chroma(named) for v in named[1:]) if color else (),
         color=color,
-        weight=_OF_MOODS if attribute.cause else 1.0,
+        box=text.box,
+        reason=f"{attribute.entry}: {text.reason}" if text.reason and wish.of_picture else text.reason,
+        weight=text.weight * (_OF_MOODS if wish.implied else 1.0),
         near=text.near,
-    )
-
-
-def _milder(text: ClaimText, strength: float) -> tuple[float, float]:
-    """The ends of an interval of a weak word: the near one is met sooner, and so is the far one, where there is too much."""
-    if text.change is None:
-        return text.lower, text.upper
-    less, middle = (1.0 - strength) * _LESS * text.change, (text.lower + text.upper) / 2
-    if text.change > 0:
-        return text.lower - less, middle if math.isfinite(middle) else text.upper
-    return middle if math.isfinite(middle) else text.lower, text.upper - less
-
-
-def _compares(attribute: Attribute, attributes: Sequence[Attribute], vocabulary: Vocabulary) -> bool:
-    """True if an attribute, or the mood that it comes from, has a comparative word, as "colder"."""
-    if attribute.cause:
-        moods = [a for a in attributes if not a.cause and attribute.cause == a.word]
-        return any(_compares(mood, (), vocabulary) for mood in moods)
-    known = vocabulary.adjectives.keys() | vocabulary.synonyms.keys()
-    return any(
-        word in vocabulary.lists["degree"] or not known.isdisjoint(vocabulary.stems(word, "comparative"))
-        for word in (attribute.english or attribute.word).split()
+        by=text.by,
     )
 
 
@@ -164,10 +175,6 @@ def _allowing_colors(claim: Claim, usual: bool, colors: Sequence[Claim]) -> Clai
     """A claim about the whole image, eased for the named colors of what fills it.
 
     Muted colors are still colors, and a gallery with a dark backdrop is no light image, though galleries are.
-
-    Args:
-        usual: Whether the word says only what is usual of a place or a weather.
-        colors: Claims of color words.
     """
     named = [lab_from_srgb(c.color) for c in colors if c.measure == "color" and c.color and not c.materials]
     if claim.part != "picture" or not named:
@@ -185,10 +192,7 @@ def _narrows(claim: Claim, usual: bool, first: Claim) -> bool:
     """True if a claim adds anything to one of higher rank.
 
     Of one measure of one part, a claim that goes further in the same sense does: an old detective movie is as gray as the
-    movie, not as the old one. Of several colors of a part the first counts.
-
-    Args:
-        usual: Whether the word says only what is usual.
+    movie, not as the old one. Of several colors of a part the first counts, and what is only usual adds nothing.
     """
     if _measured(claim) != _measured(first):
         return True
@@ -225,14 +229,6 @@ def _without_colored(claim: Claim, colored: Sequence[Claim]) -> Claim:
     return replace(claim, apart=tuple(dict.fromkeys(apart)))
 
 
-def _cast_direction(claim: Claim) -> Values:
-    """The direction in a and b in which a claim wants the light of the whole image to be colored; () for other claims."""
-    if not _is_light(claim) or claim.measure in ("accent", "off_hue"):
-        return ()
-    side = warmth_asked(claim.measure, claim.lower[0], claim.upper[0])
-    return claim.direction or tuple(side * part / math.hypot(*WARM) for part in WARM if side)
-
-
 def _is_painted(claim: Claim, attribute: Attribute) -> bool:
     """True for the color of a place or a sky, not of the light there: sand is yellow at noon, and a sunset's sky orange."""
     if claim.part == "sky":
@@ -249,8 +245,51 @@ def _is_brightness(claim: Claim) -> bool:
     return claim.part == "picture" and claim.measure == "lightness"
 
 
+def _is_told(claim: Claim, pictured: Sequence[Claim]) -> bool:
+    """True if a reference image says itself what is claimed of every image: how black it is, and all that one of the same scene shows."""
+    medians = [each.lower[0] for each in pictured if each.measure == "median"]
+    same = any(each.measure == "mean" for each in pictured)
+    drowned = medians and (claim.part == "picture" or min(medians) < _DIM)
+    return bool((same and claim.measure in _SHOWN) or (claim.measure == "drowned" and drowned))
+
+
+def _held(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
+    """What a further sentence leaves as it is: places of the image, in lightness or color, and what its words say stays."""
+    for owner in goals.parsed.protected:
+        group, _, name = owner.partition("/")
+        if group in ("material", "world"):
+            part: Part = "picture" if name else "sky"
+            yield _still(part, _EXACT, materials=(name,) if name else ())
+    measured = {id(wish.attribute) for wish in goals.wishes if wish.is_measured}
+    acting = [w for w in goals.wishes if id(w.attribute) not in measured]
+    relit = goals.shown or any(w.attribute.role in ("rim", "fill") for w in goals.wishes)
+    kinds = {c: quantities().measures.get(c.measure, "") for c in claims}
+    whole = {kind for c, kind in kinds.items() if c.part == "picture" and not c.materials}
+    if relit or "haze" in kinds.values():
+        return  # new light falls on all that is around; air is in front of it
+    if any(not e.family.startswith("material/") for w in acting for e in w.effects):
+        return  # there is more of something whose place no measure knows
+    light, color = "brightness" in whole, not whole.isdisjoint(_COLORED)
+    if whole and not (light or color):  # how light falls: each place may change, their mean does not
+        yield _still("picture", (_EXACT[0], math.inf, math.inf))
+        light = True
+    width = tuple(math.inf if (color if n else light) else v for n, v in enumerate(_STILL))
+    apart = [(c.part, c.materials) for c in claims if c.part != "picture" or c.materials]
+    apart += [("picture", w.attribute.owners) for w in acting if w.attribute.owners]
+    across, down = _PLACES
+    for x, y in product(range(across), range(down)) if min(width) < math.inf else ():
+        box = x / across, y / down, (x + 1) / across, (y + 1) / down
+        yield _still("picture", width, _HELD, box=box, apart=tuple(dict.fromkeys(apart)))
+
+
+def _still(part: Part, width: Values, weight: float = 1.0, **where: Any) -> Claim:
+    """A claim without words: a place keeps its mean color, as far as the widths, OKLab, go."""
+    lower = tuple(-v for v in width)
+    return Claim("", _REST, "mean", part, lower, width, by=True, weight=weight, **where)
+
+
 def _of_every_image(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
-    """The subject stands out from its ground, and neither it nor the image is overexposed or drowns, or no more than before."""
+    """The subject stands out from its ground, nothing is overexposed, clipped, gaudy or drowned, or no more than before."""
     dark = goals.classes.get("brightness") == "dark"
     lightness = [lab_from_srgb(c.color)[0] for c in claims if c.color]
     yield Claim.unsaid("subject", "separation", lower=_APART)
@@ -267,6 +306,12 @@ def _of_every_image(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
     bright = any(_is_brightness(c) and c.lower[0] > _BRIGHT for c in claims)
     if not bright and not any(light > _WHITE for light in lightness):
         yield Claim.unsaid("picture", "burnt", upper=_BURNT)
+        glowing = any(wish.quantity == "glow" for wish in goals.wishes)
+        full = any(max(c.color) > _FULL for c in claims if c.color and c.measure == "color")
+        if not glowing and not full:
+            yield Claim.unsaid("picture", "clipped", upper=_CLIPPED)
+    if goals.classes.get("saturation") != "vivid":
+        yield Claim.unsaid("picture", "colorfulness", upper=_VIVID)
     dark |= any(
         (c.measure in ("lightness", "black_point") and c.upper[0] < _DARK) or c.measure == "silhouette"
         for c in claims

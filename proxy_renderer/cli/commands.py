@@ -17,6 +17,7 @@ from ..schema import VibeError, limits
 from ..schema.limits import MESH_FORMATS
 from ..schema.options import checks, command_line
 from ..schema.options.table import named
+from ..schema.sentences import about_steps, plain
 
 DEMO_PROMPT = "Glossy teal on a pale sand background, warm soft light, slight vignette"
 _HOW = ("picture", "budget", "reach", "engine", "render")
@@ -40,6 +41,7 @@ def _run_options(parser: argparse.ArgumentParser) -> None:
         "more", nargs="*", metavar="SCENE", help="more .blends that are to have the same look"
     )
     command_line.add_option(parser, named("prompt"))
+    command_line.add_option(parser, named("then"))
     parser.add_argument(
         "--out", required=True, type=Path, metavar="DIR", help="folder for pictures, .blend and report"
     )
@@ -58,6 +60,7 @@ def _run(a: argparse.Namespace) -> int:
 def _demo_options(parser: argparse.ArgumentParser) -> None:
     shown = f"the look (default: {DEMO_PROMPT}; with a picture: none)"
     command_line.add_option(parser, named("prompt"), default=None, help=shown)
+    command_line.add_option(parser, named("then"))
     parser.add_argument(
         "--out", type=Path, default=Path("demo"), metavar="DIR", help="folder (default: %(default)s)"
     )
@@ -72,7 +75,7 @@ def _demo(a: argparse.Namespace) -> int:
 
 def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> int:
     """Checks everything that can be checked without Blender, then starts it."""
-    checks.prompt(a.prompt, a.like, a.goals)
+    checks.prompt(a.prompt, a.like, a.goals, a.then)
     checks.numbers(a)
     a.groups = checks.groups(a.groups)
     checks.locks(a.lock)
@@ -89,6 +92,9 @@ def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> 
         a.goals = check.goals(a.goals)
         if a.prompt.strip() and not check.model(a):
             check.words(a.prompt)
+        for sentence in a.then:
+            if about_steps(sentence) is None and not check.model(a):
+                check.words(plain(sentence)[0])
         out = checks.folder(a.out)  # last: a mistake leaves no folder
         return launch([what, *places, f"--out={out}", *command_line.to_arguments(a)], out)
 

@@ -43,14 +43,10 @@ def account(
     target: Sequence[str] = (),
     as_goals: bool = False,
 ) -> str:
-    """The meaning of the words, readable or as JSON.
+    """The meaning of the words, readable or as JSON; `with_reasons` says why each look word is bound as it is, and nothing else.
 
-    Args:
-        scene: A .blend or a mesh, which Blender reads; None for a subject, its surroundings and three lights.
-        subject: Arguments that say what in the scene is the subject: "--subject=Cup".
-        with_reasons: Say why each look word is bound as it is, and nothing else.
-        target: "copper=Cup": what words describe, where they are taken for something else.
-        as_goals: Give the goals alone, as `vibe run --goals` reads them.
+    A scene is a .blend or a mesh, which Blender reads; None for a subject, its surroundings and three lights. The subject is as
+    in "--subject=Cup", a target as in "copper=Cup". `as_goals` gives the goals alone, as `vibe run --goals` reads them.
     """
     if scene:
         stage, instances, known = _read(prompt, scene, subject, target)
@@ -60,7 +56,9 @@ def account(
         stage, instances, plan = None, plain_instances(_LIGHTS, _MATERIALS.items()), None
         goals = goals_or_why(Understood(prompt, known, target))
     if with_reasons:
-        return _reasons(prompt, known, target)
+        vocabulary = default_vocabulary()
+        text = prepared(prompt, known, vocabulary)
+        return why(read_words(text, known, vocabulary, targets=checks.targets(target)))
     if as_goals:
         if isinstance(goals, VibeError):
             raise goals
@@ -86,13 +84,6 @@ def _light(goals: Goals, stage: StagedScenes | None) -> list[str]:
         for x in chosen.rig.lights
     )
     return [f"Light: {chosen.rig.says}", *lights]
-
-
-def _reasons(prompt: str, known: SceneDescription, target: Sequence[str]) -> str:
-    """The reader's candidates, and why it chose among them as it did."""
-    vocabulary = default_vocabulary()
-    text = prepared(prompt, known, vocabulary)
-    return why(read_words(text, known, vocabulary, targets=checks.targets(target)))
 
 
 def _read(

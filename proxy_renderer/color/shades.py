@@ -109,7 +109,10 @@ def tinged(base: Values, tinge: Values, share: float) -> Values:
         return _srgb(light, chroma + _TO_GRAY * (chroma2 - chroma), hue)
     step, step2 = _step(hue), _step(hue2)
     turned = step + share * ((step2 - step + 2) % 4 - 2)
-    return _srgb(light, _sum(chroma, chroma2, hue2 - hue, share), _hue(turned))
+    # the chroma of a sum of two colors is the less, the farther apart their hues are
+    along = math.cos(math.radians(hue2 - hue))
+    own, added = (1 - share) * chroma, share * chroma2
+    return _srgb(light, math.sqrt(own**2 + added**2 + 2 * own * added * along), _hue(turned))
 
 
 def mixable(one: Values, other: Values) -> bool:
@@ -119,13 +122,6 @@ def mixable(one: Values, other: Values) -> bool:
         return True
     apart, steps = abs((hue - hue2 + 180) % 360 - 180), abs((_step(hue) - _step(hue2) + 2) % 4 - 2)
     return apart < _WIDEST and steps < _MOST
-
-
-def _sum(chroma: float, chroma2: float, turn: float, share: float) -> float:
-    """Chroma of the sum of two colors, which is the less, the farther apart their hues are (degrees)."""
-    along = math.cos(math.radians(turn))
-    own, added = (1 - share) * chroma, share * chroma2
-    return math.sqrt(own**2 + added**2 + 2 * own * added * along)
 
 
 def _polar(srgb: Values) -> tuple[float, float, float]:

@@ -179,3 +179,9 @@ def trilinear(table: Tensor, place: Tensor) -> Tensor:
     tables = table.expand(_PARTS, -1, -1, -1, -1)
     values = functional.grid_sample(tables, parts, padding_mode="border", align_corners=True)
     return values.transpose(0, 1).reshape(table.shape[1], -1)[:, : len(place)]
+
+
+def by_stops(table: Tensor, colors: Tensor, toe: float, stops: float) -> Tensor:
+    """Values (..., 3) of a table (1, 3, S, S, S) for colors (..., 3) from 0 up; its axes are at toe · (2 ** s - 1), s up to stops."""
+    place = torch.log2(colors * (1 / toe) + 1) * (2 / stops) - 1
+    return trilinear(table, place.reshape(-1, 3)).T.reshape(colors.shape)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import functools
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
@@ -13,7 +14,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from ..schema import VibeError
-from .tensors import trilinear
+from .tensors import by_stops
 
 SIZE = 65
 BRIGHTEST = 2.0**6
@@ -22,59 +23,66 @@ _STOPS = math.log2(1 + BRIGHTEST / _TOE)
 
 
 class ViewTransform:
-    """Scene-linear Rec.709 to display, as Blender's color management does it; arguments and errors: see `apply_ocio`.
+    """Scene-linear light to display, as Blender's color management does it; arguments and errors: see `apply_ocio`.
 
     The OCIO transform is sampled once, at 65³ colors that reach from black to 2⁶, about evenly spaced in stops;
     brighter light looks like 2⁶. Against OCIO itself the mean error is below 0.2/255 for every view that Blender has.
+
+    Args:
+        balance: The white balance before it: the rows of a matrix for linear colors; empty for none.
     """
 
     def __init__(
-        self, ocio: str | Path, display: str, view: str, look: str = "", device: str = "cpu"
+        self,
+        ocio: str | Path,
+        display: str,
+        view: str,
+        look: str = "",
+        space: str = "",
+        device: str = "cpu",
+        balance: tuple[tuple[float, ...], ...] = (),
     ) -> None:
-        self._lut = _bake(str(ocio), display, view, look).to(device)
+        self._lut = _bake(str(ocio), display, view, look, space, balance).to(device)
 
     def __call__(self, linear: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels 3"]:
         """Display values (..., 3), unclamped, of linear light (..., 3); differentiable in `linear`."""
-        stops = torch.log2(linear.clamp(0, BRIGHTEST) * (1 / _TOE) + 1)
-        position = (stops * (2 / _STOPS) - 1).reshape(-1, 3)
-        values = trilinear(self._lut, position)
-        return values.T.reshape(linear.shape)
+        return by_stops(self._lut, linear.clamp(0, BRIGHTEST), _TOE, _STOPS)
 
 
 @functools.lru_cache(maxsize=8)
-def _bake(ocio: str, display: str, view: str, look: str) -> Tensor:
+def _bake(
+    ocio: str, display: str, view: str, look: str, space: str, balance: tuple[tuple[float, ...], ...]
+) -> Tensor:
     """The table (1, 3, SIZE, SIZE, SIZE), indexed by [color, blue, green, red]. Takes about 0.1 s."""
     axis = _TOE * (2 ** torch.linspace(0, _STOPS, SIZE, dtype=torch.float64) - 1)
     blue, green, red = torch.meshgrid(axis, axis, axis, indexing="ij")
     colors = torch.stack((red, green, blue), -1).float().numpy()
-    table = apply_ocio(colors, ocio, display, view, look).reshape(SIZE, SIZE, SIZE, 3)
+    if balance:
+        colors = colors @ np.array(balance, np.float32).T
+    table = apply_ocio(colors, ocio, display, view, look, space).reshape(SIZE, SIZE, SIZE, 3)
     return torch.from_numpy(table).permute(3, 0, 1, 2)[None].contiguous()
 
 
 def apply_ocio(
-    colors: Float[np.ndarray, "*pixels 3"], ocio: str, display: str, view: str, look: str = ""
+    colors: Float[np.ndarray, "*pixels 3"],
+    ocio: str,
+    display: str,
+    view: str,
+    look: str = "",
+    space: str = "",
 ) -> Float[np.ndarray, "*pixels 3"]:
-    """Exact transform of scene-linear Rec.709 (..., 3) to float32 display values (..., 3), composed as Blender composes it.
+    """Exact transform of scene-linear light (..., 3) to float32 display values (..., 3), composed as Blender composes it.
 
-    A look chosen by the artist replaces those that the view has of its own
-    (Blender: imbuf/opencolorio, create_ocio_display_transform).
-
-    Args:
-        ocio: Path of `config.ocio`.
-        display: For example "sRGB".
-        view: For example "AgX".
-        look: For example "AgX - Punchy"; "" or "None" for the view's own.
-
-    Raises:
-        VibeError: The config cannot be read, or has no such display, view or look.
+    A look chosen by the artist, as "AgX - Punchy", replaces those that the view has of its own; "" or "None" leaves them
+    (Blender: imbuf/opencolorio, create_ocio_display_transform). Without a working space the configuration's is taken; that is
+    a path, or the name of one that OpenColorIO has. Raises VibeError if it cannot be read, or lacks display, view or look.
     """
     import PyOpenColorIO as OCIO
 
     try:
-        config = OCIO.Config.CreateFromFile(ocio)
-        source, group = "Linear Rec.709", OCIO.GroupTransform()
-        if config.getColorSpace(source) is None:
-            source = OCIO.ROLE_SCENE_LINEAR
+        config = _configuration(ocio, display, view)
+        group = OCIO.GroupTransform()
+        source = space if space and config.getColorSpace(space) else OCIO.ROLE_SCENE_LINEAR
         if look not in ("", "None"):
             target = config.getLook(look).getProcessSpace()
             group.appendTransform(OCIO.LookTransform(src=source, dst=target, looks=look))
@@ -87,8 +95,25 @@ def apply_ocio(
     except (OCIO.Exception, OCIO.ExceptionMissingFile, AttributeError) as error:
         raise VibeError(
             f"The view transform {view!r} (display {display!r}, look {look or 'None'!r}) cannot be made from {ocio}.",
-            "Choose another view transform under Render > Color Management.",
+            "Choose another view transform under Render > Color Management, or correct the configuration.",
         ) from error
     flat = np.array(colors, dtype=np.float32).reshape(-1, 3)
     processor.applyRGB(flat)
     return flat.reshape(colors.shape)
+
+
+def _configuration(ocio: str, display: str, view: str) -> Any:
+    """The configuration, from a path or a name that OpenColorIO has.
+
+    "ocio://default" is another configuration in each version of OpenColorIO, and Blender's may be older than the engine's: of
+    the built-in ones it is the newest that has the view.
+    """
+    import PyOpenColorIO as OCIO
+
+    chosen = OCIO.Config.CreateFromFile(ocio)
+    if not ocio.startswith("ocio://") or view in chosen.getViews(display):
+        return chosen
+    family = chosen.getName().partition("-")[0]
+    names = [name for name, *_ in OCIO.BuiltinConfigRegistry().getBuiltinConfigs() if name.startswith(family)]
+    older = (OCIO.Config.CreateFromFile(f"ocio://{name}") for name in reversed(names))
+    return next((config for config in older if view in config.getViews(display)), chosen)

@@ -59,12 +59,7 @@ class WordReader:
 
 
 def readings(prompt: str, scene: SceneDescription, target: Sequence[str] = ()) -> messages.Readings:
-    """The words of a prompt as a vibe of a scene understands them.
-
-    Args:
-        prompt: What the artist has typed so far.
-        target: "copper=Cup": what words describe, as the artist says.
-    """
+    """The words of a prompt as a vibe of a scene understands them; a target is "copper=Cup", as the artist says."""
     if not prompt.strip():
         return messages.Readings(prompt)
     understood = Understood(prompt, scene, target)
@@ -104,16 +99,9 @@ class Glances:
         self._proxies: dict[tuple[str, ...], Proxy] = {}
 
     def look(self, request: messages.Glance, stopped: Callable[[], bool]) -> EarlyLook | None:
-        """The look of a glance; an image of the artist's own values is left in the job folder.
+        """The look of a glance, None if it was `stopped`, or no word is known yet; raises VibeError if the job cannot be read.
 
-        Args:
-            stopped: Whether nobody wants it any more; asked between the parts that take long.
-
-        Returns:
-            None if it was stopped, or no word is known yet.
-
-        Raises:
-            VibeError: The job cannot be read.
+        An image of the artist's own values is left in the job folder.
         """
         options = messages.Options.from_dict(request.options)
         found = [self._scene(request.job)]
@@ -140,6 +128,7 @@ class Glances:
         parameters = tuple(scene.instances)
         if parameters not in self._proxies:
             device = pick_device(options.device)
-            size = inner_size(scene, options, load_encoder(options.encoder or None, device))
+            encoder = load_encoder(options.encoder or None, device)
+            size = inner_size(scene, options, encoder, bool(options.like))
             self._proxies[parameters] = Proxy(scene, size, device, options.seed)
         return self._proxies[parameters]

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -83,15 +82,10 @@ def _drawn(proxy: Proxy, outcome: Outcome, number: int) -> Render:
 
 
 def difference(predicted: np.ndarray, after: np.ndarray, subject: np.ndarray) -> dict[str, float]:
-    """Difference between a prediction and Cycles' picture, in CIEDE2000.
+    """Difference in CIEDE2000 between a prediction (H, W, 3) and Cycles' picture, sRGB-encoded, in [0, 1].
 
-    Args:
-        predicted: (H, W, 3) sRGB-encoded, in [0, 1].
-        subject: (H, W) the share of each pixel that the subject covers.
-
-    Returns:
-        `mean` and `p95`, the 95th percentile, over the pixels; `subject`, the mean where the subject covers most of
-        a pixel, if it does anywhere.
+    `mean` and `p95`, the 95th percentile, over the pixels; `subject`, the mean where the subject (H, W) covers most of a pixel, if
+    it does anywhere.
     """
     labs = (lab_from_srgb(torch.from_numpy(picture)) for picture in (predicted, after))
     errors = ciede2000(*labs).numpy()
@@ -163,13 +157,8 @@ def _fitted(picture: Image.Image, high: int = 0) -> tuple[int, int]:
 
 def font(size: int, text: str, fonts: Path) -> Font:
     """A font of a size in pixels that has the characters of a text; Pillow's small one where Blender's fonts are missing."""
-    return _font(size, fonts / (_CJK if _EAST_ASIAN.search(text) else _LATIN))
-
-
-@cache
-def _font(size: int, file: Path) -> Font:
     try:
-        return ImageFont.truetype(str(file), size)
+        return ImageFont.truetype(str(fonts / (_CJK if _EAST_ASIAN.search(text) else _LATIN)), size)
     except OSError:
         return ImageFont.load_default(size)
 

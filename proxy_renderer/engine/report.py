@@ -1,21 +1,32 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The fields of `report.json` that the engine knows."""
+"""The fields of `report.json` that the engine knows, and the verdict on every word."""
 
 from __future__ import annotations
 
 import os
 import platform
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
 import torch
 
 from .. import __version__
-from ..claims.claim import ShotClaims
+from ..claims.claim import Claim, ShotClaims
+from ..claims.measures import MEASURES
+from ..color.tensors import linear_from_srgb
 from ..goals.written import as_json
 from ..optimize.rounds.method import VARIABLE
-from ..schema import Values
+from ..optimize.shots import LOCKED
+from ..schema import Values, labels
+from ..schema.messages import word_states, words_of
+from ..words.lexicon.quantities import quantities
+from ..words.lexicon.user_words import default_vocabulary
+
+if TYPE_CHECKING:
+    from ..optimize.pipeline import Outcome
+    from ..render.gbuffer import GBuffer
+
 
 if TYPE_CHECKING:
     from ..optimize.anchoring import BlenderPictures
@@ -49,12 +60,7 @@ def search_facts(outcome: Outcome, words: Sequence[PromptWord]) -> dict[str, Any
 
 
 def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
-    """Records of all parameters of the scene.
-
-    Returns:
-        Key -> before, after, lower, upper, moved (on the perceptual scale), priority (the confiner's π, 0 comes first;
-        None is irrelevant), optimized, reason.
-    """
+    """Records of all parameters of the scene: moved is on the perceptual scale; a priority of 0 comes first, None is irrelevant."""
     after = outcome.vector.values(outcome.u)
     lower, upper = (outcome.vector.plain(b) for b in outcome.vector.bounds(outcome.ranges))
     return {
@@ -127,3 +133,100 @@ def versions() -> dict[str, str]:
         except metadata.PackageNotFoundError:
             continue
     return installed
+
+
+# Verdicts on every word, and why the image does not show it
+
+
+_HELPS = 1.0  # noticeable steps for all of its range, from where a value helps a claim
+_LEFT = 0.5  # noticeable steps that a value could still bring, from where it is not at its end
+_WORSE = 0.3  # noticeable steps by which another claim is missed more
+_NOTHING = dict.fromkeys(("word", "state", "missing", "why", "unlock"), "")
+_UNLIT = 0.005  # of white, as shown: a gray surface that no light reaches
+
+
+def word_verdicts(outcome: Outcome, rows: Sequence[Mapping[str, Any]], seen: GBuffer) -> list[dict[str, str]]:
+    """A row for each word by the verdicts on the claims about a shot, and one with the word "" for each missed rule of every image.
+
+    A `state` is "visible", "already" so before the search, "unmeasured" or "missed"; a missed one says what is `missing`, `why`, and
+    which value that the artist has locked is to `unlock`, or "". The first shot is `seen` at the outcome.
+    """
+    goals, states, found = outcome.goals, word_states(rows), []
+    vague = default_vocabulary().lists["unmeasured"]
+    winners = {each.wish.attribute: each.winner.word for each in goals.lost if each.is_news}
+    entries = {}
+    for wish in (*(each.wish for each in goals.lost), *goals.wishes):
+        entries[wish.attribute.cause or wish.word] = wish.attribute
+    for word in dict.fromkeys((*states, *entries)):
+        state, attribute = states.get(word, "unmeasured"), entries.get(word)
+        row = {**_NOTHING, "word": word, "state": state}
+        if attribute in winners and attribute in goals.overruled:
+            row |= {"state": "missed", "why": f"it conflicts with '{winners[attribute]}'"}
+        elif state == "missed":
+            number = next(i for i, r in enumerate(rows) if word in words_of(r) and r["holds"] is False)
+            row |= {"missing": _missing(rows[number])} | _obstacle(outcome, number, seen)
+        elif attribute and attribute.entry in vague:
+            row["state"] = "unmeasured"
+        found.append(row)
+    rules = [row for row in rows if not row["word"] and row["holds"] is False]
+    return [*found, *({**_NOTHING, "state": "missed", "missing": _missing(row)} for row in rules)]
+
+
+def _missing(row: Mapping[str, Any]) -> str:
+    """The miss of a claim: "color of the wall is #b09080, wanted #cceede"."""
+    about = MEASURES[row["measure"]].sentence.format("image" if row["thing"] == "picture" else row["thing"])
+    after = f"{row['after']:.3g}" if isinstance(row["after"], float) else row["after"]
+    unit = f" {row['unit']}" if row["unit"] and not str(after).startswith("#") else ""
+    return f"{about} is {after}{unit}, wanted {row['wanted']}"
+
+
+def _obstacle(outcome: Outcome, number: int, seen: GBuffer) -> dict[str, str]:
+    """What keeps a claim of the outcome from being satisfied: why, and the key to unlock."""
+    claim = outcome.claims[number]
+    if locked := _locked(outcome, claim):
+        why = f"{labels.title(locked)} may not change: {outcome.vector.instances[locked].locked}"
+        return {"why": why, "unlock": locked if LOCKED in why else ""}
+    where = claim.region(seen)
+    lit = seen.gray is None or where is None or linear_from_srgb(seen.gray[where]).mean() > _UNLIT
+    if claim.is_of_thing and not lit:
+        return {"why": f"no light reaches the {claim.thing}"}
+    return {"why": _opponent(outcome, number)}
+
+
+def _locked(outcome: Outcome, claim: Claim) -> str:
+    """The first of the values that would serve a claim, if all of them are locked; else ""."""
+    table = quantities()
+    rows = (f"thing {claim.measure}", f"{claim.part} {claim.measure}", claim.measure)
+    quantity = next((table.measures[row] for row in rows if row in table.measures), "")
+    every = outcome.vector.instances.values()
+    serving = [each for each in every if table.parameters.get(each.parameter.family) == quantity]
+    if claim.materials:
+        serving = [each for each in serving if each.owner in claim.materials]
+    return serving[0].key if serving and all(each.locked for each in serving) else ""
+
+
+def _opponent(outcome: Outcome, number: int) -> str:
+    """What stands against a claim by the linear model of the last steps: nothing that helps, an end of a range, or another claim."""
+    shot, known = outcome.shots[0], outcome.descent.known if outcome.descent else None
+    measured = [i for i, where in enumerate(shot.claims.regions) if where is not None] if shot.claims else []
+    if known is None or number not in measured:
+        return ""
+    (model, places, low, high), here = known, known[0].here
+    mine = here.claim == measured.index(number)
+    missed = (here.values - here.values.clamp(here.lower, here.upper))[mine]
+    slope = model.slopes[mine].T @ missed / missed.norm().clamp_min(1e-6)
+    move = torch.where(slope > 0, low, high)
+    gain, left = slope.abs(), slope.abs() * move.abs()
+    if gain.max() < _HELPS:
+        return "no value that may change has much effect on it"
+    if left.max() < _LEFT:
+        place = int(places[gain.argmax()])
+        key = next(key for key, part in outcome.vector.slices.items() if part.start <= place < part.stop)
+        return f"{labels.title(key)} is at the end of its range"
+    step = torch.where(left == left.max(), move, 0.0)
+    worse = here.misses(here.values + model.slopes @ step) - here.misses(here.values)
+    worse[measured.index(number)] = 0.0
+    if worse.max() < _WORSE:
+        return "more rounds may come nearer"
+    other = outcome.claims[measured[int(worse.argmax())]]
+    return f"it conflicts with '{other.word or MEASURES[other.measure].says}'"

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,7 @@ from ..optimize.anchoring import BlenderPictures
 from ..optimize.progress import Observer
 from ..optimize.rounds.method import load_method
 from ..optimize.shots import ShotInput, picture_size
-from ..optimize.stage import StagedScenes, set_stage
+from ..optimize.stage import set_stage
 from ..render.proxy import Proxy
 from ..scene import load_scene
 from ..schema import VibeError, messages
@@ -31,14 +31,14 @@ from ..vlm.advisor import ModelAdvisor
 from ..vlm.client import Client
 from ..vlm.endpoint import find_endpoint
 from . import pictures, report
+from .report import word_verdicts
+
+_FURTHER = 2
+"""The most rounds of a further sentence: it begins where its image is nearly as wanted."""
 
 
 def pick_device(name: str) -> str:
-    """The torch device for a name; "auto" is a CUDA card where there is one.
-
-    Raises:
-        VibeError: If torch does not have it here.
-    """
+    """The torch device for a name; "auto" is a CUDA card where there is one. Raises VibeError if torch does not have it here."""
     if name in ("", "auto"):
         return "cuda" if torch.cuda.is_available() else "cpu"
     try:
@@ -78,8 +78,7 @@ class EngineSession:
     def run(self) -> messages.Result:
         """Finds the values and reports how; the images that the result names are there after `draw`.
 
-        Raises:
-            VibeError: The job cannot be read, the words name no look, or the encoder cannot be loaded.
+        Raises VibeError: the job cannot be read, the words name no look, or the encoder cannot be loaded.
         """
         options, observer, clock = self.options, self._observer, _Stopwatch()
         observer.stage("loading the encoder")
@@ -92,10 +91,14 @@ class EngineSession:
         observer.stage("setting the light")
         written = read(Path(options.goals)) if options.goals else None
         self.prompt = written.prompt if written else self.prompt
-        stage = set_stage(scenes, self.prompt, options.new_lights, options.target, written)
+        stage = set_stage(scenes, self.prompt, options.new_lights, options.target, written, options.goes_on)
+        if options.goes_on:
+            options = replace(options, rounds=min(options.rounds, _FURTHER))
         clock.lap("load scene")
 
-        advisor = self._advisor(stage)
+        advisor = None  # the offline planner; or else the model as parser and confiner
+        if self._model is not None and self.prompt.strip():
+            advisor = ModelAdvisor(stage.understood, stage.goals, self._model, observer.stage, stage.plan)
         blenders = [
             BlenderPictures(scene, observer.ask, options.seed, number)
             for number, scene in enumerate(stage.scenes)
@@ -111,7 +114,12 @@ class EngineSession:
 
         self._claims = report.claims_about(outcome)
         values = [report.changed_values(outcome, shot) for shot in outcome.shots]
-        variants = [_variant(look, number) for number, look in enumerate(outcome.variants, start=1)]
+        variants = []
+        for number, look in enumerate(outcome.variants, start=1):
+            changed = report.changed_values(look, look.shots[0])
+            reasons = {key: look.plan[key].reason for key in changed if key in look.plan}
+            file = pictures.variant_file(number)
+            variants.append(messages.Variant(changed, file, round(look.loss, 4), reasons))
         rows: dict[str, Any] = {
             "prompt": self.prompt,
             "encoder": encoder.name,
@@ -126,7 +134,9 @@ class EngineSession:
             rows |= report.anchored(outcome, blenders)
         if variants:
             rows["variants"] = [{"score": v.score, "values": v.values} for v in variants]
-        rows |= {"claims": report.foreseen(outcome, self._claims), "timings": clock.laps}
+        claims = report.foreseen(outcome, self._claims)
+        verdicts = word_verdicts(outcome, claims, self._claims[0].after)
+        rows |= {"claims": claims, "verdicts": verdicts, "timings": clock.laps}
         return messages.Result(
             values=values[0],
             report=rows,
@@ -153,13 +163,9 @@ class EngineSession:
             pictures.save_image(sheet, Path(self.shots[0].job) / messages.VARIANTS)
 
     def finish(self, request: messages.Finish) -> messages.Finished:
-        """Measures Cycles' pictures against the prediction and the words, and composes them.
+        """Measures Cycles' pictures of a shot against the prediction and the words, and composes them; shots come in their order.
 
-        Args:
-            request: One shot's pictures; several shots come in their order.
-
-        Raises:
-            VibeError: There was no `run` before.
+        Raises VibeError if there was no `run` before.
         """
         outcome, encoder = self._outcome, self._encoder
         if outcome is None or encoder is None:
@@ -182,7 +188,7 @@ class EngineSession:
 
         subject = np.asarray(mask.resize(shape, Image.Resampling.LANCZOS), np.float32) / 255.0
         caption = outcome.prompts.whole or self.prompt
-        claims = self._claims[request.shot]
+        rows = self._claims[request.shot].verdicts(*map(torch.from_numpy, (before, shown, after)))
         return messages.Finished(
             prediction={n: pictures.difference(p, after, subject) for n, p in predictions.items()},
             similarity={
@@ -190,14 +196,9 @@ class EngineSession:
                 "after": _similarity(encoder, after, caption),
             },
             judge=self._judge(row[0][1], row[-1][1]),
-            claims=claims.verdicts(*map(torch.from_numpy, (before, shown, after))),
+            claims=rows,
+            verdicts=word_verdicts(outcome, rows, self._claims[0].after),
         )
-
-    def _advisor(self, stage: StagedScenes) -> ModelAdvisor | None:
-        """The model as parser and confiner; None for the offline planner."""
-        if self._model is None or not self.prompt.strip():
-            return None
-        return ModelAdvisor(stage.understood, stage.goals, self._model, self._observer.stage, stage.plan)
 
     def _judge(self, before: Image.Image, after: Image.Image) -> dict[str, Any]:
         """The model's verdict on Cycles' two pictures, or why there is none."""
@@ -215,12 +216,6 @@ class EngineSession:
 
 def _label(name: str, shot: messages.Shot) -> str:
     return f"{name} · {shot.name}" if shot.name else name
-
-
-def _variant(look: pipeline.Outcome, number: int) -> messages.Variant:
-    values = report.changed_values(look, look.shots[0])
-    reasons = {key: look.plan[key].reason for key in values if key in look.plan}
-    return messages.Variant(values, pictures.variant_file(number), round(look.loss, 4), reasons)
 
 
 @torch.no_grad()

@@ -76,11 +76,7 @@ class Wire:
 
 
 class RemoteObserver:
-    """Tells the other side how the loop goes, and the loop when to end.
-
-    Args:
-        wants_looks: Whether the other side shows looks before the end.
-    """
+    """Tells the other side how the loop goes, and the loop when to end."""
 
     def __init__(self, wire: Wire, job: Path, wants_looks: bool = False) -> None:
         self._wire, self._job, self.wants_looks = wire, job, wants_looks
@@ -90,12 +86,12 @@ class RemoteObserver:
         """Reports what is going on outside of the loop."""
         self._wire.send(messages.Stage(name))
 
-    def begin(self, display: Tensor) -> None:
-        """Shows the image (H, W, 3) of the artist's own values."""
+    def begin(self, display: Tensor, lit: bool) -> None:
+        """Shows the image (H, W, 3) of the artist's own values; Blender ends what is not `lit`."""
         from .pictures import save_picture
 
         save_picture(display, self._job / BEFORE)
-        self._wire.send(messages.Stage("looking for the look", BEFORE))
+        self._wire.send(messages.Stage("looking for the look", BEFORE, lit))
 
     def look(self, look: EarlyLook) -> None:
         """Hands a look over; one whose image is not drawn yet leaves the last image as it is."""
@@ -119,11 +115,7 @@ class RemoteObserver:
         return self._wire.stop.is_set()
 
     def ask(self, request: messages.Anchor) -> messages.Anchored | None:
-        """Has Blender render, and waits until it has.
-
-        Returns:
-            Its answer, which holds the error if it has failed or is overdue; None if the loop is to end.
-        """
+        """Has Blender render, and waits; its answer holds the error if that failed or is overdue; None if the loop is to end."""
         if not self._wire.stop.is_set():
             self._wire.send(request)
         end = time.monotonic() + _ANSWER_SECONDS

@@ -84,11 +84,9 @@ def _file_trouble(request: object, error: OSError) -> messages.Error:
     """The message of a file that cannot be read or written."""
     if error.errno not in (errno.ENOSPC, errno.EDQUOT):
         return _fault(error)
-    folder = Path(request.compare_out).parent if isinstance(request, messages.Finish) else None
+    folder = Path(request.compare_out).parent if isinstance(request, messages.Finish) else "its folder"
     folder = Path(request.job) if isinstance(request, messages.Vibe | messages.Glance) else folder
-    return messages.Error(
-        f"There is no room left on the disk, in {folder or 'its folder'}.", "Make room there."
-    )
+    return messages.Error(f"There is no room left on the disk, in {folder}.", "Make room there.")
 
 
 def _vibe(wire: Wire, request: messages.Vibe) -> EngineSession:

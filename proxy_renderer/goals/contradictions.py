@@ -32,6 +32,17 @@ _ALL_LIGHT = ("light", "tone", "ambience")
 """Kinds of targets whose color is that of the light as a whole."""
 _ANOTHER_HUE = 40.0
 """Degrees between the hues of a named color and of a material from which an object cannot have both."""
+CASTS = ("shadow_cast", "midtone_cast", "highlight_cast", "cast")
+"""Measures of the color of light in a picture, all of it or a part."""
+_SETTLED = {
+    "tint": CASTS,
+    "accent": CASTS,
+    "off_hue": CASTS,
+    "color": ("cast", "lightness", "mean"),
+    "brown_distance": CASTS,
+    "burnt": ("white_point",),
+}
+"""What words measure -> what they settle of the same part, whatever a reference image has."""
 _NONE = "none"
 """The class of an image that has nothing of a quantity."""
 _MATTER = ("color", "finish", "substance", "glow")
@@ -42,6 +53,8 @@ def contradicts(first: Wish, later: Wish) -> bool:
     a, b = first.attribute, later.attribute
     if a is b or first.word == later.word:
         return False
+    if later.of_picture:
+        return not first.of_picture and _settles(first, later)
     if a.color and not first.implied and _ruled_out(first, later):
         return True
     # colored light colors gray surroundings too: a gallery is not gray at sunset
@@ -53,7 +66,7 @@ def contradicts(first: Wish, later: Wish) -> bool:
         return True
     if first.quantity != later.quantity:
         return False
-    if _is_gray(first) and any(c.measure == "chroma" and c.lower > 0.0 for c in later.claims):
+    if _is_gray(first) and any(c.measure == "chroma" and c.lower[0] > 0.0 for c in later.claims):
         return True
     if b.kind == "ambience" and b.color and not a.color:
         return _opposed(first, lab_from_srgb(b.color))
@@ -65,9 +78,39 @@ def contradicts(first: Wish, later: Wish) -> bool:
         return False  # the image can be as both want it: parameters are shared out by rank
     if _other_class(first, later) or _disjoint_effects(first, later):
         return True
-    if first.quantity == "light_color":
-        return later.implied and _other_light(first, later)
-    return first.about.exclusive and later.implied and not _share_an_axis(first, later)
+    if first.quantity == "light_color":  # warm and cool, or a color by name and a temperature
+        gels = [any(e.name == "color" and e.color for e in wish.effects) for wish in (first, later)]
+        return later.implied and (gels[0] != gels[1] or _warmth(first) * _warmth(later) < 0)
+    shared = {*map(_axis, first.claims)} & {*map(_axis, later.claims)}
+    ours, theirs = ({(e.owner, e.name) for e in wish.effects if not e.weak} for wish in (first, later))
+    return first.about.exclusive and later.implied and not (shared or ours & theirs)
+
+
+def _settles(word: Wish, picture: Wish) -> bool:
+    """Whether a word is about what a picture's wish claims: then it alone counts, for what the picture has is known to the artist."""
+    measured = set(_measured(word))
+    return any(
+        part in ("picture", picture.part_of(claim))
+        and (measure == claim.measure or claim.measure in _SETTLED.get(measure, ()))
+        for claim in picture.claims
+        if claim.weight
+        for part, measure in measured
+    )
+
+
+def _measured(wish: Wish) -> Iterator[tuple[str, str]]:
+    """Parts of the image and what is measured of them, of a word; a named color is a color, a cast or a tint."""
+    yield from ((wish.part_of(claim), claim.measure) for claim in wish.claims)
+    attribute = wish.attribute
+    color = attribute.color or _own_color(wish, weak=True)
+    if attribute.color and wish.quantity in PAINTED and attribute.kind != "glow":
+        yield attribute.part, "color"
+    elif attribute.color and attribute.kind in ("shadow", "highlight"):
+        yield "picture", f"{attribute.kind}_cast"
+    elif color and chroma(lab_from_srgb(color)) >= _COLORED:
+        yield "picture" if attribute.color and attribute.kind != "fog" else attribute.part, "tint"
+    elif color and not attribute.color:  # a gray material
+        yield attribute.part, "lightness"
 
 
 def _same_target(first: Wish, later: Wish) -> bool:
@@ -93,13 +136,18 @@ def _other_class(first: Wish, later: Wish) -> bool:
 
 def _overlapping(some: Sequence[ClaimText], others: Sequence[ClaimText]) -> bool:
     """Whether an image can be of two classes: thick fog is light fog too."""
+    return any(not _apart(a, b) for a in some for b in others if _axis(a) == _axis(b))
+
+
+def _apart(a: ClaimText, b: ClaimText) -> bool:
+    """Whether two intervals have nothing in common."""
     return any(
-        max(a.lower, b.lower) <= min(a.upper, b.upper) for a in some for b in others if _axis(a) == _axis(b)
+        max(*ends[:2]) > min(*ends[2:]) for ends in zip(a.lower, b.lower, a.upper, b.upper, strict=True)
     )
 
 
-def _axis(claim: ClaimText) -> tuple[str, str, str]:
-    return claim.part, claim.measure, claim.color
+def _axis(claim: ClaimText) -> tuple[object, ...]:
+    return claim.part, claim.measure, claim.color, claim.box
 
 
 def _disjoint_claims(first: Wish, later: Wish) -> bool:
@@ -109,7 +157,7 @@ def _disjoint_claims(first: Wish, later: Wish) -> bool:
     """
     yields = later.implied or later.usual > 0
     return any(
-        max(a.lower, b.lower) > min(a.upper, b.upper)
+        _apart(a, b)
         for a in first.claims
         for b in later.claims
         if _axis(a) == _axis(b)
@@ -135,26 +183,11 @@ def _ends(effect: Effect, other: Effect) -> tuple[Values, Values]:
     return effect.lower * times, effect.upper * times
 
 
-def _share_an_axis(first: Wish, later: Wish) -> bool:
-    measures = {_axis(c) for c in first.claims} & {_axis(c) for c in later.claims}
-    ours, theirs = ({(e.owner, e.name) for e in wish.effects if not e.weak} for wish in (first, later))
-    return bool(measures or ours & theirs)
-
-
-def _other_light(first: Wish, later: Wish) -> bool:
-    """Whether one is warm and the other cool, or one names a color of light and the other a temperature."""
-    gels = [any(e.name == "color" and e.color for e in wish.effects) for wish in (first, later)]
-    return gels[0] != gels[1] or _warmth(first) * _warmth(later) < 0
-
-
 def _warmth(wish: Wish) -> int:
     """1 for a wish for warm light, -1 for cool light, else 0."""
-    signs = [*map(_warmth_of_claim, wish.claims), *(_kelvins(e) for e in wish.effects if not e.weak)]
+    signs = [warmth_asked(claim.measure, claim.lower[0], claim.upper[0]) for claim in wish.claims]
+    signs += [_kelvins(effect) for effect in wish.effects if not effect.weak]
     return next((sign for sign in signs if sign), 0)
-
-
-def _warmth_of_claim(claim: ClaimText) -> int:
-    return warmth_asked(claim.measure, claim.lower, claim.upper)
 
 
 def _ruled_out(color: Wish, wish: Wish) -> bool:
@@ -193,13 +226,17 @@ def _impossible(color: Wish, lab: Lab) -> Iterator[tuple[str, str]]:
 
 def _opposed(wish: Wish, lab: Lab) -> bool:
     """Whether a wish asks for light of the other side than a color's: for warm light, where it is named blue."""
-    strong = chroma(lab)
+    strong, warmth = chroma(lab), warm(*lab[1:])
     if strong <= _GRAY:
         return False
-    direction = lab[1] / strong, lab[2] / strong
-    return any(_against(claim, direction) for claim in wish.claims if claim.part == "picture") or any(
-        _kelvins(effect) * warm(*lab[1:]) < -_OPPOSED for effect in wish.effects
-    )
+    ways = [_kelvins(effect) * warmth for effect in wish.effects]
+    for claim in (each for each in wish.claims if each.part == "picture"):
+        if claim.color:
+            _, a, b = lab_from_srgb(srgb_from_hex(claim.color))
+            ways.append((a * lab[1] + b * lab[2]) / (math.hypot(a, b) * strong))
+        else:
+            ways.append(warmth_asked(claim.measure, claim.lower[0], claim.upper[0]) * warmth)
+    return min(ways, default=0.0) < -_OPPOSED
 
 
 def _kelvins(effect: Effect) -> int:
@@ -208,14 +245,6 @@ def _kelvins(effect: Effect) -> int:
         return 0
     middle = (effect.lower[0] + effect.upper[0]) / 2
     return 1 if middle < _WHITE_LIGHT[0] else -1 if middle > _WHITE_LIGHT[1] else 0
-
-
-def _against(claim: ClaimText, direction: Values) -> bool:
-    """Whether a color lies on the other side of what a claim about warmth or a tint asks for."""
-    if claim.color:
-        _, a, b = lab_from_srgb(srgb_from_hex(claim.color))
-        return (a * direction[0] + b * direction[1]) / math.hypot(a, b) < -_OPPOSED
-    return _warmth_of_claim(claim) * warm(*direction) < -_OPPOSED
 
 
 def _is_tinted(wish: Wish) -> bool:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -26,8 +26,9 @@ class Lost:
 
     @property
     def is_news(self) -> bool:
-        """Whether artists should hear of it: both were said, and mean what they say."""
-        return not any((self.wish.implied, self.wish.usual, self.winner.implied, self.winner.usual))
+        """Whether artists should hear of it: both were said, and mean what they say. Words come before a picture, as expected."""
+        unsaid = (w.implied or w.usual or w.of_picture for w in (self.wish, self.winner))
+        return not any(unsaid)
 
     def __str__(self) -> str:
         return f"'{self.wish.word}' gives way to '{self.winner.word}': they contradict each other on {self.wish.about.says}."
@@ -40,6 +41,18 @@ class Goals:
     parsed: Parsed
     wishes: tuple[Wish, ...] = ()
     lost: tuple[Lost, ...] = ()
+    shown: tuple[Wish, ...] = ()  # what an image has to show of a rig that its words stand for
+    holds: bool = False  # whether they go on from an image of which the rest stays, see `further`
+
+    @cached_property
+    def pictured(self) -> tuple[Wish, ...]:
+        """What is sought of a reference image."""
+        return tuple(wish for wish in self.wishes if wish.of_picture)
+
+    def with_picture(self, pictured: Iterable[Wish]) -> Goals:
+        """The same goals with the wishes of a reference image, in the place of those of an earlier one."""
+        every = (*self.wishes, *(each.wish for each in self.lost))
+        return resolved(self.parsed, [*(wish for wish in every if not wish.of_picture), *pictured])
 
     @cached_property
     def classes(self) -> dict[str, str]:
@@ -84,7 +97,9 @@ def resolved(parsed: Parsed, wishes: Sequence[Wish]) -> Goals:
     for wish in sorted(wishes, key=lambda each: each.rank):
         if wish.is_seen or id(wish.attribute) not in idle:
             continue
-        winner = unseen.get(id(wish.attribute)) or _opponent(wish, kept)
+        pairs = ((each, sorted((each, wish), key=lambda w: w.rank)) for each in kept)
+        opponent = next((each for each, pair in pairs if contradicts(*pair)), None)
+        winner = unseen.get(id(wish.attribute)) or opponent
         if winner is None:
             kept.append(wish)
         else:
@@ -115,9 +130,3 @@ def _unseen(kept: Sequence[Wish], lost: Sequence[Lost]) -> dict[int, Wish]:
     winners = {id(each.wish.attribute): each.winner for each in main}
     sought = {id(wish.attribute) for wish in kept if wish.is_seen}
     return {word: winner for word, winner in winners.items() if word not in sought}
-
-
-def _opponent(wish: Wish, kept: Sequence[Wish]) -> Wish | None:
-    """The first kept wish that cannot be had beside a wish; None where all can."""
-    pairs = ((each, sorted((each, wish), key=lambda w: w.rank)) for each in kept)
-    return next((each for each, pair in pairs if contradicts(*pair)), None)

@@ -6,14 +6,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import cast
 
 from ..schema import FAMILIES
-from ..schema.parameters import may_serve
-from ..words.attributes import color_class
+from ..schema.parameters import PICTURE, may_serve
+from ..words.attributes import color_class, is_dark
 from ..words.lexicon.entries import OWNERS, Effect, EntryWish, VocabularyEntry
 from ..words.lexicon.quantities import ClaimText, Quantity, quantities
 from ..words.lexicon.vocabulary import Vocabulary
-from ..words.types import Attribute
+from ..words.types import Attribute, Part
 
 _OWN: Mapping[str, tuple[str, ...]] = {
     "material": ("color", "substance", "glow"),
@@ -24,7 +25,7 @@ _OWN: Mapping[str, tuple[str, ...]] = {
 and gold is shiny, but not if it is matte."""
 PAINTED = ("color", "surroundings_color")
 """Quantities of which a class is a basic color."""
-_CHANGES = ("times", "plus", "shade")
+_CHANGES = ("times", "plus", "near", "shade")
 """Modes of effects that only change what is there."""
 _MAIN = 1
 """Priority of what a word is mainly about."""
@@ -62,6 +63,20 @@ class Wish:
         return bool(self.attribute.cause)
 
     @property
+    def of_picture(self) -> bool:
+        """Whether a reference image says it, and no word."""
+        return self.attribute.slot == PICTURE
+
+    def asked_of(self, claim: ClaimText) -> ClaimText:
+        """One of its claims as its word means it: what a mood stands for, and a soft word, is satisfied sooner."""
+        strength = self.attribute.strength
+        return claim.of_strength(strength, self.implied or strength < _SOFT)
+
+    def part_of(self, claim: ClaimText) -> Part:
+        """The part of the image that one of its claims is about."""
+        return self.attribute.part if claim.part == "thing" else cast(Part, claim.part)
+
+    @property
     def is_seen(self) -> bool:
         """Whether it says what the image is to look like, and not only what may be done for it."""
         return bool(self.named) or self.is_measured
@@ -83,12 +98,12 @@ class Wish:
         return 1
 
     @cached_property
-    def rank(self) -> tuple[bool, int, bool, bool, int, bool, int, int]:
+    def rank(self) -> tuple[bool, bool, int, bool, bool, int, bool, int, int]:
         """Who wins a conflict: the least.
 
-        What is more than a default; what is said before what is implied, and that before what is usual; what is said of one
-        thing before what is said of all; a named color before that of a material, and what only changes what is there last; what
-        is not vague; what is about nothing else; what its word is mainly about.
+        In this order: words before a reference image; what is more than a default; what is said before what is implied, and that
+        before what is usual; what is said of one thing before what is said of all; a named color before that of a material, and
+        what only changes what is there last; what is not vague; what is about nothing else; what its word is mainly about.
         """
         default = not self.is_seen and all(e.weak for e in self.effects)
         general = not (self.attribute.owners or self.attribute.told_apart or self.attribute.role)
@@ -97,7 +112,8 @@ class Wish:
         changes = self.quantity == "color" and changing
         paint = 0 if painted else 2 if changes else 1
         main = min((e.priority for e in self.effects if not e.weak), default=4)
-        return default, self.usual, self.implied, general, paint, self.vague, self.breadth, main
+        said = self.of_picture, default, self.usual, self.implied
+        return *said, general, paint, self.vague, self.breadth, main
 
 
 def breadth_of(wishes: Iterable[Wish]) -> int:
@@ -134,6 +150,8 @@ def _of_word(attribute: Attribute, vocabulary: Vocabulary) -> Iterator[Wish]:
             quantity = _OF_COLORS.get(attribute.kind, "light_color")
             effects = _allowed(vocabulary.painted.get(attribute.kind, ()), attribute)
             anything = attribute.kind == "ambience"  # a color that is said of nothing
+            if anything and is_dark(attribute):
+                return
             named = color_class(attribute) if quantity in PAINTED else ""
             strength = attribute.strength
             yield Wish(attribute, quantity, named, effects=effects, strength=strength, vague=anything)

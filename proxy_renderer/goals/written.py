@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar, get_args
@@ -14,7 +14,7 @@ from typing import Any, TypeVar, get_args
 from ..color.floats import hex_from_srgb, is_hex, srgb_from_hex
 from ..schema import VibeError
 from ..schema.errors import quoted
-from ..schema.parameters import Region, may_serve
+from ..schema.parameters import PICTURE, Region, may_serve
 from ..words.lexicon.entries import OWNERS, SLOTS, parse_effect
 from ..words.lexicon.quantities import ClaimText, quantities, read_claim
 from ..words.lexicon.vocabulary import shipped_vocabulary
@@ -140,6 +140,7 @@ KINDS = (*(kind for kind in shipped_vocabulary().painted if not kind.startswith(
 """What a word may describe: all that a color may be said of, and the image as a whole."""
 ROLES = ("", *NAMED_ROLES, "others")
 """Lights that may be meant."""
+_PICTURED = ("", "times", "plus")  # modes of effects that a reference image may have
 _HELP = "Write a new file with `vibe explain PROMPT --goals`, and change that; docs/reference/goals.md has all fields."
 
 
@@ -154,6 +155,7 @@ def as_json(goals: Goals) -> dict[str, Any]:
         "prompt": goals.parsed.prompt,
         "objects": [{"name": each.name, "region": each.region} for each in goals.parsed.objects],
         "stays": list(goals.parsed.protected),
+        **({"holds": True} if goals.holds else {}),
         "words": [
             _word(a)
             | ({"vague": True} if any(w.vague for w in wishes if id(w.attribute) == key) else {})
@@ -211,38 +213,35 @@ class WrittenGoals:
     wishes: tuple[Wish, ...]
     # all words, also those that wish for nothing themselves, as names of rigs do
     attributes: tuple[Attribute, ...]
+    holds: bool = False  # whether the rest of the image stays
 
     def within(self, words: SceneDescription) -> Goals:
-        """The goals in a scene: what describes a material or a light that is not there describes all of its region."""
-        bound = {id(a): _bound(a, words) for a in self.attributes}
-        notes = [
-            f"'{a.word}' described {', '.join(missing)}, which this scene lacks: it describes the {a.kind} instead."
-            for a in self.attributes
-            if (missing := [*{*a.owners} - {*words.materials}, *_lacking(a.lights, words)])
-        ]
+        """The goals in a scene: what describes a material or a light that is not there describes all of its region.
+
+        What a reference image says of such a material is left out.
+        """
+        known = {*words.lights, *(f"{GLOW}{name}" for name in words.glows)}
+        bound, gone, notes = dict[int, Attribute](), set[int](), list[str]()
+        for a in self.attributes:
+            owners = tuple(name for name in a.owners if name in words.materials)
+            lights = tuple(name for name in a.lights if name in known)
+            bound[id(a)] = replace(a, owners=owners, lights=lights)
+            left_out = a.slot == PICTURE and a.owners and not owners
+            gone |= {id(a)} if left_out else set()
+            missing = [name for name in a.owners if name not in owners]
+            if missing := missing + [name for name in a.lights if name not in lights]:
+                what = "is left out" if left_out else f"describes the {a.kind} instead"
+                notes.append(f"'{a.word}' described {', '.join(missing)}, which this scene lacks: it {what}.")
         objects = [*self.objects] or [PromptObject(words.subject or "subject", "subject")]
-        parsed = Parsed(self.prompt, objects, list(bound.values()), notes=notes, protected=self.stays)
-        wishes = [replace(wish, attribute=bound[id(wish.attribute)]) for wish in self.wishes]
-        return resolved(parsed, wishes)
-
-
-def _bound(attribute: Attribute, words: SceneDescription) -> Attribute:
-    gone = _lacking(attribute.lights, words)
-    owners = tuple(name for name in attribute.owners if name in words.materials)
-    return replace(attribute, owners=owners, lights=tuple(n for n in attribute.lights if n not in gone))
-
-
-def _lacking(lights: Iterable[str], words: SceneDescription) -> list[str]:
-    known = {*words.lights, *(f"{GLOW}{name}" for name in words.glows)}
-    return [name for name in lights if name not in known]
+        said = [a for a in bound.values() if a.slot != PICTURE]
+        parsed = Parsed(self.prompt, objects, said, notes=notes, protected=self.stays)
+        left = (wish for wish in self.wishes if id(wish.attribute) not in gone)
+        wishes = [replace(wish, attribute=bound[id(wish.attribute)]) for wish in left]
+        return replace(resolved(parsed, wishes), holds=self.holds)
 
 
 def read(path: Path) -> WrittenGoals:
-    """Goals of a file: of goals, or a preset or a report that holds some.
-
-    Raises:
-        VibeError: It cannot be read, or a field of it is wrong; names the field and the remedy.
-    """
+    """Goals of a file: of goals, or a preset or a report that holds some. Raises VibeError if it cannot be read, or a field is wrong."""
     try:
         if path.stat().st_size > _LARGEST:
             raise VibeError(f"The goals {path} are larger than {_LARGEST // 1_000_000} MB.", _HELP)
@@ -265,22 +264,19 @@ def from_json(raw: Any) -> WrittenGoals:
     if not rows or len(rows) > _MOST:
         raise VibeError(f"goals.words has {len(rows)} words.", f"Write 1 to {_MOST} of them.")
     prompt = goals.take("prompt", str, "")
-    things = [JsonFields(row, f"goals.objects[{n}]") for n, row in enumerate(goals.take("objects", list, []))]
-    objects = tuple(map(_read_object, things))
-    stays = tuple(goals.texts("stays"))
+    objects = []
+    for number, row in enumerate(goals.take("objects", list, [])):
+        thing = JsonFields(row, f"goals.objects[{number}]")
+        objects.append(PromptObject(thing.named("name"), thing.choice("region", _REGIONS)))  # type: ignore[arg-type]
+        thing.end()
+    stays, holds = tuple(goals.texts("stays")), goals.take("holds", bool, False)
     goals.end()
     attributes, wishes = [], []
     for number, row in enumerate(rows):
         attribute, own = _read_word(JsonFields(row, f"goals.words[{number}]"))
         attributes.append(attribute)
         wishes += own
-    return WrittenGoals(prompt, objects, stays, tuple(wishes), tuple(attributes))
-
-
-def _read_object(thing: JsonFields) -> PromptObject:
-    name, region = thing.named("name"), thing.choice("region", _REGIONS)
-    thing.end()
-    return PromptObject(name, region)  # type: ignore[arg-type]
+    return WrittenGoals(prompt, tuple(objects), stays, tuple(wishes), tuple(attributes), holds)
 
 
 def _read_word(word: JsonFields) -> tuple[Attribute, list[Wish]]:
@@ -289,7 +285,7 @@ def _read_word(word: JsonFields) -> tuple[Attribute, list[Wish]]:
     attribute = Attribute(
         word=word.named("word"),
         entry=word.take("look", str, ""),
-        slot=word.choice("slot", SLOTS),
+        slot=word.choice("slot", (*SLOTS, PICTURE)),
         region=target.choice("region", _REGIONS, "subject"),  # type: ignore[arg-type]
         kind=target.choice("kind", KINDS, "subject"),
         strength=word.number("strength", 1.0, 0.0, STRONGEST),
@@ -312,7 +308,8 @@ def _read_word(word: JsonFields) -> tuple[Attribute, list[Wish]]:
     wishes = [
         _read_wish(JsonFields(row, f"{word.place}.wishes[{n}]"), attribute) for n, row in enumerate(rows)
     ]
-    return attribute, [replace(wish, breadth=breadth_of(wishes), vague=vague) for wish in wishes]
+    breadth = 0 if attribute.slot == PICTURE else breadth_of(wishes)
+    return attribute, [replace(wish, breadth=breadth, vague=vague) for wish in wishes]
 
 
 def _read_wish(row: JsonFields, attribute: Attribute) -> Wish:
@@ -327,6 +324,9 @@ def _read_wish(row: JsonFields, attribute: Attribute) -> Wish:
         if not may_serve(OWNERS[effect.owner], attribute.slot, attribute.cause):
             problem = f"{row.place}.parameters: a word of slot {attribute.slot} may not change a material: '{effect}'."
             raise VibeError(problem, "Remove it, or give the word the slot color, material or finish.")
+        if attribute.slot == PICTURE and effect.mode not in _PICTURED:
+            problem = f"{row.place}.parameters: a reference image cannot have '{effect}'."
+            raise VibeError(problem, "Write LOWER..UPPER, alone or after times or plus.")
     claims = row.each("image", _read_claim)
     if not attribute.color and not (effects or claims or named):
         raise VibeError(f"{row.place} wishes for nothing.", "Give it a class, parameters or image.")

@@ -167,14 +167,10 @@ class Encoder:
 
 
 def load_encoder(spec: str | None = None, device: str | torch.device = "cpu") -> Encoder:
-    """Loads an encoder.
+    """Loads an encoder, the shipped one for None or "embedded"; raises VibeError if it is unknown, incomplete, or cannot be had.
 
-    Args:
-        spec: None or "embedded" for the shipped one; "MODEL/PRETRAINED", an open_clip hub tag, downloaded
-            once; "hf-hub:OWNER/NAME"; or a folder with ``open_clip_config.json`` and weights.
-
-    Raises:
-        VibeError: The model is unknown, incomplete, or cannot be downloaded.
+    Others are "MODEL/PRETRAINED", an open_clip hub tag that is downloaded once, "hf-hub:OWNER/NAME", or a folder with
+    ``open_clip_config.json`` and weights.
     """
     import open_clip  # slow to import: only when an encoder is wanted
 

@@ -29,10 +29,7 @@ def positive_loss(features: Tensor, text: Tensor) -> Tensor:
 def negative_loss(features: Tensor, texts: Tensor, margin: float) -> Tensor:
     """Equation 4: max(0, s(I, p⁻) − m), mean over views, of the phrase that fits most.
 
-    Args:
-        features: (views, D) unit features of an image.
-        texts: (phrases, D) unit features of what it must not look like.
-        margin: m, the similarity that is allowed.
+    Unit features (views, D) are the image's, (phrases, D) those of what it must not look like.
     """
     return F.relu((features @ texts.T).mean(0) - margin).max()
 
@@ -42,14 +39,8 @@ def direction_loss(
 ) -> Tensor:
     """1 − cos(ΔI, ΔT): the image should change in the direction in which the words differ from a plain caption.
 
-    What makes the image like the words by making it unlike any image goes another way (StyleGAN-NADA).
-
-    Args:
-        features: (views, D) unit features of the image.
-        start: (D,) mean unit features of the starting image.
-        text: (1, D) unit features of the words.
-        plain: (1, D) unit features of a caption without any look.
-        least: Length of ΔI below which its direction says little.
+    What makes the image like the words by making it unlike any image goes another way (StyleGAN-NADA). All are unit features: of
+    the image (views, D), of the starting one (D,), and of captions (1, D). A ΔI shorter than the least says little.
     """
     moved = features.mean(0) - start
     length = (moved.square().sum() + 1e-8).sqrt()
@@ -63,24 +54,16 @@ def border_loss(mask: Tensor) -> Tensor:
 
 
 def claims_loss(residuals: list[Tensor]) -> Tensor:
-    """Sum over claims of how far each is missed, quadratic up to one noticeable step and linear beyond (Huber 1964).
-
-    Args:
-        residuals: Of each claim, (n,) in noticeable steps.
-    """
+    """Sum over claims of how far each is missed, in noticeable steps: quadratic up to one, linear beyond (Huber 1964)."""
     missed = torch.stack([(r.square().sum() + 1e-8).sqrt() for r in residuals])
     return F.huber_loss(missed, torch.zeros_like(missed), reduction="sum")
 
 
 def hue_consistency_loss(where: Tensor, colors: Tensor, weights: Tensor) -> Tensor:
-    """Keeps a color's hue: its components should stand at the same place in their ranges.
+    """Keeps a color's hue: its components should stand at the same place (N,) in their ranges, [0, 1].
 
-    A range is a box around the named color; its corners are other hues.
-
-    Args:
-        where: (N,) position of each component within its feasible range, in [0, 1].
-        colors: (M, 3) indices of the components of each color.
-        weights: (N,) how much it counts; 0 for components that are fixed.
+    A range is a box around the named color; its corners are other hues. Colors (M, 3) are indices of components, whose weights (N,)
+    are 0 where they are fixed.
     """
     place, weight = where[colors], weights[colors]
     middle = (place * weight).sum(1, keepdim=True) / weight.sum(1, keepdim=True).clamp_min(1.0)
@@ -155,7 +138,12 @@ class PromptGuidance:
             features = self._features(*start, torch.Generator().manual_seed(0))
         self.plain = _texts(encoder, (_PLAIN,))
         self.start = features["whole"].mean(0)
-        self.margins = {r: self._margin(features[r], r) for r in _REGIONS}
+        # mean similarity that this encoder finds between the starting image and each region's phrases
+        self.margins = dict.fromkeys(_REGIONS, 0.0)
+        for r in _REGIONS:
+            phrases = torch.cat([self.positive[r], self.negative[r]])
+            if len(phrases):
+                self.margins[r] = float((features[r] @ phrases.T).mean())
 
     def __call__(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
         """The weighted terms. Arguments as for `Guidance`."""
@@ -183,11 +171,6 @@ class PromptGuidance:
         }
         features = self.encoder.encode_images(torch.cat(list(batch.values())))
         return dict(zip(batch, features.split([len(v) for v in batch.values()]), strict=True))
-
-    def _margin(self, features: Tensor, region: str) -> float:
-        """Mean similarity that this encoder finds between the starting image and the region's phrases."""
-        phrases = torch.cat([self.positive[region], self.negative[region]])
-        return float((features @ phrases.T).mean()) if len(phrases) else 0.0
 
 
 def _texts(encoder: Encoder, texts: tuple[str, ...]) -> Tensor:

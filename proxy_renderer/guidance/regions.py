@@ -26,11 +26,8 @@ def quads(
 ) -> Tensor:
     """Random quadrilaterals inside the image, each the source of one view: (count, 4, 2) corners in [-1, 1].
 
-    They run clockwise from the top left; x to the right, y down.
-
-    Args:
-        scale: Range of the crop's side relative to the image's.
-        distortion: How far a corner may move inwards, relative to half the crop's side.
+    They run clockwise from the top left; x to the right, y down. The crop's side is within the scale, relative to the image's; a
+    corner may move inwards by the distortion, relative to half the side.
     """
     side = scale[0] + (scale[1] - scale[0]) * torch.rand(count, 1, 1, generator=generator)
     center = (2.0 * torch.rand(count, 1, 2, generator=generator) - 1.0) * (1.0 - side)
@@ -41,10 +38,7 @@ def quads(
 def keeping(mask: Tensor, count: int, generator: torch.Generator, share: float = 0.7) -> Tensor:
     """Random quadrilaterals, as from `quads`, that hold at least a share of a region.
 
-    Crops that hold less are drawn again; after a few tries the one that holds most is taken.
-
-    Args:
-        mask: (H, W) soft membership of the region.
+    Crops that hold less of the soft mask (H, W) are drawn again; after a few tries the one that holds most is taken.
     """
     tries = quads(count * _TRIES, generator)
     small = F.interpolate(mask.detach().cpu().float()[None, None], size=(32, 32), mode="area")[0, 0]
@@ -61,7 +55,9 @@ def keeping(mask: Tensor, count: int, generator: torch.Generator, share: float =
 
 def warp(pictures: Tensor, corners: Tensor, size: int) -> Tensor:
     """The views (B, C, size, size) that quadrilaterals (B, 4, 2) cut out of images (B or 1, C, H, W), differentiable in them."""
-    pictures = _shrink(pictures, 2 * size)
+    # halved while they are far larger than what is sampled from them: no aliasing
+    while min(pictures.shape[-2:]) >= 4 * size:
+        pictures = F.avg_pool2d(pictures, 2)
     count = len(corners)
     axis = (torch.arange(size, dtype=torch.float64) + 0.5) * (2.0 / size) - 1.0
     y, x = torch.meshgrid(axis, axis, indexing="ij")
@@ -74,13 +70,6 @@ def warp(pictures: Tensor, corners: Tensor, size: int) -> Tensor:
 def whole(pictures: Tensor, size: int) -> Tensor:
     """The uncropped images (B, C, H, W), squeezed to squares (B, C, size, size), differentiable in them."""
     return F.interpolate(pictures, size=(size, size), mode="bilinear", antialias=True, align_corners=False)
-
-
-def _shrink(pictures: Tensor, most: int) -> Tensor:
-    """Halves pictures while they are far larger than what is sampled from them: no aliasing."""
-    while min(pictures.shape[-2:]) >= 2 * most:
-        pictures = F.avg_pool2d(pictures, 2)
-    return pictures
 
 
 def _homographies(corners: Tensor) -> Tensor:
@@ -119,10 +108,6 @@ def subject_views(display: Tensor, mask: Tensor, count: int, generator: torch.Ge
     Half of the backgrounds are random colors, so that nothing can be said about the subject by
     changing what is behind it (CLIP-Mesh); the others are the mean color of the surroundings, so
     that it is judged in the light that it stands in.
-
-    Args:
-        display: (H, W, 3) in [0, 1].
-        mask: (H, W) soft subject coverage.
     """
     box = _frame(mask)
     display, mask = display[box], mask[box]

@@ -58,7 +58,9 @@ class BlenderPictures:
         try:
             picture = self._load(answer, size)
         except VibeError as error:
-            self._miss(error.message)
+            self._failures += 1
+            self._over = self._failures >= _FAILURES
+            self._note(f"Without a Cycles picture for a while: {error.message.rstrip('.')}")
             return None
         self._failures = 0
         self.seconds.append(answer.seconds)
@@ -72,16 +74,11 @@ class BlenderPictures:
         if answer.error:
             raise VibeError(answer.error, "")
         path = Path(self._scene.folder) / answer.picture
-        picture = CyclesPicture.load(path, answer.groups, self._scene.film)
+        picture = CyclesPicture.load(path, answer.groups)
         if picture.size != size:
             raise VibeError(f"it has {picture.size} pixels instead of {size}", "")
         path.unlink(missing_ok=True)
         return picture
-
-    def _miss(self, reason: str) -> None:
-        self._failures += 1
-        self._over = self._failures >= _FAILURES
-        self._note(f"Without a Cycles picture for a while: {reason.rstrip('.')}")
 
     def _note(self, text: str) -> None:
         if f"{text}." not in self.notes:

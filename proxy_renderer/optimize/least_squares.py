@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol
 
+import numpy as np
 import torch
 import torch.nn.functional as F
 from torch import Tensor
@@ -34,6 +35,8 @@ _RADIUS, _SMALLEST = 0.35, 0.01
 _GOOD, _BAD = 0.7, 0.2
 """Shares of the predicted decrease beyond which the region grows, and below which it shrinks."""
 
+_TINY = 1e-12  # squared length of a move that is none
+
 _PROGRESS = 1e-3  # a predicted decrease that is not worth a picture
 
 
@@ -47,6 +50,8 @@ class Assessment:
     claim: Tensor  # (M,) number of the claim that each belongs to, from 0
     rest: Tensor  # () the loss's other terms
     picture: Any  # the first shot's
+    # (M,) bool: values of claims about the finish of a surface; None if nobody asks
+    finish: Tensor | None = None
 
     def misses(self, values: Tensor) -> Tensor:
         """(claims,) noticeable steps by which values (M,) miss each claim."""
@@ -100,16 +105,23 @@ class LinearModel:
         steepest = float(torch.linalg.matrix_norm(scaled, 2)) ** 2 if len(scaled) else 0.0
         curvature = self.stiffness + _DAMPING * torch.eye(len(self.stiffness))
         rate = 1.0 / (steepest + float(torch.linalg.matrix_norm(curvature, 2)))
-        move = ahead = torch.zeros_like(self.rest_slope)
+        # NumPy views of the same memory: on so few numbers its calls cost a third of torch's
+        ahead, missed = torch.zeros_like(self.rest_slope), torch.zeros_like(self.here.values)
+        move = at = ahead.numpy()
+        values, lower, upper, weight = (
+            t.numpy() for t in (self.here.values, self.here.lower, self.here.upper, weights)
+        )
+        rest, least, most = self.rest_slope.numpy(), low.numpy(), high.numpy()
         for number in range(_ITERATIONS):
-            values = self.here.values + self.slopes @ ahead
-            missed = outside(values, self.here.lower, self.here.upper)
-            slope = self.slopes.T @ (weights * missed) + self.rest_slope + curvature @ ahead
-            earlier, move = move, project(ahead - rate * slope, low, high)
-            if float((move - earlier).abs().max()) < _STILL:
+            there = values + (self.slopes @ ahead).numpy()
+            missed.numpy()[:] = weight * (there - np.clip(there, lower, upper))
+            slope = (self.slopes.T @ missed).numpy() + rest + (curvature @ ahead).numpy()
+            earlier, move = move, np.minimum(np.maximum(at - rate * slope, least), most)
+            if np.abs(move - earlier).max() < _STILL:
                 break
-            ahead = move + number / (number + 3) * (move - earlier)
-        return move
+            at = move + number / (number + 3) * (move - earlier)
+            ahead = torch.from_numpy(at)
+        return torch.from_numpy(move)
 
     def of(self, components: Tensor) -> LinearModel:
         """The model of some components (n,) bool; the others stay."""
@@ -148,13 +160,17 @@ class LinearModel:
         return 1.0 - float(rest.norm()) / length
 
     def corrected(self, seen: Assessment, move: Tensor) -> LinearModel:
-        """The model at x, whose slopes agree with what was seen at x + move (n,), not zero (Broyden 1965)."""
+        """The model at x, whose slopes agree with what was seen at x + move (n,), not zero (Broyden 1965).
+
+        Values that a component does not change, it still does not (Schubert 1970).
+        """
         along = move / move.square().sum()
+        moved = (self.slopes != 0) * move  # (M, n)
         missing = seen.values - self.here.values - self.slopes @ move
         rest = seen.rest - self.here.rest - (self.rest_slope + 0.5 * self.stiffness @ move) @ move
         return replace(
             self,
-            slopes=self.slopes + missing[:, None] * along,
+            slopes=self.slopes + missing[:, None] * moved / moved.square().sum(1, True).clamp_min(_TINY),
             rest_slope=self.rest_slope + rest * along,
         )
 
@@ -191,7 +207,7 @@ def solve(
     on_step: Callable[[int, float, Any], bool],
     first: LinearModel | None = None,
 ) -> Descent:
-    """Minimizes the objective over the chosen components by a damped Gauss-Newton method in the box.
+    """Minimizes the objective over the chosen components (N,) by a damped Gauss-Newton method in the box, from u (N,) inside it.
 
     A claim is a residual, in noticeable steps. Residuals and parameters are few, so such a step is cheap, and worth many gradient
     steps. The terms of similarity, and the pull to the artist's values, are followed by their gradient. The region that slopes are
@@ -199,14 +215,8 @@ def solve(
     they are taken, they are corrected by what the steps show, as in the secant version of Levenberg-Marquardt (Madsen, Nielsen and
     Tingleff 2004, section 3.5).
 
-    Args:
-        u: (N,) start, inside the box.
-        chosen: (N,) bool, the components that may move.
-        lower: (N,) lower corner of the feasible box.
-        upper: (N,) upper corner.
-        steps: The most points that are judged after the start.
-        on_step: Called with (step from 1, loss, picture) after each; True ends the loop.
-        first: The model of the chosen components' shares of their ranges at the start, if there is one already.
+    At most so many points are judged after the start; `on_step` is called with (step from 1, loss, picture) after each, and True ends
+    the loop. `first` is the model over shares of the chosen ranges at the start, if there is one already.
     """
     if not chosen.any():
         return Descent(u.clone(), 0.0, 0.0)
@@ -248,6 +258,7 @@ def solve(
         if fresh or taken == _TAKEN:
             break
         model, taken, fresh = linear(x), taken + 1, True
+    found.known = model, places, low - x, high - x
     return found
 
 
@@ -273,6 +284,8 @@ class Descent:
     start_loss: float  # the loss of the start on them
     steps: int = 0  # steps taken, at most T
     repairs: int = 0  # times that a non-finite loss or gradient was rolled back
+    # at the point: the model of the n components that could move, their numbers, and how far each could go down and up
+    known: tuple[LinearModel, Tensor, Tensor, Tensor] | None = None
 
 
 def fixed_views() -> torch.Generator:

@@ -37,13 +37,9 @@ class Looks:
             self._seen = shot.gbuffer(self._home)
 
     def planned(self, advisor: Advisor) -> tuple[Tensor, Advice]:
-        """Lines 2 to 5 and 7 of Algorithm 1 on the artist's scene: the result of the words alone.
+        """Lines 2 to 5 and 7 of Algorithm 1 on the artist's scene: the result (N,) of the words alone, and the advice.
 
-        Returns:
-            (N,) the artist's point with the starts of what words name, projected into the plan's ranges; and the advice.
-
-        Raises:
-            VibeError: No word of the prompt is known.
+        Raises VibeError if no word of the prompt is known.
         """
         vector, home = self._shot.vector, self._home
         advice = self._shot.advised(advisor, home, self._described)
@@ -55,15 +51,11 @@ class Looks:
         return EarlyLook(self._shot.vector.changes(u), None, {})
 
     def drawn(self, u: Tensor, claims: tuple[Claim, ...], shot: ShotState | None = None) -> EarlyLook:
-        """The values of u (N,) with their image.
-
-        Args:
-            shot: With its proxy corrected; None for the plain one.
-        """
+        """The values of u (N,) with their image; a `shot` has its proxy corrected, None is the plain one."""
         shot = shot or self._shot
         with torch.no_grad():
             display = shot.draw(u).display
             judged = ShotClaims(claims, self._seen, shot.gbuffer(u))
         rows = judged.verdicts(self.before, display, display)
-        words = {word: not missing for word, missing in messages.missing_by_word(rows).items()}
+        words = {word: state != "missed" for word, state in messages.word_states(rows).items()}
         return EarlyLook(shot.vector.changes(u), display, words)

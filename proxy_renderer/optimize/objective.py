@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import torch
 from torch import Tensor
 
+from ..claims.measures import MEASURES
 from ..guidance.guide import Weights, border_loss, claims_loss, hue_consistency_loss, prior_loss
 from ..planning.types import Plan
 from .least_squares import Assessment, Slopes, fixed_views
@@ -33,9 +34,10 @@ similarity alone."""
 _UNNAMED = 100.0  # how much more a color that no word names is kept from other hues: a floor may be lighter, not greener
 _GRAY = 1e-4  # how far the components of a gray may lie apart
 _BETWEEN_GRAYS = (
-    8.0  # how much more a color between two grays is kept from having a hue: darks may be lifted, not tinted
+    8.0  # how much more a color between grays is kept from a hue: darks may be lifted, not tinted
 )
 
+_TOGETHER = 32  # backward passes that share their operations: each takes the memory of a pass
 _NEAR = 5.0  # noticeable steps inside of an end of what is sought, from where one step does not lose it
 _STEP = 0.02  # of its range, by which a component is moved: shadows that move are traced anew, and have some grain
 
@@ -76,6 +78,7 @@ class RoundObjective:
         self._pull = torch.zeros_like(artist)
         for key in free:
             self._pull[vector.slices[key]] = plan[key].prior if plan[key].start is None else _NAMED
+        self._supports = vector.mark({key for key in free if _is_support(vector, plan, key)})
 
         # Colors keep their hue
         unnamed = (self._pull > 0.0) & (self._home == artist)
@@ -117,13 +120,15 @@ class RoundObjective:
             for term in self._similar(picture, fixed_views(), n).values()
         ]
         rows = [row for shot, picture in zip(self.seen, pictures, strict=True) for row in shot.aims(picture)]
+        aims = [row[1:] for row in rows]
         values, lower, upper = (
-            torch.cat([u.new_zeros(0), *(row[i].to(u) for row in rows)]) for i in range(3)
+            torch.cat([u.new_zeros(0), *(row[i].to(u) for row in aims)]) for i in range(3)
         )
-        numbers = [torch.full(row[0].shape, number) for number, row in enumerate(rows)]
+        numbers = [torch.full(row[0].shape, number) for number, row in enumerate(aims)]
         claim = torch.cat([torch.zeros(0).long(), *numbers])
+        finish = torch.tensor([MEASURES[each.measure].of_finish for each, *_ in rows]).bool()[claim]
         rest = sum(similar, pictures[0].display.new_zeros(())).to(u) / self.shots + self.held(u)
-        return Assessment(values, lower, upper, claim, rest, pictures[0])
+        return Assessment(values, lower, upper, claim, rest, pictures[0], finish)
 
     def account(self, u: Tensor) -> dict[str, dict[str, float]]:
         """{"terms": term -> weighted value at u (N,), as means over the shots}."""
@@ -173,6 +178,16 @@ class RoundObjective:
     def slopes(self, u: Tensor, chosen: Tensor) -> Slopes:
         """The change of what is judged at u (N,) by the n chosen components (N,): forward or backward, whichever is cheaper.
 
+        What supports the words is not moved for the finish of a surface: a darker room is not a duller sofa.
+        """
+        found = self._slopes(u, chosen)
+        assert found.here.finish is not None
+        faked = found.here.finish[:, None] & self._supports[chosen]
+        return found._replace(values=found.values.masked_fill(faked, 0.0))
+
+    def _slopes(self, u: Tensor, chosen: Tensor) -> Slopes:
+        """Slopes by the cheapest way.
+
         An image that is judged by hundreds of values is dear to go through backward hundreds of times, even through the film
         alone. A camera that moves sees other objects: only backward passes know what that does to outlines.
         """
@@ -194,34 +209,43 @@ class RoundObjective:
         return any(self.vector.instances[key].parameter.group == "camera" for key in keys)
 
 
-def backward_slopes(assess: Callable[[Tensor], Assessment], u: Tensor, chosen: Tensor) -> Slopes:
-    """Slopes at u (N,) over the chosen components (N,), by backward passes.
+def _is_support(vector: ParameterVector, plan: Plan, key: str) -> bool:
+    return vector.instances[key].parameter.group != "material" and not plan[key].is_named
 
-    Args:
-        assess: Judges a point, differentiable in it.
-    """
+
+def backward_slopes(assess: Callable[[Tensor], Assessment], u: Tensor, chosen: Tensor) -> Slopes:
+    """Slopes at u (N,) over the chosen components (N,), by backward passes through a differentiable `assess`."""
     point = u.detach().clone().requires_grad_()
     found = assess(point)
     (slopes,) = gradients(found, [point])
     return Slopes(found.detached(), slopes[:-1, chosen], slopes[-1, chosen])
 
 
-def gradients(found: Assessment, leaves: Sequence[Tensor]) -> list[Tensor]:
+def gradients(found: Assessment, leaves: Sequence[Tensor], together: bool = False) -> list[Tensor]:
     """For each of the leaves, (M + 1, ...) the gradients of the M values, and of the rest.
 
-    They are 0 for values that no step could bring out of what is sought.
+    They are 0 for values that no step could bring out of what is sought. Passes `together` share their operations: as many of a
+    card's kernels for all as for one.
     """
     near_end = (found.values < found.lower + _NEAR) | (found.values > found.upper - _NEAR)
-    needed = [*near_end.tolist(), True]
-    passes = []
-    for row, is_needed in zip([*found.values.unbind(), found.rest], needed, strict=True):
-        some: tuple[Tensor | None, ...] = (None,) * len(leaves)
-        if is_needed and row.requires_grad:
-            some = torch.autograd.grad(row, leaves, retain_graph=True, allow_unused=True)
-        passes.append(
-            [torch.zeros_like(leaf) if g is None else g for g, leaf in zip(some, leaves, strict=True)]
+    rows = [*found.values.unbind(), found.rest]
+    needed = [i for i, near in enumerate(near_end.tolist()) if near and rows[i].requires_grad]
+    size = _TOGETHER if together else 1
+    passes = [needed[i : i + size] for i in range(0, len(needed), size)]
+    if found.rest.requires_grad:  # an encoder's passes share nothing
+        passes.append([len(rows) - 1])
+    slopes = [leaf.new_zeros((len(rows), *leaf.shape)) for leaf in leaves]
+    for some in passes:
+        outputs, units = rows[some[0]], None
+        if len(some) > 1:
+            outputs, units = torch.stack([rows[i] for i in some]), torch.eye(len(some)).to(outputs)
+        passed = torch.autograd.grad(
+            outputs, leaves, units, True, allow_unused=True, is_grads_batched=units is not None
         )
-    return [torch.nan_to_num(torch.stack(each), 0.0, 0.0, 0.0) for each in zip(*passes, strict=True)]
+        for slope, gradient in zip(slopes, passed, strict=True):
+            if gradient is not None:
+                slope[some] = gradient
+    return [torch.nan_to_num(slope, 0.0, 0.0, 0.0) for slope in slopes]
 
 
 @torch.no_grad()
@@ -304,7 +328,8 @@ def forward_slopes(
     move = torch.where(chosen, torch.where(u + _STEP * span > box[1], -_STEP, _STEP) * span, 0.0)
     nearby = [_ForwardShot(shot, u.detach(), chosen) for shot in seen]
     found = judge([each.picture(point) for each in nearby], point)
-    slopes, *others = gradients(found, [point, *(leaf for each in nearby for leaf in each.leaves)])
+    leaves = [leaf for each in nearby for leaf in each.leaves]
+    slopes, *others = gradients(found, [point, *leaves], together=leaves[0].is_cuda)
     for each in nearby:
         mine, others = others[: len(each.leaves)], others[len(each.leaves) :]
         with torch.no_grad():

@@ -30,21 +30,12 @@ def run(
     stage: StagedScenes | None = None,
     method: Method | None = None,
 ) -> Outcome:
-    """Finds the values that make the scene look like the prompt.
+    """Finds the values that make the scene, or several shots of one look, look like the prompt.
 
-    Args:
-        views: The exported scene; or several shots that have one look in common.
-        options: Budget, seed, locks; the same options give the same values, bit for bit, on a CPU.
-        observer: Follows the loop, and may end it.
-        advisor: Parses, composes and confines; None for the offline planner.
-        stage: The words, read against the scene, and the light that they ask for; None reads them here and adds no light.
-        method: The way to search; None for the product's.
-
-    Returns:
-        The outcome of least loss; all of them are in its `variants`, where several are asked for.
-
-    Raises:
-        VibeError: If no word of the prompt is known, or nothing that the words touch may change.
+    The same options give the same values, bit for bit, on a CPU. Without an advisor the offline planner is asked; without a stage
+    the words are read here, and no light is added; without a method it is the product's. All outcomes are in the `variants` of
+    that of least loss, where several are asked for. Raises VibeError if no word of the prompt is known, or nothing that the words
+    touch may change.
     """
     search = Search(views, prompt, options, encoder, observer, advisor, stage, method)
     search.show_plan()

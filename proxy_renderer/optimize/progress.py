@@ -27,8 +27,11 @@ class Observer(Protocol):
     def stage(self, name: str) -> None:
         """Something other than a step begins."""
 
-    def begin(self, display: Tensor) -> None:
-        """The loop begins; display (H, W, 3) in [0, 1] is its image of the artist's own values."""
+    def begin(self, display: Tensor, lit: bool) -> None:
+        """The loop begins; display (H, W, 3) in [0, 1] is its image of the artist's own values.
+
+        Without `lit` that is black, and so is what the words alone make of it.
+        """
 
     def look(self, look: EarlyLook) -> None:
         """There is a look, or a better one; its image may come a moment later."""

@@ -20,7 +20,7 @@ from ..scene.data import Material
 from ..scene.values import RenderValues
 from ..schema import Values
 from ..schema.parameters import Region
-from ..words.types import LightDescription, MaterialLook, SceneDescription
+from ..words.types import Corners, LightDescription, MaterialLook, SceneDescription
 from .scene_facts import light_descriptions, mean_luminance
 
 _SIDE = 64  # rays along each side of the image
@@ -33,18 +33,22 @@ _FLAT = 0.15  # how much the slope of a roof varies at most
 _MOST, _SOME = 0.75, 0.5  # share of a material's surface that has to be so
 _LEAST = 0.02  # share of the image of a structure
 _CLEAR = 2.0  # how many times larger than the second a structure has to be
+_ALONE = 0.9  # share of the level surfaces around the subject that are its only ground
 _NEAR = 0.08  # of the scene's height: two levels within it are one
+_WALL = 0.4  # least share of a wall among several, of the largest one's
+_STEP, _NEAR_GROUND = 0.02, 0.25
+"""How far a floor lies above the ground that its room stands on, of the scene's height."""
 _TALL, _HIGH = 0.4, 0.6  # of the scene's height: least height of walls, and where roofs begin
 _PLACE_SIDE = 100  # pixels of the square image that places are measured in
 
 
-def places(scene: SceneData) -> dict[str, tuple[float, float, float]]:
-    """Of each object before the camera: x (-1 left, 1 right), y (0 near, 1 far), and its share of the image's width.
+def placed(scene: SceneData) -> tuple[dict[str, tuple[float, float, float]], dict[str, Corners]]:
+    """Of each object before the camera: x (-1 left, 1 right), y (0 near, 1 far), and its share of the image's width; and all boxes.
 
     An object that reaches behind the camera, such as a floor, has no place.
     """
     view = view_of(scene, RenderValues(scene, {}, "cpu"), (_PLACE_SIDE, _PLACE_SIDE))
-    mesh, seen = scene.mesh, {}
+    mesh, seen, boxes = scene.mesh, {}, dict[str, Corners]()
     corners = torch.from_numpy(mesh.vertices.astype(np.float32)).T
     depth = -(view.rotation.T @ (corners - view.position[:, None]))[2].detach().numpy()
     across = view.project(corners)[0].detach().numpy() / _PLACE_SIDE
@@ -52,11 +56,14 @@ def places(scene: SceneData) -> dict[str, tuple[float, float, float]]:
     ends = np.searchsorted(mesh.object[order], np.arange(len(scene.objects) + 1))
     for number, thing in enumerate(scene.objects):
         own = np.unique(mesh.faces[order[ends[number] : ends[number + 1]]])
+        if len(own):
+            corner = mesh.vertices[own].min(0), mesh.vertices[own].max(0)
+            boxes[thing.name] = tuple(map(float, corner[0])), tuple(map(float, corner[1]))
         if len(own) and depth[own].min() > view.clip[0]:
             low, high = across[own].min(), across[own].max()
             seen[thing.name] = (float(low + high - 1.0), float(depth[own].mean()), float(high - low))
     far = max((place[1] for place in seen.values()), default=1.0)
-    return {name: (x, y / far, width) for name, (x, y, width) in seen.items()}
+    return {name: (x, y / far, width) for name, (x, y, width) in seen.items()}, boxes
 
 
 def described(*scenes: SceneData) -> SceneDescription:
@@ -75,6 +82,7 @@ def described(*scenes: SceneData) -> SceneDescription:
             names = worn.setdefault(scene.objects[o].name, [])
             names += [scene.materials[m].name] * (scene.materials[m].name not in names)
     looks = present_looks(scenes[0]) if scenes else {}
+    where, boxes = placed(scenes[0]) if scenes else ({}, {})
     dark = {name for name, look in looks.items() if not look.glows}  # with a strength, but a black color
     subjects = [name for name, region in objects.items() if region == "subject"]
     return SceneDescription(
@@ -84,7 +92,8 @@ def described(*scenes: SceneData) -> SceneDescription:
         object_materials={name: tuple(worn.get(name, ())) for name in objects},
         lights=lights,
         glows=tuple(dict.fromkeys(n for scene in scenes for n in glowing(scene) if n not in dark)),
-        places=places(scenes[0]) if scenes else {},
+        places=where,
+        boxes=boxes,
         looks=looks,
         sky=not scenes or sees_sky(scenes[0]),
         emitters={name: glow for scene in reversed(scenes) for name, glow in glows(scene).items()},
@@ -117,6 +126,7 @@ class _Rays:
     object: np.ndarray
     height: np.ndarray
     slope: np.ndarray  # z of the normal that faces the camera
+    place: np.ndarray  # (2, N) x and y
 
 
 _met: dict[int, tuple[weakref.ref[SceneMesh], _Rays]] = {}
@@ -125,7 +135,7 @@ _met: dict[int, tuple[weakref.ref[SceneMesh], _Rays]] = {}
 def present_looks(scene: SceneData) -> dict[str, MaterialLook]:
     """The present look of every material."""
     rays = _rays(scene)
-    parts = _structures(scene, rays)
+    parts = [*_structures(scene, rays).items(), *_room(rays)]
     looks = {}
     for number, material in enumerate(scene.materials):
         on = rays.object[rays.material == number]
@@ -136,7 +146,7 @@ def present_looks(scene: SceneData) -> dict[str, MaterialLook]:
             glows=bool(glow),
             share=len(on) / rays.count,
             worn=worn,
-            structures=frozenset(part for part, owner in parts.items() if owner == number),
+            structures=frozenset(part for part, owner in parts if owner == number),
         )
     return looks
 
@@ -159,12 +169,13 @@ def _traced(scene: SceneData) -> _Rays:
     hits = geometry_of(scene, torch.device("cpu")).first_hits(origin, toward, "camera")
     met = hits.hit.numpy()
     triangle = hits.triangle.numpy()[met]
-    height = (origin[2] + toward[2] * hits.distance).numpy()[met]
+    *place, height = (origin + toward * hits.distance).numpy()[:, met]
     corners = mesh.vertices[mesh.faces[triangle]].astype(float)
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True) + 1e-20
     away = np.sign((normal * toward.numpy().T[met]).sum(1))
-    return _Rays(_SIDE**2, mesh.material[triangle], mesh.object[triangle], height, -away * normal[:, 2])
+    owner = mesh.material[triangle], mesh.object[triangle]
+    return _Rays(_SIDE**2, *owner, height, -away * normal[:, 2], np.stack(place))
 
 
 def _glow(scene: SceneData, material: Material) -> Values | None:
@@ -198,30 +209,70 @@ def _structures(scene: SceneData, rays: _Rays) -> dict[str, int]:
     """Structure -> index of the only material that is clearly it."""
     if not len(rays.height):
         return {}
-    low, high = np.quantile(rays.height, (0.01, 0.99))
-    tall = max(float(high - low), 1e-6)
+    low, tall = _extent(rays.height)
     mine = np.array([thing.subject for thing in scene.objects])[rays.object]
-    stands = float(rays.height[mine].min()) if mine.any() and not mine.all() else float(low)
+    stands = float(rays.height[mine].min()) if mine.any() and not mine.all() else low
     found: dict[str, dict[int, float]] = {}
     for number in np.unique(rays.material).tolist():
         own = rays.material == number
         share = float(own.sum()) / rays.count
         if share >= _LEAST:
-            for part in _parts(rays.height[own], rays.slope[own], (float(low), tall, stands)):
+            for part in _parts(rays.height[own], rays.slope[own], (low, tall, stands)):
                 found.setdefault(part, {})[number] = share
     clear = {}
     for part, shares in found.items():
         best, *others = sorted(shares, key=lambda number: -shares[number])
         if not others or shares[best] >= _CLEAR * shares[others[0]]:
             clear[part] = best
+    around = rays.material[(rays.slope > _LEVEL) & ~mine]
+    if "ground" in clear and (around == clear["ground"]).sum() > _ALONE * len(around):
+        clear.setdefault("support", clear["ground"])  # nothing else can be the table that people say
     return clear
+
+
+def _room(rays: _Rays) -> Iterator[tuple[str, int]]:
+    """The materials of several walls, and that of a floor between walls which is not the ground that the room stands on."""
+    if not len(rays.height):
+        return
+    low, tall = _extent(rays.height)
+    shares, levels = dict[int, int](), dict[int, np.ndarray]()  # of walls, and where level surfaces are
+    for number in np.unique(rays.material).tolist():
+        own = rays.material == number
+        if own.sum() < _LEAST * rays.count:
+            continue
+        if "wall" in _parts(rays.height[own], rays.slope[own], (low, tall, low)):
+            shares[number] = int(own.sum())
+        level = own & (rays.slope > _LEVEL)
+        if level.sum() > _SOME * own.sum():
+            levels[number] = level
+    walls = [number for number, share in shares.items() if share > _WALL * max(shares.values())]
+    yield from (("walls", number) for number in walls if len(walls) > 1)
+    if walls and len(levels) > 1 and (floor := _floor(rays, walls, levels, tall)) is not None:
+        yield "floor", floor
+
+
+def _floor(rays: _Rays, walls: list[int], levels: dict[int, np.ndarray], tall: float) -> int | None:
+    """The lowest of the level materials but one, if it lies between the walls and a step above that one, which is around them."""
+    ends = rays.place[:, np.isin(rays.material, walls)]
+    inside = ((rays.place > ends.min(1)[:, None]) & (rays.place < ends.max(1)[:, None])).all(0)
+    heights = {number: float(np.median(rays.height[level])) for number, level in levels.items()}
+    ground, floor, *_ = sorted(heights, key=lambda number: heights[number])
+    rise = (heights[floor] - heights[ground]) / tall
+    around = 1.0 - inside[levels[ground]].mean()
+    between = inside[levels[floor]].mean()
+    return floor if _STEP < rise < _NEAR_GROUND and min(around, between) > _MOST else None
+
+
+def _extent(height: np.ndarray) -> tuple[float, float]:
+    """Height of the lowest point, and the extent upward, without a few that stick out."""
+    low, high = np.quantile(height, (0.01, 0.99))
+    return float(low), max(float(high - low), 1e-6)
 
 
 def _parts(height: np.ndarray, slope: np.ndarray, scene: tuple[float, float, float]) -> Iterator[str]:
     """Structures that a material may be.
 
-    Args:
-        scene: The height of its lowest point, its extent upward, and the height that the subject stands on.
+    A scene has the height of its lowest point, its extent upward, and the height that the subject stands on.
     """
     low, tall, stands = scene
     level = height[slope > _LEVEL]

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import torch
 from torch import Tensor
 
-from ..claims.claim import ClaimSet
+from ..claims.claim import Claim, ClaimSet
 from ..claims.measures.picture import MeasuredPicture
 from ..color.tensors import mean_difference
 from ..planning.types import Plan
 from ..scene import SceneData
-from ..schema import GROUPS, Instance, VibeError, labels, matches
+from ..schema import GROUPS, Instance, VibeError, labels, matches, material_copies
 from ..schema.messages import Options
 from .anchoring import AnchorState, PictureSource
 from .scene_facts import described_now
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from ..render.proxy import Proxy, Render
     from ..words.types import SceneDescription
 
+LOCKED = "locked by you"
 MOVES = "it changes from shot to shot in your scene"
 """Why a value is locked that differs between shots of one .blend."""
 
@@ -38,9 +39,7 @@ _NEAR = 0.25  # of a component's whole range: so far an old correction is better
 
 _LARGEST, _LEAST = 256, 192
 """Greatest longer side of the images inside the loop, in pixels, and the least however small the encoder's are."""
-_OF_A_PICTURE = (
-    128  # the greatest where a reference image says what to look like: nothing so fine is read off it
-)
+_OF_A_PICTURE = 128  # the greatest where a reference image is the goal: nothing so fine is read off it
 
 
 @dataclass(frozen=True)
@@ -81,11 +80,7 @@ class ShotState:
         return self.proxy
 
     def draw(self, u: Tensor, free: set[str] | frozenset[str] = frozenset()) -> Render:
-        """The proxy's image of u (N,).
-
-        Args:
-            free: Keys of the shared vector in which the image is differentiable.
-        """
+        """The proxy's image of u (N,), differentiable in the free keys of the shared vector."""
         if free and torch.is_grad_enabled():
             own = {own for own, key in self.names.items() if key in free}
             return draw(self.corrected, self.vector, u, own)
@@ -100,11 +95,9 @@ class ShotState:
         return advisor.advise(image.display, self.vector.instances, now)
 
     def anchored(self, u: Tensor, number: int, slack: float = _HERE) -> ShotState:
-        """The shot with its proxy corrected at u (N,) by a picture of Cycles; itself where there is none, or one nearby.
+        """The shot with its proxy corrected at u (N,) by a picture of Cycles, for a round from 0; itself where there is none.
 
-        Args:
-            number: Of the round, from 0.
-            slack: How near is near enough, as a share of a component's whole range.
+        Nor is one taken where the last is nearer than the slack, a share of a component's whole range.
         """
         distance = self.anchor.distance(u)
         if self.source is None or distance <= slack:
@@ -136,8 +129,8 @@ class ShotState:
         """Distance of an image from each claim: (n,) in noticeable steps, differentiable in it."""
         return self.claims.residuals(self._measured(picture)) if self.claims else []
 
-    def aims(self, picture: Render) -> list[tuple[Tensor, Tensor, Tensor]]:
-        """An image's value for each claim, and the interval that is sought, see `ClaimSet.aims`."""
+    def aims(self, picture: Render) -> list[tuple[Claim, Tensor, Tensor, Tensor]]:
+        """Claims with an image's value for each, and the interval that is sought, see `ClaimSet.aims`."""
         return self.claims.aims(self._measured(picture)) if self.claims else []
 
     def _measured(self, picture: Render) -> MeasuredPicture:
@@ -234,15 +227,9 @@ def _alike(a: Instance, b: Instance) -> bool:
 def lock(
     instances: Mapping[str, Instance], groups: Sequence[str], locks: Sequence[str], camera: bool
 ) -> dict[str, Instance]:
-    """Instances with the artist's locks: what may not change says why.
+    """Instances with the artist's locks: what may not change says why; without groups only the camera may not, unless it is named.
 
-    Args:
-        groups: Groups that may change; empty for all but the camera.
-        locks: Patterns of what must stay, see `schema.matches`.
-        camera: Whether the camera may move though no group names it.
-
-    Raises:
-        VibeError: For a group that does not exist and a pattern that nothing matches.
+    Raises VibeError for a group that does not exist and a pattern that nothing matches.
     """
     if strange := [g for g in groups if g not in GROUPS]:
         raise VibeError(f"Unknown group {strange[0]!r}.", f"Use some of: {', '.join(GROUPS)}.")
@@ -255,8 +242,8 @@ def lock(
             )
 
     def reason(key: str, group: str) -> str:
-        if matches(key, list(locks)):
-            return "locked by you"
+        if any(matches(each, list(locks)) for each in (key, material_copies.copied_key(key))):
+            return LOCKED
         if group == "camera" and "camera" not in groups and not camera:
             return "the camera stays as you framed it"
         if groups and group not in groups and not (group == "camera" and camera):
@@ -275,11 +262,12 @@ def picture_size(resolution: tuple[int, int], longest: int) -> tuple[int, int]:
     return width, height
 
 
-def inner_size(scene: SceneData, options: Options, encoder: Encoder) -> tuple[int, int]:
+def inner_size(scene: SceneData, options: Options, encoder: Encoder, pictured: bool) -> tuple[int, int]:
     """Width and height of the images inside the loop, at most the options' `size`; the prediction has the full size.
 
     Crops are at least three quarters of the image, so one and a half times what the encoder looks at is enough;
-    but highlights and shadows have to be there, however little it looks at.
+    but highlights and shadows have to be there, however little it looks at. A reference image, where goals are `pictured`,
+    needs less.
     """
-    enough = max(_LEAST, encoder.size * 3 // 2) if not options.like else _OF_A_PICTURE
+    enough = _OF_A_PICTURE if pictured else max(_LEAST, encoder.size * 3 // 2)
     return picture_size(scene.resolution, min(options.size, _LARGEST, enough))

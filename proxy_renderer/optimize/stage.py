@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from ..claims.claim import Claim
 from ..claims.from_goals import claims_of
+from ..goals.further import further
 from ..goals.resolve import Goals, goals_or_why
 from ..goals.written import WrittenGoals
 from ..planning.acting import goals_without_rig
@@ -15,9 +16,9 @@ from ..planning.advice import OfflineAdvisor
 from ..planning.missing import asks_for_backdrop, missing_lights
 from ..planning.types import LightPlan
 from ..rigs.chosen import chosen_rig
-from ..rigs.lighting import Lighting, lighting
+from ..rigs.lighting import OFF, Lighting, lighting
 from ..scene import SceneData
-from ..schema import VibeError
+from ..schema import Instance, VibeError, sentences
 from ..schema.added_lights import ADDED_LIGHTS, light_name
 from ..words.lexicon.rigs import rig_table
 from ..words.lexicon.user_words import default_vocabulary
@@ -49,16 +50,15 @@ class StagedScenes:
 
     def claims(self, goals: Goals) -> tuple[Claim, ...]:
         """The claims of goals about the image, the rig's structure among them."""
-        vocabulary = default_vocabulary()
-        if self.lighting is None:
-            return claims_of(goals, vocabulary)
-        return (*self.lighting.claims, *claims_of(goals_without_rig(goals, self.lighting.plan), vocabulary))
+        lit = goals_without_rig(goals, self.plan) if self.plan else goals
+        return claims_of(lit, default_vocabulary())
 
 
 def read_stage(scenes: Sequence[SceneData], prompt: str) -> StagedScenes:
     """The words, read against scenes that stay as they are lit."""
     understood = Understood(prompt, described(*scenes))
-    return StagedScenes(list(scenes), understood, goals_or_why(understood))
+    scenes = [scene.with_copies(understood.scene.copies) for scene in scenes]
+    return StagedScenes(scenes, understood, goals_or_why(understood))
 
 
 def set_stage(
@@ -67,24 +67,24 @@ def set_stage(
     new_lights: bool = True,
     target: Sequence[str] = (),
     written: WrittenGoals | None = None,
+    goes_on: bool = False,
 ) -> StagedScenes:
     """The shots, lit by the rig that the words ask for; or with lights on standby for single words, where they ask for no rig.
 
     Where nothing in the prompt is understood offline, nothing is added. The first of several shots decides on lights for all; a
-    backdrop is for all of them or for none.
-
-    Args:
-        target: "copper=Cup": what words describe, as the artist says.
-        written: Goals in the place of those that the prompt asks for; None for its own.
-
-    Raises:
-        VibeError: The scene has nothing that a word is to describe.
+    backdrop is for all of them or for none. Written goals take the place of those that the prompt asks for. A prompt that
+    `goes_on` is measured from the image as it is. Raises VibeError if
+    the scene has nothing that a word, with a target as in "copper=Cup", is to describe.
     """
+    prompt, factor = sentences.plain(prompt) if goes_on else (prompt, 0.0)
     understood = Understood(prompt, described(*scenes), target)
+    scenes = [scene.with_copies(understood.scene.copies) for scene in scenes]
     goals = written.within(understood.scene) if written else goals_or_why(understood)
     if isinstance(goals, VibeError):
         return StagedScenes(list(scenes), understood, goals)
     vocabulary = default_vocabulary()
+    if goes_on:
+        goals = further(goals, vocabulary, factor)
     if chosen := chosen_rig(goals, rig_table(), vocabulary):
         rig = lighting(scenes, goals.parsed, chosen, new_lights)
         return StagedScenes(rig.scenes, understood, goals, rig)
@@ -98,4 +98,13 @@ def set_stage(
     parts = asks_for_backdrop(goals, instances, understood.scene, vocabulary)
     if parts and all(scene.may_have_backdrop for scene in scenes):
         scenes = [scene.with_backdrop() for scene in scenes]
-    return StagedScenes([scene.with_lights(names) if names else scene for scene in scenes], understood, goals)
+    scenes = [scene.with_lights(names) if names else scene for scene in scenes]
+    if goes_on:  # the image that it goes on from has none of them
+        scenes = [replace(scene, instances=_unlit(scene.instances, names)) for scene in scenes]
+    return StagedScenes(list(scenes), understood, goals)
+
+
+def _unlit(instances: Mapping[str, Instance], names: Collection[str]) -> dict[str, Instance]:
+    """Parameters with the power of some lights as good as off."""
+    power = {k: i for k, i in instances.items() if i.owner in names and i.parameter.family == "light/power"}
+    return {**instances, **{key: replace(i, value=(OFF * i.reference,)) for key, i in power.items()}}

@@ -143,9 +143,8 @@ class ParameterVector:
     def bounds(self, ranges: Mapping[str, tuple[Values, Values]]) -> tuple[Tensor, Tensor]:
         """The feasible box in u: plan ∩ hard bounds ∩ locks, each corner (N,).
 
-        Args:
-            ranges: Key to (lower, upper); a missing key may go anywhere within its hard bounds, and a locked one stays at the
-                artist's value. A range outside of the hard bounds becomes their nearest end.
+        A key without a range may go anywhere within its hard bounds, and a locked one stays at the artist's value. A range outside of
+        the hard bounds becomes their nearest end.
         """
         lower, upper = {}, {}
         for key, instance in self.instances.items():
@@ -173,12 +172,10 @@ def around(u: Tensor, lower: Tensor, upper: Tensor, share: float) -> tuple[Tenso
 
 
 def opened(lower: Tensor, upper: Tensor, share: Tensor, own: Tensor) -> tuple[Tensor, Tensor]:
-    """The corners, each (N,), of a box with wider ranges within the hard bounds; a narrow range is widened as one of `_NARROW` is.
+    """The corners, each (N,), of a box with ranges wider by a share on either side, within the hard bounds; infinite is all there is.
 
-    A range opens no farther than to the artist's value (N,): more contrast never comes to less of it.
-
-    Args:
-        share: (N,) of each range, by which it is wider on either side; infinite for all that there is.
+    A narrow range is widened as one of `_NARROW` is. None opens farther than to the artist's value (N,): more contrast never comes
+    to less of it.
     """
     margin = torch.where(share > 0.0, share * (upper - lower).clamp_min(_NARROW), 0.0)
     low = torch.where(own < lower, torch.maximum(lower - margin, own), lower - margin)

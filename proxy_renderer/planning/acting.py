@@ -35,7 +35,11 @@ Act = tuple[Wish, Effect]
 def acts(goals: Goals, vocabulary: Vocabulary, owners: Owners) -> list[Act]:
     """The effects of all wishes, in the order of the prompt."""
     described = _redirected(goals, owners)
-    wishes = (replace(w, attribute=described.get(id(w.attribute), w.attribute)) for w in goals.wishes)
+    wishes = (
+        replace(w, attribute=described.get(id(w.attribute), w.attribute))
+        for w in goals.wishes
+        if not w.of_picture
+    )
     return [(wish, effect) for wish in wishes for effect in _effects(wish, vocabulary, owners)]
 
 
@@ -81,22 +85,26 @@ def _would_hide(gel: Attribute, wishes: Sequence[Wish], owners: Owners) -> bool:
 
 
 def goals_without_rig(goals: Goals, light: LightPlan) -> Goals:
-    """Goals without what a rig stands for: it serves its words, and it alone sets the light of a mood.
+    """Goals in which a rig takes the place of what it stands for: it serves its words, and it alone sets the light of a mood.
 
-    Of grade words what they do to the grade is left, and of moods half of that; the rig says what is to be seen of them.
+    What an image has to show of it comes before a reference image. Of grade words what they do to the grade is left, and of moods half of that; the rig says what is to be seen of them.
     """
-    if not light.served:
+    if not (light.served or light.shown):
         return goals
     every = (*goals.wishes, *(each.wish for each in goals.lost))
     lit = [wish for wish in every if wish.attribute in light.served and wish.quantity in _LIT]
-    beaten = {id(wish): first for wish in goals.wishes for first in lit if _outshone(wish, first, light)}
+    beaten = {
+        id(w): first for w in goals.wishes for first in (*lit, *light.shown) if _outshone(w, first, light)
+    }
     left = tuple(_left(wish, light) for wish in goals.wishes if id(wish) not in beaten)
     lost = tuple(Lost(wish, beaten[id(wish)]) for wish in goals.wishes if id(wish) in beaten)
-    return replace(goals, wishes=left, lost=(*goals.lost, *lost))
+    return replace(goals, wishes=left, lost=(*goals.lost, *lost), shown=light.shown)
 
 
 def _outshone(wish: Wish, served: Wish, light: LightPlan) -> bool:
     """Whether a word that is about no light contradicts the light of a rig: an "old" well in moonlight is not lit warmly."""
+    if wish.of_picture or served in light.shown:
+        return wish.of_picture and contradicts(served, wish)
     about_light = wish.attribute.slot == "lighting" or wish.attribute.color or wish.attribute in light.served
     return not about_light and wish.quantity in _LIT and contradicts(served, wish)
 

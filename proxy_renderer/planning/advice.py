@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from ..goals.resolve import Goals
 from ..schema import Instance, Values, VibeError, labels
-from ..words.types import Attribute, Parsed, PromptWord, SceneDescription
+from ..words.types import Attribute, PromptWord, SceneDescription
 from .captions import Prompts, compose
 from .planner import plan
 from .types import LightPlan, Plan
@@ -75,7 +75,10 @@ def explain(goals: Goals, prompts: Prompts, plan: Plan) -> str:
         materials = f" [{', '.join(thing.materials)}]" if thing.materials else ""
         where = "" if thing.name == thing.region else f" ({thing.region})"
         lines.append(f"  {thing.name}{where}{materials}: {said}")
-    lines += [f"  '{mood}' stands for: {words}" for mood, words in _moods(parsed).items()]
+    moods: dict[str, dict[str, None]] = {}
+    for attribute in (a for a in parsed.attributes if a.cause):
+        moods.setdefault(attribute.cause, {})[attribute.word] = None
+    lines += [f"  '{mood}' stands for: {', '.join(words)}" for mood, words in moods.items()]
     lines += [f"  guessed: '{word}' as '{entry}'" for word, entry in parsed.guesses.items()]
     if parsed.ignored:
         lines.append(f"  not used: {', '.join(parsed.ignored)}")
@@ -125,14 +128,6 @@ def as_dict(goals: Goals, prompts: Prompts, plan: Plan) -> dict:
         "guesses": parsed.guesses,
         "notes": list(plan.notes),
     }
-
-
-def _moods(parsed: Parsed) -> dict[str, str]:
-    moods: dict[str, dict[str, None]] = {}
-    for attribute in parsed.attributes:
-        if attribute.cause:
-            moods.setdefault(attribute.cause, {})[attribute.word] = None
-    return {mood: ", ".join(words) for mood, words in moods.items()}
 
 
 def _range(key: str, lower: Values, upper: Values) -> str:

@@ -48,18 +48,18 @@ class Prompts:
 def compose(
     parsed: Parsed, overruled: Collection[Attribute] = (), vocabulary: Vocabulary | None = None
 ) -> Prompts:
-    """Captions and negatives of a parsed prompt.
-
-    Args:
-        overruled: Its words of which nothing is sought.
-        vocabulary: What words mean; the artist's own if None.
-    """
+    """Captions and negatives of a parsed prompt."""
     captions = _Captions(vocabulary or default_vocabulary())
     meant = [a for a in parsed.attributes if a not in overruled]
     said = [a for a in meant if not a.negated and not a.cause]
     mine, theirs = ([a for a in said if _is_of(region, a)] for region in _KINDS)
     noun, backdrop = (_called(region, parsed) for region in _KINDS)
-    foreground = ", ".join(captions.caption(own, name) for name, own in _by_thing(mine, noun).items())
+    things: dict[
+        str, list[Attribute]
+    ] = {}  # those that have materials of their own: "a white cup, a black table"
+    for attribute in mine:
+        things.setdefault((attribute.owners and attribute.thing) or noun, []).append(attribute)
+    foreground = ", ".join(captions.caption(a, name) for name, a in (things or {noun: []}).items())
     background = captions.caption(theirs, backdrop) if theirs else ""
     whole = [a for a in said if a.region == "whole" or a.slot in _OF_ALL]
     looks = [captions.words(a) for a in whole if a not in mine and a not in theirs][:_MOST]
@@ -85,14 +85,6 @@ def _is_of(region: str, attribute: Attribute) -> bool:
     return whole or (attribute.kind in _KINDS[region] and attribute.slot in _OF_MATTER)
 
 
-def _by_thing(attributes: list[Attribute], noun: str) -> dict[str, list[Attribute]]:
-    """What is said of each thing that has materials of its own: "a white cup, a black table"; of all others together."""
-    things: dict[str, list[Attribute]] = {}
-    for attribute in attributes:
-        things.setdefault((attribute.owners and attribute.thing) or noun, []).append(attribute)
-    return things or {noun: []}
-
-
 class _Captions:
     """Words for the encoder."""
 
@@ -113,7 +105,8 @@ class _Captions:
         """ "a glossy teal dolphin": what fits before the noun stands there, longer phrases follow it."""
         before: list[str] = []
         after: list[str] = []
-        said = (a for a in attributes if not _is_called_so(a, noun))
+        # No "studio studio"
+        said = (a for a in attributes if a.slot != "setting" or (a.english or a.word) not in noun)
         for attribute in sorted(said, key=lambda a: _BEFORE.get(a.slot, 0)):
             adjective, _, more = self.words(attribute).partition(", ")
             long = adjective.count(" ") > 1 and not attribute.color
@@ -123,7 +116,7 @@ class _Captions:
                 break
         words = " ".join(dict.fromkeys([*before, noun])).split()
         front = " ".join(word for word, _ in groupby(words))
-        article = "an" if front[0] in "aeiou" else "a"
+        article = "an" if front[:1] in {*"aeiou"} else "a"
         return ", ".join(dict.fromkeys([f"{article} {front}", *after]))
 
     def mistakes(self, own: list[Attribute], other: list[Attribute], noun: str) -> tuple[str, ...]:
@@ -163,8 +156,3 @@ def _color(attribute: Attribute) -> str:
     if attribute.kind in _COLORED:
         return f"{name} {attribute.thing}"
     return name if kind in name.replace("gray", "grey") else f"{name} {kind}"
-
-
-def _is_called_so(attribute: Attribute, noun: str) -> bool:
-    """Whether the noun says it already: no "studio studio"."""
-    return attribute.slot == "setting" and (attribute.english or attribute.word) in noun

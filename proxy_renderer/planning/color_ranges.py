@@ -22,6 +22,8 @@ _LESS, _MORE = (0.65, -0.1), (1.35, 0.15)
 what looks as named under the scene's light and view."""
 _SHOWN = (0.5, 3.0)
 """Multiples of a color's brightest component that a backdrop may have, for the same reason."""
+_GLOW = (0.8, 0.0), (1.0, 0.1)
+"""The same of a glow: how bright it is, its strength says."""
 _CAST, _EVEN = (0.6, 1.5), 0.01
 """Shares of a film's usual tint that claims may choose between, and what a component may lie beside that."""
 _DARKER, _LIGHTER = {"darker"}, {"lighter", "paler"}
@@ -44,7 +46,8 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
     if named := named_color(effect, attribute, instance, sources):
         # all that may look like it in some light: darker and lighter, and purer or paler
         shown = [max(v, 0.0) ** (1 / 2.2) for v in named]
-        lower, upper = (tuple(max(a * v + b, 0.0) ** 2.2 for v in shown) for a, b in (_LESS, _MORE))
+        ends = _GLOW if instance.parameter.name == "emission_color" else (_LESS, _MORE)
+        lower, upper = (tuple(max(a * v + b, 0.0) ** 2.2 for v in shown) for a, b in ends)
         return lower, tuple(min(u, max(v, _WHITEST)) for u, v in zip(upper, named, strict=True))
     srgb = _color_of(effect, attribute, sources)
     if effect.mode == "shown" and instance.parameter.kind == "scalar":

@@ -83,12 +83,9 @@ def asks_for_backdrop(
     ]
     seen = [act for act in of_world if act[0].attribute.kind == "surroundings" and not is_usual(*act)]
     shed = [act for act in of_world if act[0].attribute.kind not in ("surroundings", "sky")]
-    return any(map(_tints, seen)) or any(_apart(one, other) for one in seen for other in shed)
-
-
-def _tints(act: Act) -> bool:
-    color = act[0].attribute.color
-    return color is not None and act[1].mode == "shown" and chroma(lab_from_srgb(color)) > _VIVID
+    shown = [wish.attribute.color for wish, effect in seen if effect.mode == "shown"]
+    tints = any(chroma(lab_from_srgb(color)) > _VIVID for color in shown if color)
+    return tints or any(_apart(one, other) for one in seen for other in shed)
 
 
 def _apart(one: Act, other: Act) -> bool:

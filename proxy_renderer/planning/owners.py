@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from ..schema import Instance, Values
 from ..words.lexicon.entries import OWNERS, Effect
@@ -14,6 +15,7 @@ from .scene_lights import SceneLights
 
 _PART = 0.12  # materials on less of their region are parts: tyres, eyes, screws
 _LIKE = 0.25  # where all are parts, share of the largest that those have which make it up: a shelf of a hundred books
+_STAYS = "the prompt says that it stays"
 _LOOK = ("base_color", "metallic", "roughness", "transmission")
 """Values of a material by which small parts are told from large ones."""
 
@@ -122,3 +124,9 @@ class Owners:
         if own and (effect.mode == "shown" or attribute.kind in SEEN):
             return [own]
         return [effect.name, own] if own and effect.mode not in _SHED else [effect.name]
+
+
+def protected(instance: Instance, parsed: Parsed) -> Instance:
+    """A parameter, locked where the prompt says that its owner stays as it is."""
+    owner = f"{instance.parameter.group}/{instance.owner}".rstrip("/")
+    return replace(instance, locked=_STAYS) if owner in parsed.protected and not instance.locked else instance

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from ..color.floats import srgb_from_linear
@@ -14,14 +14,15 @@ from ..schema import Instance, Values, labels
 from ..words.lexicon.entries import OWNERS, Effect
 from ..words.lexicon.user_words import default_vocabulary
 from ..words.lexicon.vocabulary import Vocabulary
-from ..words.types import GLOW, Attribute, Parsed, SceneDescription
+from ..words.types import GLOW, Attribute, SceneDescription
 from .acting import STAGES, acts, goals_without_rig, grade_of, is_usual, stage_of
 from .color_ranges import named_color, painted
 from .light_levels import Sources, WorldLook, facing_radiance
-from .owners import BACKDROP, SEEN, Owners
+from .owners import BACKDROP, SEEN, Owners, protected
+from .picture_ranges import beside_words
 from .ranges import clip, effect_range, within
 from .support import added_power, supports
-from .types import LightPlan, Plan, PlanEntry
+from .types import LEFT_ALONE, LightPlan, Plan, PlanEntry
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ class WishedRange:
     @property
     def rank(self) -> tuple[bool | int, ...]:
         """As `Wish.rank`, with what counts of this parameter alone."""
-        _, usual, implied, general, paint, vague, _, _ = self.wish.rank
+        _, _, usual, implied, general, paint, vague, _, _ = self.wish.rank
         return self.weak, usual, implied, paint, self.priority, general, vague or self.aside
 
     @property
@@ -120,13 +121,6 @@ class Agreements:
         return Agreement(lower, upper, winners)
 
 
-def _missing_owner(owner: str) -> str:
-    """What a scene has not got, for an effect's owner."""
-    if owner in ("rim", "fill", "others"):
-        return f"the scene has no light that could be the {'second' if owner == 'others' else owner} light; add one"
-    return f"the scene has no {OWNERS[owner]} whose values may change so"
-
-
 def reason_of(attribute: Attribute, phrase: str) -> str:
     """Quotes the word: "'glossy': glossy, with bright reflections", "'warm' in 'cosy'"."""
     if attribute.cause:
@@ -140,10 +134,9 @@ _OF_SHADOWS = ("size", "angle")
 """Parameters that begin well inside of their ranges: edges of shadows have slopes that say little of where hardness is found."""
 _WELL_INSIDE = 0.75
 """Where, from the end that is nearer to the artist's value: the sun's shadows are hard, not just harder."""
-_RELATIVE = ("shade", "times", "plus", "lightness")
+_RELATIVE = ("shade", "times", "plus", "near", "lightness")
 """Modes of effects on what a thing has, or what its material gives it: fresh asphalt is a smoother dark gray."""
 _SEEN_GLOW = 0.02  # emission from which a material glows
-_STAYS = "the prompt says that it stays"
 _GRADES = {
     "film/contrast": (0.8, 1.3),
     "film/saturation": (0.0, 1.45),
@@ -153,6 +146,7 @@ _GRADES = {
     "film/gain": (0.8, 1.2),
 }
 """How far a grade goes beside a rig, which is most of a look."""
+_FAINT = 0.1  # share of its power with which a light begins that is added beside what is there
 _SECOND = 6  # how much later a mood's own words come than the prompt's
 
 
@@ -173,12 +167,27 @@ def plan(
     entries = planner.entries()
     entries |= {key: entry for key, entry in light.entries.items() if not planner.instances[key].locked}
     support = supports(goals.parsed, planner.instances, planner.sources, entries, planner.owners)
+    if goals.holds:  # nothing but what the sentence needs
+        entries |= _faint(entries, planner.instances, scene.added_lights)
+        support = {k: e for k, e in support.items() if k == "film/exposure" or e.prior == 0.0}
     if light.served:  # exposed as the rig wants it, and graded so that its light keeps contrast and colors
         support.pop("film/exposure", None)
         graded = {key: ends for key, ends in _GRADES.items() if key in entries and entries[key].is_named}
         entries |= {key: _mild(entries[key], *ends) for key, ends in graded.items()}
     entries |= support
-    return Plan({key: entries[key] for key in instances}, tuple(dict.fromkeys(planner.notes)))
+    decided = Plan({key: entries[key] for key in instances}, tuple(dict.fromkeys(planner.notes)))
+    return beside_words(decided, goals, planner.instances, planner.vocabulary)
+
+
+def _faint(
+    entries: Mapping[str, PlanEntry], instances: Mapping[str, Instance], added: Collection[str]
+) -> dict[str, PlanEntry]:
+    """Entries for the power of added lights, which may be faint beside what is there."""
+    power = (
+        k for k in entries if instances[k].parameter.family == "light/power" and instances[k].owner in added
+    )
+    lows = {key: tuple(_FAINT * v for v in entries[key].lower) for key in power}
+    return {key: replace(entries[key], lower=low, start=low, prior=0.0) for key, low in lows.items()}
 
 
 class _Planner:
@@ -192,7 +201,7 @@ class _Planner:
     ) -> None:
         parsed = self.parsed = goals.parsed
         self.vocabulary = vocabulary
-        self.instances = {key: _protected(i, parsed) for key, i in instances.items()}
+        self.instances = {key: protected(i, parsed) for key, i in instances.items()}
         self.owners = Owners(parsed, self.instances, scene, vocabulary)
         stops = [i.value[0] for i in instances.values() if i.parameter.name in ("exposure", "grade_exposure")]
         self.sources = Sources(scene, exposure=sum(stops))
@@ -211,7 +220,7 @@ class _Planner:
         entries = {key: self._entry(instance) for key, instance in self.instances.items()}
         self.notes += [*self.agreed.notes(), *self._unmet()]
         for reason, keys in self.kept.items():
-            self.notes.append(f"Left alone, though the words ask for it: {labels.titles(keys)} ({reason}).")
+            self.notes.append(f"{LEFT_ALONE}: {labels.titles(keys)} ({reason}).")
         return entries
 
     def _of_materials(self) -> dict[str, Values]:
@@ -234,8 +243,13 @@ class _Planner:
             most = min((e.priority for e in strong), default=0)
             main = [e for e in strong if e.priority == most]
             if main and not any(self.owners.of(e, attribute) for e in main):
-                missing.setdefault(attribute.cause or attribute.word, _missing_owner(main[0].owner))
-        return [f"'{word}' is not fully possible here: {what}." for word, what in missing.items()]
+                owner = main[0].owner
+                what = f"{OWNERS[owner]} whose values may change so"
+                if owner in ("rim", "fill", "others"):
+                    role = "second" if owner == "others" else owner
+                    what = f"light that could be the {role} light; add one"
+                missing.setdefault(attribute.cause or attribute.word, what)
+        return [f"'{w}' is not fully possible here: the scene has no {what}." for w, what in missing.items()]
 
     def _ranges(self, wish: Wish, effect: Effect) -> Iterator[WishedRange]:
         """A wish's ranges of the parameters that one of its effects is about."""
@@ -272,7 +286,8 @@ class _Planner:
             is_usual(wish, effect),
             aside,
             start=named_color(effect, attribute, instance, sources) if effect.color else None,
-            any_hue=effect.mode == "cast",  # from faint to strong: no box whose corners are other hues
+            # From faint to strong: no box whose corners are other hues. Light gets warmer, a wall only darker.
+            any_hue=effect.mode == "cast" or (effect.mode == "near" and OWNERS[effect.owner] != "material"),
         )
 
     def _priority(self, wish: Wish, effect: Effect, instance: Instance) -> int:
@@ -308,11 +323,6 @@ class _Planner:
         found = (self.instances.get(f"material/{owner}/{name}") for name in ("base_color", "tint"))
         return next((srgb_from_linear(self.agreed.value(i)) for i in found if i), (1.0, 1.0, 1.0))
 
-    def _glows(self, owner: str) -> bool:
-        """Whether a material is to glow, or does: many have a strength of 1 and a black emission color."""
-        asked = self.agreed.of.get(f"material/{owner}/emission")
-        return max(asked.upper[0] if asked else 0.0, self._glow(owner)) > _SEEN_GLOW
-
     def _glow(self, owner: str) -> float:
         """How strongly a material glows as the artist has it, in the unit of its emission."""
         strength, color = (
@@ -325,16 +335,14 @@ class _Planner:
         if instance.locked:
             if settled:
                 self.kept.setdefault(instance.locked, []).append(instance.key)
-            return PlanEntry(instance.value, instance.value, None, f"locked: {instance.locked}")
-        why = "" if settled else "no word touches it"
-        if (
-            settled
-            and instance.parameter.family == "material/emission_color"
-            and not self._glows(instance.owner)
-        ):
-            why = "does not glow"
-        if why or not settled:
-            return PlanEntry(instance.lower, instance.upper, None, f"{why}: keeps the artist's value")
+            return PlanEntry.kept(instance, "")
+        if not settled:
+            return PlanEntry.kept(instance, "no word touches it: keeps the artist's value")
+        if instance.parameter.family == "material/emission_color":
+            # Many materials have a strength of 1 and a black emission color.
+            asked = self.agreed.of.get(f"material/{instance.owner}/emission")
+            if max(asked.upper[0] if asked else 0.0, self._glow(instance.owner)) <= _SEEN_GLOW:
+                return PlanEntry.kept(instance, "does not glow: keeps the artist's value")
         lower, upper = clip(settled.lower, settled.upper, instance)
         winners = settled.winners
         return PlanEntry(
@@ -354,12 +362,6 @@ def _mild(entry: PlanEntry, low: float, high: float) -> PlanEntry:
     lower, upper = (tuple(min(max(v, low), high) for v in end) for end in (entry.lower, entry.upper))
     start = entry.start and tuple(min(max(v, low), high) for v in entry.start)
     return replace(entry, lower=lower, upper=upper, start=start, usual=True)
-
-
-def _protected(instance: Instance, parsed: Parsed) -> Instance:
-    """A parameter, locked where the prompt says that its owner stays as it is."""
-    owner = f"{instance.parameter.group}/{instance.owner}".rstrip("/")
-    return replace(instance, locked=_STAYS) if owner in parsed.protected and not instance.locked else instance
 
 
 def _start(instance: Instance, first: WishedRange, lower: Values, upper: Values) -> Values | None:

@@ -141,6 +141,17 @@ def _plus(effect: Effect, strength: float, instance: Instance, _: Sources) -> Ra
     return (low,), (high,)
 
 
+def _near(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
+    """The artist's value, moved by shares of its whole range along the perceptual scale."""
+    scale = instance.parameter.scale
+    bounds = list(zip(instance.value, instance.lower, instance.upper, strict=True))
+    low, high = (
+        tuple(scale.from_unit(scale.to_unit(v, a, b) + way, a, b) for v, a, b in bounds)
+        for way in (effect.lower[0], effect.upper[0])
+    )
+    return low, high
+
+
 def _shade(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
     """The artist's color made lighter or darker, and more or less of a color."""
     own = srgb_from_linear(instance.value)
@@ -204,5 +215,5 @@ def _azimuth(effect: Effect, instance: Instance, camera: float) -> Range:
 
 
 _MODES = {
-    "times": _times, "plus": _plus, "shade": _shade, "lightness": _lightness, "share": _share,
+    "times": _times, "plus": _plus, "near": _near, "shade": _shade, "lightness": _lightness, "share": _share,
 }  # fmt: skip

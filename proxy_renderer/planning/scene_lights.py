@@ -77,12 +77,6 @@ def numbered_lights(
     return found
 
 
-def lights_by_name(thing: str, lights: Sequence[KnownLight], vocabulary: Vocabulary) -> list[str] | None:
-    """The lights that a thing's name means: "the desk lamp"; None if it means none, or light in general."""
-    words = fixture(thing, vocabulary)
-    return [light.name for light in lights if _is_called(light, words)] or None
-
-
 def role_of(said: Sequence[Attribute]) -> str:
     """The role that words give to a light: "key", "fill" or "rim"; "" if they give none."""
     return next((a.role or a.kind for a in said if a.role or a.kind != "light"), "")
@@ -129,7 +123,10 @@ class SceneLights:
     ) -> None:
         self._instances, self._scene, self._vocabulary = instances, scene, vocabulary
         self.lamps = list(dict.fromkeys(i.owner for i in instances.values() if i.parameter.group == "light"))
-        self.glows = self._glowing()
+        # Materials that light the subject with a share of all light that is seen; dials and diodes do not.
+        least = _SHARE * max(self._radiance(), 1e-6)
+        glows = (f"{GLOW}{material}" for material in scene.emitters)
+        self.glows = [name for name in glows if self._radiance(name) > least]
         self.key = self._key()
         self.rim = [n for n in self.of_role("rim") if n not in self.key] or self._nearest_behind()
         self.fill = [n for n in [*self.of_role("fill"), *self.glows] if n not in self.key]
@@ -163,7 +160,10 @@ class SceneLights:
             return [] if role or owner in ("rim", "fill", "others") else self._brightest(self.lamps)
         own = self._spoken_of(attribute)
         if own is not None and owner not in ("rim", "fill"):
-            return self._of_own(own, effect)
+            if owner == "others":
+                return self._but([*own, *(name for names in self.numbered.values() for name in names)])
+            turned = owner != "lights" and effect.name in ("azimuth", "elevation")
+            return own[:1] if turned else own
         if owner == "others":
             return self._but(self._with_role(role if role in ("rim", "fill") else "key"))
         if owner not in ("light", "lights"):
@@ -171,13 +171,6 @@ class SceneLights:
         if role:
             return self._with_role(role)
         return self.key if owner == "light" else self.every
-
-    def _of_own(self, own: list[str], effect: Effect) -> list[str]:
-        """Of the lights that a word is said of those on which its effect acts, or all that no word is said of."""
-        if effect.owner == "others":
-            return self._but([*own, *(name for names in self.numbered.values() for name in names)])
-        turned = effect.owner != "lights" and effect.name in ("azimuth", "elevation")
-        return own[:1] if turned else own
 
     def _with_role(self, role: str) -> list[str]:
         own = {"key": self.key, "rim": self.rim, "fill": self.fill}
@@ -194,13 +187,8 @@ class SceneLights:
             return self.numbered[attribute.lamp]
         if attribute.role or attribute.cause or attribute.kind not in _NAMED:
             return None
-        return lights_by_name(attribute.thing, self._known(), self._vocabulary)
-
-    def _glowing(self) -> list[str]:
-        """Materials that light the subject with a share of all light that is seen; dials and diodes do not."""
-        least = _SHARE * max(self._radiance(), 1e-6)
-        glows = (f"{GLOW}{material}" for material in self._scene.emitters)
-        return [name for name in glows if self._radiance(name) > least]
+        words = fixture(attribute.thing, self._vocabulary)
+        return [light.name for light in self._known() if _is_called(light, words)] or None
 
     def _key(self) -> list[str]:
         lamps = self.of_role("key")

@@ -78,7 +78,11 @@ def _reaches(
         yield "world/strength", (_times(instances["world/strength"].value, times), 2, "shadows are readable")
     for key in _AMBIENT:
         if key in instances and gel is not None:
-            yield key, (_tinges(instances[key].value, gel), 1, "the light's color is seen in shadows too")
+            color, lit = instances[key].value, linear_from_srgb(gel)
+            bright = luminance(color) / max(luminance(lit), 1e-3)
+            other = tuple(bright * v for v in lit)  # the light's color, as bright as the artist's
+            ends = tuple(map(min, color, other)), tuple(map(max, color, other))
+            yield key, (ends, 1, "the light's color is seen in shadows too")
     colored = any(a.color and not a.negated and a.kind in _SEEN for a in parsed.attributes)
     if colored and "film/saturation" in instances:
         ends = _times(instances["film/saturation"].value, (1.0, _SATURATION))
@@ -106,14 +110,6 @@ def _gel(attribute: Attribute) -> Values | None:
     """The color that a word gives to light, by its name or by kelvins; None where light is only warm."""
     kelvins = temperature(attribute.entry)
     return attribute.color or (srgb_from_linear(kelvin_color(kelvins)) if kelvins else None)
-
-
-def _tinges(color: Values, gel: Values) -> Range:
-    """From a linear color to that of a light, as bright."""
-    lit = linear_from_srgb(gel)
-    bright = luminance(color) / max(luminance(lit), 1e-3)
-    other = tuple(bright * v for v in lit)
-    return tuple(map(min, color, other)), tuple(map(max, color, other))
 
 
 def added_power(instance: Instance, sources: Sources) -> Values:

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ..schema import Values
+from ..goals.wish import Wish
+from ..schema import Instance, Values
 from ..words.lexicon.entries import Effect
 from ..words.types import Attribute
 
@@ -34,6 +35,13 @@ class PlanEntry:
     any_hue: bool = False
     start: Values | None = None
 
+    @classmethod
+    def kept(cls, instance: Instance, reason: str) -> PlanEntry:
+        """What keeps the artist's value, which may be locked."""
+        if instance.locked:
+            return cls(instance.value, instance.value, None, f"locked: {instance.locked}")
+        return cls(instance.lower, instance.upper, None, reason)
+
     @property
     def is_named(self) -> bool:
         """Whether words name the range."""
@@ -48,6 +56,11 @@ class LightPlan:
     served: tuple[Attribute, ...] = ()  # the words that it stands for; they ask for nothing else
     # what belongs to it of the film: effects, with the word that asks for them
     grade: tuple[tuple[Attribute, Effect], ...] = ()
+    shown: tuple[Wish, ...] = ()  # what an image has to show of it
+
+
+LEFT_ALONE = "Left alone, though the words ask for it"
+"""How the note on locked values begins."""
 
 
 class Plan(dict[str, PlanEntry]):

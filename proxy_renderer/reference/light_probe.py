@@ -4,14 +4,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..color.arrays import luminance
-from ..planning.types import PlanEntry
-from ..schema import Instance, Values
+from ..schema import Values
 
 _BRIGHT = 6.0  # times the mean: what is brighter belongs to the key
 _KEY = 0.1  # share of all light from where there is a key
@@ -58,28 +56,24 @@ def probe(linear: np.ndarray) -> LightProbe:
     return LightProbe(azimuth, elevation, key, around, float(np.linalg.norm(mean) / max(fill, 1e-12)))
 
 
-def probe_entries(
-    found: LightProbe, instances: Mapping[str, Instance], keys: Collection[str], name: str
-) -> dict[str, PlanEntry]:
-    """The key light turned and colored as the panorama's, and the world colored as the rest; what is locked is left out.
-
-    How bright either is stays as the artist has it.
-    """
-    wanted: dict[str, tuple[Values, float]] = {"world/color": (found.around, _SAME_COLOR)}
-    wanted |= {f"light/{key}/color": (found.key, _SAME_COLOR) for key in keys}
+def effects_of(found: LightProbe) -> list[str]:
+    """The key light turned and colored as the panorama's, and the world colored as the rest; how bright either is stays."""
+    texts = [
+        _near("world/color", found.around, _SAME_COLOR),
+        _near("key/color", found.key, _SAME_COLOR),
+        "key/temperature 6499..6501 !0",  # the color says it all
+    ]
     if found.azimuth is not None and found.elevation is not None:
-        wanted |= {f"light/{key}/azimuth": ((found.azimuth,), _NEAR) for key in keys}
-        wanted |= {f"light/{key}/elevation": ((found.elevation,), _NEAR) for key in keys}
-    wanted |= {f"light/{key}/temperature": ((6500.0,), 1.0) for key in keys}  # the color says it all
-    entries = {}
-    for key, (value, reach) in wanted.items():
-        instance = instances.get(key)
-        if instance is None or instance.locked:
-            continue
-        ends = zip(value, instance.lower, instance.upper, strict=True)
-        lower, upper = zip(*((max(v - reach, a), min(v + reach, b)) for v, a, b in ends), strict=True)
-        entries[key] = PlanEntry(lower, upper, 0, f"as light comes in {name}", prior=0.0)
-    return entries
+        texts += [
+            _near("key/azimuth", (found.azimuth,), _NEAR),
+            _near("key/elevation", (found.elevation,), _NEAR),
+        ]
+    return texts
+
+
+def _near(parameter: str, value: Values, reach: float) -> str:
+    lower, upper = (",".join(f"{v + off:.6g}" for v in value) for off in (-reach, reach))
+    return f"{parameter} {lower}..{upper} !0"
 
 
 def summary_of(found: LightProbe, name: str) -> str:

@@ -1,135 +1,39 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A reference image, and its claims next to those of words."""
+"""A reference image, its wishes, and plans for it in the place of words or with them."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import replace
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
 from torch import Tensor
 
-from ..claims.claim import Claim
+from ..claims.measures import MEASURES
+from ..goals.picture import FACTS
+from ..goals.resolve import Goals
+from ..goals.wish import Wish
+from ..planning.advice import NO_PROMPTS, Advice, Advisor
+from ..planning.picture_ranges import UNTOUCHED, beside_words
+from ..planning.types import Plan, PlanEntry
 from ..render.film import Film
 from ..render.gbuffer import GBuffer
 from ..scene import SceneData
+from ..schema import Instance, VibeError
 from ..schema.options.table import TRAITS, Options
-from . import light_probe, statements
+from ..schema.parameters import PICTURE
+from ..words.lexicon.entries import read_wishes
+from ..words.lexicon.quantities import ClaimText
+from ..words.lexicon.user_words import default_vocabulary
+from ..words.types import Attribute, Parsed, Part, SceneDescription
+from . import light_probe, ranges, statements
 from .picture import ReferencePicture, read_reference
-from .ranges import CASTS
+from .ranges import effects_of
 from .regions import PictureRegions, regions_of
-
-_WARMER = (0.4, 0.8)
-"""In a* and b*, one step of warmth, see `claims.measures.color.warmth`."""
-
-_LIGHTER = {
-    "black_point": (0.2,),
-    "lower_quartile": (0.8,),
-    "median": (1.0,),
-    "upper_quartile": (0.8,),
-    "white_point": (0.2,),
-    "lightness": (1.0,),
-}
-"""The ends move less: a picture that is lighter has black in it all the same."""
-
-MOVED: Mapping[str, Mapping[str, tuple[float, ...]]] = {
-    "lightness": _LIGHTER,
-    "warmth": dict.fromkeys(CASTS, _WARMER),
-    "shadow_warmth": {"shadow_cast": _WARMER},
-    "highlight_warmth": {"highlight_cast": _WARMER},
-    "contrast": {
-        "black_point": (-0.5,),
-        "lower_quartile": (-0.25,),
-        "upper_quartile": (0.25,),
-        "white_point": (0.5,),
-    },
-}
-"""What words measure -> what a picture measures of the same, and how far each of its numbers moves for one of the word's.
-The picture's own pattern stays: lights that are warmer than shadows are so in a colder picture, too."""
-
-_SETTLED = {
-    "tint": CASTS,
-    "accent": CASTS,
-    "off_hue": CASTS,
-    "color": ("cast", "lightness", "mean"),
-    "brown_distance": CASTS,
-    "burnt": ("white_point",),
-}
-"""What words measure -> what they settle of the same part, whatever the picture has."""
-
-_SEEN = 2.5
-"""Changes that are enough in words alone, from where "colder" is seen beside a picture."""
-_HOLDS = 0.8
-"""Share of the way from where a comparison holds."""
-
-
-def merged_claims(
-    words: Sequence[Claim], picture: Sequence[Claim], has: Callable[[Claim], float | None]
-) -> tuple[Claim, ...]:
-    """The words' claims, and those of a picture that they leave.
-
-    Of one measure and part the picture's is dropped. Where words ask for more or less of something than the picture has, its
-    claims of the same move along: to where the word holds, or, of a word that compares, as "colder" does, by what is clearly
-    seen. Such a word is then measured against the picture, too, if `has` tells what the picture has of its claim.
-    """
-    said, left = [], list(picture)
-    for word in words:
-        if not word.word:  # it holds of every picture
-            said.append(word)
-            continue
-        left = [claim for claim in left if not _settles(word, claim)]
-        own = has(word) if word.measure in MOVED or word.compares else None
-        if own is None:
-            said.append(word)
-            continue
-        way = _way(word, own)
-        left = [_moved(claim, word, way) for claim in left]
-        said.append(_against(word, own, way) if word.compares else word)
-    return (*said, *left)
-
-
-def _settles(word: Claim, claim: Claim) -> bool:
-    same = word.part == claim.part or word.part == "picture"
-    return same and (word.measure == claim.measure or claim.measure in _SETTLED.get(word.measure, ()))
-
-
-def _way(word: Claim, own: float) -> float:
-    """How far a word moves what a picture has."""
-    if word.change is not None and (word.compares or not word.near):
-        return _SEEN * word.change
-    return min(max(own, word.lower[0]), word.upper[0]) - own
-
-
-def _moved(claim: Claim, word: Claim, way: float) -> Claim:
-    along = MOVED.get(word.measure, {}).get(claim.measure)
-    if along is None or word.part not in ("picture", claim.part):
-        return claim
-    lower, upper = (
-        tuple(v + way * share for v, share in zip(end, along, strict=True))
-        for end in (claim.lower, claim.upper)
-    )
-    return replace(claim, lower=lower, upper=upper)
-
-
-def _against(word: Claim, own: float, way: float) -> Claim:
-    """A word that compares, as a claim against what the picture has."""
-    if word.change is None:
-        return word
-    border = own + _HOLDS * way
-    lower, upper = (border, math.inf) if way > 0.0 else (-math.inf, border)
-    return replace(word, lower=(lower,), upper=(upper,), change=None)
-
-
-_DIM = 22.0  # L* of the median from where a picture's subject may drown in black
-_OWN = ("burnt", "drowned", "separation")
-"""What is claimed of every subject: a picture of this very scene says more of it."""
-
-_FLAT = frozenset(MOVED) | {"chroma", "vignette"}
-"""What words measure that a flat picture has, too."""
 
 
 class Reference:
@@ -173,18 +77,26 @@ class Reference:
         if self.same is None and not self.probe:
             self.same = statements.is_same(self.display, rendered)
 
-    def claims(self, words: tuple[Claim, ...], seen: GBuffer) -> tuple[Claim, ...]:
-        """The claims of words and picture together."""
+    def wishes(self, instances: Collection[Instance], seen: Callable[[], GBuffer]) -> list[Wish]:
+        """What may change and what the picture has, then a wish for each statement; `seen` is asked for only of the same scene."""
+        if self.probe:
+            return self._wishes(self.name, light_probe.effects_of(self.probe))
         if self.same:
-            said = statements.statements_by_place(self.display, self.picture.alpha, seen, self.name)
-            others = [claim for claim in words if claim.measure not in _OWN]
-            return merged_claims(others, [s.claim for s in said], self._has)
-        return self.of_any_scene(words)
+            said = statements.statements_by_place(self.display, self.picture.alpha, seen())
+        else:
+            said = [each for each in statements.statements_of(self._regions) if each.trait in self.traits]
+        measures = {each.claim.measure for each in said}
+        effects = effects_of(instances, self.traits, measures, bool(self.same))
+        found = self._wishes(self.name, [*map(str, effects), *map(str, self._facts())])
+        for each in said:
+            found += self._wishes(f"{self.name}: {each.word}", [str(each.claim)], each.material)
+        return found
 
-    def of_any_scene(self, words: tuple[Claim, ...]) -> tuple[Claim, ...]:
-        """The claims of words and picture together, where it shows another scene."""
-        said = [s.claim for s in self.statements if s.trait in self.traits]
-        return merged_claims([claim for claim in words if not self._denies(claim)], said, self._has)
+    def _wishes(self, word: str, texts: list[str], material: str = "") -> list[Wish]:
+        said = _word(word, self.name, material)
+        return [
+            Wish(said, each.quantity, effects=each.effects, claims=each.claims) for each in read_wishes(texts)
+        ]
 
     @cached_property
     def probe(self) -> light_probe.LightProbe | None:
@@ -193,29 +105,24 @@ class Reference:
         return light_probe.probe(linear) if self.picture.panorama and linear is not None else None
 
     @cached_property
-    def statements(self) -> list[statements.Statement]:
-        """What it says of any scene; nothing of one whose light alone is wanted."""
-        if self.probe:
-            return []
-        return statements.statements_of(self._regions, self.name)
-
-    @cached_property
     def _regions(self) -> PictureRegions:
         return regions_of(self.picture.display, self.picture.alpha)
 
-    def _has(self, claim: Claim) -> float | None:
-        """What the picture itself has of a word's claim; None where a flat picture does not tell."""
-        told = claim.part == "picture" or (claim.part == "subject" and self._regions.subject)
-        if self.probe or not told or claim.materials or claim.measure not in _FLAT:
-            return None
-        where = self._regions.region(claim.part)
-        return None if where is None else float(claim.value(self._regions.picture, where)[0])
+    def _facts(self) -> Iterator[ClaimText]:
+        """What the picture itself has, as far as a flat picture tells."""
+        parts: tuple[Part, ...] = ("picture", "subject") if self._regions.subject else ("picture",)
+        for part in parts:
+            where = self._regions.region(part)
+            for measure in FACTS if where is not None else ():
+                own = MEASURES[measure].take(self._regions.picture, where).tolist()
+                yield ClaimText(part, measure, tuple(own), tuple(own), weight=0.0)
 
-    def _denies(self, claim: Claim) -> bool:
-        """Whether a claim of every picture is not this one's: its tones say how black it is, and in a dark one much may drown."""
-        medians = [s.claim for s in self.statements if s.claim.measure == "median"]
-        dark = any(median.lower[0] < _DIM for median in medians)
-        return claim.measure == "drowned" and (claim.part == "picture" or dark)
+
+@cache
+def _word(word: str, name: str, material: str) -> Attribute:
+    """The one word for all that is said with it."""
+    owners = (material,) if material else ()
+    return Attribute(word, name, PICTURE, "whole", "whole", owners=owners, thing=material)
 
 
 def _shown(linear: np.ndarray, scene: SceneData) -> np.ndarray:
@@ -223,3 +130,42 @@ def _shown(linear: np.ndarray, scene: SceneData) -> np.ndarray:
     values = {key: torch.tensor(scene.instances[key].value) for key in keys}
     film = Film(scene.film, (linear.shape[1], linear.shape[0]))
     return film.show(torch.from_numpy(linear), values).numpy()
+
+
+# Plans for an image in the place of words, and for words with it
+
+
+class LikeAdvisor:
+    """Adds a picture's wishes to those of words, where there is an advisor for them; `seen` is what the camera sees."""
+
+    def __init__(self, reference: Reference, words: Advisor | None, seen: Callable[[], GBuffer]) -> None:
+        self._reference, self._words, self._seen = reference, words, seen
+        self._wishes: list[Wish] = []
+
+    def advise(self, display: Any, instances: Mapping[str, Instance], scene: SceneDescription) -> Advice:
+        """As `Advisor.advise`. Raises VibeError if no word of the prompt is known, or the picture can change nothing."""
+        if self._words is None:  # beside words it is no goal, but where they start from
+            self._reference.compare(display)
+            plan = Plan({key: PlanEntry.kept(each, UNTOUCHED) for key, each in instances.items()})
+            advice = Advice(Goals(Parsed("")), NO_PROMPTS, plan, source="the picture")
+        else:
+            advice = self._words.advise(display, instances, scene)
+        self._wishes = self._wishes or self._reference.wishes(instances.values(), self._seen)
+        goals = advice.goals.with_picture(self._wishes)
+        plan = beside_words(advice.plan, goals, instances, default_vocabulary())
+        moving = {key for key, entry in plan.items() if entry.priority is not None}
+        if not (moving or self._words):
+            raise VibeError(
+                "Nothing that the picture speaks of may change in this scene.",
+                "Unlock something, allow more groups, or name more in --like-only.",
+            )
+        notes = (*plan.notes, self._found(), *ranges.kept_values(instances, moving))
+        return replace(advice, goals=goals, plan=Plan(dict(plan), notes))
+
+    def _found(self) -> str:
+        name, same = self._reference.name, self._reference.same
+        if self._reference.probe:
+            return light_probe.summary_of(self._reference.probe, name)
+        if same:
+            return f"{name} shows this very scene: it is compared place by place."
+        return f"{name} shows something else: its look is taken over, not its content."

@@ -36,11 +36,7 @@ class ReferencePicture:
 
 
 def read_reference(path: Path | str) -> ReferencePicture:
-    """Reads a picture, at most 1024 pixels long.
-
-    Raises:
-        VibeError: There is none, or it cannot be read; with what to do about it.
-    """
+    """Reads a picture, at most 1024 pixels long. Raises VibeError if there is none, or it cannot be read."""
     found = check.file(str(path), "picture")
     contents = _reader(found)(found)
     if contents.alpha is not None and contents.alpha.max() < 1 / 255:

@@ -18,9 +18,11 @@ from scipy.cluster.vq import kmeans2
 from torch import Tensor
 
 from ..claims.claim import Claim
-from ..claims.measures.picture import MeasuredPicture, Part
+from ..claims.measures.picture import MeasuredPicture
 from ..color.tensors import lab_from_srgb
 from ..render.gbuffer import GBuffer
+from ..schema import Values
+from ..words.types import Part
 
 SIZE = 192
 """Longer side at which pictures are read, pixels: about that of the pictures in the loop."""
@@ -39,10 +41,6 @@ _EVEN, _LIGHTER, _OTHER = 2.5, 8.0, 15.0
 """A sky: L* per pixel that it may change by, how much lighter than the rest it is, and how far from the lower border's color."""
 
 
-Box = tuple[float, float, float, float]
-"""As `Claim.box`."""
-
-
 @dataclass(frozen=True)
 class PictureRegions:
     """A flat picture, ready to be measured, with its regions."""
@@ -52,7 +50,7 @@ class PictureRegions:
     sky: bool  # whether a sky is found
     counts: Tensor  # (H, W) bool, the pixels that are seen: not those that are transparent
 
-    def region(self, part: Part, box: Box | None = None) -> Tensor | None:
+    def region(self, part: Part, box: Values = ()) -> Tensor | None:
         """The pixels (H, W) bool of a part, or of a box in it, that are seen; None where they are few."""
         where = Claim("", part, "mean", part, (), (), box=box).region(self.picture.seen)
         where = None if where is None else where & self.counts
@@ -72,8 +70,8 @@ def regions_of(display: np.ndarray, alpha: np.ndarray | None = None) -> PictureR
     cutout = not seen.all()
     subject = np.zeros_like(sky) if cutout else _subject(lab, sky)
     shown = _resized(planes, SIZE)
-    shape = shown.shape[-2:]
-    masks = (_upsized(mask, (shape[0], shape[1])) for mask in (subject, sky))
+    masks = torch.from_numpy(np.stack((subject, sky)).astype(np.float32))[None]
+    masks = (F.interpolate(masks, shown.shape[-2:], mode="bilinear")[0] > 0.5).float()
     picture = MeasuredPicture(shown[0].permute(1, 2, 0).contiguous(), _flat(*masks))
     counts = _resized(torch.from_numpy(seen.astype(np.float32))[None, None], SIZE)[0, 0] > 0.5
     return PictureRegions(picture, bool(subject.any()), bool(sky.any()), counts)
@@ -97,7 +95,8 @@ def _flat(subject: Tensor, sky: Tensor) -> GBuffer:
 def _subject(lab: np.ndarray, sky: np.ndarray) -> np.ndarray:
     """(H, W) bool: the subject; empty where none can be told."""
     nothing = np.zeros(sky.shape, bool)
-    border = _border(sky.shape)
+    border, width = np.ones(sky.shape, bool), max(round(_BORDER * min(sky.shape)), 1)
+    border[width:-width, width:-width] = False
     grounds = np.unique(lab[border].round().astype(float), axis=0)
     if len(grounds) > 4 * _GROUNDS:
         grounds, _ = kmeans2(lab[border].astype(float), _GROUNDS, minit="++", seed=0, missing="raise")
@@ -131,14 +130,6 @@ def _sky(lab: np.ndarray) -> np.ndarray:
     return sky if lighter > _LIGHTER and ground > _OTHER else nothing
 
 
-def _border(shape: tuple[int, int]) -> np.ndarray:
-    """(H, W) bool: the pixels along the frame."""
-    width = max(round(_BORDER * min(shape)), 1)
-    border = np.ones(shape, bool)
-    border[width:-width, width:-width] = False
-    return border
-
-
 def _otsu(field: np.ndarray) -> float:
     """The threshold that parts a field best in two (Otsu 1979)."""
     counts, edges = np.histogram(field, 64)
@@ -156,9 +147,3 @@ def _resized(planes: Tensor, longest: int) -> Tensor:
     factor = min(longest / max(height, width), 1.0)
     size = max(round(height * factor), 1), max(round(width * factor), 1)
     return F.interpolate(planes, size, mode="area")
-
-
-def _upsized(mask: np.ndarray, shape: tuple[int, int]) -> Tensor:
-    """A mask (H, W) bool at another size, float32."""
-    planes = torch.from_numpy(mask.astype(np.float32))[None, None]
-    return (F.interpolate(planes, shape, mode="bilinear")[0, 0] > 0.5).float()

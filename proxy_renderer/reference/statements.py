@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Claims that a picture makes: of any scene its tones, casts, light, palette and haze; of the same scene every place and material."""
+"""What a picture says, as claims: of any scene its tones, casts, light, palette and haze; of the same scene every place and material."""
 
 from __future__ import annotations
 
@@ -16,20 +16,24 @@ from torch import Tensor
 from ..claims.claim import Claim
 from ..claims.measures import MEASURES
 from ..claims.measures.color import grayness
-from ..claims.measures.picture import MeasuredPicture, Part
+from ..claims.measures.picture import MeasuredPicture
 from ..claims.measures.tone import corner_falls
 from ..color.tensors import lab_from_srgb
 from ..render.gbuffer import GBuffer
 from ..schema import Values
-from .regions import Box, PictureRegions
+from ..words.lexicon.quantities import ClaimText
+from ..words.types import Part
+from .regions import PictureRegions
 
 
 @dataclass(frozen=True)
 class Statement:
-    """A claim that our image is like a picture, with its trait: one of `schema.options.table.TRAITS`."""
+    """A claim that our image is like a picture."""
 
-    trait: str
-    claim: Claim
+    trait: str  # one of `schema.options.table.TRAITS`
+    word: str  # what it is called: "teal shadows"
+    claim: ClaimText
+    material: str = ""  # that it is about, whose name the scene has; "" for a part of the image
 
 
 _WORDS = ("upper", "middle", "lower")
@@ -69,47 +73,39 @@ def _edges(picture: Tensor, shape: tuple[int, int]) -> Tensor:
     return (1 + slopes / (around + 0.2 * _FLAT)).log()
 
 
-def statements_by_place(
-    picture: Tensor, alpha: np.ndarray | None, seen: GBuffer, name: str
-) -> list[Statement]:
+def statements_by_place(picture: Tensor, alpha: np.ndarray | None, seen: GBuffer) -> list[Statement]:
     """What a picture of this scene says of every place in the frame, and of every material, where all of it is seen."""
     measured = MeasuredPicture.of(picture, seen)
-    hidden = None
+    hidden = torch.zeros_like(seen.subject, dtype=torch.bool)
     if alpha is not None:
         planes = torch.from_numpy(alpha)[None, None]
         hidden = F.interpolate(planes, seen.subject.shape, mode="area")[0, 0] < _SEEN
-    said = [*_cells(measured, name), *_materials(measured, name)]
-    if hidden is None:
-        return said
-    regions = ((each, each.claim.region(seen)) for each in said)
-    return [each for each, where in regions if where is None or not (where & hidden).any()]
+    said = []
+    for each in (*sorted(_cells(seen), key=lambda cell: cell.word), *_materials(seen)):
+        claim, materials = each.claim, (each.material,) if each.material else ()
+        where = Claim("", "picture", "mean", "picture", (), (), materials, box=claim.box).region(seen)
+        if where is not None and not (where & hidden).any():
+            value, reach = MEASURES["mean"].take(measured, where).tolist(), _EXACT * MEASURES["mean"].notice
+            lower, upper = tuple(v - reach for v in value), tuple(v + reach for v in value)
+            said.append(replace(each, claim=replace(claim, lower=lower, upper=upper)))
+    return said
 
 
-def _cells(picture: MeasuredPicture, name: str) -> Iterator[Statement]:
-    height, width = picture.seen.subject.shape
+def _cells(seen: GBuffer) -> Iterator[Statement]:
+    height, width = seen.subject.shape
     step = max(height, width) / _LONGER
     rows, columns = max(round(height / step), 1), max(round(width / step), 1)
     for row in range(rows):
         for column in range(columns):
             box = column / columns, row / rows, (column + 1) / columns, (row + 1) / rows
             place = f"{_WORDS[3 * row // rows]} {_SIDES[3 * column // columns]}"
-            claim = Claim(f"{name}: {place}", "picture", "mean", "picture", (), (), box=box)
-            yield from _exact("light", claim, picture, f"{name}: as it is at the {place} of the picture")
+            reason = f"as it is at the {place} of the picture"
+            yield Statement("light", place, ClaimText("picture", "mean", box=box, reason=reason))
 
 
-def _materials(picture: MeasuredPicture, name: str) -> Iterator[Statement]:
-    for material in sorted(set(picture.seen.materials)):
-        claim = Claim(f"{name}: {material}", material, "mean", "picture", (), (), materials=(material,))
-        yield from _exact("materials", claim, picture, f"{name}: as {material} looks in it")
-
-
-def _exact(trait: str, claim: Claim, picture: MeasuredPicture, reason: str) -> Iterator[Statement]:
-    where = claim.region(picture.seen)
-    if where is None:
-        return
-    value, reach = claim.value(picture, where).tolist(), _EXACT * MEASURES[claim.measure].notice
-    lower, upper = tuple(v - reach for v in value), tuple(v + reach for v in value)
-    yield Statement(trait, replace(claim, lower=lower, upper=upper, reason=reason))
+def _materials(seen: GBuffer) -> Iterator[Statement]:
+    for name in sorted(set(seen.materials)):
+        yield Statement("materials", name, ClaimText("thing", "mean", reason=f"as {name} looks in it"), name)
 
 
 _GRAY = 4.0  # C* below which a tint is none
@@ -161,15 +157,15 @@ _THIRDS = {
 }
 
 
-def statements_of(regions: PictureRegions, name: str) -> list[Statement]:
+def statements_of(regions: PictureRegions) -> list[Statement]:
     """What is said of a picture."""
-    reader = _Reader(regions, name)
+    reader = _Reader(regions)
     return [*reader.grade(), *reader.light(), *reader.palette(), *reader.air()]
 
 
 class _Reader:
-    def __init__(self, regions: PictureRegions, name: str) -> None:
-        self.regions, self.picture, self.name = regions, regions.picture, name
+    def __init__(self, regions: PictureRegions) -> None:
+        self.regions, self.picture = regions, regions.picture
 
     def grade(self) -> Iterator[Statement]:
         """Tones, tints of shadows, midtones and lights, saturation, vignette."""
@@ -184,7 +180,8 @@ class _Reader:
         (vivid,) = self._value("chroma", "picture")
         word = "pale" if vivid < 10 else "vivid" if vivid > 35 else "colors"
         said = self._near("grade", word, "chroma", "picture", CLOSE, f"its mean chroma is {vivid:.0f}")
-        yield _with(said, lower=(min(*said.claim.lower, _PAINTED, self._color_all_over()),))
+        all_over = self.picture.lab[self.regions.counts][:, 1:].norm(dim=-1).quantile(_GRAYEST)
+        yield _with(said, lower=(min(*said.claim.lower, _PAINTED, float(all_over)),))
         (most,) = self._value("vividest", "picture")
         reason = f"its most vivid colors have a chroma of {most:.0f}"
         said = self._near("grade", "no gaudy colors", "vividest", "picture", LOOSE, reason)
@@ -231,7 +228,7 @@ class _Reader:
             reason = f"nothing in it is dark or pure in color: at least {veil:.0f} % of white lies over it"
             yield self._near("air", "haze", "veil", "picture", LOOSE, reason)
 
-    def _colors(self, part: Part, what: str, box: Box | None = None) -> Iterator[Statement]:
+    def _colors(self, part: Part, what: str, box: Values = ()) -> Iterator[Statement]:
         """Lightness and cast of a part; nothing where it is hardly there.
 
         A subject's color may be paint: only the cast of the whole picture is to fall on ours, whose own paint may stay. What a
@@ -244,51 +241,37 @@ class _Reader:
         if part == "subject":
             reason = f"the light all over it is {hue(*all_over)}"
             said = self._near("palette", word, "cast", "picture", LOOSE, reason)
-            yield _with(said, thing=part, part=part, change=0.0)
+            yield _with(said, part=part, change=0.0)
         else:
             said = self._near("palette", word, "cast", part, LOOSE, f"its {what} is {hue(*own)}", box)
-            yield _spanned(said, all_over) if box else said
+            lower, upper = said.claim.lower, said.claim.upper
+            ends = {"lower": tuple(map(min, lower, all_over)), "upper": tuple(map(max, upper, all_over))}
+            yield _with(said, **ends) if box else said
         (light,) = self._value("lightness", part, box)
         reason = f"the mean lightness of its {what} is L* {light:.0f}"
         said = self._near("palette", word, "lightness", part, LOOSE, reason, box)
         yield _with(said, weight=_OF_CONTENT) if box else said
 
-    def _value(self, measure: str, part: Part, box: Box | None = None) -> Values:
+    def _value(self, measure: str, part: Part, box: Values = ()) -> Values:
         where = self.regions.region(part, box)
         where = self.regions.counts if where is None else where
         return tuple(MEASURES[measure].take(self.picture, where).tolist())
 
-    def _color_all_over(self) -> float:
-        """C* that all but the grayest of the picture's pixels have."""
-        chroma = self.picture.lab[self.regions.counts][:, 1:].norm(dim=-1)
-        return float(chroma.quantile(_GRAYEST))
-
-    def _mixture(self, part: Part, box: Box | None) -> float:
-        """How far the colors of a part deviate from its cast, in a* and b*, each as much as it counts for that."""
-        where = self.regions.region(part, box)
-        lab = self.picture.lab[self.regions.counts if where is None else where]
-        tints, weights = lab[:, 1:], grayness(lab)
-        return float((weights @ (tints - weights @ tints).square()).mean().sqrt())
-
     def _near(
-        self,
-        trait: str,
-        word: str,
-        measure: str,
-        part: Part,
-        steps: float,
-        reason: str,
-        box: Box | None = None,
+        self, trait: str, word: str, measure: str, part: Part, steps: float, reason: str, box: Values = ()
     ) -> Statement:
         """That a measure is what this picture has, within so many noticeable steps."""
         value, notice = self._value(measure, part, box), MEASURES[measure].notice
         reach = steps * notice / math.sqrt(len(value))
-        if MEASURES[measure].unit == "ab":
-            reach = max(reach, _MIXED * self._mixture(part, box))
+        if MEASURES[measure].unit == "a*b*":
+            # How far colors deviate from the cast, each as much as it counts for that
+            where = self.regions.region(part, box)
+            lab = self.picture.lab[self.regions.counts if where is None else where]
+            tints, weights = lab[:, 1:], grayness(lab)
+            mixture = (weights @ (tints - weights @ tints).square()).mean().sqrt()
+            reach = max(reach, _MIXED * float(mixture))
         lower, upper = tuple(v - reach for v in value), tuple(v + reach for v in value)
-        word, reason = f"{self.name}: {word}", f"{self.name}: {reason}"
-        place = "picture" if box else part
-        return Statement(trait, Claim(word, place, measure, part, lower, upper, box=box, reason=reason))
+        return Statement(trait, word, ClaimText(part, measure, lower, upper, box=box, reason=reason))
 
 
 def _with(statement: Statement, **changes: Any) -> Statement:
@@ -303,9 +286,3 @@ def _of_content(statement: Statement) -> Statement:
     if measure == "white_point":
         return _with(statement, lower=(min(*lower, _WHITE),))
     return _with(statement, weight=_OF_CONTENT) if "quartile" in measure else statement
-
-
-def _spanned(statement: Statement, other: Values) -> Statement:
-    """A statement that another value keeps as well, and all between the two."""
-    lower, upper = statement.claim.lower, statement.claim.upper
-    return _with(statement, lower=tuple(map(min, lower, other)), upper=tuple(map(max, upper, other)))

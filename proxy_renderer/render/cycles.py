@@ -24,7 +24,6 @@ import torch
 from torch import Tensor
 from torch.nn.functional import embedding_bag, max_pool2d
 
-from ..scene import FilmSettings
 from ..schema import VibeError
 from .geometry.camera import View
 from .geometry.samples import Samples
@@ -45,7 +44,6 @@ _REACH = 2.0  # pixels of the picture that is looked up in
 _ALIKE = 0.5  # stops
 _LEAST_WEIGHT = 1e-3  # weight of all pixels together, of which one at the place itself has 4
 _OUTLINE = 0.2  # weight of pixels next to an outline, which show two surfaces
-_REC709 = "Linear Rec.709"
 _BRIGHTEST = 1e4
 _ROUNDING = 1e-3
 """Share of a pixel below which what no group accounts for is taken for rounding."""
@@ -222,9 +220,8 @@ def look_up(
 
     The guide (H, W) has the pixels' names. Where nothing near has the name, the neutral values (C,) are taken.
 
-    Args:
-        stops: (P,) brightness of the pixels and (N,) the one to look for, in stops: only pixels about as bright
-            count, so that what belongs to a highlight stays with it. None to average over all.
+    With `stops`, of pixels (P,) and what to look for (N,), only pixels about as bright count, so that what belongs to a highlight
+    stays with it.
     """
     height, width = guide.shape
     # Pixels whose neighbors show something else weigh little.
@@ -267,11 +264,10 @@ class CyclesPicture:
         return self.whole.shape[1], self.whole.shape[0]
 
     @staticmethod
-    def load(path: Path | str, groups: Mapping[str, str], film: FilmSettings) -> CyclesPicture:
+    def load(path: Path | str, groups: Mapping[str, str]) -> CyclesPicture:
         """Reads what the add-on's `anchoring.render_anchor` has written; `groups` are its light groups' owners by name.
 
-        Raises:
-            VibeError: The file cannot be read, or lacks a picture.
+        Raises VibeError if the file cannot be read, or lacks a picture.
         """
         layers = _layers(Path(path))
         denoised = "Noisy Image" in layers  # some builds of Blender have no denoiser
@@ -279,7 +275,7 @@ class CyclesPicture:
         wanted = {"Combined": "", "Noisy Image": "", **{f"Combined_{g}": o for g, o in groups.items()}}
         if missing := sorted(set(wanted) - set(layers)):
             raise _unreadable(f"it has no layer {missing[0]!r}")
-        pictures = {name: _rec709(layers[name], film) for name in wanted}
+        pictures = {name: _finite(layers[name]) for name in wanted}
         whole, noisy = pictures.pop("Combined"), pictures.pop("Noisy Image")
         parts = {wanted[name]: picture for name, picture in pictures.items()}
         rest = noisy - sum(parts.values(), torch.zeros_like(noisy))
@@ -304,25 +300,7 @@ def _unreadable(reason: str) -> VibeError:
     return VibeError(f"Cycles' picture cannot be read: {reason}.", "Try again.")
 
 
-def _rec709(picture: np.ndarray, film: FilmSettings) -> Tensor:
-    """Finite linear Rec.709 (H, W, 3), at least 0, of a picture in the scene's working space."""
+def _finite(picture: np.ndarray) -> Tensor:
+    """Finite light (H, W, 3), at least 0."""
     picture = np.nan_to_num(picture, nan=0.0, posinf=_BRIGHTEST, neginf=0.0)
-    if film.working_space != _REC709:
-        picture = _convert(picture, film)
     return torch.from_numpy(np.ascontiguousarray(picture.clip(0.0, _BRIGHTEST)))
-
-
-def _convert(picture: np.ndarray, film: FilmSettings) -> np.ndarray:
-    import PyOpenColorIO as OCIO
-
-    try:
-        config = OCIO.Config.CreateFromFile(film.ocio)
-        processor = config.getProcessor(film.working_space, _REC709).getDefaultCPUProcessor()
-    except (OCIO.Exception, OCIO.ExceptionMissingFile) as error:
-        raise VibeError(
-            f"Colors cannot be converted from {film.working_space!r}: {error}.",
-            "Choose another working space.",
-        ) from error
-    flat = np.ascontiguousarray(picture, np.float32).reshape(-1, 3)
-    processor.applyRGB(flat)
-    return flat.reshape(picture.shape)

@@ -16,10 +16,11 @@ from jaxtyping import Float
 from torch import Tensor
 from torch.nn import functional
 
-from ..color.tensors import luminance
+from ..color.tensors import by_stops, luminance
 from ..color.view_transform import ViewTransform
 from ..scene import FilmSettings
 from ..schema import FAMILIES
+from ..schema.radiometry import TABLE_STOPS, TABLE_TOE
 
 _CLEAR = 1e-3  # coverage below which colors are too uncertain to be divided by it
 MIDDLE_GRAY = 0.18
@@ -32,16 +33,18 @@ class Film:
     """Develops linear pictures of one size (width, height); raises VibeError if the view transform cannot be read."""
 
     def __init__(self, spec: FilmSettings, size: tuple[int, int], device: str = "cpu") -> None:
-        self._view = ViewTransform(spec.ocio, spec.display, spec.view, spec.look, device)
+        chosen = spec.ocio, spec.display, spec.view, spec.look, spec.working_space
+        self._view = ViewTransform(*chosen, device, spec.white_balance)
+        self._gain = spec.gain
+        table = None if spec.compositor is None else torch.from_numpy(spec.compositor)
+        self._compositor = None if table is None else table.permute(3, 0, 1, 2)[None].contiguous().to(device)
         self._falloff = falloff(*size).to(device)
 
     def develop(self, linear: Tensor, values: Mapping[str, Tensor], alpha: Tensor | None = None) -> Tensor:
         """Display-encoded picture (H, W, 3) in [0, 1]; what is transparent shows black.
 
-        Args:
-            linear: (H, W, 3) scene-linear Rec.709, before the grade, times alpha.
-            values: "film/…" to (1,) or (3,) in Blender's units; what is missing leaves the picture alone.
-            alpha: (H, W) coverage of a transparent film; None where the background is seen.
+        The light (H, W, 3) is scene-linear, before the grade, times alpha (H, W), None where the background is seen; values that are
+        missing leave the picture alone.
         """
         graded = self.grade(linear, values)
         if alpha is None:
@@ -51,9 +54,14 @@ class Film:
         return self.show(graded / alpha.clamp_min(_CLEAR), values) * alpha
 
     def grade(self, linear: Tensor, values: Mapping[str, Tensor]) -> Tensor:
-        """The compositor group "Vibe Grade", in its order. Neutral steps that nothing learns from are skipped."""
+        """The renderer's gain, the artist's compositor, and the compositor group "Vibe Grade" in its order.
+
+        Neutral steps that nothing learns from are skipped.
+        """
         set_ = _Settings(values, linear)
-        c = linear
+        c = linear if self._gain == 1.0 else linear * self._gain
+        if self._compositor is not None:
+            c = looked_up(self._compositor, c)
         if set_.moves("glare"):
             c = c.clamp_min(0) + set_["glare"] * bloom(c)
         if set_.moves("grade_exposure"):
@@ -73,7 +81,7 @@ class Film:
         return c
 
     def show(self, graded: Tensor, values: Mapping[str, Tensor]) -> Tensor:
-        """Exposure, OCIO view, gamma: Blender's color management."""
+        """Exposure, white balance, OCIO view, gamma: Blender's color management."""
         set_ = _Settings(values, graded)
         if set_.moves("exposure"):
             graded = graded * torch.exp2(set_["exposure"])
@@ -81,6 +89,12 @@ class Film:
         if set_.moves("gamma"):
             display = display.clamp_min(1e-8) ** (1 / set_["gamma"])
         return display
+
+
+def looked_up(table: Tensor, picture: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels 3"]:
+    """Colors by the compositor's table (1, 3, S, S, S), whose values are in stops, too."""
+    values = by_stops(table, picture.clamp_min(0), TABLE_TOE, TABLE_STOPS)
+    return values.sign() * TABLE_TOE * (torch.exp2(values.abs()) - 1)
 
 
 class _Settings:

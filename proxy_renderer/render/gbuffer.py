@@ -30,12 +30,20 @@ class GBuffer:
     # names of the materials of the surroundings, which the subject may wear too: words for it do not paint
     # them
     surrounding: tuple[str, ...] = ()
+    # (H, W, 3) a gray surface in the place of what is seen, as shown: its color is that of the light; black for the
+    # world; None where that is not known
+    gray: Tensor | None = None
 
 
 def gbuffer_of(
-    scene: SceneData, geometry: RayGeometry, view: View, cache: ViewCache, transmittance: Tensor
+    scene: SceneData,
+    geometry: RayGeometry,
+    view: View,
+    cache: ViewCache,
+    transmittance: Tensor,
+    gray: Tensor,
 ) -> GBuffer:
-    """The G-buffer of a traced view, with the transmittance (H, W) of the fog before what is seen."""
+    """The G-buffer of a traced view, with the transmittance (H, W) of the fog before what is seen, and gray (H, W, 3) there."""
     hits, shape = cache.samples.center_hits, cache.depth.shape
     with torch.no_grad():
         still = view.detached()
@@ -50,5 +58,6 @@ def gbuffer_of(
         normal=normal.T.reshape(*shape, 3),
         transmittance=transmittance,
         pattern=cache.pattern(),
+        gray=gray,
         surrounding=tuple(m.name for m in scene.materials if m.role != "subject"),
     )

@@ -3,14 +3,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import torch
 from torch import Tensor
+from torch.nn import functional
 
-from ..scene import SceneData
-from ..scene.values import RenderValues
+from ..scene import Material, SceneData
+from ..scene.values import Remembered, RenderValues
 from ..schema import FAMILIES, VibeError
 from .cycles import Correction, CyclesPicture
 from .film import Film
@@ -82,6 +86,7 @@ class Proxy:
         self.emitters = Emitters(self.geometry, self._near)
         self.correction: Correction | None = None
         self._cache: ViewCache | None = None
+        self._made = Remembered()
         self._undeveloped: tuple[LatentImage, Mapping[str, Tensor], Correction | None] | None = None
 
     def render(self, values: Mapping[str, Tensor]) -> Render:
@@ -136,8 +141,20 @@ class Proxy:
         """The G-buffer at these values: what the camera sees, and through how much fog."""
         with torch.no_grad():
             frame = self._frame(values)
-            clear = _transmittance(frame, self._through_fog(frame)[1] if frame.fog.active else None)
-            return gbuffer_of(self.scene, self.geometry, frame.view, frame.cache, clear)
+            light, passing = self._through_fog(frame) if frame.fog.active else (0.0, None)
+            clear = _transmittance(frame, passing)
+            gray = self._gray(frame) * (1.0 if passing is None else passing) + light
+            linear = _resolve(frame, gray)[0].view(3, *clear.shape).permute(1, 2, 0)
+            shown = self.develop(
+                LatentImage(linear=linear, mask=clear, depth=clear, transmittance=clear), values
+            )
+            return gbuffer_of(self.scene, self.geometry, frame.view, frame.cache, clear, shown.display)
+
+    def _gray(self, frame: RenderState) -> Tensor:
+        """Radiance (3, N) of all samples if every surface scattered half of all light, whatever its color; black for the world."""
+        direct_lights, table = direct_lights_of(frame), table_of(frame)
+        light = surfaces.irradiance(frame, direct_lights, self._gather(frame, table)) / (2 * math.pi)
+        return functional.pad(light, (0, frame.cache.samples.place.shape[1] - light.shape[1]))
 
     def anchor(self, values: Mapping[str, Tensor], picture: CyclesPicture) -> Correction:
         """Corrects all renders from now on by Cycles' picture of these values, which has the proxy's size.
@@ -167,11 +184,19 @@ class Proxy:
         """The state of a render at these values; with the samples of another render, if given."""
         settings = RenderValues(self.scene, values, self.device)
         view = view_of(self.scene, settings, self.size)
-        shading_inputs = [shading_inputs_of(m, settings) for m in self.scene.materials]
+        shading_inputs = [self._inputs(m, settings) for m in self.scene.materials]
         if cache is None:
-            self._notice(shading_inputs)
+            # What was traced is forgotten if a glass has changed, or a surface glows for the first time.
+            if self.geometry.let_through(torch.stack([glass_transmittance(p) for p in shading_inputs])):
+                self._cache, self.volume = None, SingleScattering(self.geometry.clear)
+            if self.emitters.notice(shading_inputs):
+                self._cache = None
         sky = sky_of(self.environment, settings)
-        lamps = [*light_sources(self.scene, settings), *sky.lamps, *self.emitters.lamps(shading_inputs)]
+        lamps = [
+            *light_sources(self.scene, settings, self._made),
+            *sky.lamps,
+            *self.emitters.lamps(shading_inputs),
+        ]
         cache = cache or self._cache_of(view, shading_inputs, lamps)
         return RenderState(
             view=view,
@@ -183,12 +208,11 @@ class Proxy:
             fog=FogMedium(self.scene, settings),
         )
 
-    def _notice(self, shading_inputs: list[ShadingInputs]) -> None:
-        """Forgets what was traced if a glass has changed, or a surface glows for the first time."""
-        if self.geometry.let_through(torch.stack([glass_transmittance(p) for p in shading_inputs])):
-            self._cache, self.volume = None, SingleScattering(self.geometry.clear)
-        if self.emitters.notice(shading_inputs):
-            self._cache = None
+    def _inputs(self, material: Material, settings: RenderValues) -> ShadingInputs:
+        """A material's values. A loop keeps what follows from them for its next render; large pictures have none."""
+        kept: dict[str, Any] | None = None if self.fine else {}
+        made = partial(shading_inputs_of, material, settings, kept)
+        return self._made.of(f"material/{material.name}", settings, made)
 
     def _cache_of(
         self, view: View, shading_inputs: list[ShadingInputs], lamps: list[LightSource]

@@ -3,13 +3,25 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..color.floats import chroma, hex_from_srgb, lab_from_srgb, mixed, srgb_from_hex
+from ..color.floats import (
+    chroma,
+    hex_from_srgb,
+    lab_from_srgb,
+    linear_from_srgb,
+    luminance,
+    mixed,
+    srgb_from_hex,
+)
 from ..goals.resolve import Goals
+from ..schema import Values
+from ..words.attributes import is_dark
+from ..words.lexicon.languages import singular
 from ..words.lexicon.rigs import KINDS, TIMES, Modifier, Rig, RigLight, RigTable
-from ..words.lexicon.vocabulary import Vocabulary
+from ..words.lexicon.vocabulary import GLOWING, Vocabulary
 from ..words.passage import LIGHTS
 from ..words.types import Attribute
 from .described import (
@@ -18,14 +30,16 @@ from .described import (
     DescribedLight,
     composed,
     described,
-    is_dark,
     limited,
     mirrored,
     source_of,
     tint_of,
 )
+from .levels import GRAY
 
 _SECOND = -1.0  # stops of another setup's key against the first one's
+_DARK_STYLE = -2.0  # stops of a world or a sky below which a style is dark
+_BLACK = 1e-7  # luminance of a sky that is as dark as can be
 _DIMMED = 0.6  # stops that an hour may darken a setup of another kind
 _MOOD, _MOST = 0.6, 0.8
 """How much of a mood's sky, fill and exposure an hour takes on, and by how many stops at most."""
@@ -44,11 +58,20 @@ def with_source(rig: Rig, other: Rig) -> Rig:
 
 
 def at_an_hour(rig: Rig, hour: Rig) -> Rig:
-    """A setup under the sky of an hour or a weather, which may darken it a little; of several skies under the darkest."""
+    """A setup under the sky of an hour or a weather, which may darken it a little; of several skies under the darkest.
+
+    A sun has the color that it has at that hour.
+    """
     if rig.under_sky and rig.sky is not None and (hour.sky is None or hour.sky > rig.sky):
         return rig
+    sun = next((light for light in hour.lights[:1] if light.type == "SUN"), None)
+    lights = tuple(
+        replace(light, kelvin=sun.kelvin, color=sun.color) if sun and light.type == "SUN" else light
+        for light in rig.lights
+    )
     return replace(
         rig,
+        lights=lights,
         under_sky=True,
         sky=rig.sky if hour.sky is None else hour.sky,
         sky_color=hour.sky_color or rig.sky_color,
@@ -58,14 +81,19 @@ def at_an_hour(rig: Rig, hour: Rig) -> Rig:
 
 
 def in_a_style(rig: Rig, style: Rig) -> Rig:
-    """A setup as dark as a style has its shadows and its background."""
+    """A setup as dark as a dark style has its shadows and its background, developed as the style is.
+
+    Where a sun shines, or an hour has its sky, nothing is darker.
+    """
+    has_own_sky = rig.under_sky or any(light.type == "SUN" for light in rig.lights[:1])
     darker = {
         name: theirs if mine is None else min(mine, theirs)
-        for name in ("world", "sky")
-        if (theirs := getattr(style, name)) is not None
+        for name in (() if has_own_sky else ("world", "sky"))
+        if (theirs := getattr(style, name)) is not None and theirs < _DARK_STYLE
         for mine in (getattr(rig, name),)
     }
-    return replace(rig, **darker, exposure=min(rig.exposure, max(style.exposure, rig.exposure - _DIMMED)))
+    exposure = min(rig.exposure, max(style.exposure, rig.exposure - _DIMMED))
+    return replace(rig, **darker, exposure=exposure, grade=(*rig.grade, *style.grade))
 
 
 def in_a_mood(rig: Rig, mood: Rig) -> Rig:
@@ -110,6 +138,12 @@ def deepened(rig: Rig, modifier: Modifier, strength: float) -> Rig:
     return replace(rig, lights=lights, world=world, exposure=rig.exposure + modifier.exposure * strength)
 
 
+_STYLED = {
+    "source": ("style", "film", "mood", "place"),
+    "style": ("mood", "place"),
+    "time": ("style", "film"),
+}
+"""Kind of a setup -> kinds whose darkness and development it takes on: strip lights in a black studio."""
 _LIT = (*LIGHTS, "ambience")
 """Kinds of things whose colors are gels where a rig stands."""
 _OF_LIGHT = (*_LIT, "tone", "whole", "shadow")
@@ -124,6 +158,7 @@ _HUED = 14.0  # C* from which a dark color is not black: "dark burgundy"
 _DARK, _BLACK_WORLD, _BLACK_SKY, _BLACK_OWN = 20.0, -6.5, -6.5, -10.0
 """L* of a color up to which it is black, and the stops of a world, a sky and lights that leave all but the subject black."""
 _EXPOSURES = (-2.2, 1.0)
+_PRACTICAL = "practical lamp"  # the rig of a lamp in the picture
 
 
 Asked = tuple[tuple[str, ...], tuple[str, ...]]
@@ -145,7 +180,7 @@ class ChosenRig:
 def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary) -> ChosenRig | None:
     """The rig that a prompt asks for; None where no word stands for a setup, and each acts on the lights that are there."""
     # words that tell glowing things apart by their names act on these alone
-    attributes = goals.parsed.attributes
+    attributes = [a for a in goals.parsed.attributes if a.entry]
     apart = len({a.lights for a in attributes if a.of_glows}) > 1
     said = [a for a in attributes if not ((apart and a.of_glows) or (a.cause and a in goals.overruled))]
     lights = described(said, table)
@@ -153,10 +188,12 @@ def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary) -> ChosenR
     heads = [source_of(light.said, table) for light in lights if light.part == "key"]
     setups = _setups([a for a in said if a not in of_lights or a in heads], table)
     gels = _gels([a for a in said if a not in of_lights], setups, table)
-    directed = any(_turns_a_light(a, table) for a in said)
-    if not setups and len(gels) < 2 and not lights and not directed:
+    turns = [a for a in said if (m := table.modifier(a.entry)) and "direction" in m.aspects]
+    directed = any(a.kind in _OF_LIGHT and not (a.negated or a.cause) for a in turns)
+    lamps = _lit_lamps(said, table)
+    if not setups and len(gels) < 2 and not lights and not directed and not lamps:
         return None
-    build = _Build(_first(setups, gels, lights, table), table, vocabulary)
+    build = _Build(_first(setups, gels, lights, bool(lamps), table), table, vocabulary)
     for attribute in setups:
         build.take_setup(attribute)
     build.describe(lights)
@@ -167,23 +204,47 @@ def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary) -> ChosenR
             build.modify(attribute, _PARTS.get(attribute.role, ("key",)))
         elif _darkens_the_rest(attribute, said, vocabulary):
             build.darken(attribute)
+    for lamp in lamps:
+        build.light_up(lamp, said)
     for gel in gels:
         build.color(gel, _PARTS.get(gel.role, ()))
     moods = (a for a in said if a.cause and a.slot == "lighting" and not a.owners)
     least = min(_EXPOSURES[0], build.first.exposure)
-    rig = replace(build.rig, exposure=min(max(build.rig.exposure, least), _EXPOSURES[1]))
+    rig = _under_named_sky(build.rig, said)
+    rig = replace(rig, exposure=min(max(rig.exposure, least), _EXPOSURES[1]))
     return ChosenRig(rig, build.words, (*build.served, *(a for a in moods if a not in build.served)))
 
 
+def sky_color_of(said: Sequence[Attribute]) -> Values | None:
+    """sRGB of the color that words give the sky; None where they give none."""
+    return next(
+        (a.color for a in said if a.kind == "sky" and not (a.negated or a.cause or a.owners) and a.color),
+        None,
+    )
+
+
+def _under_named_sky(rig: Rig, said: Sequence[Attribute]) -> Rig:
+    """A rig that shows the sky in the very color that words give it."""
+    color = sky_color_of(said)
+    if rig.sky is None or color is None:
+        return rig
+    stops = math.log2(max(luminance(linear_from_srgb(color)), _BLACK) / GRAY)
+    return replace(rig, sky=stops, sky_color=hex_from_srgb(color))
+
+
 def _first(
-    setups: Sequence[Attribute], gels: Sequence[Attribute], lights: Sequence[DescribedLight], table: RigTable
+    setups: Sequence[Attribute],
+    gels: Sequence[Attribute],
+    lights: Sequence[DescribedLight],
+    lamps: bool,
+    table: RigTable,
 ) -> Rig:
     """The rig that words begin with; lights that are only added leave the scene's own light as it is."""
     if setups:
         return table.rigs[setups[0].entry]
     if len(gels) > 1:
-        return table.two_colors
-    parts = {light.part for light in lights}
+        return table.rigs["neon light"]
+    parts = {light.part for light in lights} | ({"practical"} if lamps else set())
     if any(a.role == "rim" for light in lights if light.part == "key" for a in light.said):
         return table.rigs["back light"]
     if not parts or "key" in parts:
@@ -213,10 +274,13 @@ class _Build:
             self.words.setdefault(attribute.word, (("accent",), ("color",)))
         elif not attribute.cause and other.kind in TIMES and self.first.kind not in ("time", "hour"):
             self.rig = at_an_hour(self.rig, other)
-        elif not attribute.cause and other.kind == "style" and self.first.kind == "source":
+            self.words.setdefault(attribute.word, (("key",), ("rest",)))
+        elif not attribute.cause and other.kind in _STYLED.get(self.first.kind, ()):
             self.rig = in_a_style(self.rig, other)
+            self.words.setdefault(attribute.word, (("key",), ("contrast", "rest")))
         elif not attribute.cause and other.kind == "mood" and self.first.kind in (*TIMES, "place"):
             self.rig = self.rig if self._in_a_mood else in_a_mood(self.rig, other)
+            self.words.setdefault(attribute.word, (EDGES, ("rim", "color")))
             self._in_a_mood = True
 
     def describe(self, lights: Sequence[DescribedLight]) -> None:
@@ -260,6 +324,16 @@ class _Build:
         rest = tuple(light for light in self.rig.lights if light.part not in parts)
         self.rig = replace(self.rig, lights=rest if attribute.negated else (*rest, *adding.lights))
         self._take(attribute, parts, ("rim", "color"))
+
+    def light_up(self, lamp: Attribute, said: Sequence[Attribute]) -> None:
+        """Adds the light of a lamp of the picture that burns, in the color that words give its glow."""
+        light = replace(self.table.rigs[_PRACTICAL].lights[0], worn=frozenset(lamp.owners))
+        color = next((a for a in said if a.color and not a.negated and a.owners == lamp.owners), None)
+        if color and not is_dark(color):
+            light = replace(light, color=tint_of(color, self.vocabulary), kelvin=0.0)
+        # it stands for the rig's own lamp, and beside others that the prompt names
+        others = (x for x in self.rig.lights if x.worn or x.part != light.part)
+        self.rig = replace(self.rig, lights=(*others, light))
 
     def may_modify(self, attribute: Attribute) -> bool:
         """Whether a word changes lights of the rig; where the scene stays lit as it is, it is about the scene's own."""
@@ -325,6 +399,13 @@ class _Build:
             self.words.setdefault(attribute.word, (parts, aspects))
 
 
+def _lit_lamps(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
+    """The words that make a lamp of the picture burn, one for each: "the table lamp glows amber"."""
+    names = table.rigs[_PRACTICAL].lights[0].names
+    burn = (a for a in said if a.entry == GLOWING and a.owners and not a.negated)
+    return list({a.owners: a for a in burn if names & {singular(word) for word in a.thing.split()}}.values())
+
+
 def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
     """The words that stand for setups, the one that counts first; "backlit" only changes another setup."""
     every = [
@@ -333,12 +414,6 @@ def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
     # what is said before what a mood stands for; of that by the rig's kind
     every.sort(key=lambda a: (bool(a.cause), KINDS.index(table.rigs[a.entry].kind)))
     return [a for a in every if a.entry not in table.modifiers] or every[:1]
-
-
-def _turns_a_light(attribute: Attribute, table: RigTable) -> bool:
-    modifier = table.modifier(attribute.entry)
-    turns = modifier is not None and "direction" in modifier.aspects
-    return turns and attribute.kind in _OF_LIGHT and not (attribute.negated or attribute.cause)
 
 
 def _gels(said: Sequence[Attribute], setups: Sequence[Attribute], table: RigTable) -> list[Attribute]:

@@ -7,7 +7,8 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..color.floats import hex_from_srgb, lab_from_srgb, mixed
+from ..color.floats import hex_from_srgb, mixed
+from ..words.attributes import is_dark
 from ..words.lexicon.rigs import Modifier, RigLight, RigTable
 from ..words.lexicon.vocabulary import Vocabulary
 from ..words.passage import LIGHTS
@@ -27,7 +28,6 @@ _TEMPLATES = {
 _BEHIND = 120.0  # degrees from the camera from which a light draws an edge
 _FRONT, _EDGE = 20.0, 128.0  # an edge that is said to be on a side stands there, behind the subject
 _OPPOSITE = 100.0  # degrees of azimuth from the key at which a light stands that says nothing of its place
-_DARKEST = 12.0  # L* of a color below which no light has it
 _SOFTER, _OF_FREE = 1.6, -0.5
 """How much "faint" takes of a light that is not the key, and stops of a second light against the first."""
 _WIDEST = {"SUN": 45.0, "AREA": 5.0, "SPOT": 1.0, "POINT": 0.6}
@@ -59,7 +59,12 @@ def described(said: Iterable[Attribute], table: RigTable) -> list[DescribedLight
             free = (p for p in _parts_for(words, table, len(groups)) if p not in taken)
             if part := next(free, ""):
                 found.append(DescribedLight(part, tuple(words), own))
-    return _with_a_key(found)
+    # Of an edge and a fill without a key the edge is the key: a scene lit from behind
+    parts = {light.part for light in found}
+    if "key" in parts or parts.isdisjoint(FILLS):
+        return found
+    edge = next((light for light in found if light.part in EDGES), None)
+    return [replace(light, part="key") if light is edge else light for light in found]
 
 
 def _merged(groups: Mapping[int, list[Attribute]], table: RigTable) -> dict[int, list[Attribute]]:
@@ -72,20 +77,6 @@ def _merged(groups: Mapping[int, list[Attribute]], table: RigTable) -> dict[int,
         first = number if source is None or colored else of_source.setdefault(source.entry, number)
         found.setdefault(first, []).extend(words)
     return found
-
-
-def is_dark(attribute: Attribute) -> bool:
-    """Whether a word is a color that no light can have: "black"."""
-    return attribute.color is not None and lab_from_srgb(attribute.color)[0] < _DARKEST
-
-
-def _with_a_key(lights: list[DescribedLight]) -> list[DescribedLight]:
-    """The lights; of an edge and a fill without a key the edge is the key: a scene lit from behind."""
-    parts = {light.part for light in lights}
-    if "key" in parts or parts.isdisjoint(FILLS):
-        return lights
-    edge = next((light for light in lights if light.part in EDGES), None)
-    return [replace(light, part="key") if light is edge else light for light in lights]
 
 
 def _tells(words: Sequence[Attribute], table: RigTable, lights: int) -> bool:

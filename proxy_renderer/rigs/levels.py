@@ -29,6 +29,7 @@ _STEPS, _STEP = 48, 0.7  # of the search for the light of a color
 _LEAST_CHANNEL, _MOST_CHANNEL = 1e-4, 0.97  # of a channel on the display
 _PUREST = 0.08  # least channel of a light, of its greatest: no view shows purer colors
 _BRIGHTEST = 16.0
+_LEAST_GAIN = 1e-3
 _PALER, _NEAR = (0.0, 0.12, 0.24, 0.36, 0.48, 0.6), 0.03
 """How far a color goes towards gray until a view can show it, and how near is near enough."""
 
@@ -38,8 +39,10 @@ class Exposing:
 
     def __init__(self, scene: SceneData) -> None:
         film = scene.film
-        self._view = ViewTransform(film.ocio, film.display, film.view, film.look)
+        chosen = film.ocio, film.display, film.view, film.look, film.working_space
+        self._view = ViewTransform(*chosen, balance=film.white_balance)
         self._stops = sum(scene.value(key)[0] for key in ("film/exposure", "film/grade_exposure"))
+        self._stops += math.log2(max(film.gain, _LEAST_GAIN))
 
     def gray(self, luminance: float) -> float:
         """Scene-linear radiance of a gray that is displayed with a luminance; `WHITE` at most."""
@@ -50,22 +53,15 @@ class Exposing:
         wanted = torch.tensor(displayed, dtype=torch.float32).clamp(_LEAST_CHANNEL, _MOST_CHANNEL)
         gray = wanted @ wanted.new_tensor(LUMINANCE_WEIGHTS)
         for paler in _PALER:
-            aim = torch.lerp(wanted, gray, paler)
-            light, miss = self._light_of(aim)
-            if miss < _NEAR:
+            aim = light = shown = torch.lerp(wanted, gray, paler)
+            for _ in range(_STEPS):  # light that comes near the displayed color
+                shown = tensors.linear_from_srgb(self._view(light).clamp(0.0, 1.0))
+                step = ((aim + _LEAST_CHANNEL) / (shown + _LEAST_CHANNEL)) ** _STEP
+                light = (light * step).clamp_max(_BRIGHTEST)
+                light = torch.maximum(light, _PUREST * light.max())
+            if float((shown - aim).abs().max()) < _NEAR:
                 break
         return tuple(v * 2.0**-self._stops for v in light.tolist())
-
-    def _light_of(self, wanted: Tensor) -> tuple[Tensor, float]:
-        """Light (3,) that comes near a displayed color (3,), and how far its display is from it."""
-        light = shown = wanted
-        for _ in range(_STEPS):
-            shown = tensors.linear_from_srgb(self._view(light).clamp(0.0, 1.0))
-            light = (light * ((wanted + _LEAST_CHANNEL) / (shown + _LEAST_CHANNEL)) ** _STEP).clamp_max(
-                _BRIGHTEST
-            )
-            light = torch.maximum(light, _PUREST * light.max())
-        return light, float((shown - wanted).abs().max())
 
 
 GRAY = 0.18
@@ -140,7 +136,12 @@ def measured(
         spot = 0.0 if each.light.part == "key" else _hot_spot(stage.around, factor * around)
         factors[each.name] = factor * min(white / max(spot, _BARELY), 1.0)
     # all of them weaker where the subject (0), or what is around (1), would be bleached
-    lightest = max(_lightest(stage, lights, sheds, factors, rig, key, n) for n in (0, 1))
+    world, lightest = 0.0 if rig.world is None else key * 2.0**rig.world, 0.0
+    for n, points in enumerate((stage.subject, stage.around)):
+        broad = [x for x in lights if not (n and x.light.reach == "background")]  # without hot spots
+        base = torch.full((len(points),), world)
+        total = sum((factors[x.name] * sheds[x.name][n] for x in broad), base)
+        lightest = max(lightest, _hot_spot(points, total))
     weaker = max(min(white / max(lightest, _BARELY), 1.0), _LEAST)
     return Levels({name: weaker * factor for name, factor in factors.items()}, weaker * key, sky)
 
@@ -193,23 +194,6 @@ def _bounce(stage: LightStage, key: tuple[Tensor, ...]) -> float:
 
 def _hot_spot(points: Points, light: Tensor) -> float:
     return float(torch.quantile(points.albedo * light / math.pi, _LIGHTEST)) if len(points) else 0.0
-
-
-def _lightest(
-    stage: LightStage,
-    lights: Sequence[Placed],
-    sheds: Mapping[str, tuple[Tensor, ...]],
-    factors: Mapping[str, float],
-    rig: Rig,
-    key: float,
-    which: int,
-) -> float:
-    """Radiance of the lights of the subject (0), or of what is around (1), without hot spots."""
-    points = (stage.subject, stage.around)[which]
-    broad = [x for x in lights if not (which and x.light.reach == "background")]
-    world = 0.0 if rig.world is None else key * 2.0**rig.world
-    total = sum((factors[x.name] * sheds[x.name][which] for x in broad), torch.full((len(points),), world))
-    return _hot_spot(points, total)
 
 
 def _brightest(light: Tensor, share: float) -> float:

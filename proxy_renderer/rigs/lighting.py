@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 import torch
 
-from ..claims.claim import Claim
 from ..color import arrays
 from ..color.floats import hex_from_srgb, linear_from_srgb, luminance, mixed, srgb_from_hex, srgb_from_linear
 from ..planning.glow import glows
@@ -22,13 +21,13 @@ from ..schema import Instance, Values, orbit, radiometry
 from ..schema.added_lights import CARD, CARD_AWAY, card
 from ..words.lexicon.rigs import Rig
 from ..words.types import GLOW, Attribute, Parsed
-from .chosen import ChosenRig
+from .chosen import ChosenRig, sky_color_of
 from .levels import GRAY, Exposing, Levels, measured
 from .places import Placed, placed
-from .shown import claims_of_rig
+from .shown import wishes_of_rig
 from .stage import LightStage
 
-_OFF = 2e-3  # W per squared meter of distance: an added light before a vibe
+OFF = 2e-3  # W per squared meter of distance: an added light before it is lit
 _DRIFT = {"power": 1.5, "strength": 1.5, "size": 1.25, "temperature": 1.06}
 _TURN = {"azimuth": 5.0, "elevation": 4.0}
 """How far a search may go from what the rig gives: factors, and degrees."""
@@ -42,8 +41,11 @@ _FAINT = 0.02  # of what the world should give the subject: if it gives less at 
 _FULL = 8.0  # the most strength of a world
 _HAZES, _VEIL = ("haze", "mist", "fog", "smoke"), 0.5
 """Entries of the vocabulary for air that is not clear, and how far a sky behind it goes towards gray."""
-_NIGHT = -3.0  # stops of a sky from which it is night
+_DARK_HAZE = 0.15
+"""Albedo of haze at night. Thick haze is albedo / 4 as bright as a white surface in the same light: about L* 20."""
 _BARELY = 1e-7
+_SPREAD, _TOWARDS = 0.6, 0.35
+"""Stops by which a sky is darker at the top, and lighter at the horizon, and how far it goes to other colors there."""
 _GEL = 0.7  # share of the white in a color's name that a light of it lacks
 _GRAY_SKY = "#808080"
 
@@ -54,7 +56,6 @@ class Lighting:
 
     scenes: list[SceneData]
     plan: LightPlan
-    claims: tuple[Claim, ...]
     notes: tuple[str, ...]
 
 
@@ -72,19 +73,21 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     values = _trial(scene, lights, stage, rig.world_color if rig.world is not None else "")
     ambient = scene.value("world/strength", (0.0,))[0] * _world_luminance(scene, {})
     levels = measured(scene, stage, lights, values, rig, ambient)
-    if rig.sky_color and _is_hazy(parsed):  # a sky behind haze is paler
+    hazy = _is_hazy(parsed)
+    if rig.sky_color and hazy:  # a sky behind haze is paler
         rig = replace(rig, sky_color=_veiled(rig.sky_color))
     playing = {each.name for each in lights} | {name for a in parsed.attributes for name in a.lights}
-    values = _balanced(scene, rig, lights, playing, values, levels) | _air(scene, rig, parsed, chosen.served)
+    values = _balanced(scene, rig, lights, playing, values, levels)
+    values |= _sky(scene, rig, hazy) | _air(scene, rig, parsed, chosen.served)
+    values = {key: value for key, value in values.items() if not scene.instances[key].locked}
     word = next(iter(chosen.words), "")
     still = {each.name for each in lights if each.fixed or each.own}
     entries = {key: _entry(scene.instances[key], value, word, still) for key, value in values.items()}
     grade = tuple((chosen.served[0], effect) for effect in rig.grade) if chosen.served else ()
-    plan = LightPlan(entries, chosen.served, grade)
+    plan = LightPlan(entries, chosen.served, grade, wishes_of_rig(chosen, lights, stage))
     own = ((each, "your light" if each.own else "an added light") for each in lights)
     notes = (f"{each.light.part.capitalize()}: {each.name}, {what}." for each, what in own)
-    claims = claims_of_rig(chosen, lights, stage)
-    return Lighting(list(scenes), plan, claims, (f"Light: {rig.says}", *notes))
+    return Lighting(list(scenes), plan, (f"Light: {rig.says}", *notes))
 
 
 def _with_lights(scene: SceneData, lights: Sequence[Placed], stage: LightStage) -> SceneData:
@@ -98,7 +101,7 @@ def _with_lights(scene: SceneData, lights: Sequence[Placed], stage: LightStage) 
             if instance.parameter.group != "light" or instance.owner != each.name:
                 continue
             name = instance.parameter.name
-            value = (_OFF * instance.reference,) if name in ("power", "strength") else shape.get(name)
+            value = (OFF * instance.reference,) if name in ("power", "strength") else shape.get(name)
             instances[key] = replace(instance, value=value) if value else instance
     return replace(lit, instances=instances)
 
@@ -153,19 +156,11 @@ def _trial(
         if f"{key}temperature" not in scene.instances and each.light.kelvin and f"{key}color" in values:
             values[f"{key}color"] = kelvin_color(each.light.kelvin)
     if world_color:
-        values |= _world_color(scene, "world/", world_color)
+        linear = linear_from_srgb(srgb_from_hex(world_color))
+        tint = tuple(v / max(luminance(linear), 1e-3) for v in linear)  # of a linked environment
+        world = _within(scene, {"world/color": linear, "world/tint": tint})
+        values |= {key: value for key, value in world.items() if not scene.instances[key].locked}
     return values
-
-
-def _world_color(scene: SceneData, part: str, color: str) -> dict[str, Values]:
-    """The color of the world, or of its backdrop ("world/backdrop_"); of a linked environment its tint."""
-    linear = linear_from_srgb(srgb_from_hex(color))
-    found: dict[str, Values] = {}
-    for name, value in (("color", linear), ("tint", tuple(v / max(luminance(linear), 1e-3) for v in linear))):
-        instance = scene.instances.get(part + name)
-        if instance and not instance.locked:
-            found[part + name] = tuple(min(v, high) for v, high in zip(value, instance.upper, strict=True))
-    return found
 
 
 def _balanced(
@@ -188,11 +183,9 @@ def _balanced(
         own = scene.value("world/strength")[0]
         shut_out = _FULL * shed < _FAINT * wanted
         out["world/strength"] = (min(own, 1.0),) if shut_out else (min(wanted / max(shed, _BARELY), _FULL),)
-    if rig.sky is not None:
-        out |= _sky(scene, rig)
     if lights:
         out |= _dimmed(scene, rig, playing, levels.key / math.pi)
-    return {key: value for key, value in out.items() if not scene.instances[key].locked}
+    return out
 
 
 def _world_luminance(scene: SceneData, values: Mapping[str, Values], part: str = "") -> float:
@@ -205,23 +198,59 @@ def _world_luminance(scene: SceneData, values: Mapping[str, Values], part: str =
     return tint * (arrays.sphere_luminance(picture) if picture is not None else 0.5)
 
 
-def _sky(scene: SceneData, rig: Rig) -> dict[str, Values]:
+def _sky(scene: SceneData, rig: Rig, hazy: bool) -> dict[str, Values]:
     """What the camera sees of the world: the light that is displayed with the rig's color and lightness.
 
     A color that cannot be so light is darker: a pure sky is worth more than a pale one.
     """
-    if "world/backdrop_strength" not in scene.instances:
+    if rig.sky is None or "world/backdrop_strength" not in scene.instances:
         return {}
-    color = linear_from_srgb(srgb_from_hex(rig.sky_color or rig.world_color or _GRAY_SKY))
-    scale = min(GRAY * 2.0 ** (rig.sky or 0.0) / max(luminance(color), _BARELY), 1.0 / max(color))
-    light = Exposing(scene).color([v * scale for v in color])
+    color = linear_from_srgb(srgb_from_hex(_sky_color(rig)))
+    scale = min(GRAY * 2.0**rig.sky / max(luminance(color), _BARELY), 1.0 / max(color))
+    shown = tuple(v * scale for v in color)
+    exposing = Exposing(scene)
     if "world/backdrop_color" in scene.instances:
-        found, strength = {"world/backdrop_color": tuple(v / max(light) for v in light)}, max(light)
+        has_horizon = "world/backdrop_horizon" in scene.instances
+        ends = _ends_of_sky(rig, shown, hazy) if has_horizon else (shown, shown)
+        top, horizon = (exposing.color(end) for end in ends)
+        strength = max(*top, _BARELY)
+        found = {"world/backdrop_color": tuple(v / strength for v in top)}
+        tint = tuple(h / max(t, _BARELY) for h, t in zip(horizon, top, strict=True))
+        found |= _within(scene, {"world/backdrop_horizon": tint})
     else:
+        light = exposing.color(shown)
         pure = tuple(v / max(luminance(light), _BARELY) for v in light)
         found = _within(scene, {"world/backdrop_tint": pure})
         strength = luminance(light) / max(_world_luminance(scene, found, "backdrop_"), _BARELY)
     return found | _within(scene, {"world/backdrop_strength": (strength,)})
+
+
+def _ends_of_sky(rig: Rig, shown: Values, hazy: bool) -> tuple[Values, Values]:
+    """What is displayed of a sky at the top of the image, and at the horizon.
+
+    A clear sky goes from the color of the light that it sheds to the sun's. It is lightest at the horizon, and so is a lit backdrop.
+    """
+    clear = rig.sky_color and not hazy
+    spread = _SPREAD * max(1.0 - luminance(shown), 0.0)
+    ends = []
+    for color, stops in ((rig.world_color, -spread), (_key_color(rig), spread)):
+        mix = linear_from_srgb(srgb_from_hex(color)) if color and clear else shown
+        alike = luminance(shown) / max(luminance(mix), _BARELY)
+        end = [
+            (own + _TOWARDS * (alike * other - own)) * 2.0**stops
+            for own, other in zip(shown, mix, strict=True)
+        ]
+        ends.append(tuple(v / max(*end, 1.0) for v in end))
+    return ends[0], ends[1]
+
+
+def _key_color(rig: Rig) -> str:
+    key = next(iter(rig.lights), None)
+    return "" if key is None else key.color or hex_from_srgb(srgb_from_linear(kelvin_color(key.kelvin)))
+
+
+def _sky_color(rig: Rig) -> str:
+    return rig.sky_color or rig.world_color or _GRAY_SKY
 
 
 def _is_hazy(parsed: Parsed) -> bool:
@@ -244,12 +273,26 @@ def _within(scene: SceneData, values: dict[str, Values]) -> dict[str, Values]:
 
 
 def _air(scene: SceneData, rig: Rig, parsed: Parsed, served: Sequence[Attribute]) -> dict[str, Values]:
-    """The air of a rig, where no other word of the prompt speaks of it: a sandstorm brings its own."""
-    density = scene.instances.get("volume/density")
+    """The air of a rig, where no other word of the prompt speaks of it: a sandstorm brings its own.
+
+    Haze has the color that words give the sky behind it. At night it is dark: in the light of a lamp, white haze would be a
+    bright wall.
+    """
+    density, color = (scene.instances.get(f"volume/{name}") for name in ("density", "color"))
     said = any(a.slot == "atmosphere" and not a.cause and a not in served for a in parsed.attributes)
-    if rig.air is None or density is None or density.locked or said:
-        return {}
-    return {density.key: (rig.air * density.reference,)}
+    found: dict[str, Values] = {}
+    if not (rig.air is None or density is None or density.locked or said):
+        found[density.key] = (rig.air * density.reference,)
+    if color and not color.locked and _is_hazy(parsed):
+        colored = any(a.kind == "fog" and a.color for a in parsed.attributes)
+        named = sky_color_of(parsed.attributes) is not None
+        if not colored and (rig.has_dark_sky or named):
+            tint = linear_from_srgb(srgb_from_hex(_sky_color(rig)))
+            scale = (
+                _DARK_HAZE / max(luminance(tint), _BARELY) if rig.has_dark_sky else color.value[0] / max(tint)
+            )
+            found[color.key] = tuple(min(scale * v, 1.0) for v in tint)
+    return found
 
 
 def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict[str, Values]:
@@ -260,7 +303,6 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
     for key, instance in scene.instances.items():
         if instance.parameter.family in ("light/power", "light/strength") and instance.owner not in playing:
             found[key] = (instance.value[0] * 2.0**rig.own,)
-    dark = rig.sky is not None and rig.sky <= _NIGHT
     subject = {material.name for material in scene.materials if material.role == "subject"}
     for material, glow in glows(scene).items():
         key, color = f"material/{material}/emission", f"material/{material}/emission_color"
@@ -269,9 +311,9 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
         own = scene.instances[key].value[0]
         tint = luminance(scene.value(color, (1.0, 1.0, 1.0)))
         shed = own * tint * luminance(glow.color) * glow.strength * glow.light
-        if dark and material in subject:  # a lantern stays lit
+        if rig.has_dark_sky and material in subject:  # a lantern stays lit
             continue
-        if dark:  # what glows is the lamps of the picture, which do not outshine the key
+        if rig.has_dark_sky:  # what glows is the lamps of the picture, which do not outshine the key
             found |= {key: (own * _LAMPS * white / shed,)} if shed > _LAMPS * white else {}
         elif shed > _GLOWS * white:
             found[key] = (own * 2.0 ** (rig.own * _OF_GLOWS),)

@@ -28,6 +28,8 @@ _RISES = (0.0, 12.0, -10.0, 24.0)
 _NEARER = (1.0, 0.75, 0.55, 0.4)
 _ASIDE, _OFF, _CLOSE, _OTHER_SIDE = 110.0, 80.0, 0.25, 0.03
 """Degrees of azimuth and of elevation, share of the distance, and the other side: what each costs, in shares of the subject."""
+_SHOWN, _GLARE = 0.003, 0.2
+"""Share of the picture from which water or a polished floor shows a lamp, and what that costs, in shares of the subject."""
 _ENOUGH = 0.04  # share of the light without anything in the way from which a place will do
 _LIKE, _AS_HIGH = 30.0, 20.0  # degrees within which a light of the scene stands where a rig wants one
 _NEAR = 9.0  # radii from the subject within which a lamp of the scene lights it
@@ -74,7 +76,9 @@ def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True) -> l
         taken = {each.name for each in found}
         mine = _own(wanted, stage, taken)
         mine = mine or (_added(wanted, stage, taken, alone=not found) if add else None)
-        mine = mine or _any(wanted, stage, taken)
+        if mine is None and light.part == "key" and (free := _playable(stage, taken)):
+            # the key of the scene, wherever it stands
+            mine = _as_it_stands(wanted, min(free, key=lambda x: x.role != "key"), stage)
         if mine is None:
             continue
         if not found and light.mirrored and light.azimuth:  # the others stay on the other side of the key
@@ -87,24 +91,21 @@ def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True) -> l
 def _own(light: RigLight, stage: LightStage, taken: set[str]) -> Placed | None:
     """A light of the scene that can be this one: by its name, or by its type and where it stands."""
     free = _playable(stage, taken)
+    if light.worn:  # the bulb in a lamp of the picture
+        parts = [*stage.parts_of(light.worn)]
+        mine = (x for x in free for m, size in parts if math.dist(x.position, m.tolist()) < size)
+        return next((_as_it_stands(light, x, stage) for x in mine if x.type != "SUN"), None)
     said = next((x for x in free if x.name == light.own and not light.pattern), None)
     if said is not None:
         return _as_it_stands(light, said, stage)
-    named = [x for x in free if _called(x.name, light.names)]
+    names = {word.removesuffix("s") for word in light.names}
+    named = [x for x in free if names & {word.removesuffix("s") for word in plain_name(x.name).split()}]
     for candidate in (*named, *(x for x in free if _stands_for(x, light, stage))):
         share = _share(stage, light, candidate)
         near = (torch.tensor(candidate.position) - stage.middle).norm() < _NEAR * stage.radius
         if share > _ENOUGH and (candidate.type == "SUN" or candidate not in named or bool(near)):
             return _as_it_stands(light, candidate, stage)
     return None
-
-
-def _any(light: RigLight, stage: LightStage, taken: set[str]) -> Placed | None:
-    """The light of the scene that is its key, wherever it stands, for the key of a rig."""
-    free = _playable(stage, taken)
-    if light.part != "key" or not free:
-        return None
-    return _as_it_stands(light, min(free, key=lambda x: x.role != "key"), stage)
 
 
 def _playable(stage: LightStage, taken: set[str]) -> list[Light]:
@@ -122,11 +123,6 @@ def _as_it_stands(light: RigLight, own: Light, stage: LightStage) -> Placed:
     """A light of the scene, where it is, as one of a rig."""
     distance = stage.scene.value(f"light/{own.name}/distance", 0.0)[0]
     return Placed(light, own.name, own.type, True, *_angles(own, stage.scene), distance)
-
-
-def _called(name: str, words: frozenset[str]) -> bool:
-    spoken = {word.removesuffix("s") for word in plain_name(name).split()}
-    return not spoken.isdisjoint(word.removesuffix("s") for word in words)
 
 
 def _stands_for(light: Light, wanted: RigLight, stage: LightStage) -> bool:
@@ -152,9 +148,16 @@ def _added(light: RigLight, stage: LightStage, taken: set[str], alone: bool) -> 
     at_lamp = next(_at_lamps(light, stage), None)
     if at_lamp is not None:
         return _made(light, "POINT", at_lamp, stage, taken, fixed=True)
+    if light.worn:
+        return None
     if light.type == "SUN":
         if sun := _sun(light, stage):
-            return _made_sun(light, *sun, stage, taken)
+            name = light_name("key", "SUN", light.pattern) if light.pattern else ""
+            if name in taken or all(light.name != name for light in stage.scene.standby.lights):
+                name = _free_name(light.part, "SUN", stage, taken)
+            still = bool(light.through or light.pattern)
+            azimuth, elevation = stage.front + sun[0], sun[1]
+            return Placed(light, name, "SUN", False, azimuth, elevation, 0.0, still) if name else None
         if not alone and light.part != "key":
             return None
         # a closed room: the window is a soft light from the side
@@ -169,17 +172,6 @@ def _made(
     """An added light at a place; None where the scene may get none of that type any more."""
     name = _free_name(light.part, kind, stage, taken)
     return Placed(light, name, kind, False, *stage.orbit_of(place), fixed) if name else None
-
-
-def _made_sun(
-    light: RigLight, azimuth: float, elevation: float, stage: LightStage, taken: set[str]
-) -> Placed | None:
-    """An added sun; one that casts a pattern, and one in a window, stays where it is."""
-    name = light_name("key", "SUN", light.pattern) if light.pattern else ""
-    if name in taken or all(light.name != name for light in stage.scene.standby.lights):
-        name = _free_name(light.part, "SUN", stage, taken)
-    still = bool(light.through or light.pattern)
-    return Placed(light, name, "SUN", False, stage.front + azimuth, elevation, 0.0, still) if name else None
 
 
 def _free_name(part: str, kind: str, stage: LightStage, taken: set[str]) -> str:
@@ -204,10 +196,11 @@ def _best_place(light: RigLight, stage: LightStage) -> tuple[Tensor, float]:
         place = stage.place(side * light.azimuth + turn, elevation, nearer * light.distance)
         share = float(stage.reached(points, place).mean())
         cost = abs(turn) / _ASIDE + abs(rise) / _OFF + (1 - nearer) * _CLOSE + (side < 0) * _OTHER_SIDE
-        score = min(share, 0.5) - 0.3 * cost * max(share, 0.1)
+        shown = stage.mirrors(place, light.size * stage.radius) > _SHOWN
+        score = min(share, 0.5) - 0.3 * cost * max(share, 0.1) - _GLARE * shown
         if share > 0.5 * best[2] and score > best[0]:
             best = score, place, share
-        if side > 0 and turn == rise == 0.0 and nearer == 1.0 and share > 0.35:
+        if side > 0 and turn == rise == 0.0 and nearer == 1.0 and share > 0.35 and not shown:
             break  # nothing is in the way
     return best[1], best[2]
 
@@ -263,11 +256,12 @@ def _away(light: RigLight, azimuth: float, elevation: float) -> float:
 
 def _at_lamps(light: RigLight, stage: LightStage) -> Iterator[Tensor]:
     """Places (3,) of the scene's lamps, flames and signs that can be this light, the nearest to the subject first."""
-    if not light.names:
-        return
     words = {word.removesuffix("s") for word in light.names}
     most = 2 * _NEAR * stage.radius
-    lamps = [(m, size) for _, spoken, m, size in stage.things if spoken & words and size < most]
+    if light.worn:
+        lamps = [*stage.parts_of(light.worn)]
+    else:
+        lamps = [(m, size) for _, spoken, m, size in stage.things if spoken & words and size < most]
     lamps.sort(key=lambda row: float((row[0] - stage.middle).norm()))
     for middle, size in lamps:
         if (middle - stage.middle).norm() > _NEAR * stage.radius:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -27,6 +28,8 @@ _FEW = 8
 _WIDE = 0.85  # share of the subject's points within its radius
 _LEAST_RADIUS = 0.02  # of the distance of the camera
 _SKY = tuple(itertools.product(range(-180, 180, 45), (14.0, 32.0, 60.0)))  # azimuths and elevations
+_LEVEL, _SMOOTH = 0.95, 0.25
+"""Height of a normal, and roughness, from and below which a surface mirrors lights as water does."""
 _PLAIN = 0.5  # albedo of what is not known
 
 
@@ -37,6 +40,8 @@ class Points:
     position: Tensor  # (3, N), world space, just above the surface
     normal: Tensor  # (3, N), towards the camera
     albedo: Tensor  # (N,), the mean of a texture
+    mirrored: Tensor  # (3, N), unit vectors to where the camera sees a mirror image of
+    polished: Tensor  # (N,) bool, level surfaces that show it, as water does
 
     def __len__(self) -> int:
         return self.position.shape[1]
@@ -95,6 +100,17 @@ class LightStage:
         distance = offset.norm(dim=0).clamp_min(1e-6)
         return self._lit(points, offset / distance, distance)
 
+    def mirrors(self, place: Tensor, size: float) -> float:
+        """The share of what the camera sees in which level surfaces mirror a light of a size (m) at a place (3,)."""
+        count, shown = 0, 0
+        for points in (self.subject, self.around):
+            offset = place[:, None] - points.position
+            along = (offset * points.mirrored).sum(0)
+            beside = (offset - along * points.mirrored).norm(dim=0)
+            shown += int((points.polished & (along > 0.0) & (beside < size / 2.0)).sum())
+            count += len(points)
+        return shown / max(count, 1)
+
     def sunlit(self, points: Points, azimuth: float, elevation: float) -> Tensor:
         """(N,) the same of a sun, at an azimuth from the camera and an elevation."""
         toward = self._toward(azimuth, elevation)[:, None].expand_as(points.position).contiguous()
@@ -125,12 +141,23 @@ class LightStage:
         for number, thing in enumerate(self.scene.objects):
             faces = mesh.faces[mesh.object == number]
             if len(faces):
-                corners = mesh.vertices[faces.ravel()]
-                low, high = corners.min(0), corners.max(0)
                 words = frozenset(word.removesuffix("s") for word in plain_name(thing.name).split())
-                middle = torch.from_numpy((low + high) / 2).float()
-                found.append((thing.name, words, middle, float(np.linalg.norm(high - low)) / 2))
+                found.append((thing.name, words, *_box(mesh.vertices[faces.ravel()])))
         return found
+
+    def parts_of(self, materials: Collection[str]) -> Iterator[tuple[Tensor, float]]:
+        """Of each object that wears one of some materials: the middle (3,) of the part that does, and half its diagonal."""
+        mesh = self.scene.mesh
+        numbers = [n for n, material in enumerate(self.scene.materials) if material.name in materials]
+        wears = np.isin(mesh.material, numbers)
+        for thing in np.unique(mesh.object[wears]):
+            yield _box(mesh.vertices[mesh.faces[wears & (mesh.object == thing)].ravel()])
+
+
+def _box(corners: np.ndarray) -> tuple[Tensor, float]:
+    """The middle (3,) of the box around points (N, 3), and half its diagonal."""
+    low, high = corners.min(0), corners.max(0)
+    return torch.from_numpy((low + high) / 2).float(), float(np.linalg.norm(high - low)) / 2
 
 
 def _seen(scene: SceneData, geometry: RayGeometry) -> tuple[Points, Tensor]:
@@ -143,8 +170,13 @@ def _seen(scene: SceneData, geometry: RayGeometry) -> tuple[Points, Tensor]:
     kept = hits.hit
     surface = geometry.surface(hits.pick(kept), toward[:, kept])
     subjects = torch.tensor([o.subject for o in scene.objects], device=device)
-    albedo = torch.tensor([_albedo(scene, number) for number in range(len(scene.materials))])
-    points = Points(geometry.lifted(surface).cpu(), surface.normal.cpu(), albedo[surface.material.cpu()])
+    numbers, material = range(len(scene.materials)), surface.material.cpu()
+    albedo = torch.tensor([_albedo(scene, number) for number in numbers])
+    smooth = torch.tensor([_is_smooth(scene, number) for number in numbers])
+    normal, seen = surface.normal.cpu(), toward[:, kept].cpu()
+    mirrored = seen - 2.0 * (seen * normal).sum(0) * normal
+    polished = smooth[material] & (normal[2] > _LEVEL)
+    points = Points(geometry.lifted(surface).cpu(), normal, albedo[material], mirrored, polished)
     return points, subjects[surface.object].cpu()
 
 
@@ -152,9 +184,11 @@ def _some(points: Points, mine: Tensor) -> Points:
     index = mine.nonzero()[:, 0]
     if len(index) > _MOST:
         index = index[torch.linspace(0, len(index) - 1, _MOST).long()]
-    return Points(
-        points.position[:, index].contiguous(), points.normal[:, index].contiguous(), points.albedo[index]
-    )
+    return Points(*(values[..., index].contiguous() for values in vars(points).values()))
+
+
+def _is_smooth(scene: SceneData, number: int) -> bool:
+    return scene.value(f"material/{scene.materials[number].name}/roughness", (1.0,))[0] < _SMOOTH
 
 
 def _albedo(scene: SceneData, number: int) -> float:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..schema import PARAMETERS, Instance, Values
+from ..schema import PARAMETERS, Instance, Values, material_copies
 from ..schema.orbit import Matrix, Vector
 
 Array = np.ndarray
@@ -61,6 +61,7 @@ class Light:
     # Several of one name share their other values.
     fixed: bool = False
     unlit: tuple[int, ...] = ()  # indices of objects that light linking keeps its light from
+    hidden: tuple[str, ...] = ()  # kinds of rays that do not meet it: "diffuse", "glossy", "transmission"
 
 
 @dataclass(frozen=True)
@@ -98,7 +99,7 @@ class MeshObject:
 
     name: str
     subject: bool
-    # kinds of rays that pass it: "camera", "diffuse", "glossy", "transmission", "shadow"
+    # kinds of rays that pass it: "camera", "diffuse", "glossy", "transmission", "shadow"; "film" of a holdout
     hidden: tuple[str, ...] = ()
 
 
@@ -110,6 +111,8 @@ class WorldData:
     # (H, W, 3) equirectangular, without tint and strength: the light of an environment
     image: Array | None = None
     backdrop: Array | None = None  # the same as the camera sees it, where that is another picture
+    hidden: tuple[str, ...] = ()  # kinds of rays that do not meet it, of those that meet objects
+    horizon: float = 0.0  # height of the horizon in the image: 0 at the bottom, 1 at the top
 
 
 @dataclass(frozen=True)
@@ -124,7 +127,16 @@ class FogBounds:
 
 @dataclass(frozen=True)
 class FilmSettings:
-    """Blender's display of the picture: its OCIO configuration, display, view and look; and the folder of its fonts, "" if not known."""
+    """Blender's display of the picture: its OCIO configuration, display, view, look and so on.
+
+    Attributes:
+        working_space: Of linear colors; "" for the configuration's own.
+        fonts: The folder of Blender's fonts, "" if not known.
+        gain: What the renderer multiplies its light with: Cycles' film exposure.
+        white_balance: The rows of a matrix for linear colors, before the view transform; empty for none.
+        compositor: What the artist's compositor makes of colors: (S, S, S, 3) in stops, indexed by blue, green, red;
+            None where it changes none, or not each by itself.
+    """
 
     ocio: str
     display: str
@@ -133,6 +145,9 @@ class FilmSettings:
     transparent: bool
     working_space: str
     fonts: str = ""
+    gain: float = 1.0
+    white_balance: tuple[Vector, ...] = ()
+    compositor: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -175,6 +190,7 @@ class SceneData:
     mesh: SceneMesh
     instances: Mapping[str, Instance]  # every parameter of this scene by key, with the artist's value
     standby: Standby = field(default_factory=Standby)  # lights, and a backdrop, that it may get
+    bounces: int = 4  # how often surfaces scatter light on; only 0 makes a difference
     # the values of materials that the camera does not see, whose light it sees
     unseen: Mapping[str, Values] = field(default_factory=dict)
 
@@ -183,6 +199,39 @@ class SceneData:
         lights = tuple(replace(light, added=True) for light in self.standby.lights if light.name in names)
         theirs = {key: i for key, i in self.standby.instances.items() if i.owner in names}
         return replace(self, lights=(*self.lights, *lights), instances={**self.instances, **theirs})
+
+    def with_copies(self, copies: Mapping[str, Collection[str]]) -> SceneData:
+        """The scene with copies of materials, each on the objects that are to wear it."""
+        if not copies:
+            return self
+        materials, instances = {m.name: m for m in self.materials}, dict(self.instances)
+        number, worn = {name: n for n, name in enumerate(materials)}, self.mesh.material.copy()
+        for name, things in copies.items():
+            source = material_copies.copied(name)[0]
+            wears = np.array([o.name in things for o in self.objects])[self.mesh.object]
+            wears &= worn == number.get(source, -1)
+            if wears.any():
+                worn[wears] = number[name] = len(number)
+                materials[name] = replace(materials[source], name=name)
+                theirs = [
+                    i for i in instances.values() if (i.parameter.group, i.owner) == ("material", source)
+                ]
+                instances |= {copy.key: copy for i in theirs for copy in [replace(i, owner=name)]}
+        # a material is the subject's if the subject still shows it
+        mine = np.array([o.subject for o in self.objects])[self.mesh.object]
+        roles = dict.fromkeys(materials, "surroundings") | {
+            name: "subject" for name, n in number.items() if mine[worn == n].any()
+        }
+        instances = {
+            key: replace(i, role=roles.get(i.owner, i.role)) if i.parameter.group == "material" else i
+            for key, i in instances.items()
+        }
+        return replace(
+            self,
+            materials=tuple(replace(m, role=roles[m.name]) for m in materials.values()),
+            mesh=replace(self.mesh, material=worn),
+            instances=instances,
+        )
 
     @property
     def may_have_backdrop(self) -> bool:

@@ -47,8 +47,7 @@ T = TypeVar("T")
 def load_scene(folder: Path | str) -> SceneData:
     """Reads and validates an exported scene: arrays are float32 or int32 and finite, indices in range.
 
-    Raises:
-        VibeError: A file is missing or broken, was written by another version, or holds nothing that can be rendered.
+    Raises VibeError: a file is missing or broken, was written by another version, or holds nothing that can be rendered.
     """
     folder = Path(folder)
     try:
@@ -87,13 +86,14 @@ def _scene(folder: Path, content: dict[str, Any]) -> SceneData:
         objects=objects,
         world=_world(folder, content["world"]),
         volume=_record(FogBounds, content["volume"]),
-        film=_record(FilmSettings, content["film"]),
+        film=_film(folder, content["film"]),
         mesh=_mesh(folder / "meshes.npz", len(materials), len(objects)),
         instances=_instances(content["parameters"]),
         standby=Standby(
             tuple(_light(light) for light in standby.get("lights", ())),
             _instances(standby.get("parameters", {})),
         ),
+        bounces=int(content.get("bounces", 4)),
         unseen={key: i.value for key, i in _instances(content.get("unseen", {})).items()},
     )
 
@@ -142,7 +142,14 @@ def _world(folder: Path, row: dict[str, Any]) -> WorldData:
     image, backdrop = (
         _picture(folder / row[name]) if name in row else None for name in ("image", "backdrop")
     )
-    return WorldData(row["kind"], image, backdrop)
+    hidden, horizon = tuple(row.get("hidden", ())), float(row.get("horizon", 0.0))
+    return WorldData(row["kind"], image, backdrop, hidden, horizon)
+
+
+def _film(folder: Path, row: dict[str, Any]) -> FilmSettings:
+    name = row.get("compositor")
+    table = np.load(folder / name, allow_pickle=False) if name else None
+    return _record(FilmSettings, {**row, "compositor": table})
 
 
 def _picture(path: Path, channels: tuple[int, ...] = (3,)) -> Array:

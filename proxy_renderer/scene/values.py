@@ -3,12 +3,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from typing import Any, TypeVar
 
 import torch
 from torch import Tensor
 
 from . import SceneData
+
+T = TypeVar("T")
 
 
 class RenderValues:
@@ -22,15 +26,35 @@ class RenderValues:
     def color(self, key: str, default: float = 0.0) -> Tensor:
         """A parameter's components (C,), float32 on the device; the default for all three where the scene has none."""
         if key in self.given:
-            return self.given[key].to(self.device, torch.float32).reshape(-1)
+            return self._read(key)
         value = self.scene.value(key, (default,) * 3)
         return torch.tensor(value, dtype=torch.float32, device=self.device)
+
+    def _read(self, key: str) -> Tensor:
+        """The caller's value (C,); a copy, which stays what it is, unless gradients go to it."""
+        value = self.given[key].to(self.device, torch.float32).reshape(-1)
+        return value if needs_gradient(value) else value.detach().clone()
 
     def scalar(self, key: str, default: float = 0.0) -> Tensor:
         """A parameter of one component: () float32 on the device."""
         if key in self.given:
-            return self.given[key].to(self.device, torch.float32).reshape(-1)[0]
+            return self._read(key)[0]
         return torch.tensor(self.scene.value(key, default)[0], dtype=torch.float32, device=self.device)
+
+    @cached_property
+    def by_owner(self) -> dict[str, dict[str, Tensor]]:
+        """The caller's values: "material/NAME" and so on -> key -> value."""
+        found: dict[str, dict[str, Tensor]] = {}
+        for key, value in self.given.items():
+            found.setdefault(key.rpartition("/")[0], {})[key] = value
+        return found
+
+    @cached_property
+    def numbers(self) -> dict[str, tuple[float, ...]]:
+        """The caller's values as numbers, by key; read from the device at once, because each reading waits for it."""
+        rows = [value.detach().reshape(-1).to(self.device) for value in self.given.values()]
+        flat = iter(torch.cat(rows).tolist() if rows else ())
+        return {key: tuple(next(flat) for _ in row) for key, row in zip(self.given, rows, strict=True)}
 
     def has(self, key: str) -> bool:
         """True if the scene or the caller knows the parameter."""
@@ -40,3 +64,28 @@ class RenderValues:
 def needs_gradient(*tensors: Tensor) -> bool:
     """True if gradients are being recorded for any of these."""
     return torch.is_grad_enabled() and any(t.requires_grad for t in tensors)
+
+
+class Remembered:
+    """Things that are made of the values of one owner, a light or a material: the same thing again for the same values.
+
+    Renders for slopes differ in one value each, so nearly all is made already. What is learned is made anew.
+    """
+
+    _LAST = 2  # of each owner: at a point, and next to it
+
+    def __init__(self) -> None:
+        self._made: dict[tuple[str, int], dict[Any, Any]] = {}
+
+    def of(self, owner: str, values: RenderValues, make: Callable[[], T], number: int = 0) -> T:
+        """The thing of an owner, "material/NAME", by its number where several have one name; `make` makes it of these values."""
+        given = values.by_owner.get(owner, {})
+        if needs_gradient(*given.values()):
+            return make()
+        key = tuple((name, values.numbers[name]) for name in given)
+        made = self._made.setdefault((owner, number), {})
+        thing: T = made.pop(key) if key in made else make()
+        made[key] = thing  # the newest is the last
+        if len(made) > self._LAST:
+            del made[next(iter(made))]
+        return thing

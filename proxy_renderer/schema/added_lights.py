@@ -49,8 +49,7 @@ Quad = tuple[tuple[float, float], tuple[float, float], tuple[float, float], tupl
 def card(pattern: str, size: float) -> list[Quad]:
     """The opaque parts of a card before a light, across its axis: x to the right and y up as the light sees it, meters.
 
-    Args:
-        pattern: "slats": a window with blinds in a wall; "leaves": a crown of leaves.
+    "slats" are a window with blinds in a wall, "leaves" a crown of leaves.
     """
     if pattern == "slats":
         pitch = 2 * _WINDOW / _SLATS

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 from .parameters import FAMILIES, Parameter, Values, split_key
@@ -17,6 +18,7 @@ GROUP_TITLES = {
 }
 _NAMES = {"ior": "IOR", "fov": "Field of View"}
 _LIGHT_WORDS = re.compile(r"light|lamp|sun|spot", re.IGNORECASE)
+_CLOSE = 1e-5  # relative difference that Blender's 32-bit numbers may make
 _UNITS = {
     "W": " W",
     "W/m2": " W/m²",
@@ -61,11 +63,7 @@ def titles(keys: list[str], most: int = 3) -> str:
 
 
 def text(key: str, values: Values) -> str:
-    """A value with its unit, or three numbers for a color.
-
-    Args:
-        key: Of an instance or a family; it decides the unit.
-        values: In the schema's unit, one number per component.
+    """A value, in the schema's units, with its unit, which an instance's or family's key decides; three numbers for a color.
 
     >>> text("light/Key/power", (120.0,)), text("film/exposure", (0.4,)), text("material/Clay/base_color", (1, 0.5, 0))
     ('120 W', '+0.4 stops', '1.00 0.50 0.00')
@@ -85,8 +83,9 @@ def bare(key: str, values: Values) -> str:
 
 
 def same(key: str, before: Values, after: Values) -> bool:
-    """True if two values read the same: such a change is not listed."""
-    return text(key, before) == text(key, after)
+    """True if two values read the same, or would but for a digit that is rounded up in one: such a change is not listed."""
+    pairs = zip(before, after, strict=True)
+    return text(key, before) == text(key, after) or all(math.isclose(a, b, rel_tol=_CLOSE) for a, b in pairs)
 
 
 def _number(value: float) -> str:

@@ -142,6 +142,8 @@ class Stage:
     # when the loop begins: the artist's own values, a file name in the job folder; else "". With looks it comes
     # twice: the second is corrected by an anchor
     picture: str = ""
+    # False if that picture is black, and would be with all that the words ask for
+    lit: bool = True
 
 
 @dataclass(frozen=True)
@@ -253,6 +255,7 @@ class Finished:
     judge: dict[str, Any] = field(default_factory=dict)
     # what every word claims of the picture, and whether it holds; rows of `claims.verdict`
     claims: list[dict[str, Any]] = field(default_factory=list)
+    verdicts: list[dict[str, str]] = field(default_factory=list)  # on every word; rows of `engine.report`
 
 
 @dataclass(frozen=True)
@@ -320,10 +323,20 @@ ClaimVerdict = Mapping[str, Any]
 """A row of the report's `claims`; `proxy_renderer.claims.claim` says what is in it."""
 
 
-def missing_by_word(rows: Sequence[ClaimVerdict]) -> dict[str, list[ClaimVerdict]]:
-    """Measurable word -> its claims that do not hold; none where the image satisfies the word."""
-    words: dict[str, list[ClaimVerdict]] = {}
+def word_states(rows: Sequence[ClaimVerdict]) -> dict[str, str]:
+    """Word with claims -> "missed" if one is, "unmeasured" if judges do not see what one tells, "visible", or "already" so before."""
+    states: dict[str, str] = {}
     for row in rows:
-        if row["word"] and row["holds"] is not None:
-            words.setdefault(row["word"], []).extend([] if row["holds"] else [row])
-    return words
+        held = "already" if row["already"] else "visible"
+        mine = "missed" if not row["holds"] else held if row["sure"] else "unmeasured"
+        for word in words_of(row) if row["holds"] is not None else ():
+            states[word] = min(mine, states.get(word, mine), key=_STRONGEST.index)
+    return states
+
+
+def words_of(row: ClaimVerdict) -> tuple[str, ...]:
+    """The words of the prompt that stand or fall with a claim; none for what every image has to satisfy."""
+    return tuple(word for word in (row["word"], *row.get("also", ())) if word)
+
+
+_STRONGEST = ("missed", "unmeasured", "visible", "already")

@@ -21,10 +21,7 @@ def direction(azimuth: float, elevation: float) -> Vector:
 
 
 def angles(vector: Sequence[float]) -> tuple[float, float]:
-    """Azimuth in (-180, 180] and elevation in [-90, 90], degrees: the inverse of `direction`.
-
-    Args:
-        vector: From the subject, of any length; straight above or below, the azimuth is 0.
+    """Azimuth in (-180, 180] and elevation in [-90, 90], degrees: the inverse of `direction`; straight up or down, the azimuth is 0.
 
     >>> angles((2.0, 0.0, 0.0)), angles((0.0, 0.0, 1.0))
     ((90.0, 0.0), (0.0, 90.0))

@@ -149,11 +149,12 @@ MEANS: dict[str, frozenset[str]] = {
 }
 """Slot of a word -> groups of parameters that may serve it."""
 SURFACES = tuple(slot for slot, groups in MEANS.items() if PAINT in groups)  # slots of words about surfaces
+PICTURE = "picture"  # the slot of what a reference image says, which all groups may serve
 
 
 def may_serve(group: str, slot: str, cause: str = "") -> bool:
     """True if a group of parameters may serve a word, or a word that a mood stands for (`cause`)."""
-    return group in MEANS[slot] and not (cause and group == PAINT)
+    return slot == PICTURE or (group in MEANS[slot] and not (cause and group == PAINT))
 
 
 VERSION = 1  # raised when a row's meaning changes: presets carry it, and a newer one is refused
@@ -222,6 +223,8 @@ PARAMETERS: tuple[Parameter, ...] = (
            "Multiplies a linked background that only the camera sees.", "World > Vibe Tint > Tint"),
     _world("backdrop_strength", "scalar", 1.0,      0.0,    10.0,  "",     Scale("power", 3), "surroundings",
            "Strength of a background that only the camera sees.", "World > Background of camera rays > Strength"),
+    _world("backdrop_horizon",  "color",  1.0,      0.0,     4.0,  "",     SRGB,              "surroundings",
+           "Multiplies a background that only the camera sees. The tint is full at the horizon and fades towards the top of the image.", "World > Vibe Horizon > Horizon"),
 
     _material("base_color",     "color",  0.8,      0.0,     1.0,  "",     SRGB,              "subject",
               "Albedo of the surface, or reflectance of a metal.", "Principled BSDF > Base Color"),

@@ -75,9 +75,7 @@ def title(prompt: str) -> str:
 def loads(text: str) -> Preset:
     """Reads the text of a preset file. Nothing in it is opened, run or looked up.
 
-    Raises:
-        VibeError: It is not a preset, was made by a newer version, or holds anything that is
-            unknown, of the wrong type, not finite or out of bounds.
+    Raises VibeError: it is no preset, is of a newer version, or holds what is unknown, of the wrong type, or out of bounds.
     """
     try:
         raw = json.loads(text)

@@ -16,17 +16,15 @@ _UNIT_ENERGY = {
     "AREA": math.pi**2,
     "SUN": math.pi,
 }
+TABLE_TOE, TABLE_STOPS = 2.0**-10, 16.0
+"""The compositor's table has scene-linear colors at TOE · (2 ** s - 1), s evenly from 0 to STOPS."""
 _AT_INFINITY = ("SUN",)  # their energy is an irradiance, which no distance changes
 
 
 def unit_energy(light_type: str, distance: float = 1.0) -> float:
     """The energy at which a white diffuse surface that faces the light has a radiance of 1.
 
-    Args:
-        distance: From the light to the surface, meters; several times the light's size. Suns ignore it.
-
-    Returns:
-        Watts; W/m² of a sun.
+    In watts, at a distance in meters of several times the light's size; W/m² of a sun, which ignores it.
     """
     if light_type not in _UNIT_ENERGY:
         raise VibeError(

@@ -24,6 +24,7 @@ from .request import AliasTable, make_question
 from .transport import ModelError
 
 _MODEL = "the model"  # what stands in reports in the place of a word, where a model asks for something
+_KEEPS = "model: keeps the artist's value"
 _COLORS = {"subject": "color", "surroundings": "surroundings_color"}  # region -> quantity of its color
 _PATIENCE = 2  # rounds in a row without an answer, after which the model is not asked any more
 
@@ -133,7 +134,9 @@ class ModelAdvisor:
         prompts = replace(composed, **theirs)
         # Its ranges replace the drafted ones; parameters that it keeps leave the plan.
         drafted = confine(goals, dict(instances), context)
-        entries = {key: _kept(instances[key]) if key in reply.keep else e for key, e in drafted.items()}
+        entries = {
+            k: PlanEntry.kept(instances[k], _KEEPS) if k in reply.keep else e for k, e in drafted.items()
+        }
         plan = Plan({**entries, **reply.entries}, drafted.notes)
         return Advice(
             goals, prompts, plan, draft.unmeasured if draft else prompts, self._client.endpoint.model
@@ -167,12 +170,6 @@ class ModelAdvisor:
             return replace(parse(caption, self._words), prompt=self._prompt)
         except VibeError:
             return Parsed(self._prompt, objects=[PromptObject("subject", "subject")])
-
-
-def _kept(instance: Instance) -> PlanEntry:
-    if instance.locked:
-        return PlanEntry(instance.value, instance.value, None, f"locked: {instance.locked}")
-    return PlanEntry(instance.lower, instance.upper, None, "model: keeps the artist's value")
 
 
 def _wishes(reply: Reply) -> Iterator[Wish]:

@@ -204,16 +204,11 @@ class Usage:
         }
 
 
-def never() -> bool:
-    """Nobody stops it."""
-    return False
-
-
 class Client:
     """A model to ask."""
 
     def __init__(
-        self, endpoint: Endpoint, stop: Callable[[], bool] = never, cache: Cache | None = None
+        self, endpoint: Endpoint, stop: Callable[[], bool] = lambda: False, cache: Cache | None = None
     ) -> None:
         self.endpoint, self._stop, self._cache = endpoint, stop, cache or Cache()
         self._transport = Transport(endpoint, stop)

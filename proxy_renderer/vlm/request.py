@@ -93,7 +93,7 @@ class AliasTable:
     def in_schema_units(self, instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
         """The schema's values for a range in the units of `shown`: its inverse."""
         if instance.parameter.kind == "color" and instance.parameter.scale == SRGB:
-            return _linear(lower), _linear(upper)
+            lower, upper = (tuple(decode(max(v, 0.0)) for v in end) for end in (lower, upper))
         if _is_direction(instance):
             middle = (lower[0] + upper[0]) / 2 + self._camera
             turn = 360.0 * round((instance.value[0] - middle) / 360.0) + self._camera
@@ -103,10 +103,6 @@ class AliasTable:
 
 def _is_direction(instance: Instance) -> bool:
     return instance.parameter.family == "light/azimuth"
-
-
-def _linear(srgb: Values) -> Values:
-    return tuple(decode(max(v, 0.0)) for v in srgb)
 
 
 SLOTS = ("color", "material", "lighting", "style", "mood", "shape")

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
+from itertools import permutations, product
 
 from ..color.constants import Lab
 from ..color.floats import chroma, lab_from_srgb
@@ -23,13 +23,8 @@ from .types import Attribute, Parsed, PromptObject
 
 NamedThing = tuple[str, Region, tuple[str, ...]]
 """Name, region and materials."""
-_COLORED = {
-    "light": "lighting",
-    "fill": "lighting",
-    "rim": "lighting",
-    "fog": "atmosphere",
-    "glow": "material",
-}
+_DARKEST = 12.0  # L* of a color below which no light has it
+_COLORED = dict.fromkeys(LIGHTS, "lighting") | {"fog": "atmosphere", "glow": "material"}
 """Kind of thing -> slot that a color word about it counts for."""
 _OUTER = {"surroundings", "atmosphere", "setting", "fog"}
 """Regions, slots and kinds of what is not the subject's."""
@@ -100,6 +95,11 @@ def color_class(attribute: Attribute) -> str:
     return last if last in COLORS else basic(attribute.color or (0.5, 0.5, 0.5))
 
 
+def is_dark(attribute: Attribute) -> bool:
+    """Whether a word is a color that no light can have: "black"."""
+    return attribute.color is not None and lab_from_srgb(attribute.color)[0] < _DARKEST
+
+
 def display_color(color: tuple[float, ...], region: Region) -> Lab:
     """A Lab value that a lit region of a color can reach on the display.
 
@@ -120,11 +120,7 @@ def fog_color(srgb: Values) -> Values:
 
 
 def shaded(attribute: Attribute, word: str, entry: str, strength: float, vocabulary: Vocabulary) -> Attribute:
-    """A color as a word before it makes it ("boring green" is muted); itself where the word says nothing of colors, or it is none.
-
-    Args:
-        entry: Of the word, for a thing.
-    """
+    """A color as a word before it makes it ("boring green" is muted); itself where the word says nothing of colors, or it is none."""
     known = vocabulary.entries.get(entry)
     effects = known.effects if known and known.slot == "color" else ()
     effect = next((e for e in effects if (e.family, e.mode) == ("material/base_color", "shade")), None)
@@ -154,16 +150,6 @@ def _all_shaded(attributes: list[Attribute], prompt: str, vocabulary: Vocabulary
 # Lights that contradict each other: "warm lamp, cold blue window light"
 
 
-@dataclass
-class _Lamp:
-    """One light that words describe."""
-
-    role: str  # "key", "fill" or "rim"; "" where the words do not say
-    fixture: frozenset[str]  # words that say which one it is: {"street", "lamps"}
-    attributes: list[Attribute] = field(default_factory=list)  # its attributes
-    places: list[int] = field(default_factory=list)  # their places in the prompt
-
-
 def fixture(thing: str, vocabulary: Vocabulary) -> frozenset[str]:
     """Words of a light's name that say which one is meant: of "warm light" and "from the left" none does."""
     words = thing.split()
@@ -191,7 +177,7 @@ def _with_lamps(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Att
 
     Numbers are given only where the words contradict each other on color or side, so that one light cannot be all.
     """
-    lamps: list[_Lamp] = []
+    lamps: list[list[int]] = []  # places of the attributes of each light
     for place, attribute in enumerate(attributes):
         # The light of an evening is no lamp of its own
         known = attribute.cause or attribute.lights or attribute.thing in vocabulary.lists["hour"]
@@ -199,21 +185,20 @@ def _with_lamps(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Att
             continue
         words = fixture(attribute.thing, vocabulary)
         for lamp in reversed(lamps):  # the newest goes on where the words do not say which
-            goes_on = (lamp is lamps[-1] and not (words and lamp.fixture)) or words == lamp.fixture
-            same = lamp.role == attribute.role and goes_on
-            if same and not any(_contradicts(a, attribute, vocabulary) for a in lamp.attributes):
+            its = [attributes[p] for p in lamp]
+            called = frozenset().union(*(fixture(a.thing, vocabulary) for a in its))
+            goes_on = (lamp is lamps[-1] and not (words and called)) or words == called
+            apart = its[0].role != attribute.role or any(_contradicts(a, attribute, vocabulary) for a in its)
+            if goes_on and not apart:
+                lamp.append(place)
                 break
         else:
-            lamp = _Lamp(attribute.role, words)
-            lamps.append(lamp)
-        lamp.fixture |= words
-        lamp.attributes.append(attribute)
-        lamp.places.append(place)
-    others = ((one, other) for one in lamps for other in lamps if other is not one and not one.role)
-    pairs = (pair for one, other in others for pair in product(one.attributes, other.attributes))
+            lamps.append([place])
+    others = ((one, other) for one, other in permutations(lamps, 2) if not attributes[one[0]].role)
+    pairs = ((attributes[a], attributes[b]) for one, other in others for a, b in product(one, other))
     if not any(_contradicts(a, b, vocabulary) for a, b in pairs):
         return attributes
-    number = {place: n for n, lamp in enumerate(lamps, start=1) for place in lamp.places}
+    number = {place: n for n, lamp in enumerate(lamps, start=1) for place in lamp}
     return [replace(a, lamp=number.get(place, 0)) for place, a in enumerate(attributes)]
 
 

@@ -45,7 +45,6 @@ class Fact(StrEnum):
     WORD_OF = "{word} of {kind}"
     WAY_AT = "{way} at {group}"
     THING_TOO = "a thing too at {group}: led by {lead}"
-    NEGATED = "negated at {group}"
     COLOR_THAT_IS = "color that is {first} at {group}"
     PLURAL_COLOR = "plural color at {group}"
     COLOR_AND_ENTRY = "color and entry at {group}"
@@ -73,12 +72,10 @@ class Fact(StrEnum):
     JOINED = "{where}: joined"
     SPARED = "{where}: spared {group}"
     SPARES = "{kind} where something is spared"
-    OWN_NOUN = "{where}: {beside}"
     BY_NOUN = "{kind} by noun {noun}"
     BY_A_LOOK = "'{adjective}' of {kind} by a noun that is a look"
     SUREST = "{group} surest"
     LESS_SURE = "{group} less sure"
-    PLURAL = "plural at {group}"
     SEVERAL = "several at {group} by a singular"
     SEVERAL_SIGN = "several at {group} by a singular, {sign}"
 
@@ -147,15 +144,12 @@ class PairFeatures:
         self._name = " and name" if named and any(_is_of_object(n) for m in covering for n in m.named) else ""
         self._sort = forms.sort_of(look.token) + self._name
         self._lead, self._turn = forms.lead(look.index), forms.turn(self._clause)
-        own = [
-            m for m in self.mentions if self.items[m.start].clause == self._clause and m.start > look.index
-        ]
-        self._next = [fact for fact in self._neighbors(own) if fact.endswith("right after")]
-        self._unnamed = [*self._unnamed_facts(len(covering) > 0)]
+        self._unnamed = [*self._unnamed_facts(is_noun=bool(covering))]
 
     def of(self, target: Target, sense: Sense) -> Iterator[str]:
         """The facts about one pair."""
-        kind, group, token = target.kind, _group(target.kind), self.token
+        kind, token = target.kind, self.token
+        group = "matter" if kind in MATTER else "lamp" if kind in LAMPS else kind
         word = f"'{token.adjective or token.entry or 'a color'}'{self._name}"  # all colors are one
         yield Fact.SORT_OF_KIND.format(sort=self._sort, kind=kind)
         yield Fact.WORD_AT.format(word=word, group=group)
@@ -169,8 +163,6 @@ class PairFeatures:
             yield Fact.PLURAL_COLOR.format(group=group)
         if token.color and token.entry:
             yield Fact.COLOR_AND_ENTRY.format(group=group)
-        if self.look.negated:
-            yield Fact.NEGATED.format(group=group)
         if target.mention >= 0:
             yield from self._named_facts(target, self.mentions[target.mention], group)
         else:
@@ -181,33 +173,28 @@ class PairFeatures:
         """Facts about all targets that no noun names: what is named instead, and where the look word stands; "{kind}" is left open."""
         look, kind, items = self.look.index, "{kind}", self.items
         others = [m for m in self.mentions if not m.covers(look)]
-        own = [m for m in others if items[m.start].clause == self._clause]
         nouns = _kinds([m for m in others if items[m.start].clause != self._clause])
         yield Fact.UNNAMED_LED.format(kind=kind, lead=self._lead)
         yield Fact.UNNAMED_LED_RATHER.format(kind=kind, lead=self._lead, nouns=nouns)
         yield Fact.UNNAMED_TURN.format(kind=kind, turn=self._turn)
-        yield from (Fact.UNNAMED_BESIDE.format(kind=kind, beside=beside) for beside in self._neighbors(own))
+        # The nearest noun on each side: "white" of "piano in a white room" has the room after it
+        own = [m for m in others if items[m.start].clause == self._clause]
+        after = sorted((m for m in own if m.start > look), key=lambda m: (m.start, m.end))[:1]
+        before = sorted((m for m in own if m.end < look), key=lambda m: (m.end, m.start))[-1:]
+        sides = [(m, look, m.start, "after") for m in after] + [(m, m.end, look, "before") for m in before]
+        for mention, low, high, side in sides:
+            right = "right " if self.forms.look_at.issuperset(range(low + 1, high)) else ""
+            yield Fact.UNNAMED_BESIDE.format(kind=kind, beside=f"{_kinds([mention])} {right}{side}")
         places = [p for p in self.forms.places[self._clause] if not items[p].filler]
         if len(places) == 1:
             yield Fact.UNNAMED_ALONE.format(kind=kind)
         if is_noun:
             yield Fact.UNNAMED_NOUN_TOO.format(kind=kind, name=self._name)
-        after = next((p for p in places if p > look), None)
-        if after is not None:
-            yield Fact.UNNAMED_BEFORE.format(kind=kind, next=self.forms.role(after))
-            yield Fact.UNNAMED_BEFORE.format(kind=kind, next=f"'{items[after].text}'")
-            if "hour" in items[after].lists:
+        for place in [p for p in places if p > look][:1]:
+            yield Fact.UNNAMED_BEFORE.format(kind=kind, next=self.forms.role(place))
+            yield Fact.UNNAMED_BEFORE.format(kind=kind, next=f"'{items[place].text}'")
+            if "hour" in items[place].lists:
                 yield Fact.UNNAMED_HOUR.format(kind=kind, sort=self._sort)
-
-    def _neighbors(self, nouns: list[NounMention]) -> Iterator[str]:
-        """Kinds of the nearest nouns on each side: "white" of "piano in a white room" has the room after it."""
-        look = self.look.index
-        after = sorted((m for m in nouns if m.start > look), key=lambda m: (m.start, m.end))[:1]
-        before = sorted((m for m in nouns if m.end < look), key=lambda m: (m.end, m.start))[-1:]
-        sides = [(m, look, m.start, "after") for m in after] + [(m, m.end, look, "before") for m in before]
-        for mention, low, high, side in sides:
-            adjoins = self.forms.look_at.issuperset(range(low + 1, high))
-            yield f"{_kinds([mention])} {'right ' if adjoins else ''}{side}"
 
     def _named_facts(self, target: Target, mention: NounMention, group: str) -> Iterator[str]:
         """Facts about what a noun names: how the noun and the look word stand to each other, and how the noun fits."""
@@ -225,9 +212,6 @@ class PairFeatures:
             yield Fact.SPARED.format(where=where, group=group)
         elif self.forms.spares:
             yield Fact.SPARES.format(kind=target.kind)
-        # A noun in another clause, though the look has one of its own: "brass" of "a red cup, a brass chandelier"
-        if self.items[mention.start].clause != self._clause:
-            yield from (Fact.OWN_NOUN.format(where=where, beside=beside) for beside in self._next)
         # How sure it is that the noun names this
         yield Fact.BY_NOUN.format(kind=target.kind, noun=mention.noun or "of the scene")
         if self.token.adjective and any(mention.covers(place) for place in self.forms.look_at):
@@ -235,12 +219,10 @@ class PairFeatures:
         ranks = {n.names: fit_rank(n) for n in mention.named}
         surest = ranks.get(target.names, 0) <= min(ranks.values(), default=0)
         yield (Fact.SUREST if surest else Fact.LESS_SURE).format(group=group)
-        if len(target.names) > 1 and target.kind != "others":
-            if mention.text.endswith("s"):
-                yield Fact.PLURAL.format(group=group)
-            elif mention.members == 1:
-                yield Fact.SEVERAL.format(group=group)
-                yield from (Fact.SEVERAL_SIGN.format(group=group, sign=sign) for sign in target.signs)
+        singular = mention.members == 1 and not mention.text.endswith("s")
+        if len(target.names) > 1 and target.kind != "others" and singular:
+            yield Fact.SEVERAL.format(group=group)
+            yield from (Fact.SEVERAL_SIGN.format(group=group, sign=sign) for sign in target.signs)
 
     def _place_facts(
         self, mention: NounMention, group: str, where: str, low: int, high: int
@@ -253,24 +235,18 @@ class PairFeatures:
             yield Fact.ADJOINS.format(side=side, group=group, sort=self._sort)
         yield Fact.BETWEEN.format(where=where, count=min(len(between), _FAR))
         yield Fact.LOOK_LED.format(where=where, lead=self._lead)
-        for place in range(low + 1, high):
-            if items[place].ties:
-                looks = range(place, high) if side == "after" else ()
-                own = not self.forms.look_at.isdisjoint(looks)
-                yield Fact.OVER.format(where=where, tie=items[place].text)
-                yield (Fact.OVER_WITH if own else Fact.OVER_WITHOUT).format(
-                    where=where, tie=items[place].text
-                )
+        for place in (place for place in range(low + 1, high) if items[place].ties):
+            yield Fact.OVER.format(where=where, tie=items[place].text)
+            own = side == "after" and not self.forms.look_at.isdisjoint(range(place, high))
+            yield (Fact.OVER_WITH if own else Fact.OVER_WITHOUT).format(where=where, tie=items[place].text)
         if mention.members > 1:
             yield Fact.JOINED.format(where=where)
-        for item in (
-            items[p] for p in reversed(self.forms.places[items[mention.start].clause]) if p < mention.start
-        ):
+        before = [items[p] for p in self.forms.places[items[mention.start].clause] if p < mention.start]
+        for item in reversed(before):
             if item.ties:
                 yield Fact.NOUN_LED.format(where=where, tie=item.text)
-                yield from (
-                    Fact.NOUN_LED_BY.format(where=where, tie=tie) for tie in TIES if tie in item.lists
-                )
+                ties = (tie for tie in TIES if tie in item.lists)
+                yield from (Fact.NOUN_LED_BY.format(where=where, tie=tie) for tie in ties)
             if not item.filler:
                 return
         if not items[mention.start].filler:
@@ -282,10 +258,6 @@ def _is_of_object(named: Named) -> bool:
     return named.kind == "things" and any(sign.startswith("object") for sign in signs)
 
 
-def _group(kind: str) -> str:
-    return "matter" if kind in MATTER else "lamp" if kind in LAMPS else kind
-
-
 def _kinds(mentions: list[NounMention]) -> str:
     """Kinds of what nouns name, in short."""
     kinds = {n.kind for m in mentions for n in m.named} | {m.noun for m in mentions if m.noun and not m.named}
@@ -295,11 +267,7 @@ def _kinds(mentions: list[NounMention]) -> str:
 def looks(
     text: str, words: SceneDescription, vocabulary: Vocabulary, foreign: Collection[str] = ()
 ) -> Passage:
-    """A prompt with its look words, of which nothing is bound.
-
-    Args:
-        foreign: Words of another language that are left in the prompt.
-    """
+    """A prompt with its look words, of which nothing is bound; `foreign` are words of another language that are left in it."""
     clauses = with_changes(Lexer(vocabulary, words, foreign).clauses(text), vocabulary)
     return passage(clauses, vocabulary)
 
@@ -307,11 +275,7 @@ def looks(
 def reading(
     text: str, words: SceneDescription, vocabulary: Vocabulary, foreign: Collection[str] = ()
 ) -> PromptPairs:
-    """The pairs of a prompt.
-
-    Args:
-        foreign: Words of another language that are left in the prompt.
-    """
+    """The pairs of a prompt, see `looks`."""
     found = looks(text, words, vocabulary, foreign)
     nouns = mentions(found, words.made(SceneIndex, vocabulary), vocabulary)
     every, own = targets(nouns, words), OwnNouns(found, nouns, vocabulary)
@@ -322,6 +286,8 @@ def reading(
         if changed and changed.named:  # in a change phrase only what its object names
             theirs = {number for number, noun in enumerate(nouns) if noun.covers(changed.start)}
             chosen = [t for t in may_describe if t.mention in theirs or t.kind == TINGE]
+        if ground := own.ground(look.index):
+            chosen = [target for target in every if target.kind == ground]
         if _is_a_tone(look, own.of(look.index), found, vocabulary):
             chosen = [target for target in every if target.kind == "picture"]
         may_be = _becomings(look, chosen, vocabulary) or _becomings(look, may_describe, vocabulary)

@@ -7,7 +7,6 @@ import re
 from collections.abc import Collection, Container, Iterator
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
-from functools import cached_property
 from operator import ne
 
 from ..color.floats import is_hex, srgb_from_hex
@@ -94,6 +93,7 @@ class Lexer:
     ) -> None:
         self.vocabulary, self.foreign = vocabulary, {*map(normalize, foreign)}
         self.names = scene_names(words)
+        self._in_names = {word for name in self.names for word in name.split()}
 
     def clauses(self, prompt: str) -> list[list[Token]]:
         """Tokens of each clause of a prompt."""
@@ -119,11 +119,6 @@ class Lexer:
             found += [word] if known else parted(word, v.colors, v.shades)
         return found
 
-    @cached_property
-    def _in_names(self) -> frozenset[str]:
-        """All words of names in the scene."""
-        return frozenset(word for name in self.names for word in name.split())
-
     def _tokens(self, words: list[str]) -> list[Token]:
         tokens: list[Token] = []
         start = 0
@@ -135,25 +130,18 @@ class Lexer:
                 cuts = self._cuts_a_phrase(words, start, start + count)
                 token = (None if cuts else _composed(part, self.vocabulary)) or self._phrase(" ".join(part))
                 if token.known or count == 1:
-                    end = self._end(words, start, start + count, token.entry)
-                    token = token if end == start + count else replace(token, text=" ".join(words[start:end]))
                     tokens.append(token if token.known else self._guess(token))
-                    start = end
+                    start += count
                     break
         return tokens
 
     def _cuts_a_phrase(self, words: list[str], start: int, end: int) -> bool:
-        """Whether words take the first word of a listed phrase: "warm golden" of "golden hour"."""
+        """Whether words take the first word of a listed phrase that is no surface: "warm golden" of "golden hour"."""
         later = range(end + 1, min(end + _LONGEST, len(words) + 1))
         both = ((i, j) for i in range(start + 1, end) for j in later)
-        return any(" ".join(words[i:j]) in self.vocabulary.synonyms for i, j in both)
-
-    def _end(self, words: list[str], start: int, end: int, entry: str) -> int:
-        """The end of a phrase, or of another of the same entry that begins in it: "light from the camera's side" is two."""
-        synonyms = self.vocabulary.synonyms
-        later = range(min(end + _LONGEST - 1, len(words)), end, -1) if entry else ()
-        both = ((i, j) for j in later for i in range(start + 1, end))
-        return next((j for i, j in both if synonyms.get(" ".join(words[i:j])) == entry), end)
+        return any(
+            self.vocabulary.slot(" ".join(words[i:j])) not in ("", "finish", "material") for i, j in both
+        )
 
     def _ends_in_thing(self, words: list[str]) -> bool:
         """Whether a phrase is a look and a thing of this scene: "terracotta pot", or "turquoise water" where water is."""
@@ -233,6 +221,8 @@ def _misspellable(v: Vocabulary) -> list[str]:
 def _composed(words: list[str], vocabulary: Vocabulary) -> Token | None:
     """A color or material with the words that shift it: "warm golden", "very dark blue", "dark walnut"; None for others."""
     text, v = " ".join(words), vocabulary
+    if v.slot(text) == "grade":  # "deep blacks" are shadows
+        return None
     made_of = words[0] in v.colors and words[0] in v.synonyms  # "ruby red lips" are red
     if not made_of and (color := compound(words, v.colors)):
         return Token(text, color=color, name=text)

@@ -74,11 +74,24 @@ def mentions(passage: Passage, index: SceneIndex, vocabulary: Vocabulary) -> lis
         if found:
             single.append(found)
         start = found.end + 1 if found else start + 1
+    single = [
+        m for m, after in zip(single, [*single[1:], None], strict=False) if not _owns(m, after, passage)
+    ]
     single = with_picks(passage, single, index, vocabulary)
     excepted = _NounRow(passage, single, vocabulary).excepted()
     single = [replace(mention, excepted=mention.start in excepted) for mention in single]
     lists = (_joined(run, index.words) for run in _NounRow(passage, single, vocabulary).joined())
     return [*single, *filter(None, lists)]
+
+
+def _owns(noun: NounMention, after: NounMention | None, passage: Passage) -> bool:
+    """Whether a thing is only named for a part of it that follows: the bottle of "the bottle's cap"."""
+    if after is None or after.start != noun.end + 1:
+        return False
+    both = [{n for each in m.named if each.kind == "things" for n in each.names} for m in (noun, after)]
+    apart = passage.items[noun.end].clause != passage.items[after.start].clause
+    looks = passage.items[noun.end].names_a_look or passage.items[after.start].names_a_look
+    return all(both) and both[0].isdisjoint(both[1]) and not (apart or looks)
 
 
 class _NounFinder:
@@ -105,7 +118,6 @@ class _NounFinder:
         if not said or not token.lists.isdisjoint(_NO_NOUNS):
             return None
         named = [] if self._is_of_the_next(start) else self._of_one(start, said)
-        named = self._looks.own(named, self.index.objects(said))
         if seen := self._by_look(token, named):
             return self._mention(start, start, "", seen)
         noun = token.noun or "unknown" if token.presents else self._noun(start)
@@ -132,7 +144,7 @@ class _NounFinder:
         """Names of a token by itself, by its last word if by nothing else, or with a mistake."""
         token = self.items[start]
         plural = token.text.endswith("s")
-        named = self.index.named(said, plural) or self._lamps(said)
+        named = self.index.named(said) or self._lamps(said)
         last = said[-1:]
         if not named and len(said) > 1 and token.noun != "tone":  # "the whole picture" hangs on no wall
             named, said = self.index.named(last), last
@@ -140,12 +152,7 @@ class _NounFinder:
             named = [n for n in named if n.signs != {"light exact"} and (plural or not _is_translated([n]))]
         if "stop" in token.lists and not token.noun:
             return self._surely(named)
-        if named or token.known:
-            return named
-        guessed = self.index.named(said[-1:], guess=True)
-        if self._head_after(start):  # "ball gown" is no glove, though a ball is for sports too
-            guessed = [n for n in guessed if any(sign.endswith("misspelled") for sign in n.signs)]
-        return [n for n in guessed if plural or not self.index.is_several(n)]  # "a car" is not its wheels
+        return named or ([] if token.known else self.index.modeled(said[-1]))
 
     def _by_look(self, token: Token, named: list[Named]) -> list[Named]:
         """Materials by their present look or shape, which also tell apart the materials of a name."""
@@ -160,13 +167,7 @@ class _NounFinder:
         token, head = self.items[start], self._head_after(start)
         if head is None or not token.names_a_look or token.noun:
             return False
-        if not token.entry:
-            return True
-        own, following = (self.index.named(parts(each.text)) for each in (token, head))
-        if self._surely(own):
-            return bool(self._surely(following)) and self.items[start + 1] is head
-        meant = any(n.kind == "things" for n in following)
-        return bool(self._surely(following)) or (meant and _is_translated(own))
+        return not token.entry or bool(self._surely(self.index.named(parts(head.text))))
 
     def _head_after(self, start: int) -> Token | None:
         """The noun that follows, with nothing but looks between."""
@@ -301,7 +302,7 @@ def with_picks(
         if one:
             target = noun or found.get(place) or NounMention(place, place, item.text)
             known = found.get(target.start, target)
-            found[target.start] = _picking(known, index.worn(one), f"picked {way}")
+            found[target.start] = replace(_picking(known, index.worn(one), f"picked {way}"), picked=one)
     return [found[start] for start in sorted(found)]
 
 
@@ -312,7 +313,7 @@ def _with_number(passage: Passage, mention: NounMention, index: SceneIndex) -> N
     ends = {name: re.split(r"[\W_]+", name)[-1].lower() for name in group} if len(group) > 1 and said else {}
     same = [name for name, end in ends.items() if _bare(end) == _bare(said)]
     if len(same) == 1:
-        return _picking(mention, index.worn(same[0]), "picked by number")
+        return replace(_picking(mention, index.worn(same[0]), "picked by number"), picked=same[0])
     number = said if said.isdecimal() else ""
     every = (n.names for n in mention.named if n.kind == "lights" and len(n.names) > 1)
     lamps = sorted(frozenset().union(*every)) if number or mention.noun != "light" else []
@@ -334,8 +335,19 @@ def _picking(
     return replace(mention, named=(*rest, Named(kind, names, signs)))
 
 
+def named_objects(mention: NounMention, index: SceneIndex) -> list[str]:
+    """The objects that a noun means by their names."""
+    if mention.picked:
+        return [mention.picked]
+    if all(named.kind != "things" for named in mention.named):  # a lamp is one, light is none
+        return []
+    said = parts(mention.text)
+    # "table lamp" of a lamp
+    return next((found for n in range(len(said)) if (found := index.objects(said[n:]))), [])
+
+
 def _group(mention: NounMention, index: SceneIndex) -> list[str]:
-    """The objects that a noun names."""
+    """The objects whose names a noun fits best."""
     return index.objects(parts(mention.text)) if mention.noun != "light" else []
 
 
@@ -355,11 +367,7 @@ def _noun_of(passage: Passage, place: int, single: list[NounMention]) -> NounMen
 
 
 def _picked(way: str, group: list[str], words: SceneDescription) -> str:
-    """The one of a group of objects that a word picks; "" where it cannot be told.
-
-    Args:
-        way: A key of `_RANKS`.
-    """
+    """The one of a group of objects that a word picks, by a key of `_RANKS`; "" where it cannot be told."""
     by, index = _RANKS[way]
     ranks: dict[str, tuple[float, str]] = {}
     for name in group:

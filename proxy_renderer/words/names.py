@@ -3,35 +3,44 @@
 
 from __future__ import annotations
 
+import math
 import re
 import tomllib
 from collections.abc import Iterable
-from difflib import SequenceMatcher, get_close_matches
 from functools import cache, lru_cache
 from pathlib import Path
+from typing import Any
 
+from ..schema.material_copies import copied
 from ..schema.parameters import Region
 from .lexicon.entries import normalize
-from .lexicon.languages import english_things, folded, senses, singular, thing_words
+from .lexicon.languages import folded, senses, singular
 from .lexicon.vocabulary import Vocabulary
-from .lexicon.word_table import table
 from .types import SceneDescription
 
 FITS = (
-    "exact", "all", "last", "whole", "synonym", "part", "part's synonym", "detail's whole", "misspelled",
+    "exact", "all", "last", "whole", "synonym", "part", "part's synonym", "detail's whole", "guessed",
 )  # fmt: skip
 """Ways in which words fit a name, the surest first."""
-_MISSPELLED = 0.8  # share of the characters of a misspelled name that are right
-_SHORTEST = 4  # characters of a word that may be misspelled
-_NAMES, _WORDS = 16_384, 1024  # names of scenes, and words of prompts, that are cached
+_NAMES = 16_384  # names of scenes that are cached
+
+
+@cache
+def _rows() -> dict[str, Any]:
+    """The rows of lexicon/names.toml."""
+    return tomllib.loads((Path(__file__).with_name("lexicon") / "names.toml").read_text("utf-8"))
 
 
 @cache
 def name_words(kind: str) -> frozenset[str]:
     """Words of one row of lexicon/names.toml: "pipeline", "counted", "primitives", "order", "limbs" or "details"."""
-    path = Path(__file__).with_name("lexicon") / "names.toml"
-    rows: dict[str, str] = tomllib.loads(path.read_text("utf-8"))
-    return frozenset(rows[kind].split())
+    return frozenset(_rows()[kind].split())
+
+
+@cache
+def things_shaped(primitive: str) -> frozenset[str]:
+    """What people model from a primitive: a "Cylinder" may be a mug."""
+    return frozenset(_rows()["shapes"].get(primitive, "").split())
 
 
 def _spaced(name: str) -> list[str]:
@@ -71,7 +80,7 @@ def scene_names(words: SceneDescription) -> frozenset[str]:
 
 
 def limbs(words: SceneDescription) -> dict[str, tuple[str, ...]]:
-    """Object -> materials of its parts that are objects of their own: the duck's head, the only teapot's lid."""
+    """Object -> its parts that are objects of their own: the duck's head, the only teapot's lid."""
     parts_of_things = name_words("limbs") | name_words("details")
     heads: dict[Region, set[str]] = {"subject": set(), "surroundings": set()}
     theirs: dict[Region, dict[str, list[str]]] = {"subject": {}, "surroundings": {}}
@@ -85,9 +94,35 @@ def limbs(words: SceneDescription) -> dict[str, tuple[str, ...]]:
     for name, region in words.objects.items():
         spoken, alone = plain_name(name), heads[region] == {plain_name(name)}
         wholes = {spoken, *([""] if alone else [])} if spoken in heads[region] else set()
-        mine = [limb for whole, its in theirs[region].items() if whole in wholes for limb in its]
-        found[name] = tuple(dict.fromkeys(m for limb in mine for m in words.object_materials.get(limb, ())))
+        found[name] = tuple(limb for whole, its in theirs[region].items() if whole in wholes for limb in its)
+    for part, whole in _inside(words).items():
+        found[whole] = tuple(dict.fromkeys((*found[whole], part)))
     return found
+
+
+def _inside(words: SceneDescription) -> dict[str, str]:
+    """Limb, or shape without a name -> the smallest named object around it that wears one of its materials: a couch's cushion."""
+    general = name_words("limbs") | name_words("details") | name_words("primitives")
+    worn = {name: {copied(m)[0] for m in its} for name, its in words.object_materials.items()}
+    loose = {name for name in words.boxes if general.issuperset(plain_name(name).split())}
+    wearers: dict[str, list[str]] = {}
+    for name in sorted(words.boxes.keys() - loose):
+        for material in worn[name]:
+            wearers.setdefault(material, []).append(name)
+
+    def holds(whole: str, part: str) -> bool:
+        ends = zip(*words.boxes[whole], *words.boxes[part], strict=True)
+        return all(2 * low <= a + b <= 2 * high for low, high, a, b in ends)
+
+    def size(name: str) -> float:
+        return math.prod(high - low for low, high in zip(*words.boxes[name], strict=True))
+
+    around = {
+        name: [whole for m in sorted(worn[name]) for whole in wearers.get(m, ()) if holds(whole, name)]
+        for name in words.boxes
+        if name in loose
+    }
+    return {name: min(wholes, key=size) for name, wholes in around.items() if wholes}
 
 
 @lru_cache(_NAMES)
@@ -102,11 +137,7 @@ def parts(name: str) -> tuple[str, ...]:
 
 
 def fit(words: tuple[str, ...], name: tuple[str, ...], vocabulary: Vocabulary) -> str:
-    """The way in which words fit a name, one of `FITS`; "" if they do not.
-
-    Args:
-        words: Of the prompt, as `parts` gives them.
-    """
+    """The way in which words of a prompt, as `parts` gives them, fit a name: one of `FITS`; "" if they do not."""
     if not (words and name):
         return ""
     joined = "".join(words)
@@ -114,61 +145,32 @@ def fit(words: tuple[str, ...], name: tuple[str, ...], vocabulary: Vocabulary) -
         return "exact"
     # a look stands only for itself: "rubber tire" is no "tire", "oak floor" no "floor wood"
     if len(words) > 1:
-        found = (
-            w in name or (_shares_a_sense(w, name) and not _is_of_surfaces(w, vocabulary)) for w in words
-        )
+        found = (w in name or (_shares_a_sense(w, name) and not is_of_surfaces(w, vocabulary)) for w in words)
         return "all" if all(found) or joined in name else ""
     (word,) = words
-    ends = (name[-1], _head(name, vocabulary)[-1])
-    if word in ends or word == "".join(name[-2:]):
+    if word == name[-1] or word == "".join(name[-2:]):
         return "last"
     if word in name:
-        return _part_fit(word, name, "part", vocabulary)
-    if _shares_a_sense(word, (*ends, " ".join(name))):
+        return _part_fit(name, "part", "whole")
+    if _shares_a_sense(word, (name[-1], " ".join(name))):
         return "synonym"
-    return _part_fit(word, name, "part's synonym", vocabulary) if _shares_a_sense(word, name[:-1]) else ""
+    return _part_fit(name, "part's synonym", "synonym") if _shares_a_sense(word, name[:-1]) else ""
 
 
 def _shares_a_sense(word: str, others: Iterable[str]) -> bool:
     return any(senses(word) & senses(other) for other in others)
 
 
-def _is_of_surfaces(word: str, vocabulary: Vocabulary) -> bool:
+def is_of_surfaces(word: str, vocabulary: Vocabulary) -> bool:
     """Whether a word of a name says what a thing is made of, or its color or finish."""
     return word in vocabulary.colors or vocabulary.slot(word) in ("material", "finish")
 
 
-def _head(name: tuple[str, ...], vocabulary: Vocabulary) -> tuple[str, ...]:
-    """A name up to its noun: "frame" of "frame black", "bathtub" of "bathtub freestanding"."""
-    ends = [n for n, word in enumerate(name, 1) if not _is_of_surfaces(word, vocabulary)]
-    things = [n for n in ends if name[n - 1] in thing_words().rows]
-    return name[: max(things or ends, default=None)]
-
-
-def _part_fit(word: str, name: tuple[str, ...], way: str, vocabulary: Vocabulary) -> str:
-    """The way of a word inside a name. A limb stands for the whole ("car shell"), a detail does not, nor what is in a place ("garage door")."""
-    if name[-1] in name_words("details") or vocabulary.slot(word) in ("setting", "mood"):
+def _part_fit(name: tuple[str, ...], way: str, of_limb: str) -> str:
+    """The way of a word inside a name. A limb stands for the whole ("car shell"), a detail does not ("robot eyes")."""
+    if name[-1] in name_words("details"):
         return "detail's whole"
-    if name[-1] in name_words("limbs"):
-        return "whole" if way == "part" else "synonym"
-    return way
-
-
-def guessed_fit(word: str, name: tuple[str, ...], vocabulary: Vocabulary) -> str:
-    """ "misspelled" where a word that fits no name is one with a mistake; else ""."""
-    if not name or table().is_english(word) or len(word) < _SHORTEST:
-        return ""
-    near = max(SequenceMatcher(None, word, part).ratio() for part in name)
-    meant = _corrected(word)
-    known = bool(meant) and _shares_a_sense(meant, (name[-1], _head(name, vocabulary)[-1]))
-    return "misspelled" if near >= _MISSPELLED or known else ""
-
-
-@lru_cache(_WORDS)
-def _corrected(word: str) -> str:
-    """The known thing that a misspelled word is nearest to; "" if none is near."""
-    known = [w for w in sorted(english_things()) if w[0] == word[0]]
-    return next(iter(get_close_matches(word, known, 1, _MISSPELLED)), "")
+    return of_limb if name[-1] in name_words("limbs") else way
 
 
 def best(found: Iterable[str]) -> str:

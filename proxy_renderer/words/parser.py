@@ -21,6 +21,7 @@ from .lexicon.user_words import default_vocabulary
 from .lexicon.vocabulary import Vocabulary
 from .model import FactWeights, scores
 from .normalizing import Normalized, normalized
+from .own_nouns import with_own_materials
 from .reader import PromptReading, read_words
 from .targets import described_name, key_numbers, plain_key, sense_at, target_name
 from .types import Candidate, Parsed, PromptWord, SceneDescription
@@ -37,7 +38,7 @@ class Understood:
     """A prompt, read once against one description of a scene, for everyone who needs to know what it says."""
 
     prompt: str  # as the artist typed it
-    scene: SceneDescription  # the names in the scene
+    scene: SceneDescription  # the names in the scene; with copies of materials that the words need
     told: InitVar[Iterable[str]] = ()  # "copper=Cup": targets that the artist has chosen for words
     # the look words of the prompt and the words that are left out, in its order
     words: tuple[PromptWord, ...] = field(default=(), init=False)
@@ -47,8 +48,15 @@ class Understood:
 
     def __post_init__(self, told: Iterable[str]) -> None:
         """Reads the prompt."""
+        vocabulary = default_vocabulary()
         try:
-            parsed = read(self.prompt, self.scene, default_vocabulary(), told=checks.targets(told))
+            text = _opened(self.prompt, self.scene, vocabulary)[2].text
+            found = looks(text, self.scene, vocabulary)
+            scene, stuck = with_own_materials(found, self.scene, vocabulary)
+            object.__setattr__(self, "scene", scene)
+            parsed = read(self.prompt, scene, vocabulary, told=checks.targets(told))
+            parsed.notes += stuck.values()
+            parsed.protected = (*parsed.protected, *(f"material/{name}" for name in stuck))
         except VibeError as error:
             object.__setattr__(self, "unknown", error)
         else:
@@ -58,11 +66,7 @@ class Understood:
 
     @property
     def parsed(self) -> Parsed:
-        """The result; the same for everyone, who leave it as it is.
-
-        Raises:
-            VibeError: Nothing in the prompt is understood.
-        """
+        """The result, which everyone leaves as it is. Raises VibeError if nothing in the prompt is understood."""
         if self.unknown:
             raise self.unknown
         return self._parsed
@@ -144,8 +148,6 @@ def read(
     """Finds the look words of a prompt and binds them to subject, surroundings, lights or the film.
 
     Args:
-        vocabulary: Meanings of words; with the artist's own if None.
-        weights: Of the reader; those that are shipped if None.
         told: Word -> the target that the artist has chosen for it: a name in the scene, "lights", "not used" and so on.
 
     Returns:
@@ -167,7 +169,8 @@ def read(
         targets=told,
         english={word: retelling.english(word) for word in map(plain_key, told or ()) if glossed.language},
     )
-    parsed, undone, beyond = reading.parsed, reading.undone, reading.pairs.passage.beyond
+    parsed, beyond = reading.parsed, reading.pairs.passage.beyond
+    undone = [" ".join(words) for words in reading.pairs.passage.wishes]
     parsed.prompt = glossed.prompt
     for passage, kept in normal.protections:
         names = ", ".join(key.partition("/")[2] or key for key in kept)
@@ -219,11 +222,7 @@ def why(reading: PromptReading) -> str:
 def _prompt_words(
     reading: PromptReading, parsed: Parsed, own: Callable[[str], str]
 ) -> tuple[PromptWord, ...]:
-    """The look words of a prompt and the words that are left out, in the order of the text.
-
-    Args:
-        own: The prompt's own words for English ones.
-    """
+    """The look words of a prompt and the words that are left out, in its order; `own` gives its words for English ones."""
     looks = (_look_word(reading, parsed, number, own) for number in range(len(reading.chosen)))
     numbers = key_numbers([pair.look.text for pair in reading.chosen])
     both = zip(looks, numbers, strict=True)

@@ -18,7 +18,7 @@ _ENDS = {*_WISHES, "again"}
 """Lists of words that end a wish."""
 LIGHTS = ("light", "fill", "rim")
 """Kinds of nouns that are lights."""
-STRUCTURES = ("ground", "support", "wall", "roof", "ceiling")
+STRUCTURES = ("floor", "walls", "ground", "support", "wall", "roof", "ceiling")
 """Rows of [grammar.words]: parts of a scene that its names hardly ever say."""
 _LETTERS = {
     "V": "changes", "P": "paints", "S": "exchanges", "J": "becoming", "f": "leaving", "t": "reaching", "w": "exchanged",
@@ -34,6 +34,7 @@ _CHANGES = [
         f"^[^LNK]*V[^LNK]*f[d_]*{_A}t[d_]*{_B}(?:[_d]*{_X})?",  # "go from red to grey on the roof"
         f"S[d_]*{_A}[^LNK]*?[wt][d_w]*{_B}[_d]*{_X}",  # "swap the cyan glow for orange on the rings"
         f"S[d_]*{_A}(?:[^LNK]*{_X})?[^LK]*?[wt][d_w]*{_B}O?",  # "swap the navy surface for oak"
+        f"S[d_]*{_X}{_A}[^LNK]*?[wt][d_w]*{_B}",  # the same where looks follow: "the car red"
         f"[VP][d_]*{_A}(?:[^LNK]*{_X})?[^LK]*?t[d_]*{_B}O?",  # "turn the purple ground into a pale mint"
         f"[VP](?:.*?_)??[_d]*{_A}{_X}(?:[._][^LVK]*?)?(?<!d){_B}(?!N)",  # "make the red chair blue"
         f"[VP]_*d{_A}(?:[._][^LVK]*?)?(?<!d){_B}(?!N)",  # "turn the black plastic between the stickers shiny"
@@ -96,11 +97,7 @@ class Passage:
 
 
 def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
-    """The look words of a prompt.
-
-    Args:
-        clauses: Tokens of each clause, as the lexer gives them.
-    """
+    """The look words of a prompt, given the tokens of each clause."""
     found = Passage([])
     number = 0
     for tokens, following in zip(clauses, [*clauses[1:], []], strict=False):
@@ -175,11 +172,7 @@ def is_object(token: Token, vocabulary: Vocabulary) -> bool:
 
 
 def with_changes(clauses: list[list[Token]], vocabulary: Vocabulary) -> list[list[Token]]:
-    """Clauses in which present looks are with their objects, see `Token.presents`: "the roof from red to slate", "teal, not pink".
-
-    Args:
-        clauses: Tokens of each clause, as the lexer gives them.
-    """
+    """Clauses in which present looks are with their objects, see `Token.presents`: "the roof from red to slate", "teal, not pink"."""
     found = []
     for clause, tokens in enumerate(clauses, start=1):
         for number in range(_MOST):  # "make the red door blue and the white wall grey"

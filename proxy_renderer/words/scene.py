@@ -6,38 +6,48 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 from ..color.floats import oklab_from_srgb
 from ..schema import Values
+from ..schema.material_copies import copied
 from .lexer import Token
 from .lexicon.vocabulary import Vocabulary
-from .names import FITS, best, fit, guessed_fit, is_detail, limbs, parts, plain_name
+from .names import (
+    FITS,
+    best,
+    fit,
+    is_detail,
+    limbs,
+    name_words,
+    parts,
+    plain_name,
+    things_shaped,
+)
 from .passage import STRUCTURES
 from .types import GLOW, MaterialLook, SceneDescription
 
 REGIONS = {"surroundings": "surroundings", "subject": "subject", "unknown": "subject"}
 """Kinds of nouns that mean a part of the image where nothing of the scene is called so -> the part."""
-_VAGUE = FITS.index("misspelled")  # from here on a name is only guessed
+_VAGUE = FITS.index("guessed")  # from here on a name is only guessed
 _TYPES = {"SUN": "sun", "SPOT": "spot"}
 """Types of lights that people call by name."""
-_OF_ITS_KIND = ("exact", "last", "whole", "synonym")
-"""Ways to fit the name of a thing that is what a word says, or a limb of it."""
-_OF_THE_WORD = ("exact", "last", "part")
-"""Ways to fit a name that has the very word: "stone" in "Ruin_Stone" and "Stone_Mossy"."""
 _WORDS = 512  # words of prompts whose names are cached
 # Present looks
 _NEAR = 0.11  # OKLab distance, lightness at less than half, within which a color is called so
 _LIGHTNESS = 0.4  # weight of lightness in that distance
 _CLEAR = 1.4  # how many times farther away the next color has to be
 _ALIKE = 0.05  # distance within which two materials have one color
+_MOST_OF_IT = 0.6  # share of what unnamed shapes cover, from which one of them is meant
+_SAME = 0.1  # OKLab distance within which a part looks like its whole
 _GRAY = 0.04  # chroma below which a hue says nothing
 _PALER, _STRONGER = 0.5, 1.6  # chroma that a color may have, in multiples of its name's
 _SHAPED = 0.6  # factor on the distance of a material with the shape that the noun says
 _SEEN = 0.001  # share of the image from which somebody would speak of a material
-_OWN = 0.5  # share of what is seen of a material that has to be on an object by whose name it is found
 _MAIN = 3.0  # how many times larger than others of its color a material is that one noun means
+_GUESSED = frozenset({"object guessed", "whole"})
+"""Signs of an object that is guessed by its shape or color."""
 _Found = tuple[Iterable[str], tuple[str, ...]]
 """Names, and the signs by which they were found."""
 
@@ -62,6 +72,7 @@ class NounMention:
         named: What it may name in the scene.
         members: Of several nouns, how many.
         excepted: The prompt leaves it out: "everything but the floor".
+        picked: The object that it picks of several: "the left ball".
     """
 
     start: int
@@ -72,6 +83,7 @@ class NounMention:
     named: tuple[Named, ...] = ()
     members: int = 1
     excepted: bool = False
+    picked: str = ""
 
     def covers(self, index: int) -> bool:
         """Whether an item is one of its own."""
@@ -86,6 +98,11 @@ def fit_signs(named: Named) -> dict[str, str]:
 def fit_rank(named: Named) -> int:
     """Place in `FITS` of the surest way in which it was found, 0 for the surest."""
     return min((FITS.index(way) for way in fit_signs(named).values()), default=len(FITS))
+
+
+def is_alike(one: Values | None, other: Values | None) -> bool:
+    """Whether two colors are the same to the eye of somebody who names them."""
+    return one is not None and other is not None and math.dist(*map(oklab_from_srgb, (one, other))) < _SAME
 
 
 def surest(mention: NounMention, kind: str, first: str) -> Named | None:
@@ -122,27 +139,24 @@ class SceneIndex:
 
     def __init__(self, words: SceneDescription, vocabulary: Vocabulary) -> None:
         self.words, self._vocabulary = words, vocabulary
-        self._materials = {name: parts(name) for name in words.materials}
+        self._materials = {name: parts(copied(name)[0]) for name in words.materials}
         self._objects = {name: parts(name) for name in words.objects}
         self._groups = {name: parts(name) for name in words.groups}
         self._lights = {name: parts(name) for name in words.lights}
-        self._stuff = {  # material -> what its name says that it is made of
-            name: {part for part in its if vocabulary.slot(part) == "material"}
-            for name, its in self._materials.items()
+        self._parts = limbs(words)
+        self._limbs = {
+            name: tuple(dict.fromkeys(m for part in its for m in self._alike(part, name)))
+            for name, its in self._parts.items()
         }
-        self._limbs = limbs(words)
         self._worn_by_limbs = {name for worn in self._limbs.values() for name in worn}
+        primitives = name_words("primitives")
+        # object without a telling name -> the shape that it is modeled from
+        self._shapes = {o: its[-1] for o, its in self._objects.items() if its and primitives.issuperset(its)}
         self._found = lru_cache(_WORDS)(self._find)
 
-    def named(self, said: tuple[str, ...], plural: bool = False, guess: bool = False) -> list[Named]:
-        """All that words may name.
-
-        Args:
-            said: Words of the prompt, as `parts` gives them.
-            plural: Whether all of a kind may be meant, and not only what is called exactly so.
-            guess: Whether things of nearly the same spelling count.
-        """
-        return list(self._found(said, plural, guess))
+    def named(self, said: tuple[str, ...]) -> list[Named]:
+        """All that words of a prompt, as `parts` gives them, may name."""
+        return list(self._found(said))
 
     def objects(self, said: tuple[str, ...]) -> list[str]:
         """The objects whose names words fit best."""
@@ -150,78 +164,92 @@ class SceneIndex:
         surest = best(ways.values())
         return [name for name, way in ways.items() if way == surest]
 
-    def is_several(self, named: Named) -> bool:
-        """Whether several objects wear what is named."""
-        worn = self.words.object_materials.values()
-        return sum(not named.names.isdisjoint(its) for its in worn) > 1
+    def modeled(self, noun: str) -> list[Named]:
+        """The materials of the object that nobody has named, and that is modeled from what such things are: a mug's "Cylinder".
+
+        Of several it is the one that covers most of the image that they cover.
+        """
+        shown = {o: self._share(o) for o, shape in self._shapes.items() if noun in things_shaped(shape)}
+        if not shown and noun in name_words("accessories"):
+            return self._second()
+        largest = max(shown, key=shown.__getitem__, default="")
+        if len(shown) > 1 and shown[largest] <= _MOST_OF_IT * sum(shown.values()):
+            return []
+        names = self.worn(largest)
+        return [Named("things", names, _GUESSED)] if names else []
+
+    def _second(self) -> list[Named]:
+        """The materials in the subject's second color, if that is clearly more than a third one: a ribbon around its box."""
+        looks = {m: look for m in materials_of("subject", self.words) if (look := self.words.looks.get(m))}
+        main = max(looks.values(), key=lambda look: look.share, default=None)
+        others = {m: x for m, x in looks.items() if main and x.color and not is_alike(x.color, main.color)}
+        second = max(others.values(), key=lambda look: look.share, default=None)
+        its = {m: x.share for m, x in others.items() if second and is_alike(x.color, second.color)}
+        clear = sum(its.values()) > _MOST_OF_IT * sum(look.share for look in others.values())
+        return [Named("things", frozenset(its), _GUESSED)] if clear else []
+
+    def _share(self, name: str) -> float:
+        """The share of the image that an object covers."""
+        looks = (self.words.looks.get(material) for material in self.worn(name))
+        return sum(look.worn.get(name, 0.0) for look in looks if look)
+
+    def parts_of(self, name: str) -> tuple[str, ...]:
+        """The parts of an object that are objects of their own."""
+        return self._parts.get(name, ())
 
     def worn(self, name: str) -> frozenset[str]:
         """The materials of an object."""
         return frozenset(self.words.object_materials.get(name, ()))
 
-    def _find(self, said: tuple[str, ...], plural: bool, guess: bool) -> list[Named]:
+    def _alike(self, part: str, whole: str) -> list[str]:
+        """The materials of a part that look like its whole, as far as colors are known: a couch's legs are of wood."""
+        looks = {name: look.color for name, look in self.words.looks.items() if look.color}
+        own = [looks[m] for m in self.words.object_materials.get(whole, ()) if m in looks]
+        worn = self.words.object_materials.get(part, ())
+        return [m for m in worn if m not in looks or not own or any(is_alike(looks[m], each) for each in own)]
+
+    def _find(self, said: tuple[str, ...]) -> list[Named]:
         found: dict[tuple[str, frozenset[str]], set[str]] = defaultdict(set)
-        shown = self._ways(said, self._objects, guess)
-        things = self._of_things(said, shown, plural, guess)
-        for kind, named in (("things", things), ("lights", self._of_lights(said, shown, guess))):
+        shown = self._ways(said, self._objects)
+        things = self._of_things(said, shown)
+        for kind, named in (("things", things), ("lights", self._of_lights(said, shown))):
             for names, signs in named:
                 if every := frozenset(names):
                     found[kind, every] |= {*signs, *(("several",) if len(every) > 1 else ())}
         return [Named(kind, names, frozenset(signs)) for (kind, names), signs in found.items()]
 
-    def _ways(
-        self, said: tuple[str, ...], names: Mapping[str, tuple[str, ...]], guess: bool = False
-    ) -> dict[str, str]:
+    def _ways(self, said: tuple[str, ...], names: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
         """The names that words fit, with the way; of thousands, many have the same parts."""
-        each = {*names.values()}
-        if guess:
-            ways = {its: guessed_fit(said[0], its, self._vocabulary) for its in each}
-        else:
-            ways = {its: fit(said, its, self._vocabulary) for its in each}
+        ways = {its: fit(said, its, self._vocabulary) for its in {*names.values()}}
         return {name: ways[its] for name, its in names.items() if ways[its]}
 
-    def _of_things(
-        self, said: tuple[str, ...], shown: dict[str, str], plural: bool, guess: bool
-    ) -> Iterator[_Found]:
-        materials, groups = (self._ways(said, names, guess) for names in (self._materials, self._groups))
+    def _of_things(self, said: tuple[str, ...], shown: dict[str, str]) -> Iterator[_Found]:
+        materials, groups = (self._ways(said, names) for names in (self._materials, self._groups))
         for source, ways in (("material", materials), ("object", shown), ("group", groups)):
             surest = best(ways.values())
+            # a duck is not its head alone
+            theirs = {part for o, way in ways.items() if way == surest for part in self._parts.get(o, ())}
             for way in dict.fromkeys(ways.values()):  # in an order that is the same in every process
-                if way == "whole" and surest == "exact" and not plural:  # a duck is not its head alone
-                    continue
-                chosen = [name for name, its in ways.items() if its == way]
+                chosen = [name for name, its in ways.items() if its == way and name not in theirs]
                 signs = (f"{source} {way}", *(() if way == surest else ("less sure",)))
                 yield from self._chosen(source, chosen, signs)
-            of_word = [name for name, way in ways.items() if way in _OF_THE_WORD]
-            if source == "material" and len({ways[name] for name in of_word}) > 1:
-                yield from self._chosen(source, of_word, (f"{source} {surest}", "any of it"))
-            kind = [name for name, way in ways.items() if way in _OF_ITS_KIND]
-            if plural and source != "material" and len({ways[name] for name in kind}) > 1:
-                yield from self._chosen(source, kind, (f"{source} {surest}", "every one"))
 
     def _chosen(self, source: str, chosen: list[str], signs: tuple[str, ...]) -> Iterator[_Found]:
         """The materials of what was chosen: all of them, without details, and the first one of each object."""
         theirs = self.words.object_materials
         if source == "material":  # with what the limbs wear of an object that is called like a material
-            called = (
-                (o, m) for m in chosen for o in theirs if plain_name(o) == plain_name(m) and m in theirs[o]
-            )
-            worn = [*chosen, *(limb for o, _ in called for limb in self._limbs.get(o, ()))]
-            yield from self._split(worn, (*signs, "whole"))
+            called = (o for m in chosen for o in theirs if plain_name(o) == plain_name(m) and m in theirs[o])
+            limbs = (limb for o in called for limb in self._limbs.get(o, ()))
+            yield from self._split([*chosen, *limbs], (*signs, "whole"))
             return
         groups = self.words.groups if source == "group" else {}
         objects = [o for name in chosen for o in groups.get(name, (name,)) if theirs.get(o)]
-        own = [m for o in objects for m in theirs[o]]
-        worn = [*own, *(m for o in objects for m in self._limbs[o])]
+        worn = [m for o in objects for m in (*theirs[o], *self._limbs[o])]
         signs = (*signs, "of one object") if len(objects) == 1 else signs
         yield from self._split(worn, (*signs, "whole"))
         yield [m for m in worn if not is_detail(m)], (*signs, "without details")
-        stuff = {word for m in own for word in self._stuff[m]}
-        alike = [m for m in worn if m in own or stuff.issuperset(self._stuff[m])]
-        if {*alike} < {*worn}:
-            yield alike, (*signs, "of the same stuff")
         if self._worn_by_limbs.isdisjoint(worn):  # limbs look like their whole
-            yield from self._split([theirs[o][0] for o in objects], (*signs, "first"))
+            yield [theirs[o][0] for o in objects], (*signs, "first")
 
     def _split(self, names: list[str], signs: tuple[str, ...]) -> Iterator[_Found]:
         """Materials, and apart from each other those of subject and surroundings."""
@@ -231,13 +259,13 @@ class SceneIndex:
             if len(mine) < len(names):
                 yield mine, (*signs, f"only {region}")
 
-    def _of_lights(self, said: tuple[str, ...], shown: dict[str, str], guess: bool) -> Iterator[_Found]:
-        words, lamps = self.words, self._ways(said, self._lights, guess)
+    def _of_lights(self, said: tuple[str, ...], shown: dict[str, str]) -> Iterator[_Found]:
+        words, lamps = self.words, self._ways(said, self._lights)
         if surest := best(lamps.values()):
             yield [n for n, way in lamps.items() if way == surest], (f"light {surest}",)
         types = {n: (_TYPES[x.type],) for n, x in words.lights.items() if x.type in _TYPES}
-        yield self._ways(said, types, guess), ("light type",)
-        glows = self._ways(said, {n: self._materials[n] for n in words.glows}, guess)
+        yield self._ways(said, types), ("light type",)
+        glows = self._ways(said, {n: self._materials[n] for n in words.glows})
         yield [GLOW + n for n in glows], (f"glow {best(glows.values())}",)
         lit = [n for n in words.glows if any(n in words.object_materials[o] for o in shown)]
         yield [GLOW + n for n in lit], (f"glow on object {best(shown.values())}",)
@@ -253,28 +281,16 @@ class LookIndex:
         self._looks = {n: look for n, look in looks if look.share >= _SEEN and n in words.materials}
 
     def meant(self, noun: str, presents: Iterable[Token]) -> frozenset[str]:
-        """The materials that a noun clearly means; none where they cannot be told.
-
-        Args:
-            presents: Looks that it has at present.
-        """
+        """The materials that a noun with its present looks clearly means; none where they cannot be told."""
         words = {noun, noun.rpartition(" ")[2]}
         kinds = {kind for kind in STRUCTURES if words & self._vocabulary.words[kind]}
+        there = frozenset().union(*(look.structures for look in self._looks.values()))
+        kinds = next(({kind} for kind in ("floor", "walls") if kind in kinds & there), kinds)
         shaped = [name for name, look in self._looks.items() if kinds & look.structures]
         color = next((look.color for look in presents if look.color), None)
         if color is None:
-            return frozenset(shaped if len(shaped) == 1 else ())
+            return frozenset(shaped if len(shaped) == 1 or kinds == {"walls"} else ())
         return self._colored(color, shaped, plural=noun.endswith("s"))
-
-    def own(self, named: Iterable[Named], objects: Iterable[str]) -> list[Named]:
-        """The same without materials by objects that are mostly seen on others: a sofa that wears the wall's paint."""
-        wearers, others = {*objects}, set()
-        for name, look in self._looks.items():
-            if 0 < sum(share for o, share in look.worn.items() if o in wearers) < _OWN * look.share:
-                others.add(name)
-        by_object = (not any(s.startswith("material") for s in n.signs) and n.kind == "things" for n in named)
-        kept = ((n, n.names - others if only else n.names) for n, only in zip(named, by_object, strict=True))
-        return [replace(n, names=names) for n, names in kept if names]
 
     def narrowed(self, names: frozenset[str], presents: Iterable[Token]) -> frozenset[str]:
         """Those of some materials that have a present look; all where none is known to."""

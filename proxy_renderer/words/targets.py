@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ..schema import VibeError
@@ -131,11 +130,7 @@ def _without(
 def rest(
     mentions: list[NounMention], words: SceneDescription, described: frozenset[str] = frozenset()
 ) -> frozenset[str]:
-    """All materials that a prompt neither names nor leaves out; details only if nothing else is left.
-
-    Args:
-        described: Materials that are something else's.
-    """
+    """All materials that a prompt neither names nor leaves out, and that are not `described`; details only if nothing else is left."""
     left = frozenset(words.materials) - taken(mentions, words) - described
     return frozenset(n for n in left if not is_detail(n)) or left
 
@@ -216,11 +211,7 @@ def _joined_names(names: Collection[str], scene: SceneDescription, is_matter: bo
 
 
 def key_numbers(texts: Sequence[str]) -> list[str]:
-    """Ends of the keys of look words: "#2" for the second of equal ones, "" where the prompt says it once.
-
-    Args:
-        texts: Of all look words of a prompt, in English.
-    """
+    """Ends of the keys of a prompt's look words: "#2" for the second of equal ones, "" where the prompt says it once."""
     each = ((text, texts[: number + 1].count(text)) for number, text in enumerate(texts))
     return [f"{NUMBER}{count}" if texts.count(text) > 1 else "" for text, count in each]
 
@@ -231,78 +222,56 @@ def plain_key(key: str) -> str:
     return word if mark and number.isdigit() else key
 
 
-@dataclass(frozen=True)
-class _Choice:
-    """A word with the target that an artist has chosen."""
-
-    word: str  # as the artist wrote it
-    known: frozenset[str]  # the words in English by which the reader may know it, normalized
-    number: int  # which of several equal words of the prompt; 0 for all of them
-    name: str  # of the target
-    target: Target  # the target in the scene
-
-
-class Choices:
-    """The targets that an artist has chosen for words.
+def with_choices(
+    row: Sequence[TargetPair],
+    choices: Mapping[str, str],
+    english: Mapping[str, str],
+    keyed: Mapping[int, str],
+    scene: SceneDescription,
+    vocabulary: Vocabulary,
+) -> tuple[list[TargetPair], list[str]]:
+    """Look words with the targets that the artist has chosen, or as they are.
 
     Args:
-        chosen: Word of the prompt -> a name in the scene, several with " + ", or one of `schema.targets.GENERAL`.
+        choices: Word of the prompt -> a name in the scene, several with " + ", or one of `schema.targets.GENERAL`.
         english: Word of the prompt -> the same in English, where the prompt is in another language.
         keyed: Number of a look word -> the name in the scene that the prompt itself sets before it: "Cup: copper".
 
+    Returns:
+        The pairs, and the words with a choice that are no look words of the prompt.
+
     Raises:
-        VibeError: The scene has nothing of such a name.
+        VibeError: The scene has nothing of such a name, or a word can say nothing of its target.
     """
+    targets = {key: _target(plain_key(key), name, scene) for key, name in choices.items()}
+    used, found = set[str](), list[TargetPair]()
+    for number, pair in enumerate(row):
+        same = [other for other in row[: number + 1] if other.look.text == pair.look.text]
+        said = {pair.look.text, pair.look.token.text}
+        fits = (k for k in choices if said & _spellings(k, english) and _number(k) in (0, len(same)))
+        key = next(fits, "")
+        name = choices[key] if key else keyed.get(number, "")
+        if name:
+            target = targets[key] if key else _target(pair.look.text, name, scene)
+            sense = sense_at(pair.look.token, target.kind, vocabulary)
+            if key and sense is None:
+                problem = f"'{plain_key(key)}' can say nothing of {name!r}."
+                raise VibeError(problem, "Choose another target, or 'not used'.")
+            used.add(key)
+            pair = TargetPair(pair.look, target, sense, (), chosen=name) if sense else pair
+        found.append(pair)
+    return found, [plain_key(key) for key in choices if key not in used]
 
-    def __init__(
-        self,
-        chosen: Mapping[str, str],
-        english: Mapping[str, str],
-        keyed: Mapping[int, str],
-        scene: SceneDescription,
-        vocabulary: Vocabulary,
-    ) -> None:
-        self._vocabulary, self._scene, self._keyed = vocabulary, scene, keyed
-        self._choices = []
-        for key, name in chosen.items():
-            word = plain_key(key)
-            translated = normalize(english.get(word, ""))
-            known = frozenset({normalize(word), translated, *translated.split()} - {""})
-            number = int(key[len(word) + 1 :] or 0)
-            self._choices.append(_Choice(word, known, number, name, _target(word, name, scene)))
-        self._used: set[str] = set()
 
-    def bound(self, pairs: Iterable[TargetPair]) -> list[TargetPair]:
-        """Look words with the targets that were chosen for them, or else as the reader takes them.
+def _spellings(key: str, english: Mapping[str, str]) -> set[str]:
+    """The words by which the reader may know the word of a key, normalized."""
+    translated = normalize(english.get(plain_key(key), ""))
+    return {normalize(plain_key(key)), translated, *translated.split()} - {""}
 
-        Raises:
-            VibeError: A word can say nothing of its target.
-        """
-        counts: Counter[str] = Counter()
-        found = []
-        for number, pair in enumerate(pairs):
-            counts[pair.look.text] += 1
-            texts, count = {pair.look.text, pair.look.token.text}, counts[pair.look.text]
-            fitting = (c for c in self._choices if c.number in (0, count) and not texts.isdisjoint(c.known))
-            if choice := next(fitting, None):
-                self._used.add(choice.word)
-                means = sense_at(pair.look.token, choice.target.kind, self._vocabulary)
-                if means is None:
-                    raise VibeError(
-                        f"'{choice.word}' can say nothing of {choice.name!r}.",
-                        "Choose another target, or 'not used'.",
-                    )
-                pair = TargetPair(pair.look, choice.target, means, (), chosen=choice.name)
-            elif name := self._keyed.get(number, ""):
-                target = _target(pair.look.text, name, self._scene)
-                means = sense_at(pair.look.token, target.kind, self._vocabulary)
-                pair = TargetPair(pair.look, target, means, (), chosen=name) if means else pair
-            found.append(pair)
-        return found
 
-    def unused(self) -> list[str]:
-        """Words with a choice that are no look words of the prompt."""
-        return [choice.word for choice in self._choices if choice.word not in self._used]
+def _number(key: str) -> int:
+    """Which of several equal words a key means; 0 for all of them."""
+    return int(key[len(plain_key(key)) + 1 :] or 0)
 
 
 def _target(word: str, name: str, scene: SceneDescription) -> Target:
@@ -323,14 +292,13 @@ def _target(word: str, name: str, scene: SceneDescription) -> Target:
 
 def _named(name: str, scene: SceneDescription) -> Target | None:
     """Something of the scene, or what every scene has; upper and lower case count only between these."""
+    lower = name.casefold()
     own = {each: Target("lights", frozenset({each})) for each in scene.lights}
     own |= {_glow_name(each): Target("lights", frozenset({GLOW + each})) for each in scene.glows}
     own |= {each: Target("things", frozenset({each})) for each in scene.materials}
     own |= {each: Target("things", frozenset(worn)) for each, worn in scene.object_materials.items()}
-    lower = name.casefold()
     kind = "" if name in own else GENERAL.get(lower, "")
-    if kind in ROLES:
-        return Target(kind, frozenset(n for n, light in scene.lights.items() if light.role == kind))
     if kind:
-        return Target(kind)
+        lights = (each for each, light in scene.lights.items() if light.role == kind)
+        return Target(kind, frozenset(lights if kind in ROLES else ()))
     return own.get(name) or next((target for each, target in own.items() if each.casefold() == lower), None)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from ..color.constants import Lab
 from ..schema import Values, VibeError
@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from .lexicon.vocabulary import Vocabulary
 
 T = TypeVar("T")
+Part = Literal["subject", "surroundings", "sky", "picture"]
+"""A part of the picture that a claim speaks of; the sky is what is seen of the world."""
+Corners = tuple[tuple[float, ...], tuple[float, ...]]
+"""The least and the greatest corner of an object."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +45,8 @@ class MaterialLook:
     share: float = 0.0  # of the image's pixels
     # object -> the share of the image that it covers with the material
     worn: Mapping[str, float] = field(default_factory=dict)
-    # what it clearly is by its shape: "ground", "support" (the subject stands on it), "wall", "roof", "ceiling"
+    # what it clearly is by its shape: "ground", "support" (the subject stands on it), "wall", "roof", "ceiling";
+    # of a room that stands on a ground "floor", and of several walls "walls"
     structures: frozenset[str] = frozenset()
 
 
@@ -88,6 +93,8 @@ class SceneDescription:
     groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
     # object name -> x (-1 left, 1 right), y (0 near, 1 far), and size as a share of the image's width
     places: dict[str, tuple[float, float, float]] = field(default_factory=dict)
+    # object name -> least and greatest corner, world space, meters
+    boxes: Mapping[str, Corners] = field(default_factory=dict)
     # material name -> its present look; empty where only names are known
     looks: Mapping[str, MaterialLook] = field(default_factory=dict)
     sky: bool = True  # whether the camera sees the sky
@@ -109,6 +116,8 @@ class SceneDescription:
     values: dict[str, Values] = field(default_factory=dict)
     # measurements of the image that these values give; None before the first one
     picture: PictureStats | None = None
+    # copy of a material that the words need -> the objects that are to wear it, see `schema.material_copies`
+    copies: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     _made: dict[Any, tuple[Vocabulary, Any]] = field(
         init=False, repr=False, compare=False, default_factory=dict
     )
@@ -131,7 +140,9 @@ class Attribute:
 
     word: str  # as the prompt says it, with its intensity or negation: "very glossy", "no fog"
     entry: str  # name of the vocabulary entry, or of the color
-    slot: str  # "color", "finish", "material", "lighting", "atmosphere", "grade", "mood" or "setting"
+    # "color", "finish", "material", "lighting", "atmosphere", "grade", "mood" or "setting"; "picture" of what a reference
+    # image says, whose file is then the entry
+    slot: str
     region: Region  # of the image
     # kind of the thing that it describes: "subject", "surroundings", "sky", "light", "fog", ...
     kind: str = "subject"
@@ -157,6 +168,13 @@ class Attribute:
     phrases: tuple[int, ...] = ()
     # number of the look word in the prompt, from 0; -1 where no reader has bound it
     look: int = field(default=-1, compare=False)
+
+    @property
+    def part(self) -> Part:
+        """The part of the image that it describes."""
+        if self.kind == "sky":
+            return "sky"
+        return "picture" if self.region == "whole" else self.region
 
     @property
     def of_glows(self) -> bool:

@@ -16,8 +16,7 @@ import psutil
 import pytest
 from batch_parts import carry_out, contents, plan_of
 
-from proxy_renderer.batch.manifest import Limits, SceneGroup
-from proxy_renderer.batch.plan import BatchPlan, Take
+from proxy_renderer.batch.manifest import BatchPlan, Limits, SceneGroup, Take
 from proxy_renderer.batch.schedule import fitting
 from proxy_renderer.batch.store import Finals, Store, takes
 from proxy_renderer.schema import VibeError

@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 
 from proxy_renderer.batch.command import guess
-from proxy_renderer.batch.manifest import load
-from proxy_renderer.batch.plan import BatchPlan
+from proxy_renderer.batch.manifest import BatchPlan, load
 from proxy_renderer.schema import VibeError
 
 ROOT = Path(__file__).parents[2]

@@ -11,8 +11,7 @@ import pytest
 from batch_parts import COMMAND, SMALL, carry_out, contents, on_cluster, plan_of
 
 from proxy_renderer.batch import schedule
-from proxy_renderer.batch.manifest import SceneGroup
-from proxy_renderer.batch.plan import BatchPlan
+from proxy_renderer.batch.manifest import BatchPlan, SceneGroup
 from proxy_renderer.batch.store import Store
 from proxy_renderer.batch.worker import Setup
 

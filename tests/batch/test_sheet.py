@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 from batch_parts import carry_out, plan_of
 
-from proxy_renderer.batch.manifest import Limits, SceneGroup
-from proxy_renderer.batch.plan import BatchPlan
+from proxy_renderer.batch.manifest import BatchPlan, Limits, SceneGroup
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 HOSTILE = "noir </script><script>document.title = 'broken'</script> & <b>bold</b>"

@@ -52,7 +52,16 @@ def test_last_words_are_not_the_trace():
     assert crashes.last_words([]) == ""
 
 
+@pytest.fixture
+def in_foreground():
+    """Ctrl-C as in a terminal: a job in the background ignores it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="has no signals")
+@pytest.mark.usefixtures("in_foreground")
 def test_ctrl_c_is_ours_again_when_blender_has_ended(tmp_path, monkeypatch):
     """`vibe explain SCENE` goes on afterwards."""
     script = tmp_path / "blender.py"

@@ -7,12 +7,12 @@ import pytest
 import torch
 
 from proxy_renderer.claims.claim import Claim
-from proxy_renderer.claims.from_goals import claims_of
+from proxy_renderer.claims.from_goals import beside_paint, claims_of
 from proxy_renderer.claims.measures import MEASURES
 from proxy_renderer.color.floats import lab_from_srgb, oklab_from_srgb, srgb_from_hex
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.schema import FAMILIES, VibeError
-from proxy_renderer.schema.messages import missing_by_word
+from proxy_renderer.schema.messages import word_states
 from proxy_renderer.words.lexicon.entries import OWNERS, read_wishes
 from proxy_renderer.words.lexicon.quantities import quantities
 from proxy_renderer.words.lexicon.user_words import default_vocabulary
@@ -226,16 +226,65 @@ def test_mistakes_in_claims_are_said(text: str) -> None:
         read_wishes([text])
 
 
-def test_a_word_shows_if_all_that_it_claims_holds() -> None:
+def test_a_word_shows_if_judges_see_all_that_it_claims() -> None:
     rows = [
-        {"word": "noir", "holds": True},
-        {"word": "noir", "holds": False},
-        {"word": "red", "holds": True},
-        {"word": "gone", "holds": None},
-        {"word": "", "holds": False},
+        {"word": word, "holds": holds, "already": already, "sure": sure}
+        for word, holds, already, sure in (
+            ("noir", True, False, True),
+            ("noir", False, False, True),
+            ("red", True, False, True),
+            ("red", True, True, True),
+            ("teal", True, True, True),
+            ("velvet", True, False, True),
+            ("velvet", True, True, False),
+            ("gone", None, False, True),
+            ("", False, False, True),
+        )
     ]
-    shows = {word: not missing for word, missing in missing_by_word(rows).items()}
-    assert shows == {"noir": False, "red": True}
+    states = {"noir": "missed", "red": "visible", "teal": "already", "velvet": "unmeasured"}
+    assert word_states(rows) == states
+    shared = [{**rows[0], "also": ["hard"]}, {**rows[1], "also": ["midnight"]}]
+    assert word_states(shared) == {"noir": "missed", "hard": "visible", "midnight": "missed"}
+
+
+def test_what_judges_did_not_see_is_not_sure() -> None:
+    """A change below that which they saw, a measure that told them nothing, and a thing that hardly fills any of the image."""
+    (metal,) = (c for c in claims("metal vase") if c.measure == "unscattered")
+    steps = quantities().seen["unscattered"] * MEASURES["unscattered"].notice
+    before = torch.tensor([metal.lower[0]])
+    assert metal.is_sure(before, before + 1.01 * steps, 1.0)
+    assert not metal.is_sure(before, before + 0.9 * steps, 1.0)
+    assert metal.is_sure(before, before, 1.0)  # was so already
+    (gloss,) = (c for c in claims("glossy vase") if c.measure == "gloss")
+    assert not gloss.is_sure(torch.tensor([0.0]), torch.tensor([60.0]), 1.0)
+    (red,) = (c for c in claims("red vase") if c.measure == "color")
+    core = torch.tensor([(a + b) / 2 for a, b in zip(red.lower, red.upper, strict=True)])
+    assert red.is_sure(torch.zeros(3), core, 0.2)
+    assert not red.is_sure(torch.zeros(3), core, 0.001)
+
+
+def test_each_measure_says_what_it_is_of_a_thing() -> None:
+    for measure in MEASURES.values():
+        assert measure.sentence.count(" the {}") == 1
+        assert "{" not in measure.says
+        assert not measure.says.endswith((" of", " on", " in", " the"))
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "already"),
+    [(12.0, 12.5, True), (12.0, 20.0, False), (5.0, 12.0, False), (12.0, 9.5, True), (12.0, 1.0, False)],
+)
+def test_what_held_before_was_so_already_unless_there_is_noticeably_more_of_it(
+    before: float, after: float, already: bool
+) -> None:
+    """Of an open end that is farther in, of an interval or a color nearer to its middle."""
+    warm = Claim("warm", "picture", "warmth", "picture", (10.0,), (math.inf,))
+    assert warm.was_so(torch.tensor([before]), torch.tensor([after])) == already
+    (red,) = (c for c in claims("red vase") if c.measure == "color")
+    core = torch.tensor([(a + b) / 2 for a, b in zip(red.lower, red.upper, strict=True)])
+    edge = core + torch.tensor([(red.upper[0] - red.lower[0]) / 2, 0.0, 0.0])
+    assert red.was_so(edge, edge)
+    assert not red.was_so(edge, core)
 
 
 def test_a_mood_counts_less_and_has_too_much_sooner() -> None:
@@ -255,15 +304,6 @@ def test_white_fog_is_light_and_hides_as_much() -> None:
     assert black["air_lightness"].upper[0] < 40
     assert "air_lightness" not in green
     assert all(each["haze"].lower[0] >= 0.4 for each in (white, black, green))
-
-
-def test_words_that_compare_are_told_in_any_language_and_for_what_a_mood_stands_for() -> None:
-    assert all(c.compares for prompt in ("colder", "warmer light", "more contrast") for c in claims(prompt))
-    assert all(c.compares for c in claims("kälter"))
-    said = {c.word: c.compares for c in claims("brighter, cold light, low contrast")}
-    assert said["brighter"]
-    assert not said["cold light"]
-    assert sum(said.values()) == 1
 
 
 def test_colors_of_a_dark_picture_may_be_as_dark() -> None:
@@ -472,18 +512,25 @@ def test_a_picture_burns_out_only_where_words_ask_for_white() -> None:
     assert not kept("high key")
 
 
-def test_white_things_may_have_the_color_of_the_light() -> None:
-    """A white car at blue hour is bluish; a red one is red, and white in plain light is white."""
+def test_no_channel_is_clipped_and_nothing_is_gaudy_unless_words_ask_for_it() -> None:
+    def kept(prompt: str) -> set[str]:
+        said = claims_of(goals_of(parse(prompt, SCENE, default_vocabulary())), default_vocabulary())
+        return {c.measure for c in said if not c.word} & {"clipped", "colorfulness"}
 
-    def reach(prompt: str) -> tuple[float, float]:
-        (claim,) = [c for c in claims(prompt) if c.measure == "color"]
-        return claim.lower[2], claim.upper[2]
+    assert kept("golden hour") == {"clipped", "colorfulness"}
+    assert kept("white background") == {"colorfulness"}
+    assert kept("glowing letters") == {"colorfulness"}
+    assert kept("vivid colors") == {"clipped"}
 
-    plain, cool, warm = (reach(f"white vase{rest}") for rest in ("", ", blue hour", ", warm light"))
-    assert cool[0] < plain[0] - 3
-    assert warm[1] > plain[1] + 3
-    assert (cool[1], warm[0]) == (plain[1], plain[0])
-    assert reach("red vase, warm light") == reach("red vase")
+
+def test_a_rig_does_not_ask_for_paint_that_a_word_contradicts() -> None:
+    """Moonlight on a red vase is cool around it, and does not make it pale."""
+    light = [Claim("moonlight", "subject", m, "subject", *ends) for m, ends in (
+        ("highlight_warmth", ((-math.inf,), (-1.5,))), ("standing_out", ((4.0,), (math.inf,))), ("key_to_fill", ((1.0,), (math.inf,))),
+    )]  # fmt: skip
+    painted = {(c.measure, c.part) for c in beside_paint(light, claims("red vase"))}
+    assert painted == {("highlight_warmth", "picture"), ("key_to_fill", "subject")}
+    assert [*beside_paint(light, claims("glossy vase"))] == light
 
 
 def test_a_weak_word_asks_for_less_at_both_ends():

@@ -6,6 +6,7 @@
 
 import inspect
 import json
+import math
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -52,9 +53,12 @@ def of_classes() -> Iterator[tuple[str, ...]]:
 
 
 def of_measures() -> Iterator[tuple[str, ...]]:
-    yield "measure", "what it is", "unit", "noticeable difference"
+    yield "measure", "what it is", "unit", "noticeable difference", "seen from"
+    seen = quantities().seen
     for name, measure in MEASURES.items():
-        yield f"`{name}`", measure.says, measure.unit, f"{measure.notice:g}"
+        steps = seen.get(name, 1.0)
+        told = f"{steps:g}" if math.isfinite(steps) else "never"
+        yield f"`{name}`", measure.says, measure.unit, f"{measure.notice:g}", told
 
 
 TABLES = {"quantities": of_quantities, "classes": of_classes, "measures": of_measures}

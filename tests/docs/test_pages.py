@@ -105,6 +105,22 @@ def test_the_last_sets_are_those_of_the_sums():
         assert (whole["asks"]["held"], whole["asks"]["asked"]) == (row["requests_met"], row["requests"])
 
 
+def test_judged_ticks_are_in_the_results():
+    page, known = text("research/results.md"), data("judgments.json")
+    found = [
+        known["all"],
+        *(
+            {when: known["quantities"][when][q] for when in ("before", "after")}
+            for q in ("haze", "substance", "finish")
+        ),
+    ]
+    for row in found:
+        both = row["before"], row["after"]
+        cells = [f"{each['seen']}/{each['partly']}/{each['not_seen']}" for each in both]
+        cells += [f"{each['of_them_ticked']}/{each['judged_visible']}" for each in both]
+        assert f"| {' | '.join(cells)} |" in page
+
+
 def test_rows_of_the_judge_are_in_the_results():
     page, draws = text("research/results.md"), data("judged.json")["draws"]
     for row in draws:

@@ -18,7 +18,7 @@ from proxy_renderer.schema.parameters import SURFACES
 from proxy_renderer.words.lexicon.entries import OWNERS
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.words.parser import parse
-from proxy_renderer.words.types import Parsed
+from proxy_renderer.words.types import Parsed, SceneDescription
 
 VOCABULARY = shipped_vocabulary()
 SEEDS = (1, 2, 3)
@@ -316,3 +316,15 @@ def test_a_note_says_that_a_material_has_not_its_own_color():
         notes = {c: list(goals_of(parse(f"{c} {material} table", ROOM, VOCABULARY)).notes()) for c in colors}
         assert any(f"'{material}' gives way to 'teal'" in note for note in notes["teal"]), material
         assert not notes["orange"], material
+
+
+@pytest.mark.parametrize("phrase", ["deep blacks", "inky blacks", "rich blacks"])
+def test_blacks_are_shadows_and_no_color_of_the_image(phrase: str) -> None:
+    goals = goals_of(parse(f"hard light, {phrase}", SceneDescription()))
+    assert not any(wish.attribute.color for wish in goals.wishes)
+    assert any(wish.word == phrase for wish in goals.wishes)
+
+
+def test_a_black_that_is_said_of_nothing_does_not_tint_the_light() -> None:
+    goals = goals_of(parse("soft light, deep black", SceneDescription()))
+    assert not any(wish.attribute.color for wish in goals.wishes)

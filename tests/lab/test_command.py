@@ -15,7 +15,8 @@ def test_help_lists_every_command(capsys):
         main(["--help"])
     assert ended.value.code == 0
     told = capsys.readouterr().out
-    assert all(f"  {name} " in told for name in (*BENCHES, *TRAININGS))
+    first = {line.split()[0] for line in told.splitlines() if line.startswith("  ")}
+    assert {*BENCHES, *TRAININGS} <= first
 
 
 def test_mistakes_are_one_line(tmp_path, capsys):

@@ -6,7 +6,7 @@ import torch
 from loop_parts import Silent
 
 from proxy_renderer.optimize import objective as objectives
-from proxy_renderer.optimize.objective import backward_slopes, forward_slopes, pictures_for
+from proxy_renderer.optimize.objective import backward_slopes, forward_slopes, gradients, pictures_for
 from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
 from proxy_renderer.optimize.rounds.search import Search
 from proxy_renderer.optimize.shots import ShotInput
@@ -50,6 +50,24 @@ def test_each_parameter_has_the_slopes_that_a_backward_pass_gives(begun):
     assert (forward.rest - backward.rest).norm() < 0.1 * backward.rest.norm()
 
 
+def test_backward_passes_together_give_what_they_give_one_by_one(begun, monkeypatch):
+    objective, now = begun
+    chosen = objective.vector.mark({key for key in objective.free if stands(key)}) & (now.upper > now.lower)
+    compared = []
+
+    def twice(*given, together):
+        found = gradients(*given, together=False)
+        for one_by_one, other in zip(found, gradients(*given, together=True), strict=True):
+            torch.testing.assert_close(other, one_by_one, atol=1e-5, rtol=1e-3)
+            compared.append(len(other))
+        return found
+
+    monkeypatch.setattr(objectives, "gradients", twice)
+    forward_slopes(objective.seen, objective.judge, now.u, chosen, (now.lower, now.upper))
+    assert len(compared) > 1
+    assert min(compared) > 2
+
+
 def test_a_light_that_moves_leaves_nothing_behind(begun):
     objective, now = begun
     with torch.no_grad():
@@ -66,8 +84,12 @@ def test_the_cheaper_way_is_taken(begun, monkeypatch):
     objective, now = begun
     chosen = objective.vector.mark(objective.free) & (now.upper > now.lower)
     ways = []
-    monkeypatch.setattr(objectives, "forward_slopes", lambda *_: ways.append("forward"))
-    monkeypatch.setattr(objectives, "backward_slopes", lambda *_: ways.append("backward"))
+
+    def noted(way, take):
+        return lambda *arguments: ways.append(way) or take(*arguments)
+
+    monkeypatch.setattr(objectives, "forward_slopes", noted("forward", objectives.forward_slopes))
+    monkeypatch.setattr(objectives, "backward_slopes", noted("backward", objectives.backward_slopes))
     objective.slopes(now.u, chosen)
     monkeypatch.setattr(objectives, "_PICTURES", 0)
     objective.slopes(now.u, chosen)
@@ -78,3 +100,14 @@ def test_the_film_needs_no_pictures(begun):
     film = {key for key in begun[0].free if key.startswith("film/")}
     assert film
     assert pictures_for(begun[0].seen, film) == 0
+
+
+def test_what_supports_the_words_is_not_moved_for_a_finish(begun):
+    objective, now = begun
+    chosen = objective.vector.mark(objective.free) & (now.upper > now.lower)
+    supports = objective._supports[chosen]
+    free, held = objective._slopes(now.u, chosen), objective.slopes(now.u, chosen)
+    rows = held.here.finish[:, None] & supports
+    assert rows.any()
+    assert not held.values[rows].any()
+    assert torch.allclose(held.values[~rows], free.values[~rows])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lab.bench.scenes import balls
-from proxy_renderer.optimize.scene_words import places
+from proxy_renderer.optimize.scene_words import placed
 from proxy_renderer.schema.orbit import frame
 
 
@@ -33,16 +33,16 @@ def to_the_right(scene):
 def test_a_ball_that_is_moved_to_the_right_is_farther_right(scene):
     name = scene.objects[0].name
     moved = changed(scene, lambda corners: corners + 0.4 * to_the_right(scene))
-    assert places(moved)[name][0] > places(scene)[name][0] + 0.01
+    assert placed(moved)[0][name][0] > placed(scene)[0][name][0] + 0.01
 
 
 def test_a_ball_that_is_made_bigger_takes_more_of_the_picture(scene):
     name = scene.objects[0].name
     bigger = changed(scene, lambda corners: corners.mean(0) + 1.5 * (corners - corners.mean(0)))
-    assert places(bigger)[name][2] == pytest.approx(1.5 * places(scene)[name][2], rel=0.1)
+    assert placed(bigger)[0][name][2] == pytest.approx(1.5 * placed(scene)[0][name][2], rel=0.1)
 
 
 def test_what_reaches_behind_the_camera_has_no_place(scene):
     around = changed(scene, lambda corners: corners.mean(0) + 1e3 * (corners - corners.mean(0)))
-    assert scene.objects[0].name in places(scene)
-    assert scene.objects[0].name not in places(around)
+    assert scene.objects[0].name in placed(scene)[0]
+    assert scene.objects[0].name not in placed(around)[0]

@@ -9,7 +9,7 @@ import torch
 from lab.methods.parts import WithoutSharing
 from proxy_renderer.optimize.least_squares import Assessment, LinearModel
 from proxy_renderer.optimize.rounds import selection
-from proxy_renderer.optimize.rounds.selection import choose
+from proxy_renderer.optimize.rounds.selection import choose, needed
 from proxy_renderer.planning.types import Plan, PlanEntry
 
 
@@ -82,3 +82,18 @@ def test_few_values_tell_no_two_parameters_apart():
 @pytest.mark.parametrize("k", [1, 2, 3])
 def test_never_more_than_k(k):
     assert len(chosen([0, 1, 2, 3], [[1.0, 2.0, 3.0, 4.0]], [9.0], k=k)[0]) == k
+
+
+@pytest.mark.parametrize(("reach", "kept"), [(1.0, ["named"]), (0.1, ["named", "support"])])
+def test_what_supports_the_words_moves_only_where_they_cannot_do_it_alone(reach, kept):
+    plan = Plan({"named": entry(0.0), "support": entry(0.5)})
+    here = Assessment(*map(doubles, ([-5.0], [0.0], [math.inf])), torch.tensor([0]), doubles(0.0), None)
+    rest = torch.zeros(2, dtype=torch.float64)
+    model = LinearModel(here, doubles([[9.0, 9.0]]), rest, torch.diag(rest), 1.0)
+    parts = {"named": slice(0, 1), "support": slice(1, 2)}
+    low, high = rest, doubles([reach, 1.0])
+    assert sorted(needed(plan, model, parts, low, high)) == kept
+
+
+def entry(prior):
+    return PlanEntry((0.0,), (1.0,), 1, "because", prior)

@@ -57,6 +57,13 @@ def test_what_does_not_glow_yet_glows_as_the_word_says():
     assert found.upper[0] < 5.0
 
 
+@pytest.mark.parametrize("prompt", ["glowing", "softly glowing", "glowing amber", "glowing navy blue"])
+def test_what_glows_is_not_made_dark(prompt):
+    """How bright a glow is, its strength says; a dark color of it would be no glow."""
+    found = entry(prompt, (0.0, 0.0, 0.0), 0.0)
+    assert max(found.lower) > 0.3
+
+
 def test_only_materials_that_some_face_has_are_lights():
     emitting = [
         Instance(FAMILIES["material/emission"], name, (5.0,), 1.0, "subject") for name in ("Lamp", "Unused")

@@ -5,13 +5,18 @@ from __future__ import annotations
 
 import pytest
 
-from proxy_renderer.claims.claim import Claim
-from proxy_renderer.reference.ranges import LightColors, entries_of, light_colors
+from proxy_renderer.goals.wish import Wish
+from proxy_renderer.planning import picture_ranges
+from proxy_renderer.planning.picture_ranges import LightColors, light_colors
+from proxy_renderer.reference.ranges import effects_of
 from proxy_renderer.schema import FAMILIES, Instance
+from proxy_renderer.schema.parameters import PICTURE
+from proxy_renderer.words.lexicon.quantities import ClaimText
+from proxy_renderer.words.types import Attribute
 
 
 def cast(a, b, measure="midtone_cast"):
-    return Claim("a.jpg", "picture", measure, "picture", (a - 2, b - 2), (a + 2, b + 2))
+    return ClaimText("picture", measure, (a - 2, b - 2), (a + 2, b + 2))
 
 
 def test_a_neutral_picture_lets_light_be_hardly_colored():
@@ -55,7 +60,7 @@ def test_other_claims_say_nothing_of_light(measure):
 
 @pytest.mark.parametrize(("vivid", "least"), [(3.0, 0.0), (14.0, 0.5), (40.0, 1.0)])
 def test_a_picture_with_colors_in_it_takes_no_paint_away(vivid, least):
-    chroma = Claim("a.jpg", "picture", "chroma", "picture", (0.0,), (vivid,))
+    chroma = ClaimText("picture", "chroma", (0.0,), (vivid,))
     assert light_colors([chroma]).paint == pytest.approx(least)
 
 
@@ -73,20 +78,36 @@ def _instance(key, value):
     return Instance(FAMILIES[f"{parts[0]}/{parts[-1]}"], parts[1] if len(parts) == 3 else "", value)
 
 
-def entries(made, traits=("light", "grade", "palette")):
-    return entries_of(made, traits, {"chroma"}, same=False, name="a.jpg", colors=WARM)
+@pytest.fixture
+def entries(monkeypatch):
+    """Ranges for a picture of warm light."""
+    monkeypatch.setattr(picture_ranges, "light_colors", lambda claims: WARM)
+    word, claims = Attribute("a.jpg", "a.jpg", PICTURE, "whole", "whole"), (ClaimText("picture", "chroma"),)
+
+    def made(instances, traits=("light", "grade", "palette")):
+        effects = effects_of(instances.values(), traits, {"chroma"}, same=False)
+        return picture_ranges.entries_of(
+            [Wish(word, "cast", effects=tuple(effects), claims=claims)], instances
+        )
+
+    return made
 
 
-def test_light_takes_hues_of_the_picture_and_keeps_its_level():
+def test_light_takes_hues_of_the_picture_and_keeps_its_level(entries):
     entry = entries(instances(**{"light/Key/color": (0.1, 0.1, 0.5)}))["light/Key/color"]
     assert entry.lower == pytest.approx((0.5, 0.3, 0.15))
     assert not entry.any_hue
 
 
-def test_paint_keeps_the_saturation_that_the_picture_leaves_it():
+def test_paint_keeps_the_saturation_that_the_picture_leaves_it(entries):
     assert entries(instances())["film/saturation"].lower == (0.5,)
 
 
-def test_a_grade_beside_light_cuts_no_shadows_off_and_one_alone_does_all():
+def test_a_grade_beside_light_cuts_no_shadows_off_and_one_alone_does_all(entries):
     assert entries(instances())["film/lift"].lower[0] == pytest.approx(0.98)
     assert entries(instances(), ("grade",))["film/lift"].lower[0] == pytest.approx(0.9)
+
+
+def test_what_a_range_leaves_the_artist_s_value_is_in_it(entries):
+    entry = entries(instances(**{"film/saturation": (1.8,)}))["film/saturation"]
+    assert (entry.lower, entry.upper) == ((0.5,), (1.8,))

@@ -4,6 +4,7 @@
 import pytest
 import torch
 from tiny_job import write_job
+from told import bound
 
 from proxy_renderer.optimize.shots import picture_size
 from proxy_renderer.reference import statements
@@ -44,11 +45,11 @@ def test_another_picture_and_other_proportions_are_not_the_same_scene(home):
 
 
 def test_every_place_and_material_is_compared(proxy, home):
-    said = statements.statements_by_place(graded(home), None, proxy.gbuffer({}), "goal.png")
+    said = statements.statements_by_place(graded(home), None, proxy.gbuffer({}))
     boxes = {s.claim.box for s in said if s.claim.box}
     assert len(boxes) > 60
-    assert {s.claim.materials for s in said if s.claim.materials}
+    assert {s.material for s in said if s.material}
     picture = statements.MeasuredPicture.of(graded(home), proxy.gbuffer({}))
     for statement in said:
-        where = statement.claim.region(picture.seen)
-        assert statement.claim.miss(statement.claim.value(picture, where), None) == 0.0
+        claim = bound(statement)
+        assert claim.miss(claim.value(picture, claim.region(picture.seen)), None) == 0.0

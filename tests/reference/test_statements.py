@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 import torch
+from told import bound
 
 from proxy_renderer.claims.measures.picture import MeasuredPicture
 from proxy_renderer.reference.regions import regions_of
@@ -35,7 +36,7 @@ def landscape():
 
 
 def said(display):
-    return statements_of(regions_of(display), "still.jpg")
+    return statements_of(regions_of(display))
 
 
 def one(display, measure):
@@ -65,18 +66,18 @@ def test_a_sky_hangs_from_the_upper_border_and_a_plain_wall_is_none():
 def test_shadows_and_lights_are_called_what_they_are():
     x, _ = grid()
     ramp = np.stack([0.1 + 0.85 * x, 0.15 + 0.7 * x, 0.2 + 0.5 * x], -1).astype(np.float32)
-    words = {s.claim.measure: s.claim.word for s in said(ramp)}
+    words = {s.claim.measure: s.word for s in said(ramp)}
     assert "yellow" in words["highlight_cast"] or "orange" in words["highlight_tint"]
     assert "blue" in words["shadow_cast"]
     reason = one(ramp, "shadow_cast").claim.reason
-    assert reason.startswith("still.jpg: its shadows are")
+    assert reason.startswith("its shadows are")
 
 
 @pytest.mark.parametrize(("side", "word"), [(0.5, "right"), (-0.5, "left")])
 def test_light_comes_from_the_side_that_is_lighter(side, word):
     statement = one(ball(side=side)[0], "from_right")
     assert statement.trait == "light"
-    assert word in statement.claim.word
+    assert word in statement.word
 
 
 def test_an_even_subject_says_nothing_of_where_light_comes_from():
@@ -118,7 +119,7 @@ def test_colors_that_are_more_vivid_than_any_of_the_picture_may_stay_and_not_bec
     shown = MeasuredPicture.of(
         torch.tensor((0.1, 0.9, 0.1)).expand(24, 24, 3), regions_of(ball()[0]).picture.seen
     )
-    claim = one(ball()[0], "vividest").claim
+    claim = bound(one(ball()[0], "vividest"))
     gaudy = claim.value(shown, claim.region(shown.seen))
     assert claim.miss(gaudy, before=torch.zeros(1)) > 3.0
     assert claim.miss(gaudy, before=gaudy) == 0.0
@@ -130,10 +131,11 @@ def test_a_picture_keeps_all_that_is_said_of_it_and_another_one_does_not():
     colder = MeasuredPicture(told.picture.display * torch.tensor([0.6, 0.8, 1.0]), told.picture.seen)
     kept, lost = [], []
     for statement in said(display):
-        where = statement.claim.region(told.picture.seen)
-        own = statement.claim.value(told.picture, where)
-        kept.append(statement.claim.miss(own, before=own))
-        lost.append(statement.claim.miss(statement.claim.value(colder, where), before=own))
+        claim = bound(statement)
+        where = claim.region(told.picture.seen)
+        own = claim.value(told.picture, where)
+        kept.append(claim.miss(own, before=own))
+        lost.append(claim.miss(claim.value(colder, where), before=own))
     assert max(kept) == 0.0
     assert max(lost) > 3.0
 
@@ -170,9 +172,9 @@ def test_paint_is_no_light_however_large_the_painted_thing_is():
 def test_light_is_told_whatever_is_painted():
     orange = (1.0, 0.72, 0.4)
     for paint in ((0.9, 0.25, 0.05), (0.35, 0.4, 0.5), (0.5, 0.5, 0.5)):
-        claim = casts(room(paint, orange, share=0.25))["midtone_cast"]
-        assert claim.lower[1] > 10.0
-        assert "orange" in claim.word or "yellow" in claim.word
+        statement = one(room(paint, orange, share=0.25), "midtone_cast")
+        assert statement.claim.lower[1] > 10.0
+        assert "orange" in statement.word or "yellow" in statement.word
 
 
 def test_black_around_a_picture_in_red_light_does_not_hide_that_it_is_red():
@@ -184,7 +186,8 @@ def test_black_around_a_picture_in_red_light_does_not_hide_that_it_is_red():
 
 def test_the_light_on_a_subject_is_that_of_the_picture_and_its_paint_is_not_copied():
     display, _ = ball(color=(0.9, 0.2, 0.1), ground=(0.6, 0.6, 0.6))
-    claim = next(s.claim for s in said(display) if s.claim.measure == "cast" and s.claim.part == "subject")
+    statement = next(s for s in said(display) if s.claim.measure == "cast" and s.claim.part == "subject")
+    claim = bound(statement)
     assert claim.upper[0] < 15.0
     red = torch.tensor([60.0, 50.0])
     assert claim.miss(red, before=torch.zeros(2)) > 5.0
@@ -192,9 +195,9 @@ def test_the_light_on_a_subject_is_that_of_the_picture_and_its_paint_is_not_copi
 
 
 def test_vivid_paint_asks_for_no_vivid_light_and_pale_colors_for_pale_ones():
-    vivid = one(room(share=0.6), "chroma").claim
+    vivid = one(room(share=0.6), "chroma")
     assert "vivid" in vivid.word
-    assert vivid.lower[0] < 8.0  # what of it is light, and not paint
+    assert vivid.claim.lower[0] < 8.0  # what of it is light, and not paint
     assert one(np.full((HEIGHT, WIDTH, 3), (0.7, 0.4, 0.2), np.float32), "chroma").claim.lower[0] > 15.0
     pale = one(room((0.5, 0.5, 0.5)), "chroma").claim
     assert pale.upper[0] < 8.0

@@ -29,6 +29,7 @@ def _everything() -> SceneData:
         ("world/backdrop_color", ""),
         ("world/backdrop_tint", ""),
         ("world/backdrop_strength", ""),
+        ("world/backdrop_horizon", ""),
     ]
     linked = (Instance(p := FAMILIES[name], owner, (p.default,) * p.components) for name, owner in rows)
     return dataclasses.replace(

@@ -92,6 +92,59 @@ def test_a_render_depends_on_its_values_only() -> None:
     assert torch.equal(travelled.render(values).display, fresh.render(values).display)
 
 
+@pytest.mark.parametrize("lamp", ["Lamp 0", "Lamp 1", "Lamp 3"])  # an area light, a point, a spot
+def test_a_light_that_changes_its_size_keeps_the_shadows_of_bounced_light(
+    traced: list[int], lamp: str
+) -> None:
+    scene = balls(2, 4, 2)
+    larger = {f"light/{lamp}/size": torch.tensor([1.5])}
+    travelled = Proxy(scene, (48, 48))
+    travelled.render({})
+    traced.clear()
+    travelled.render({f"light/{lamp}/azimuth": torch.tensor([80.0])})
+    moved = sum(traced)
+    travelled.render({})
+    traced.clear()
+    changed = travelled.render(larger).display
+    assert 0 < sum(traced) < 0.7 * moved
+    assert torch.equal(changed, Proxy(scene, (48, 48)).render(larger).display)
+
+
+def test_renders_that_differ_in_one_value_share_nothing_that_it_changes() -> None:
+    scene = balls(3, 1, 1)
+    base = {
+        "material/Ball 0/coat": torch.ones(1),
+        "material/Ball 1/metallic": torch.tensor([0.5]),
+        "material/Ball 1/specular_tint": torch.tensor([0.5, 0.2, 0.2]),
+        "light/Lamp 0/power": torch.tensor([300.0]),
+    }
+    travelled = Proxy(scene, (24, 24))
+    travelled.render(base)
+    for key, instance in scene.instances.items():
+        # What has glowed stays a light.
+        if not key.startswith(("material/Ball 0", "light/Lamp 0")) or "emission" in key:
+            continue
+        lower, upper, value = (torch.tensor(v) for v in (instance.lower, instance.upper, instance.value))
+        there = base | {key: torch.lerp(base.get(key, value), torch.where(value < upper, upper, lower), 0.25)}
+        assert torch.equal(travelled.render(there).linear, Proxy(scene, (24, 24)).render(there).linear), key
+
+
+def test_values_may_be_changed_in_place() -> None:
+    scene = balls(2, 1, 2)
+    values = {
+        "material/Ball 0/roughness": torch.tensor([0.1]),
+        "material/Ball 0/specular": torch.tensor([0.3]),
+        "light/Lamp 0/power": torch.tensor([50.0]),
+    }
+    same = {key: value.clone() for key, value in values.items()}
+    travelled = Proxy(scene, (48, 48))
+    first = travelled.render(values).linear
+    for value in values.values():
+        value *= 2
+    assert torch.equal(travelled.render(values).linear, Proxy(scene, (48, 48)).render(values).linear)
+    assert torch.equal(travelled.render(same).linear, first)
+
+
 def test_seeds_are_reproducible() -> None:
     scene = balls(2, 1, 2)
     first, second = (Proxy(scene, (48, 48), seed=3).render({}).display for _ in range(2))

@@ -237,7 +237,7 @@ def test_files_of_both_blenders_are_read(tmp_path: Path, apart: bool) -> None:
     layers = {"Combined": whole, "Noisy Image": noisy, "Combined_Vibe 0": key, "Combined_Vibe 1": world}
     path = write(tmp_path / "a.exr", layers, apart)
     groups = {"Vibe 0": "light/Key", "Vibe 1": "world"}
-    found = CyclesPicture.load(path, groups, SCENE.film)
+    found = CyclesPicture.load(path, groups)
     assert found.size == (6, 4)
     np.testing.assert_allclose(found.whole.numpy(), whole, atol=1e-6)
     np.testing.assert_allclose(found.parts["world"].numpy(), world, atol=1e-6)
@@ -245,11 +245,9 @@ def test_files_of_both_blenders_are_read(tmp_path: Path, apart: bool) -> None:
     np.testing.assert_allclose(found.rest[1:].numpy(), 0.25, atol=1e-5)
     assert found.denoised
     del layers["Noisy Image"]
-    plain = CyclesPicture.load(write(path, layers, apart), groups, SCENE.film)
+    plain = CyclesPicture.load(write(path, layers, apart), groups)
     assert not plain.denoised
     np.testing.assert_allclose(plain.whole.numpy(), whole, atol=1e-6)
-    wide = dataclasses.replace(SCENE.film, working_space="ACEScg")
-    assert not torch.allclose(CyclesPicture.load(path, groups, wide).whole, found.whole, atol=1e-3)
 
 
 def test_without_a_denoiser_the_noise_does_not_reach_the_picture(truth: Proxy, proxy: Proxy) -> None:
@@ -267,15 +265,15 @@ def test_a_broken_file_is_an_error(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "a.exr"
     path.write_bytes(content)
     with pytest.raises(VibeError, match="cannot be read"):
-        CyclesPicture.load(path, {}, SCENE.film)
+        CyclesPicture.load(path, {})
 
 
 def test_what_is_not_there_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(VibeError, match="cannot be read"):
-        CyclesPicture.load(tmp_path / "none.exr", {}, SCENE.film)
+        CyclesPicture.load(tmp_path / "none.exr", {})
     path = write(tmp_path / "a.exr", {"Combined": np.zeros((2, 2, 3), np.float32)}, False)
     with pytest.raises(VibeError, match="no layer"):
-        CyclesPicture.load(path, {"Vibe 0": "world"}, SCENE.film)
+        CyclesPicture.load(path, {"Vibe 0": "world"})
 
 
 def test_the_rest_is_an_owner_too(truth: Proxy, proxy: Proxy) -> None:

@@ -145,6 +145,13 @@ def test_only_what_glows_becomes_a_lamp_and_stays_one():
     assert len(emitters.lamps(shading_inputs(0.0))) == 1
 
 
+def test_each_of_many_scattered_bulbs_is_a_lamp():
+    bulbs = [ball(0.05).apply_translation((x, y, 0.0)) for x in range(-2, 3) for y in range(-2, 3)]
+    clusters = clusters_of(geometry_of(scene_with(trimesh.util.concatenate(bulbs)), CPU), 0, NEAR)
+    assert len(clusters) >= len(bulbs)
+    assert all(float(lamp.size) < 0.06 for lamp, _ in clusters)
+
+
 def test_a_glowing_wall_stays_with_the_bounced_rays():
     wall = trimesh.Trimesh([[-4, 3, 0], [4, 3, 0], [4, 3, 5], [-4, 3, 5]], [[0, 1, 2], [0, 2, 3]])
     assert not clusters_of(geometry_of(scene_with(wall), CPU), 0, NEAR)

@@ -53,6 +53,7 @@ def test_a_small_light_stays_in_the_picture():
 
 def sky_with(image, turn):
     environment = Environment.__new__(Environment)
+    environment.hidden = ()
     environment.suns = split(image)[2]
     environment.whole = image
     return Sky(environment, torch.ones(3), turn, torch.ones(3), turn)

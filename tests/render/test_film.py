@@ -17,6 +17,7 @@ from proxy_renderer.render import film as grade
 from proxy_renderer.render.film import Film
 from proxy_renderer.scene import FilmSettings
 from proxy_renderer.schema import PARAMETERS, VibeError
+from proxy_renderer.schema.radiometry import TABLE_STOPS, TABLE_TOE
 
 SPEC = FilmSettings(blender_config(), "sRGB", "AgX", "", transparent=False, working_space="Linear Rec.709")
 SIZE = (20, 12)  # width, height
@@ -49,6 +50,24 @@ def test_the_table_is_ocio(view, look):
     got = ViewTransform(SPEC.ocio, "sRGB", view, look)(torch.from_numpy(colors)).clamp(0, 1).numpy()
     assert np.abs(got - exact).mean() < 0.3 / 255
     assert np.quantile(np.abs(got - exact), 0.99) < 2.5 / 255
+
+
+def test_the_artists_compositor_is_a_table_in_stops(picture):
+    """An exposure of a stop and a swap of red and blue, of which the table has no color exactly."""
+    axis = TABLE_TOE * (2 ** torch.linspace(0, TABLE_STOPS, 33) - 1)
+    blue, green, red = torch.meshgrid(axis, axis, axis, indexing="ij")
+    graded = torch.stack((blue, green, red), -1) * 2
+    table = torch.log2(graded / TABLE_TOE + 1)
+    developed = Film(replace(SPEC, compositor=table.numpy()), SIZE).grade(picture, NEUTRAL)
+    torch.testing.assert_close(developed, 2 * picture.flip(-1), rtol=0.01, atol=0.0)
+
+
+def test_a_white_balance_comes_before_the_view(picture):
+    matrix = ((0.9, -0.2, 0.0), (0.0, 1.1, 0.0), (0.2, 0.3, 1.3))
+    balanced = Film(replace(SPEC, white_balance=matrix), SIZE).develop(picture, NEUTRAL)
+    linear = (picture @ torch.tensor(matrix).T).numpy()
+    exact = apply_ocio(linear, SPEC.ocio, "sRGB", "AgX").clip(0, 1)
+    assert np.abs(balanced.numpy() - exact).mean() < 0.5 / 255
 
 
 def shown(view):
@@ -103,6 +122,13 @@ def test_an_unknown_view_is_refused():
         Film(replace(SPEC, view="No such view"), SIZE)
     with pytest.raises(VibeError, match="cannot be made"):
         Film(replace(SPEC, ocio="missing.ocio"), SIZE)
+
+
+def test_a_view_of_an_older_default_configuration_is_found():
+    """Blender's OpenColorIO may be older than the engine's, and "ocio://default" is its newest configuration."""
+    older, gray = "ocio://cg-config-v2.2.0_aces-v1.3_ocio-v2.4", np.full((1, 3), 0.18, np.float32)
+    view = ("sRGB - Display", "ACES 1.0 - SDR Video", "")
+    assert apply_ocio(gray, "ocio://default", *view) == pytest.approx(apply_ocio(gray, older, *view))
 
 
 def test_neutral_values_change_nothing(picture):

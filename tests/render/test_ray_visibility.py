@@ -45,6 +45,14 @@ def test_every_triangle_is_built_into_one_tree_once(monkeypatch: pytest.MonkeyPa
     assert sum(built) == len(scene.mesh.faces), built
 
 
+def test_threads_share_rays_and_find_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(torch, "get_num_threads", lambda: 1)
+    alone = Proxy(_scene(), SIZE).render({}).linear
+    monkeypatch.setattr(torch, "get_num_threads", lambda: 3)
+    monkeypatch.setattr(trees, "_SHARE", 10)
+    assert torch.equal(Proxy(_scene(), SIZE).render({}).linear, alone)
+
+
 def test_a_lamp_hidden_from_the_camera_still_lights_the_floor() -> None:
     seen, hidden = Proxy(_scene(), SIZE), Proxy(_scene("camera"), SIZE)
     with torch.no_grad():

@@ -34,13 +34,14 @@ OFF_BOUNDS = {  # away from kinks: every lobe is there, nothing sits on a bound
     "exposure": 0.4, "gamma": 1.1, "grade_exposure": -0.3, "lift": (1.02, 0.98, 1.05), "midtone": (1.1, 0.95, 0.9),
     "gain": (0.9, 1.1, 0.95), "contrast": 1.2, "saturation": 1.2, "hue": 8.0, "grade_gamma": 1.1, "vignette": 0.3,
     "glare": 0.2, "backdrop_color": (0.3, 0.6, 0.8), "backdrop_tint": (0.8, 0.6, 0.9), "backdrop_strength": 0.7,
+    "backdrop_horizon": (1.4, 1.2, 0.8),
 }  # fmt: skip
 
 
 def _scene() -> SceneData:
     """Two balls on a floor under four kinds of lamp, in fog."""
     scene = balls(3, len(LIGHT_TYPES), subdivisions=3)
-    rows = (FAMILIES[f"world/backdrop_{name}"] for name in ("color", "strength"))
+    rows = (FAMILIES[f"world/backdrop_{name}"] for name in ("color", "strength", "horizon"))
     parted = {p.family: Instance(p, "", (p.default,) * p.components) for p in rows}
     return dataclasses.replace(scene, instances=_off_bounds({**scene.instances, **parted}))
 

@@ -12,14 +12,15 @@ import torch
 from tiny_job import write_job
 
 from proxy_renderer.color.arrays import sphere_luminance
-from proxy_renderer.color.floats import chroma, lab_from_srgb, srgb_from_hex
+from proxy_renderer.color.floats import chroma, lab_from_srgb, luminance, srgb_from_hex
+from proxy_renderer.color.floats import linear_from_srgb as float_linear
 from proxy_renderer.color.tensors import linear_from_srgb
 from proxy_renderer.color.view_transform import ViewTransform
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.optimize.scene_words import described
 from proxy_renderer.optimize.stage import set_stage
 from proxy_renderer.render.material.textures import geometry_of
-from proxy_renderer.rigs.chosen import ChosenRig, chosen_rig
+from proxy_renderer.rigs.chosen import ChosenRig, _under_named_sky, chosen_rig
 from proxy_renderer.rigs.levels import Exposing, _bounce, sky_irradiance
 from proxy_renderer.rigs.lighting import _is_hazy, _sky, _veiled
 from proxy_renderer.rigs.places import placed
@@ -241,6 +242,16 @@ def test_a_prompt_is_read_alike_before_and_after_lights_are_added(scene):
     assert all(a in addition.plan.served for a in again.attributes)
 
 
+def test_words_of_one_rig_share_its_claims_and_each_is_measured_once(scene):
+    stage = set_stage([scene], "film noir, warm hard light from the left")
+    rig = [c for c in stage.claims(stage.goals) if c.word in ("film noir", *c.also) and c.word]
+    assert len({(c.measure, c.color) for c in rig}) == len(rig)
+    sides = [c for c in stage.claims(stage.goals) if c.measure == "light_right"]
+    assert [{c.word, *c.also} for c in sides] == [{"film noir", "from the left"}]
+    warm = next(c for c in stage.claims(stage.goals) if c.measure == "highlight_warmth")
+    assert "warm" in (warm.word, *warm.also)
+
+
 @pytest.mark.parametrize("color", [(0.2, 0.4, 0.7), (0.8, 0.45, 0.3), (0.3, 0.3, 0.3), (0.01, 0.02, 0.06)])
 def test_light_is_found_that_the_view_shows_as_a_color(color, scene):
     film = scene.film
@@ -308,7 +319,7 @@ def test_the_walls_of_a_box_throw_light_back(scene):
 def test_a_sky_is_displayed_in_the_color_of_its_rig(scene):
     rig = rig_table().rigs["summery"]
     parted = replace(scene, instances={**scene.instances, **_backdrop()})
-    values = _sky(parted, rig)
+    values = _sky(parted, rig, False)
     light = torch.tensor(values["world/backdrop_color"]) * values["world/backdrop_strength"][0]
     film = scene.film
     shown = ViewTransform(film.ocio, film.display, film.view, film.look)(light).clamp(0, 1)
@@ -316,6 +327,16 @@ def test_a_sky_is_displayed_in_the_color_of_its_rig(scene):
     assert lab[0] == pytest.approx(wanted[0], abs=4.0)
     assert math.atan2(lab[2], lab[1]) == pytest.approx(math.atan2(wanted[2], wanted[1]), abs=0.25)
     assert chroma(lab) > 0.5 * chroma(wanted)  # AgX shows no blue that is so pure and so light
+
+
+def test_a_sky_is_lightest_and_warmest_at_the_horizon(scene):
+    horizon = Instance(FAMILIES["world/backdrop_horizon"], "", (1.0, 1.0, 1.0), 1.0)
+    parted = replace(scene, instances={**scene.instances, **_backdrop(), horizon.key: horizon})
+    for name in ("sunset", "noon", "studio light"):
+        values = _sky(parted, rig_table().rigs[name], False)
+        red, green, blue = values["world/backdrop_horizon"]
+        assert luminance((red, green, blue)) > 1.3
+        assert red > 1.1 * blue or name != "sunset"
 
 
 def _backdrop() -> dict[str, Instance]:
@@ -342,3 +363,43 @@ def test_a_weather_brings_its_air_unless_another_word_speaks_of_it(scene, word):
     entries = set_stage([hazy], f"in a {word}").plan.entries
     assert entries[air.key].lower[0] > 0.05 * air.reference
     assert air.key not in set_stage([hazy], f"in a {word}, clear air, no fog").plan.entries
+
+
+def test_haze_is_dark_at_night_and_has_the_color_of_the_sky_behind_it(scene):
+    color = Instance(FAMILIES["volume/color"], "", (0.8, 0.8, 0.8))
+    air = Instance(FAMILIES["volume/density"], "", (0.0,), 0.2)
+    hazy = replace(scene, instances={**scene.instances, air.key: air, color.key: color})
+
+    def haze(prompt):
+        return set_stage([hazy], prompt).plan.entries[color.key].start
+
+    assert luminance(haze("foggy moonlight")) < 0.2
+    day = haze("foggy storm light, green sky")
+    assert day[1] == max(day) == pytest.approx(0.8)
+    assert color.key not in set_stage([hazy], "foggy moonlight, red fog").plan.entries
+    assert color.key not in set_stage([hazy], "foggy morning light").plan.entries
+
+
+def test_water_mirrors_what_stands_where_the_camera_looks_by_way_of_it(scene):
+    values = {key: (0.05,) for key in scene.instances if key.endswith("/roughness")}
+    instances = {k: replace(i, value=values.get(k, i.value)) for k, i in scene.instances.items()}
+    rough, wet = (
+        LightStage(each, geometry_of(each, torch.device("cpu")))
+        for each in (scene, replace(scene, instances=instances))
+    )
+    first = wet.around.polished.nonzero()[0, 0]
+    place, toward = wet.around.position[:, first], wet.around.mirrored[:, first]
+    assert wet.mirrors(place + 3.0 * toward, 1.0) > 0.0
+    assert wet.mirrors(place - 3.0 * toward, 1.0) == 0.0
+    assert rough.mirrors(place + 3.0 * toward, 1.0) == 0.0
+
+
+@pytest.mark.parametrize("rig", ["desert", "golden hour", "night"])
+def test_a_sky_has_the_color_that_words_give_it(rig):
+    parsed = parse(f"{rig}, pale blue sky", SceneDescription(), default_vocabulary())
+    (blue,) = {a.color for a in parsed.attributes if a.color}
+    named = _under_named_sky(rig_table().rigs[rig], parsed.attributes)
+    assert srgb_from_hex(named.sky_color) == pytest.approx(blue, abs=0.01)
+    assert 0.18 * 2.0**named.sky == pytest.approx(luminance(float_linear(blue)), rel=0.01)
+    plain = parse(rig, SceneDescription(), default_vocabulary())
+    assert _under_named_sky(rig_table().rigs[rig], plain.attributes) == rig_table().rigs[rig]

@@ -50,3 +50,11 @@ def test_a_note_names_a_few():
     keys = [f"light/Lamp {i}/power" for i in range(5)]
     assert labels.titles(keys) == "Lamp 0: Power, Lamp 1: Power, Lamp 2: Power and 2 more"
     assert labels.titles(keys[:1]) == "Lamp 0: Power"
+
+
+@pytest.mark.parametrize(
+    ("other", "is_same"), [(0.9125, True), (0.9125000238418579, True), (0.91249, True), (0.915, False)]
+)
+def test_a_rounding_border_between_two_values_makes_no_change(other, is_same):
+    """Blender stores 32 bits: 0.9125 comes back as 0.91250002, which reads "0.913" and not "0.912"."""
+    assert labels.same("film/saturation", (0.9125,), (other,)) == is_same

@@ -318,7 +318,7 @@ class Silent:
     def stage(self, name):
         self.seen.append(name)
 
-    def begin(self, display):
+    def begin(self, display, lit):
         pass
 
     def step(self, progress, display):

@@ -111,7 +111,7 @@ def test_names_fit(said, name, way):
 
 @pytest.mark.parametrize(("weight", "things"), [(-3.0, 2), (3.0, 1)])
 def test_what_links_two_words_decides_between_targets_that_are_alike(weight, things):
-    read = reading("red blue car crate", GARAGE, shipped_vocabulary())
+    read = reading("red blue car with crate", GARAGE, shipped_vocabulary())
     weights = {"a color word of things": 5.0, "link side by side: same, color and color": weight}
     assert len({pair.target.names for pair in likeliest_row(read, weights)}) == things
 

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Change phrases, and nouns that only the present look of a material or its shape explains."""
 
+import dataclasses
+
 import pytest
 
-from proxy_renderer.words.parser import parse
+from proxy_renderer.words.parser import Understood, parse
 from proxy_renderer.words.types import LightDescription, MaterialLook, SceneDescription
 
 RED, SAND, NAVY, GREEN = (0.6, 0.1, 0.1), (0.8, 0.75, 0.6), (0.1, 0.15, 0.45), (0.2, 0.5, 0.1)
@@ -120,7 +122,7 @@ def test_the_name_of_the_only_material_may_be_anything():
     assert surfaces("pastel pink donut", scene)
 
 
-def test_an_object_that_shares_its_material_with_larger_ones_is_not_painted():
+def test_an_object_that_shares_its_material_gets_a_copy_whoever_has_most_of_it():
     worn = {"Couch": 0.07, "Window": 0.3}
     scene = SceneDescription(
         objects=dict.fromkeys((*worn, "Lamp"), "subject"),
@@ -128,8 +130,11 @@ def test_an_object_that_shares_its_material_with_larger_ones_is_not_painted():
         object_materials={"Couch": ("Paint",), "Window": ("Paint",), "Lamp": ("Metal",)},
         looks={"Paint": MaterialLook(RED, share=0.37, worn=worn), "Metal": MaterialLook(SAND, share=0.1)},
     )
-    assert surfaces("navy couch", scene) == {}
-    assert surfaces("navy window", scene) == {"navy": ("Paint",)}
+    for thing in worn:
+        understood = Understood(f"navy {thing.lower()}", scene)
+        (navy,) = understood.parsed.attributes
+        assert navy.owners == (f"Paint (on {thing})",)
+        assert understood.scene.copies == {f"Paint (on {thing})": (thing,)}
 
 
 @pytest.mark.parametrize("color", ["pink", "golden", "teal"])
@@ -163,3 +168,18 @@ def test_a_color_of_light_paints_no_object(prompt):
 def test_changes_are_read_in_other_languages(prompt, meant):
     said = parse(prompt, SCENE).attributes
     assert {a.owners for a in said if a.kind == "subject" and not a.cause} == {(meant,)}
+
+
+def test_a_room_has_walls_and_a_floor_that_is_not_the_ground():
+    looks = dict(LOOKS)
+    looks["M3"] = MaterialLook(NAVY, share=0.15, worn={"Cube.002": 0.15}, structures=frozenset({"walls"}))
+    looks["M2"] = MaterialLook(
+        SAND, share=0.2, worn={"Cube.001": 0.2}, structures=frozenset({"wall", "walls"})
+    )
+    looks["M5"] = MaterialLook(
+        (0.5, 0.5, 0.5), share=0.03, worn={"Plane.001": 0.03}, structures=frozenset({"floor"})
+    )
+    room = dataclasses.replace(SCENE, looks=looks)
+    assert surfaces("peach walls, walnut floor", room) == {"peach": ("M2", "M3"), "walnut": ("M5",)}
+    assert surfaces("the ground is pink", room) == {"pink": ("M4",)}
+    assert surfaces("the wall is pink", room) == {"pink": ("M2",)}

@@ -11,7 +11,7 @@ from proxy_renderer.words.features import reading
 from proxy_renderer.words.lexicon.languages import senses
 from proxy_renderer.words.lexicon.user_words import extend
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.words.names import fit, is_detail, kind_of, plain_name
+from proxy_renderer.words.names import fit, is_detail, is_of_surfaces, kind_of, plain_name
 from proxy_renderer.words.parser import parse
 from proxy_renderer.words.types import SceneDescription
 
@@ -87,20 +87,19 @@ def test_names_that_say_nothing_are_kinds_of_their_own():
 
 
 @pytest.mark.parametrize(
-    ("prompt", "moods", "thing"),
+    ("prompt", "moods"),
     [
-        ("a gold castle in the mist", {"gold", "mist"}, "castle"),
-        ("yellow ghost", {"yellow"}, "ghost"),
-        ("the candle is red", {"red"}, "candle"),
-        ("castle look, gold", {"gold"}, "subject"),
-        ("lit by a candle, gold", {"candlelight", "gold"}, "subject"),
-        ("castle", {"medieval"}, "subject"),
+        ("a gold castle in the mist", {"gold", "mist"}),
+        ("yellow ghost", {"yellow"}),
+        ("the candle is red", {"red"}),
+        ("castle look, gold", {"gold"}),
+        ("lit by a candle, gold", {"candlelight", "gold"}),
+        ("castle", {"medieval"}),
     ],
 )
-def test_a_word_for_a_mood_may_be_the_thing_itself(prompt, moods, thing):
+def test_a_word_for_a_mood_may_be_the_thing_itself(prompt, moods):
     parsed = parse(prompt, SceneDescription())
     assert {a.entry for a in parsed.attributes if not a.cause} == moods
-    assert parsed.objects[0].name == thing
 
 
 def test_names_in_the_scene_come_before_moods():
@@ -198,18 +197,6 @@ def test_names_are_found_by_their_nouns(prompt: str, owners: tuple[str, ...]) ->
     assert found == set(owners)
 
 
-def test_a_word_may_mean_all_whose_names_have_it() -> None:
-    ruins = scene({"Wall": "Ruin_Stone", "Arch": "Stone_Mossy", "Gate": "Iron"})
-    (stone,) = reading("wet stone", ruins, shipped_vocabulary()).mentions
-    assert {"Ruin_Stone", "Stone_Mossy"} in [named.names for named in stone.named]
-
-
-def test_parts_of_another_stuff_may_stay_as_they_are() -> None:
-    things = {"kettle_body": "steel_brushed", "kettle_lid": "steel_brushed", "kettle_handle": "bakelite"}
-    (kettle,) = reading("red enamel kettle", scene(things), shipped_vocabulary()).mentions
-    assert {"steel_brushed"} in [named.names for named in kettle.named]
-
-
 @pytest.mark.parametrize("prompt", ["burnt red ball", "charred red ball", "coal ball in red"])
 def test_a_color_that_is_said_comes_before_that_of_a_material(prompt: str) -> None:
     instance = Instance(FAMILIES["material/base_color"], "Ball", (0.5, 0.5, 0.5), 1.0, "subject")
@@ -232,10 +219,34 @@ def test_names_are_fitted_by_the_artists_own_vocabulary(tmp_path):
     path = tmp_path / "own.toml"
     path.write_text("[look.kryptonite]\nslot = 'material'\nwishes = ['material/roughness 0.1..0.2 !2']\n")
     own = extend(shipped_vocabulary(), path)
-    name = ("glorb", "kryptonite")
-    assert [fit(("glorb",), name, v) for v in (shipped_vocabulary(), own)] == ["part", "last"]
+    said, name = ("kryptonite", "glorb"), ("glorb", "rock")
+    assert [is_of_surfaces(said[0], v) for v in (shipped_vocabulary(), own)] == [False, True]
+    assert fit(said[1:], name, own) == "part"
 
 
 def test_what_is_remembered_of_names_is_bounded():
-    for cached in (plain_name, fitted.parts, fitted._corrected, senses):
+    for cached in (plain_name, fitted.parts, senses):
         assert cached.cache_info().maxsize
+
+
+@pytest.mark.parametrize(
+    ("prompt", "meant"),
+    [
+        ("deep blue mug", "glass.of"),
+        ("a gold ribbon", "line"),
+        ("the sphere glows", "round"),
+        ("the ball is red", "round"),
+        ("warm light, a red hat", ""),
+    ],
+)
+def test_a_thing_that_no_name_tells_is_the_only_one_of_its_shape(prompt, meant):
+    words = scene({"Cylinder": "glass.of", "BezierCurve": "line", "Sphere": "round", "Head": "skin"})
+    owners = {name for a in parse(prompt, words).attributes for name in a.owners}
+    assert owners == ({meant} if meant else set())
+
+
+def test_of_several_of_a_shape_none_is_guessed_and_names_come_first():
+    several = scene({"Sphere": "a", "Sphere.001": "b", "Cylinder": "c", "Mug": "d"})
+    found = parse("green apple, blue mug", several).attributes
+    assert {a.word: a.owners for a in found}.get("blue") == ("d",)
+    assert not any(a.owners for a in found if a.word == "green")

@@ -34,7 +34,9 @@ def whole(path: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
     try:
         with atomic.replacing(path) as part:
             yield part
-            _check(part)
+            # Blender says that it has written a picture, also where the disk is full.
+            if not part.stat().st_size or shutil.disk_usage(part.parent).free < _LEAST:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     except (OSError, RuntimeError) as error:
         raise unwritable(path, error, remedy) from error
 
@@ -45,13 +47,6 @@ def unwritable(path: Path, error: Exception, remedy: str) -> schema.VibeError:
         return schema.VibeError(f"There is no room left on the disk, in {path.parent}.", "Make room there.")
     reason = getattr(error, "strerror", None) or str(error).strip().removeprefix("Error: ")
     return schema.VibeError(f"{path} cannot be written: {reason.rstrip('.')}.", remedy)
-
-
-def _check(part: Path) -> None:
-    """Blender says that it has written a picture, also where the disk is full."""
-    size = part.stat().st_size
-    if not size or shutil.disk_usage(part.parent).free < _LEAST:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 class Outputs:

@@ -19,7 +19,7 @@ _GONE = (LookupError, ValueError, AttributeError, ReferenceError)
 
 
 class Journal:
-    """Recorded changes.
+    """Recorded changes. What is in a tree that no data-block owns is a LookupError.
 
     Attributes:
         entries: What was changed, in order.
@@ -37,22 +37,14 @@ class Journal:
         return self.ids.index(block)
 
     def set(self, owner: bpy_struct, name: str, value: Any) -> None:
-        """Sets a property of a data-block or of a struct in one: a number, a string, an array or a pointer to a data-block.
-
-        Raises:
-            LookupError: No data-block owns it.
-        """
+        """Sets a property of a data-block or of a struct in one: a number, a string, an array or a pointer to a data-block."""
         block, path = address(owner)
         entry = {"op": "set", "id": self.refer(block), "path": path, "name": name}
         self.entries.append({**entry, "old": self._plain(getattr(owner, name))})
         setattr(owner, name, value)
 
     def link(self, source: NodeSocket, target: NodeSocket) -> None:
-        """Links an output to an input of the same tree, in place of the input's former link.
-
-        Raises:
-            LookupError: No data-block owns the tree.
-        """
+        """Links an output to an input of the same tree, in place of the input's former link."""
         tree = target.id_data
         block, path = address(tree)
         old = _end(target.links[0].from_socket) if target.is_linked else None
@@ -61,14 +53,7 @@ class Journal:
         tree.links.new(source, target)
 
     def node(self, tree: NodeTree, kind: str, name: str) -> Node:
-        """Adds a node; Blender numbers a name that is taken.
-
-        Args:
-            kind: Its `bl_idname`: "ShaderNodeMix".
-
-        Raises:
-            LookupError: No data-block owns the tree.
-        """
+        """Adds a node of a `bl_idname` ("ShaderNodeMix"); Blender numbers a name that is taken."""
         node = tree.nodes.new(kind)
         node.name = name
         block, path = address(tree)
@@ -208,11 +193,7 @@ class Journal:
 
 
 def address(struct: bpy_struct) -> tuple[ID, str]:
-    """The data-block that owns a struct, and the path from there; node trees inside others included.
-
-    Raises:
-        LookupError: It is in a tree that no data-block owns.
-    """
+    """The data-block that owns a struct, and the path from there; node trees inside others included."""
     root = struct.id_data
     path = "" if isinstance(struct, ID) else struct.path_from_id()
     if not (isinstance(root, NodeTree) and root.is_embedded_data):

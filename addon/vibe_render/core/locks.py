@@ -26,12 +26,9 @@ def _animated(owner: bpy_struct, name: str) -> str:
     block, path = address(owner)
     full = f"{path}.{name}" if path else name
     # The curves of a node tree inside a material belong to the tree, and their paths start there.
-    if any(c.data_path == full for c in compat.curves(block)):
-        return f'"{block.name}" is animated or driven here'
-    tree = owner.id_data
-    if tree != block and any(f"node_tree.{c.data_path}" == full for c in compat.curves(tree)):
-        return f'"{block.name}" is animated or driven here'
-    return ""
+    tree, found = owner.id_data, any(c.data_path == full for c in compat.curves(block))
+    found = found or (tree != block and any(f"node_tree.{c.data_path}" == full for c in compat.curves(tree)))
+    return f'"{block.name}" is animated or driven here' if found else ""
 
 
 def of_pose(obj: Object) -> str:

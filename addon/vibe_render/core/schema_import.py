@@ -5,18 +5,18 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from proxy_renderer import schema
-    from proxy_renderer.schema import atomic, errors, labels, limits, messages, preset, targets
+    from proxy_renderer.schema import atomic, errors, labels, limits, messages, preset, sentences, targets
     from proxy_renderer.schema.options import checks, command_line
     from proxy_renderer.schema.options import table as options
 else:
     try:
         from .. import schema
-        from ..schema import atomic, errors, labels, limits, messages, preset, targets
+        from ..schema import atomic, errors, labels, limits, messages, preset, sentences, targets
         from ..schema.options import checks, command_line
         from ..schema.options import table as options
     except ImportError:
         from proxy_renderer import schema
-        from proxy_renderer.schema import atomic, errors, labels, limits, messages, preset, targets
+        from proxy_renderer.schema import atomic, errors, labels, limits, messages, preset, sentences, targets
         from proxy_renderer.schema.options import checks, command_line
         from proxy_renderer.schema.options import table as options
 
@@ -31,5 +31,6 @@ __all__ = [
     "options",
     "preset",
     "schema",
+    "sentences",
     "targets",
 ]

@@ -78,14 +78,13 @@ def _is_entry(entry: Any, count: int) -> bool:
         return all(map(_is_end, ends)) and (entry.get("old") is None or _is_end(entry["old"]))
     name = entry.get("name")
     is_property = op == "set" and isinstance(name, str) and name.isidentifier() and not name.startswith("_")
-    return is_property and "old" in entry and _is_value(str(name), entry["old"], count)
-
-
-def _is_value(name: str, old: Any, count: int) -> bool:
+    if not is_property or "old" not in entry:
+        return False
+    old = entry["old"]
     if isinstance(old, dict):
         return _is_index(old.get("id"), count)
     if isinstance(old, str):
-        return old in _TEXTS.get(name, ())
+        return old in _TEXTS.get(str(name), ())
     numbers = old if isinstance(old, list) else [old]
     return old is None or all(isinstance(v, bool | int | float) for v in numbers)
 

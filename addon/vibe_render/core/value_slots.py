@@ -34,21 +34,16 @@ class PropertySlot:
     owner: bpy_struct
     name: str
     locked: str = ""
-    index: int | None = None  # the component of an array; None for all
 
     def get(self) -> Any:
         """As for `ValueSlot`."""
         raw = getattr(self.owner, self.name)
-        if self.index is not None:
-            return raw[self.index]
         return raw if isinstance(raw, bool | int | float | str) else tuple(raw)
 
     def set(self, journal: Journal, raw: Any) -> None:
         """As for `ValueSlot`; of an array that is longer (RGBA), the rest stays."""
         old = getattr(self.owner, self.name)
-        if self.index is not None:
-            raw = (*old[: self.index], raw, *old[self.index + 1 :])
-        elif isinstance(raw, tuple):
+        if isinstance(raw, tuple):
             raw = (*raw, *old[len(raw) :])
         if not same(raw, old):
             journal.set(self.owner, self.name, raw)

@@ -16,15 +16,14 @@ from pathlib import Path
 from typing import BinaryIO, TypeAlias, cast
 
 from ..core.schema_import import errors, messages, schema
-from ..core.schema_import import messages as message_types
 from .find import engine_environment, find_python, own_group
 
 _ABANDON_TIMEOUT = 10.0  # seconds that an engine may take to end a vibe that was given up
 
-_REQUESTS = message_types.Vibe | message_types.Glance | message_types.Finish
-_ANSWERS = (message_types.Result, message_types.Glanced, message_types.Finished, message_types.Error)
+_REQUESTS = messages.Vibe | messages.Glance | messages.Finish
+_ANSWERS = (messages.Result, messages.Glanced, messages.Finished, messages.Error)
 
-_Item: TypeAlias = message_types.Message | schema.VibeError | None  # None: the engine's output has ended
+_Item: TypeAlias = messages.Message | schema.VibeError | None  # None: the engine's output has ended
 
 
 class Engine:
@@ -44,14 +43,14 @@ class Engine:
         python: str = "",
         log: Path | None = None,
         cache: Path | None = None,
-        listener: Callable[[message_types.Message], None] | None = None,
+        listener: Callable[[messages.Message], None] | None = None,
     ) -> None:
         self._choice, self._listener = python, listener
         self._variables = {"VIBE_CACHE": str(cache)} if cache else {}
         self.log = log or errors.log_folder() / f"vibe-engine-{os.getpid()}.log"
         self._process: subprocess.Popen[bytes] | None = None
         self._inbox: queue.Queue[_Item] = queue.Queue()
-        self._readings: queue.Queue[message_types.Readings] = queue.Queue()
+        self._readings: queue.Queue[messages.Readings] = queue.Queue()
         self._busy = False  # the engine works on an answer
         self._abandoned = False  # nobody waits for that answer any more
         self._abandoned_at = 0.0
@@ -71,31 +70,29 @@ class Engine:
     def start(self) -> None:
         """Starts the process, unless it runs; its first message is `Ready`. Any thread may call this."""
         with self._start_lock:
-            if not self.alive:
-                self._start()
+            if self.alive:
+                return
+            python = find_python(self._choice)
+            self._inbox, self._abandoned, self._busy, self._exit_error = queue.Queue(), False, False, None
+            try:
+                with self.log.open("wb") as log:
+                    self._process = subprocess.Popen(
+                        [python, "-m", "proxy_renderer.engine.worker"],
+                        stdin=subprocess.PIPE,
+                        stdout=subprocess.PIPE,
+                        stderr=log,
+                        env={**engine_environment(), **self._variables},
+                        **own_group(),
+                    )
+            except OSError as error:
+                raise schema.VibeError(
+                    f"The engine could not be started: {error}.", f"Try {python} by hand."
+                ) from error
+            output = cast(BinaryIO, self._process.stdout)
+            threading.Thread(target=self._receive, args=(output, self._inbox), daemon=True).start()
+            atexit.register(self.stop)
 
-    def _start(self) -> None:
-        python = find_python(self._choice)
-        self._inbox, self._abandoned, self._busy, self._exit_error = queue.Queue(), False, False, None
-        try:
-            with self.log.open("wb") as log:
-                self._process = subprocess.Popen(
-                    [python, "-m", "proxy_renderer.engine.worker"],
-                    stdin=subprocess.PIPE,
-                    stdout=subprocess.PIPE,
-                    stderr=log,
-                    env={**engine_environment(), **self._variables},
-                    **own_group(),
-                )
-        except OSError as error:
-            raise schema.VibeError(
-                f"The engine could not be started: {error}.", f"Try {python} by hand."
-            ) from error
-        output = cast(BinaryIO, self._process.stdout)
-        threading.Thread(target=self._receive, args=(output, self._inbox), daemon=True).start()
-        atexit.register(self.stop)
-
-    def send(self, message: message_types.Message) -> None:
+    def send(self, message: messages.Message) -> None:
         """Sends one message. Any thread may call this."""
         process = self._process
         if process is None or process.stdin is None:
@@ -109,7 +106,7 @@ class Engine:
         except (OSError, ValueError) as error:
             raise self._report_exit() from error
 
-    def poll(self) -> list[message_types.Message]:
+    def poll(self) -> list[messages.Message]:
         """The messages that have arrived since the last call, or the error that the engine reports; never waits."""
         arrived = []
         while True:
@@ -118,7 +115,7 @@ class Engine:
             except queue.Empty:
                 return arrived
 
-    def poll_readings(self) -> message_types.Readings | None:
+    def poll_readings(self) -> messages.Readings | None:
         """The newest readings of words that have arrived since the last call; they come between the answers to other requests."""
         newest = None
         with contextlib.suppress(queue.Empty):
@@ -134,7 +131,7 @@ class Engine:
             self.stop(patience=0.2)
             return
         with contextlib.suppress(schema.VibeError):
-            self.send(message_types.Stop())
+            self.send(messages.Stop())
             self._abandoned, self._abandoned_at = True, time.monotonic()
 
     def settle(self) -> bool:
@@ -147,7 +144,7 @@ class Engine:
                     self.stop(patience=0.02)
                     self._abandoned = False
                 return not self._abandoned
-            self._abandoned = self._busy = isinstance(item, message_types.Message) and not isinstance(
+            self._abandoned = self._busy = isinstance(item, messages.Message) and not isinstance(
                 item, _ANSWERS
             )
         return True
@@ -161,7 +158,7 @@ class Engine:
         # An engine that hangs may have a thread waiting in `send`: then it is ended without a word.
         if self._send_lock.acquire(timeout=patience):
             with contextlib.suppress(OSError, ValueError):
-                process.stdin.write(messages.encode(message_types.Quit()))  # type: ignore[union-attr]
+                process.stdin.write(messages.encode(messages.Quit()))  # type: ignore[union-attr]
                 process.stdin.close()  # type: ignore[union-attr]
             self._send_lock.release()
         for end in (lambda: None, process.terminate, process.kill):
@@ -171,17 +168,17 @@ class Engine:
                     self.log.unlink(missing_ok=True)
                 return
 
-    def _checked(self, item: _Item) -> message_types.Message:
+    def _checked(self, item: _Item) -> messages.Message:
         if item is None:
             raise self._report_exit()
         if isinstance(item, _ANSWERS):
             self._busy = False
         if isinstance(item, schema.VibeError):
             raise item
-        if isinstance(item, message_types.Error):
+        if isinstance(item, messages.Error):
             kind = errors.UnexpectedError if item.unexpected else schema.VibeError
             raise kind(item.message, item.remedy)
-        if isinstance(item, message_types.Ready):
+        if isinstance(item, messages.Ready):
             try:
                 messages.check_schema(item.schema, "engine")
             except schema.VibeError:
@@ -217,11 +214,11 @@ class Engine:
         try:
             with stream:
                 for message in messages.read(stream):
-                    if isinstance(message, message_types.Readings):
+                    if isinstance(message, messages.Readings):
                         self._readings.put(message)
                         continue
                     inbox.put(message)
-                    if self._listener and isinstance(message, message_types.Stage | message_types.Progress):
+                    if self._listener and isinstance(message, messages.Stage | messages.Progress):
                         self._listener(message)
         except schema.VibeError as error:
             inbox.put(error)

@@ -44,10 +44,6 @@ def requirements() -> list[str]:
 class EngineSetup:
     """Makes an environment in a thread; a failure or `cancel` leaves nothing behind, and an older environment as it was.
 
-    Args:
-        folder: The environment's; an older one there is replaced at the end.
-        packages: Requirements for pip.
-
     Attributes:
         text: The present step, for the panel.
         fraction: The part of the present download that has arrived, 0 to 1; None while nothing is downloaded.
@@ -86,7 +82,14 @@ class EngineSetup:
     def _make(self) -> None:
         try:
             shutil.rmtree(self._part, ignore_errors=True)
-            _require_room(self.folder, self._build)
+            # Refuse before anything is downloaded if the disk is too full.
+            place = next(parent for parent in self.folder.absolute().parents if parent.is_dir())
+            free, needed = shutil.disk_usage(place).free / 1e9, self._build.disk
+            if free < needed:
+                raise schema.VibeError(
+                    f"There is not enough room on the disk: {free:.1f} GB are free, the engine takes {needed:.1f} GB.",
+                    f"Make room on the disk of {place}.",
+                )
             self._run("Making a Python environment", _python(), "-m", "venv", self._part)
             self._install()
             self.text, self.fraction = "Checking", None
@@ -109,7 +112,11 @@ class EngineSetup:
         pip = (python_of(self._part), "-m", "pip", "--disable-pip-version-check", "--no-input", "install")
         with contextlib.suppress(schema.VibeError):  # an old pip only reports downloads less well
             self._run("Updating pip", *pip, "--upgrade", "pip")
-        progress = ("--progress-bar", "raw") if _pip_version(self._part) >= (24, 1) else ()
+        # Its version is in the name of its record.
+        names = [p.name for p in self._part.glob("[Ll]ib/**/pip-*.dist-info")]
+        found = re.match(r"pip-(\d+)\.(\d+)", max(names, default=""))
+        new = found is not None and tuple(map(int, found.groups())) >= (24, 1)
+        progress = ("--progress-bar", "raw") if new else ()
         # Compiling thousands of modules, of which an engine uses some, would take most of a minute.
         pip = (*pip, "--no-compile", *progress)
         if self._build.index:  # first: with both indices at once, pip would take the newer torch
@@ -148,17 +155,6 @@ class EngineSetup:
             self.text, self.fraction = f"Installing {line.count(',') + 1} packages, for some minutes", None
 
 
-def _require_room(folder: Path, build: TorchBuild) -> None:
-    """Refuses before anything is downloaded if the disk is too full."""
-    place = next(parent for parent in folder.absolute().parents if parent.is_dir())
-    free = shutil.disk_usage(place).free / 1e9
-    if free < build.disk:
-        raise schema.VibeError(
-            f"There is not enough room on the disk: {free:.1f} GB are free, the engine takes {build.disk:.1f} GB.",
-            f"Make room on the disk of {place}.",
-        )
-
-
 def _replace(folder: Path, part: Path) -> None:
     """Puts a finished environment in the place of an older one."""
     old = folder.with_name(f"{folder.name}.old")
@@ -182,13 +178,6 @@ def _python() -> Path:
         "No Python on this computer can make an environment.",
         "Install Python 3.13 with its venv module (on Debian and Ubuntu: apt install python3-venv).",
     )
-
-
-def _pip_version(folder: Path) -> tuple[int, ...]:
-    """The version of the pip in an environment, from the name of its record; (0, 0) if unknown."""
-    names = [p.name for p in folder.glob("[Ll]ib/**/pip-*.dist-info")]
-    match = re.match(r"pip-(\d+)\.(\d+)", max(names, default=""))
-    return tuple(map(int, match.groups())) if match else (0, 0)
 
 
 def _environment() -> dict[str, str]:

@@ -57,16 +57,10 @@ def download_text(build: TorchBuild, folder: Path) -> list[str]:
         f"Python packages, {source} {_INDEX}: about {build.download} GB to download, once.",
         f"They take {build.disk} GB in {folder}. Nothing else on this computer changes.",
     ]
-    if len(choices()) > 1:
-        lines.append(_advice(build))
-    return lines
-
-
-def _advice(build: TorchBuild) -> str:
-    if has_nvidia_card():
-        if build is CUDA:
-            return "This computer has an NVIDIA card that it can use."
-        return "This computer has an NVIDIA card; this engine would not use it."
-    if build is CPU:
-        return "No NVIDIA card was found, and none is needed."
-    return "No NVIDIA card was found: these are libraries that only such a card can use."
+    advice = {  # whether a card was found, and the build
+        (True, CUDA): "This computer has an NVIDIA card that it can use.",
+        (True, CPU): "This computer has an NVIDIA card; this engine would not use it.",
+        (False, CPU): "No NVIDIA card was found, and none is needed.",
+        (False, CUDA): "No NVIDIA card was found: these are libraries that only such a card can use.",
+    }
+    return [*lines, advice[has_nvidia_card(), build]] if len(choices()) > 1 else lines

@@ -9,12 +9,14 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
+from ..core import names, rendered
+from ..core.rendered import GEOMETRY
 from ..core.schema_import import schema
 from ..scene import copies, subject
 from ..scene.geometry import visibility
 from ..scene.geometry.meshes import collect_meshes
 from ..scene.geometry.triangles import PlacedMesh, SceneGeometry, assembled
-from ..scene.scene_context import GEOMETRY, SceneContext
+from ..scene.scene_context import SceneContext
 from .materials import uv_of
 
 
@@ -74,8 +76,12 @@ class SceneAnalysis:
         return SceneContext(self.scene, self.objects, Vector(self.pivot))
 
 
-def check_camera(scene: bpy.types.Scene) -> None:
-    """Raises a VibeError for a camera that is panoramic, no camera at all, or nowhere. None passes: one will be added."""
+def check_scene(scene: bpy.types.Scene) -> None:
+    """Makes names readable, and raises a VibeError for a camera that is panoramic, no camera at all, or nowhere.
+
+    No camera passes: one will be added.
+    """
+    names.make_readable()
     camera = scene.camera
     if camera is None:
         return
@@ -97,7 +103,7 @@ def capture(scene: bpy.types.Scene) -> SceneCapture:
     """
     if scene.camera is None:
         raise schema.VibeError("The scene has no camera.", "Add one, and aim it at the subject.")
-    check_camera(scene)
+    check_scene(scene)
     meshes, warnings = copies.evaluate_render(scene, lambda depsgraph: collect_meshes(depsgraph, uv_of))
     return SceneCapture(meshes, warnings, visibility.ray_camera(scene), data_blocks())
 
@@ -136,10 +142,15 @@ def analyze(
 
 
 def _no_mesh(scene: bpy.types.Scene) -> schema.VibeError:
-    """The error for a scene that shows nothing; the picture may be in another scene of the file."""
+    """The error for a scene that shows nothing; what it has may be excluded, or in another scene of the file."""
     full = [s.name for s in bpy.data.scenes if s != scene and any(o.type in GEOMETRY for o in s.objects)]
     if not full:
-        remedy = "Add one, or unhide it for renders."
+        excluded = [c.name for c in rendered.layer(scene).layer_collection.children if c.exclude]
+        remedy = (
+            f'Include "{excluded[0]}" in the view layer.'
+            if excluded
+            else "Add one, or unhide it for renders."
+        )
         return schema.VibeError("The scene has no mesh that a render shows.", remedy)
     return schema.VibeError(
         f'The scene "{scene.name}" has no mesh that a render shows.',

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -13,10 +13,11 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ..core import names, rendered
 from ..core.schema_import import atomic, labels, schema
 from ..scene import bindings, fog, scene_context
-from ..scene.nodes import trails
-from . import measured, notes, view, world_light
+from ..scene.nodes import backgrounds, trails
+from . import compositing, measured, notes, view, world_light
 from .analysis import SceneAnalysis
 from .materials import NO_MATERIAL, ExportedMaterial, export_material
 
@@ -77,6 +78,7 @@ class SceneJob:
     warnings: list[str] = field(default_factory=list)
     # what spoils the picture whatever its look, in words for the artist
     view_notes: list[str] = field(default_factory=list)
+    filling: str = ""  # the object that fills the picture; "" where several are seen
 
     @property
     def before(self) -> dict[str, schema.Instance]:
@@ -85,10 +87,20 @@ class SceneJob:
         return {**self.instances, **backdrop}
 
     def with_additions_of(self, values: Mapping[str, Sequence[float]]) -> SceneJob:
-        """The job of the scene with those additions on standby that values (by key) use."""
+        """The job of the scene with those additions on standby, and copies of materials, that values (by key) use."""
         owners = {schema.split_key(key)[1] for key in values if key in self.standby}
         added = {key: i for key, i in self.standby.items() if i.owner in owners}
-        return replace(self, instances={**self.instances, **added})
+        return replace(self, instances={**self.instances, **added, **copied_values(self.instances, values)})
+
+
+def copied_values(
+    instances: Mapping[str, schema.Instance], keys: Iterable[str]
+) -> dict[str, schema.Instance]:
+    """The parameters of copies of materials among keys, with the values that the copies start with."""
+    sources = {
+        key: instances.get(schema.material_copies.copied_key(key)) for key in keys if key not in instances
+    }
+    return {key: replace(i, owner=schema.split_key(key)[1]) for key, i in sources.items() if i}
 
 
 def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> SceneJob:
@@ -105,9 +117,23 @@ def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> Sc
     instances, replaced = _finite_instances(_with_materials(bound, analysis, materials))
     light_rows, standby = view.standby_lights(analysis)
     standby |= view.standby_backdrop(analysis, instances)
-    warnings = [*view_notes, *notes.notes_by_reason(_material_notes(analysis, materials)), *geometry.warnings]
-    warnings += [*view.ignored_settings(scene), *replaced]
-    world, note = _write_world(scene.world, folder) if measure else ({"kind": "color"}, "")
+    warnings = [
+        names.note(),
+        *view_notes,
+        *notes.notes_by_reason(_material_notes(analysis, materials)),
+        *geometry.warnings,
+    ]
+    table = compositing.color_table(scene)
+    warnings += [*rendered.image_notes(scene), *view.light_notes(scene), *replaced]
+    if table is None and (tree := rendered.changing_compositor(scene)):
+        warnings.append(
+            f'The compositor "{tree.name}" changes the image after the render. The prediction and the search leave it '
+            "out; the final picture has it."
+        )
+    # Parameters of materials that the camera sees only by their light.
+    every = bindings.instances(scene, analysis.objects, analysis.pivot, groups=("material",), everything=True)
+    unseen = _finite_instances({key: i for key, i in every.items() if i.owner in {*geometry.materials}})[0]
+    world, note = _write_world(scene, folder) if measure else ({"kind": "color"}, "")
     content = _content(analysis, materials, instances, folder) | {
         "standby": {
             "lights": light_rows,
@@ -115,11 +141,18 @@ def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> Sc
         },
         "world": world,
         "volume": _volume(analysis, instances),
-        "unseen": {key: _parameter(i) for key, i in _unseen(analysis).items() if key not in instances},
+        "unseen": {key: _parameter(i) for key, i in unseen.items() if key not in instances},
     }
+    if getattr(scene.view_settings, "use_white_balance", False) and not content["film"]["white_balance"]:
+        warnings.append("The view transform's white balance is left out of the prediction.")
+    if table is not None:
+        content["film"]["compositor"] = "compositor.npy"
+        np.save(folder / "compositor.npy", table.astype(np.float32))
     _write(content, analysis, folder, warnings)
     all_warnings = list(dict.fromkeys(w for w in (*warnings, note) if w))
-    return SceneJob(folder, analysis, instances, standby, all_warnings, view_notes)
+    number = notes.filling(analysis)
+    filling = "" if number is None else geometry.objects[number][0]
+    return SceneJob(folder, analysis, instances, standby, all_warnings, view_notes, filling)
 
 
 def write_sketch(analysis: SceneAnalysis, folder: Path) -> None:
@@ -168,6 +201,7 @@ def _content(
             for (name, _), chosen, hidden in flags
         ],
         "film": view.film_row(scene),
+        "bounces": min(scene.cycles.max_bounces, scene.cycles.diffuse_bounces),
         "parameters": {key: _parameter(instance) for key, instance in instances.items()},
     }
 
@@ -179,10 +213,15 @@ def _write(content: dict[str, Any], analysis: SceneAnalysis, folder: Path, warni
     atomic.write_text(folder / "scene.json", json.dumps(sound, indent=1, allow_nan=False))
 
 
-def _write_world(world: bpy.types.World | None, folder: Path) -> tuple[dict[str, Any], str]:
+def _write_world(scene: bpy.types.Scene, folder: Path) -> tuple[dict[str, Any], str]:
     """The world's entry in scene.json, and a note on what is approximated of it."""
+    world = rendered.world(scene)
     pictures = world_light.pictures(world)
-    row: dict[str, Any] = {"kind": "color" if pictures.light is None else "environment"}
+    row: dict[str, Any] = {
+        "kind": "color" if pictures.light is None else "environment",
+        "hidden": rendered.unlit_by(world),
+        "horizon": backgrounds.horizon_height(scene, world),
+    }
     for name, image in (("image", pictures.light), ("backdrop", pictures.backdrop)):
         if image is not None:
             row[name] = f"world_{name}.npy"
@@ -239,14 +278,6 @@ def _with_materials(
     return instances
 
 
-def _unseen(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
-    """Parameters of materials that the camera sees only by their light."""
-    shot = analysis.scene, analysis.objects, analysis.pivot
-    every = bindings.instances(*shot, groups=("material",), everything=True)
-    shown = set(analysis.geometry.materials)
-    return _finite_instances({key: i for key, i in every.items() if i.owner in shown})[0]
-
-
 def _parameter(instance: schema.Instance) -> dict[str, Any]:
     value = list(instance.value) if instance.parameter.components == 3 else instance.value[0]
     return {"value": value, "reference": instance.reference, "role": instance.role, "locked": instance.locked}
@@ -279,7 +310,8 @@ def _volume(analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]) -
     scene = analysis.scene
     domain = fog.fog_domain(analysis.context())
     density = instances.get("volume/density")
-    if scene.world and trails.world_volume(scene.world):
+    world = rendered.world(scene)
+    if world and trails.world_volume(world):
         kind = "world"
     else:
         kind = "box" if density and density.value[0] > 0 else "none"

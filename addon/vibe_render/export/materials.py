@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..core import compat
+from ..core import compat, rendered
 from ..core.schema_import import schema
 from ..scene.nodes import inputs, layers, trails
 from ..scene.nodes.trails import FOREIGN, ValueOrigin
@@ -155,7 +155,9 @@ def export_material(
     if not shown:
         output = material.node_tree.get_output_node("CYCLES")
         # Cycles shows a surface without a shader black.
-        black = not (output and trails.active_links(output.inputs["Surface"]))
+        black = rendered.is_holdout(material) or not (
+            output and trails.active_links(output.inputs["Surface"])
+        )
         notes.append(f"A shader that is not known is shown {'black' if black else 'gray'}")
         values = {**DEFAULTS, **(BLACK if black else {})}
         row = _row(material.name_full, "approximate")

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core.schema_import import schema
 from ..scene.nodes import inputs, layers
-from ..scene.nodes.layers import TRANSPARENT, Layer, MixSide
+from ..scene.nodes.layers import TRANSPARENT, Layer
 from ..scene.nodes.trails import ValueOrigin, active_links, resolve
 from .textures import ExportedTexture
 
@@ -79,20 +79,17 @@ class Mixture:
         """
         total: np.ndarray = np.ones((1, 1, 1), np.float32)
         for side in layer.sides:
+            source = resolve(side.factor).source
+            numbers = [n for n, origin in enumerate(self.factors) if origin.source == source]
+            channel = measured.get(f"mix{numbers[0]}") if source and numbers else None
             if coats and side.grazing:
                 factor: np.ndarray = np.zeros((1, 1, 1), np.float32)
+            elif channel:
+                factor = np.clip(channel.values[..., :1], 0.0, 1.0)
             else:
-                factor = self._factor(side, measured)
+                factor = np.full((1, 1, 1), side.share if side.second else 1.0 - side.share, np.float32)
             total = total * (factor if side.second else 1.0 - factor)
         return total
-
-    def _factor(self, side: MixSide, measured: Mapping[str, MeasuredChannel]) -> np.ndarray:
-        source = resolve(side.factor).source
-        numbers = [n for n, origin in enumerate(self.factors) if origin.source == source]
-        channel = measured.get(f"mix{numbers[0]}") if source and numbers else None
-        if channel is None:
-            return np.full((1, 1, 1), side.share if side.second else 1.0 - side.share, np.float32)
-        return np.clip(channel.values[..., :1], 0.0, 1.0)
 
     def opacity(self, measured: Mapping[str, MeasuredChannel]) -> np.ndarray:
         """The part of the surface that transparent shaders leave: (h, w, 1) or (1, 1, 1)."""
@@ -106,26 +103,20 @@ class Mixture:
     def color(self, material: bpy.types.Material, measured: Mapping[str, MeasuredChannel]) -> np.ndarray:
         """The color that several shaders of a body make together, untinted: (h, w, 3) or (1, 1, 3)."""
         total, weight = np.zeros((1, 1, 3), np.float32), np.full((1, 1, 1), 1e-6, np.float32)
+        places = [each.source or each.socket for each in self.colors]
         for layer in layers.body(material):
             entry = layer.shader.entry("Base Color")
             assert entry
             origin = inputs.artists_origin(entry)
+            place = origin.source or origin.socket
+            channel = measured.get(f"color{places.index(place)}") if place in places else None
+            if channel:
+                color = channel.values
+            else:
+                color = np.array(origin.socket.default_value[:3], np.float32)[None, None]
             share = self.share(layer, measured, coats=True)
-            total = total + share * self._color(origin, measured)
-            weight = weight + share
+            total, weight = total + share * color, weight + share
         return (total / weight).astype(np.float32)
-
-    def _color(self, origin: ValueOrigin, measured: Mapping[str, MeasuredChannel]) -> np.ndarray:
-        places = [(each.source, each.socket) for each in self.colors]
-        same = [
-            n
-            for n, (source, socket) in enumerate(places)
-            if (source or socket) == (origin.source or origin.socket)
-        ]
-        channel = measured.get(f"color{same[0]}") if same else None
-        if channel is not None:
-            return channel.values
-        return np.array(origin.socket.default_value[:3], np.float32)[None, None]
 
     def glow(self, measured: Mapping[str, MeasuredChannel]) -> np.ndarray | None:
         """The part (h, w, 1) of what is not transparent that an Emission node makes; None if it is all or nothing."""

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ..core import rendered
 from ..core.schema_import import schema
-from ..scene import scene_context
 from .analysis import SceneAnalysis
 
 _NAMED = 3
@@ -27,14 +27,11 @@ def notes_by_reason(notes: Mapping[str, Sequence[str]]) -> list[str]:
     for name, reasons in notes.items():
         for reason in dict.fromkeys(reasons):
             things.setdefault(reason, []).append(name)
-    return [f"{reason} in {_listed(names)}." for reason, names in things.items()]
-
-
-def _listed(names: Sequence[str]) -> str:
-    """ "A", "A and B", "A, B and C", "A, B, C and 4 more"."""
-    if len(names) > _NAMED:
-        return f"{', '.join(names[:_NAMED])} and {len(names) - _NAMED} more"
-    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+    lines = []
+    for reason, names in things.items():
+        more = f"{len(names) - _NAMED} more" if len(names) > _NAMED else names.pop()
+        lines.append(f"{reason} in {' and '.join(filter(None, (', '.join(names[:_NAMED]), more)))}.")
+    return lines
 
 
 def shortened_notes(lines: Sequence[str]) -> list[str]:
@@ -44,23 +41,25 @@ def shortened_notes(lines: Sequence[str]) -> list[str]:
     return lines if rest <= 0 else [*lines[:_MOST], f"And {rest} more."]
 
 
+def filling(analysis: SceneAnalysis) -> int | None:
+    """The number of the object that fills the picture, and is not all that there is; None where other things are seen."""
+    objects, shown = analysis.geometry.objects, analysis.visible.object
+    number = int(np.bincount(shown[shown >= 0]).argmax())
+    alone = len(objects) < 2 or analysis.is_subject.sum() == len(objects)
+    return None if alone or (shown == number).mean() < _WHOLE_PICTURE else number
+
+
 def view_notes(analysis: SceneAnalysis) -> list[str]:
     """Faults of the camera's view, in words for the artist.
 
     Raises:
         VibeError: The picture shows nothing but an object that the artist has hidden in the viewport.
     """
-    objects, shown = analysis.geometry.objects, analysis.visible.object
-    number = int(np.bincount(shown[shown >= 0]).argmax())
-    if (
-        len(objects) < 2
-        or (shown == number).mean() < _WHOLE_PICTURE
-        or analysis.is_subject.sum() == len(objects)
-    ):
+    if (number := filling(analysis)) is None:
         return []
-    name, parent = objects[number]
+    name, parent = analysis.geometry.objects[number]
     thing = next((o for o in analysis.scene.objects if o.name_full == (parent or name)), None)
-    if thing is not None and not thing.visible_get(view_layer=scene_context.layer(analysis.scene)):
+    if thing is not None and not thing.visible_get(view_layer=rendered.layer(analysis.scene)):
         raise schema.VibeError(
             f'"{thing.name}" fills the picture: it is hidden in the viewport, but not in renders.',
             "Hide it in renders too (the camera icon in the Outliner), or show it in the viewport.",

@@ -11,8 +11,9 @@ from pathlib import Path
 import bpy
 from mathutils import Vector
 
+from ..core import rendered
 from ..core.schema_import import schema
-from ..scene import fog, scene_context, snapshot
+from ..scene import fog, snapshot
 from ..scene.geometry import visibility
 from ..scene.geometry.meshes import box_geometry
 from ..scene.nodes import owned
@@ -24,7 +25,7 @@ from .analysis import (
     VisibleScene,
     analyze,
     capture,
-    check_camera,
+    check_scene,
     data_blocks,
     with_subject_of,
 )
@@ -61,7 +62,7 @@ def prepare_and_capture(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneC
     Between the steps the caller computes `SceneCapture.visible_scene` in the background, and Blender stays usable.
     The caller has to roll back after a failure.
     """
-    check_camera(scene)
+    check_scene(scene)
     prepare_and_snapshot(scene, choice)
     return capture(scene)
 
@@ -95,7 +96,7 @@ class SceneReading:
 
 def read_scene(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneReading:
     """Reads the parameters of a scene that has a camera, without changing it; raises as `export_scene`."""
-    check_camera(scene)
+    check_scene(scene)
     analysis = analyze(scene, choice)
     return SceneReading(analysis, read_parameters(analysis))
 
@@ -123,7 +124,7 @@ def rollback_on_failure(scene: bpy.types.Scene) -> Iterator[None]:
 @contextmanager
 def _prepared(scene: bpy.types.Scene, choice: SubjectChoice) -> Iterator[SceneAnalysis]:
     """The analysis of a scene to which all that it lacks has been added; this is undone after a failure inside the block."""
-    check_camera(scene)
+    check_scene(scene)
     with rollback_on_failure(scene):
         prepare_and_snapshot(scene, choice)
         yield analyze(scene, choice)
@@ -134,10 +135,10 @@ def sketch_scene(scene: bpy.types.Scene, folder: Path, choice: SubjectChoice) ->
 
     Nothing is rendered, and nothing in the scene changes. Raises as `analysis.analyze`.
     """
-    check_camera(scene)
-    depsgraph = scene_context.depsgraph(scene)
+    check_scene(scene)
+    rendered.layer(scene).update()  # memberships and matrices of what has changed just now
     camera = visibility.ray_camera(scene)
-    shown = {obj for obj in scene_context.shown(scene) if not owned.is_unseen(obj)}
-    geometry = box_geometry(depsgraph, shown, camera)
+    shown = {obj for obj in rendered.shown(scene) if not owned.is_unseen(obj)}
+    geometry = box_geometry(scene, shown, camera)
     visible = VisibleScene(geometry, visibility.visible_surfaces(camera, geometry), frozenset())
     write_sketch(analyze(scene, choice, visible), folder)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from mathutils import Color
 
 from ..core.color import to_linear
 from ..render import bake
@@ -99,7 +100,25 @@ def image_colors(image: bpy.types.Image | None) -> np.ndarray | None:
     colors = shrink(bake.image_pixels(image), _LONGEST)
     if image.is_float or image.colorspace_settings.is_data:
         return colors
-    return to_linear(colors).astype(np.float32)
+    primaries = [Color(row).from_rec709_linear_to_scene_linear() for row in np.eye(3)]
+    return (to_linear(colors) @ np.array(primaries)).astype(np.float32)
+
+
+def is_encoded_usually(image: bpy.types.Image | None) -> bool:
+    """Whether an image's colors are linear, data or encoded as those of new images, which is sRGB in any configuration.
+
+    The color spaces of a configuration have any names, and only Blender can decode all of them: by a render.
+    """
+    if image is None or image.is_float:
+        return True
+    space = image.colorspace_settings
+    if space.is_data or not space.name:  # an unknown space is taken for sRGB
+        return True
+    fresh = bpy.data.images.new("Vibe Bake", 1, 1)
+    try:
+        return fresh.colorspace_settings.name == space.name
+    finally:
+        bpy.data.images.remove(fresh)
 
 
 def image_alpha(image: bpy.types.Image | None) -> np.ndarray | None:
@@ -137,7 +156,7 @@ def plain_image(
         return None
     node = source.node
     flat = node.projection == "FLAT" and node.image and node.image.source in ("FILE", "GENERATED")
-    return node if flat and _coordinates(node) else None
+    return node if flat and is_encoded_usually(node.image) and _coordinates(node) else None
 
 
 def _coordinates(node: bpy.types.Node) -> tuple[str, np.ndarray] | None:

@@ -4,15 +4,19 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import bpy
 import numpy as np
-from bpy.types import Collection, Object, Scene
+from bpy.types import Collection, Object
 from mathutils import Vector
 
+from ..core import rendered
+from ..core.compat import assign
 from ..core.journal import Journal
 from ..core.schema_import import schema
 from ..render import bake
@@ -63,21 +67,9 @@ def light_rows(analysis: SceneAnalysis) -> list[dict[str, Any]]:
     pivot = Vector(analysis.pivot)
     context = analysis.context()
     roles = scene_context.light_roles(context)
-    here = [_light_row(o, role, pivot) for o, role in roles.items() if analysis.scene in o.users_scene]
-    rows = here + _instanced_light_rows(context, roles)
-    for row in rows:
-        lamp = bpy.data.objects.get(row["name"])
-        if lamp and (unlit := _unlit_objects(lamp, analysis.geometry.objects)):
-            row["unlit"] = unlit
-    return rows
-
-
-def _instanced_light_rows(
-    context: scene_context.SceneContext, roles: Mapping[bpy.types.Object, str]
-) -> list[dict[str, Any]]:
-    """The entries of lights that instances show, the nearest ones, each with the values of its data-block's owner."""
-    owners = {o.data: o for o in reversed(list(roles))}
-    rows = []
+    rows = [_light_row(o, role, pivot) for o, role in roles.items() if analysis.scene in o.users_scene]
+    # Of the lights that instances show, the nearest ones, each with the values of its data-block's owner.
+    owners, instanced = {o.data: o for o in reversed(list(roles))}, []
     for obj, matrix in context.instanced_lights:
         owner = owners[obj.data]
         place = {
@@ -86,9 +78,14 @@ def _instanced_light_rows(
             "residual": [*map(list, matrix.to_3x3().normalized())],
             "position": list(matrix.translation),
         }
-        rows.append(_light_row(obj, roles[owner], context.pivot) | place)
-    rows.sort(key=lambda row: (Vector(row["position"]) - context.pivot).length)
-    return rows[:MOST_INSTANCES]
+        instanced.append(_light_row(obj, roles[owner], pivot) | place)
+    instanced.sort(key=lambda row: (Vector(row["position"]) - pivot).length)
+    rows += instanced[:MOST_INSTANCES]
+    for row in rows:
+        lamp = bpy.data.objects.get(row["name"])
+        if lamp and (unlit := _unlit_objects(lamp, analysis.geometry.objects)):
+            row["unlit"] = unlit
+    return rows
 
 
 def _light_row(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
@@ -104,6 +101,7 @@ def _light_row(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, A
         "exposure": getattr(data, "exposure", 0.0),
         "soft_falloff": getattr(data, "use_soft_falloff", True),
         "use_temperature": getattr(data, "use_temperature", False),
+        "hidden": rendered.unlit_rays(thing),
         "role": role,
         "tint": light_nodes.factor(data) or bake.mean_light_factor(thing, pivot),
     }
@@ -113,48 +111,76 @@ def _light_row(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, A
 def film_row(scene: bpy.types.Scene) -> dict[str, Any]:
     """The view transform's entry in scene.json."""
     view = scene.view_settings
-    space = getattr(getattr(bpy.data, "colorspace", None), "working_space", "Linear Rec.709")
     return {
         "ocio": ocio_config(),
         "display": scene.display_settings.display_device,
         "view": view.view_transform,
         "look": "" if view.look == "None" else view.look,
         "transparent": scene.render.film_transparent,
-        "working_space": space,
+        "working_space": getattr(getattr(bpy.data, "colorspace", None), "working_space", ""),
+        "gain": scene.cycles.film_exposure,
+        "white_balance": white_balance(scene),
         "fonts": bpy.utils.system_resource("DATAFILES", path="fonts"),
     }
 
 
+def white_balance(scene: bpy.types.Scene) -> list[list[float]]:
+    """The matrix by which the view's white balance multiplies scene-linear colors; empty without one.
+
+    Blender itself is asked: it stores a few colors as such a view shows them. Empty, too, in a studio's configuration that has
+    no view "Raw".
+    """
+    if not getattr(scene.view_settings, "use_white_balance", False):
+        return []
+    colors = 0.05 * (1.0 + np.eye(4, 3, dtype=np.float32))  # dark enough to stay below 1 at any balance
+    twin = scene.copy()
+    image = bpy.data.images.new("Vibe Colors", len(colors), 1, float_buffer=True)
+    try:
+        plain = {"look": "None", "view_transform": "Raw", "exposure": 0.0, "gamma": 1.0}
+        try:
+            assign(twin.view_settings, **plain, use_curve_mapping=False)
+        except TypeError:
+            return []
+        kind = {"media_type": "IMAGE", "file_format": "PNG", "color_mode": "RGB", "color_depth": "16"}
+        assign(twin.render.image_settings, **kind)
+        image.pixels.foreach_set(np.insert(colors, 3, 1.0, axis=1).ravel())
+        with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
+            path = Path(folder) / "colors.png"
+            image.save_render(str(path), scene=twin)
+            shown = bake.read_file(path)[0, :, :3]
+    finally:
+        bpy.data.images.remove(image)
+        bpy.data.scenes.remove(twin)
+    return np.linalg.lstsq(colors, shown, rcond=None)[0].T.tolist()
+
+
 def ocio_config() -> str:
-    """The color management configuration that this Blender uses."""
-    shipped = bpy.utils.system_resource("DATAFILES", path="colormanagement")
-    candidates = (
-        os.environ.get("BLENDER_OCIO"),
-        os.environ.get("OCIO"),
-        os.path.join(shipped, "config.ocio"),
-    )
-    return next((path for path in candidates if path and os.path.isfile(path)), "")
+    """The color management configuration that this Blender uses: a path, or a name that OpenColorIO knows."""
+    chosen = os.environ.get("BLENDER_OCIO") or os.environ.get("OCIO") or ""
+    if chosen.startswith("ocio://"):
+        return chosen
+    if os.path.isfile(chosen):
+        return os.path.abspath(chosen)  # the engine has another current folder
+    return os.path.join(bpy.utils.system_resource("DATAFILES", path="colormanagement"), "config.ocio")
 
 
-def ignored_settings(scene: bpy.types.Scene) -> list[str]:
-    """Settings of the picture that the prediction leaves out."""
-    view, render = scene.view_settings, scene.render
-    settings = {
-        "The view transform's curves are left out of the prediction.": view.use_curve_mapping,
-        "The view transform's white balance is left out of the prediction.": getattr(
-            view, "use_white_balance", False
-        ),
-        "Motion blur is left out of the prediction.": render.use_motion_blur,
-        "Freestyle lines are in the pictures, not in the prediction.": render.use_freestyle,
-        "The render border is left out: the whole picture is predicted and rendered.": render.use_border,
-    }
-    notes = [note for note, used in settings.items() if used]
-    notes += _ignored_links(scene)
-    lights = [o for o in scene.objects if o.type == "LIGHT" and scene_context.visible(scene, o)]
-    instances = scene_context.instanced_lights(scene)
-    lights += dict.fromkeys(o for o, _ in instances if o not in lights)
-    for light in lights:
-        if not scene_context.has_finite_place(light):
+def light_notes(scene: bpy.types.Scene) -> list[str]:
+    """What the prediction leaves out of the lights, in words for the artist."""
+    notes = []
+    for obj in sorted(rendered.shown(scene), key=lambda o: o.name_full):
+        linking = obj.light_linking
+        if linking.blocker_collection:
+            notes.append(
+                f"Shadow linking of {obj.name} is left out: in the prediction all objects cast its shadows."
+            )
+        surfaces = rendered.worn(obj, rendered.layer(scene)) if obj.type in rendered.GEOMETRY else []
+        glows = any(layers.emitted_radiance(material) > 0.0 for material in surfaces if material)
+        if linking.receiver_collection and glows:
+            notes.append(f"{obj.name} is linked to some objects; in the prediction its glow lights all.")
+    instances = rendered.instanced_lights(scene)
+    lights = [o for o in rendered.shown(scene) if o.type == "LIGHT" and not rendered.is_portal(o)]
+    for light in dict.fromkeys([*sorted(lights, key=lambda o: o.name_full), *(o for o, _ in instances)]):
+        if not rendered.has_finite_place(light):
             notes.append(f"{light.name} has no usable place: it is left out.")
         elif light_nodes.factor(light.data) is None:
             notes.append(f"The nodes of {light.name} are shown as their average: without a pattern.")
@@ -162,8 +188,6 @@ def ignored_settings(scene: bpy.types.Scene) -> list[str]:
     if len(instances) > MOST_INSTANCES:
         left = len(instances) - MOST_INSTANCES
         notes.append(f"{left} instances of lights, the farthest, are left out of the prediction.")
-    if render.use_multiview:
-        notes.append("Stereo is left out: the picture is what the camera itself sees.")
     return notes
 
 
@@ -190,24 +214,6 @@ def _linked_names(collection: Collection, state: str) -> set[str]:
     return names
 
 
-def _ignored_links(scene: Scene) -> list[str]:
-    """Notes on light linking that the prediction leaves out."""
-    notes = []
-    for obj in (o for o in scene.objects if scene_context.visible(scene, o)):
-        linking = obj.light_linking
-        if linking.blocker_collection:
-            notes.append(
-                f"Shadow linking of {obj.name} is left out: in the prediction all objects cast its shadows."
-            )
-        surfaces = [slot.material for slot in obj.material_slots if slot.material]
-        glows = obj.type in scene_context.GEOMETRY and any(
-            layers.emitted_radiance(material) > 0.0 for material in surfaces
-        )
-        if linking.receiver_collection and glows:
-            notes.append(f"{obj.name} is linked to some objects; in the prediction its glow lights all.")
-    return notes
-
-
 def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[str, schema.Instance]]:
     """Entries and parameters of the lights that words may add; these are in the scene only inside this function."""
     scene, pivot = analysis.scene, Vector(analysis.pivot)
@@ -216,7 +222,7 @@ def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[
     journal = Journal()
     try:
         added = bindings.add_lights(journal, scene, names, analysis.objects)
-        scene_context.layer(scene).update()
+        rendered.layer(scene).update()
         corners = scene_context.bounds(scene, analysis.objects or scene_context.meshes(scene))
         size = prepare.card_size(*corners)
         rows = [
@@ -227,7 +233,7 @@ def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[
         ours = {k: replace(i, role=known[i.owner].role) for k, i in bound.items() if i.owner in names}
     finally:
         journal.undo()
-        scene_context.layer(scene).update()
+        rendered.layer(scene).update()
     return rows, ours
 
 
@@ -240,4 +246,4 @@ def standby_backdrop(
     world_is_seen = (shown < 0).sum() >= _SEEN_WORLD * max((~mine).sum(), 1)
     if scene.render.film_transparent or not world_is_seen:
         return {}
-    return backgrounds.offered_backdrop(scene.world, instances)
+    return backgrounds.offered_backdrop(rendered.world(scene), instances)

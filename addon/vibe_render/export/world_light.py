@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from ..core.journal import Journal
 from ..render import bake
 from ..scene.nodes import backgrounds, inputs, trails
 from ..scene.nodes.inputs import FACTOR, TINT
-from .textures import image_colors
+from .textures import image_colors, is_encoded_usually
 
-_HEIGHT, _SAMPLES = 256, 32
-_MIX_HEIGHT, _MIX_SAMPLES = 512, 8
+_HEIGHT, _SAMPLES = 512, 8
 _LIGHT = {"Is Diffuse Ray": 1.0, "Is Reflection Ray": 1.0, "Ray Depth": 1.0, "Diffuse Depth": 1.0}
 """What a Light Path node says where a world lights a matte surface; its other outputs are 0."""
 
@@ -48,19 +48,18 @@ def _environment(
 ) -> tuple[np.ndarray | None, str]:
     """The picture of a single Background, not rotated (None for one color), and a note on what is approximated."""
     color = background.entry("Color") if background else None
-    source = inputs.artists_origin(color).source if color else None
-    if source is None:
+    origin = inputs.artists_origin(color) if color else None
+    if origin is None or origin.source is None:
         return None, ""
-    node = source.node
-    if node.bl_idname == "ShaderNodeTexEnvironment" and node.projection == "EQUIRECTANGULAR":
+    node = origin.source.node
+    plain = node.bl_idname == "ShaderNodeTexEnvironment" and node.projection == "EQUIRECTANGULAR"
+    if plain and is_encoded_usually(node.image) and backgrounds.is_only_turned(world):
         image = image_colors(node.image)
         if image is None:
             return np.array([[[1.0, 0.0, 1.0]]], np.float32), "the world's image is missing"
         return image, ""
-    if source.id_data != world.node_tree:
-        return None, "the world's color is computed inside a node group and is shown as one color"
-    with _plain(world, source) as twin:
-        return bake.bake_world(twin, _HEIGHT, _SAMPLES), ""
+    with _plain(world, origin) as twin:
+        return _panorama(twin), ""
 
 
 def _backdrop(world: bpy.types.World) -> np.ndarray | None:
@@ -100,7 +99,7 @@ def _mix(world: bpy.types.World) -> tuple[np.ndarray, np.ndarray | None]:
 
 def _panorama(world: bpy.types.World) -> np.ndarray:
     """A world's picture; one texel where it is the same all around."""
-    picture = bake.bake_world(world, _MIX_HEIGHT, _MIX_SAMPLES)
+    picture = bake.bake_world(world, _HEIGHT, _SAMPLES)
     even = float(np.ptp(picture, axis=(0, 1)).max()) < 1e-5 * float(picture.max())
     return picture[:1, :1] if even else picture
 
@@ -133,21 +132,24 @@ def _unlink(tree: bpy.types.NodeTree, names: tuple[str, ...]) -> None:
 
 
 @contextmanager
-def _plain(world: bpy.types.World, source: bpy.types.NodeSocket) -> Iterator[bpy.types.World]:
+def _plain(world: bpy.types.World, origin: trails.ValueOrigin) -> Iterator[bpy.types.World]:
     """A copy of a world that shows the value of an output, not rotated, at strength 1; removed afterwards."""
     twin = world.copy()
     twin.cycles.sampling_method = "NONE"
+    journal = Journal()
+    if turn := backgrounds.rotation_slot(twin):  # a parameter of its own
+        turn.set(journal, 0.0)
     tree = twin.node_tree
-    exit_ = next(s for s in tree.nodes[source.node.name].outputs if s.identifier == source.identifier)
+    exit_, groups = bake.exposed_output(tree, origin)
     background = tree.nodes.new("ShaderNodeBackground")
     tree.links.new(exit_, background.inputs["Color"])
-    for node in tree.nodes:
-        if node.bl_idname == "ShaderNodeMapping":  # the turn is a parameter of its own
-            node.inputs["Rotation"].default_value[2] = 0.0
     _unlink(tree, ("Surface", "Volume"))
     for node in [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputWorld"]:
         tree.links.new(background.outputs["Background"], node.inputs["Surface"])
     try:
         yield twin
     finally:
+        journal.undo()
         bpy.data.worlds.remove(twin)
+        for group in groups:
+            bpy.data.node_groups.remove(group)

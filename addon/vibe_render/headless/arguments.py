@@ -58,13 +58,18 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     args.cameras, args.frames = _listed(args.cameras), schema.frame_numbers(args.frames)
     checks.numbers(args)
     if args.command in ("run", "demo"):
-        checks.prompt(args.prompt, args.like, args.goals)
+        checks.prompt(args.prompt, args.like, args.goals, args.then)
+        if args.then and max(map(len, (args.scenes, args.cameras, args.frames))) > 1:
+            raise schema.VibeError(
+                "--then goes on from one shot.", "Leave out more scenes, --cameras and --frames."
+            )
         args.groups = checks.groups(args.groups)
         checks.locks(args.lock)
         checks.targets(args.target)
         args.like_only = checks.traits(args.like_only, args.like)
         args.like = os.path.abspath(args.like) if args.like else ""
         args.goals = os.path.abspath(args.goals) if args.goals else ""
+        args.then = list(args.then)
     if args.command not in ("revert", "serve"):
         if args.out is None:
             raise schema.VibeError("There is no output folder.", "Say where with --out DIR.")

@@ -22,7 +22,7 @@ from ..looks import library, transfer
 from ..render import final_render
 from ..scene import bindings, snapshot
 from ..scene.subject import remember_subject
-from . import summary, vibe
+from . import further, summary, vibe
 from .arguments import Reporter, parse
 from .scenes import check_writable, open_blend, open_scene, save_blend
 from .shots import Framing, RequestedShot
@@ -98,8 +98,8 @@ def frames(args: argparse.Namespace, reporter: Reporter) -> None:
 
 
 COMMANDS: dict[str, Callable[[argparse.Namespace, Reporter], None]] = {
-    "run": vibe.run,
-    "demo": vibe.run,
+    "run": further.run,
+    "demo": further.run,
     "export": export,
     "apply": apply,
     "revert": revert,

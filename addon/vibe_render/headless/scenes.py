@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
@@ -76,7 +76,7 @@ def save_blend(path: Path) -> None:
     """Saves the open file under another name; its paths stay right for that folder, its fluids as the artist has them."""
     # Every operator evaluates the scene before and after, so fluids are back for no longer than the writing.
     try:
-        with _at("save_pre", lambda: _set_fluids(_fluids)), _at("save_post", _hide_fluids):
+        with _at("save_pre", lambda: _set_fluids(True)), _at("save_post", lambda: _set_fluids(False)):
             bpy.ops.wm.save_as_mainfile(
                 filepath=str(path), copy=True, relative_remap=True, check_existing=False
             )
@@ -107,15 +107,12 @@ def _switch_off() -> None:
         for modifier in obj.modifiers:
             if modifier.type == "FLUID" and (modifier.show_viewport or modifier.show_render):
                 _fluids.append((obj.name, modifier.name, modifier.show_viewport, modifier.show_render))
-    _hide_fluids()
+    _set_fluids(False)
 
 
-def _hide_fluids() -> None:
-    _set_fluids((obj, modifier, False, False) for obj, modifier, _, _ in _fluids)
-
-
-def _set_fluids(rows: Iterable[tuple[str, str, bool, bool]]) -> None:
-    for name, modifier_name, viewport, renders in rows:
+def _set_fluids(shown: bool) -> None:
+    """Shows the fluids as the artist has them, or hides them."""
+    for name, modifier_name, viewport, renders in _fluids:
         obj = bpy.data.objects.get(name)
         if obj and (modifier := obj.modifiers.get(modifier_name)):
-            modifier.show_viewport, modifier.show_render = viewport, renders
+            modifier.show_viewport, modifier.show_render = shown and viewport, shown and renders

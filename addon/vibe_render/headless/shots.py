@@ -12,10 +12,12 @@ from pathlib import Path
 import bpy
 from mathutils import Vector
 
+from ..core import rendered
 from ..core.schema_import import schema
 from ..export import reading
 from ..export.job_folder import SceneJob
-from ..scene import fog, scene_context
+from ..scene import bindings, fog
+from ..scene.steps import Change
 from ..scene.subject import SubjectChoice
 from .arguments import Reporter
 from .scenes import fluid_note, open_scene
@@ -41,13 +43,12 @@ def shots_of(args: argparse.Namespace) -> list[RequestedShot]:
     ]
     if len(shots) == 1:
         return shots
-    stems = {scene: Path(scene).stem if len(args.scenes) > 1 else "" for scene in args.scenes}
-
-    def name(shot: RequestedShot) -> str:
+    named = []
+    for shot in shots:
+        stem = Path(shot.scene).stem if len(args.scenes) > 1 else ""
         frame = "" if shot.frame is None else f"frame {shot.frame}"
-        return " · ".join(filter(None, (stems[shot.scene], shot.camera, frame)))
-
-    return [replace(shot, name=name(shot)) for shot in shots]
+        named.append(replace(shot, name=" · ".join(filter(None, (stem, shot.camera, frame)))))
+    return named
 
 
 class Framing:
@@ -88,9 +89,6 @@ class Framing:
 class ShotList:
     """The shots in their order, those of one .blend together. One of them is shown at a time.
 
-    Args:
-        folder: The parent of the job folders.
-
     Attributes:
         jobs: The exported job of each shot.
         subjects: The names of each shot's subject.
@@ -98,8 +96,8 @@ class ShotList:
         choice: How the subject of the open scene is chosen.
     """
 
-    def __init__(self, args: argparse.Namespace, folder: Path, reporter: Reporter) -> None:
-        self._args, self._folder, self._reporter = args, folder, reporter
+    def __init__(self, args: argparse.Namespace, folder: Path, reporter: Reporter, change: Change) -> None:
+        self._args, self._folder, self._reporter, self._change = args, folder, reporter, change
         self.shots = shots_of(args)
         self.jobs: list[SceneJob] = []
         self.bare = False
@@ -162,6 +160,8 @@ class ShotList:
             scene, self.choice, bare = open_scene(args, self._reporter)
             self._open, self._framing = shot.scene, Framing(scene)
             self.bare = self.bare or (bare and not self.jobs)
+            if self._change.values:
+                bindings.write(scene, self._change.values, (), self._change.steps.pivot)
         self._framing.show(shot)
         return bpy.context.scene, self.choice
 
@@ -173,6 +173,6 @@ class ShotList:
         eyes = []
         for each in reversed(others):  # the first comes last, and stays
             self._shown(each)
-            scene_context.layer(scene).update()
+            rendered.layer(scene).update()
             eyes.append(scene.camera.matrix_world.translation.copy())
         return eyes

@@ -13,8 +13,9 @@ from typing import Any
 import bpy
 
 from ..core.schema_import import labels, messages, schema
+from ..export.job_folder import copied_values
 from ..export.notes import shortened_notes
-from ..run.notes import claim_lines, model_lines, word_notes
+from ..run.notes import model_lines, verdict_lines, word_notes
 from .shots import ShotList
 
 _SHOWN = 8
@@ -28,11 +29,7 @@ def report_fields(
     skipped: dict[str, str],
     stopwatch: Stopwatch,
 ) -> dict[str, Any]:
-    """The content of report.json: the engine's report with ours. Measurements of several shots are averaged.
-
-    Args:
-        skipped: By key, why a value was not written.
-    """
+    """The content of report.json: the engine's report with ours. Measurements of several shots are averaged."""
     fields = dict(result.report)
     timings = {**stopwatch.seconds, **{f"engine: {k}": v for k, v in fields.pop("timings", {}).items()}}
     versions = {**fields.pop("versions", {}), "blender": bpy.app.version_string}
@@ -44,6 +41,7 @@ def report_fields(
         "similarity": _mean([each.similarity for each in measured]),
         **_prediction(measured),
         "claims": measured[0].claims,
+        "verdicts": measured[0].verdicts,
         **({"judge": judges[0]} if judges else {}),
         **({"shots": _shots(args, shot_list, measured)} if len(shot_list) > 1 else {}),
         "stopped": result.stopped,
@@ -70,6 +68,7 @@ def _shots(
             "similarity": each.similarity,
             **_prediction([each]),
             "claims": each.claims,
+            "verdicts": each.verdicts,
             **({"judge": each.judge} if each.judge else {}),
         }
         for number, (shot, each) in enumerate(zip(shot_list.shots, measured, strict=True))
@@ -117,12 +116,13 @@ def closing_lines(
     """The lines for people at the end of a vibe; see `report_fields` for the arguments."""
     values = {k: v for k, v in result.values.items() if k not in skipped}
     notes = [*word_notes(result.report)[:6], *_warnings(shot_list, result)]
-    lines = [*(f"Note: {note}" for note in notes), *change_lines(shot_list.jobs[0].before, values)]
+    own = shot_list.jobs[0].before
+    lines = [f"Note: {note}" for note in notes] + change_lines(own | copied_values(own, values), values)
     if result.variants:
         lines.append(
             f"{len(result.variants)} variants on variants.png; `vibe apply preset-2.json` takes the second."
         )
-    lines += claim_lines(measured[0].claims)
+    lines += verdict_lines(measured[0].verdicts)
     lines += model_lines(result.report, measured[0].judge)
     for shot, each in zip(shot_list.shots, measured, strict=True):
         s, who = each.similarity, f"{shot.name}: " if len(shot_list) > 1 else ""

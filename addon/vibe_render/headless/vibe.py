@@ -11,7 +11,7 @@ import socket
 import tempfile
 import threading
 from collections.abc import Callable, Generator
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,12 +21,14 @@ from ..core import preferences
 from ..core.files import Outputs
 from ..core.schema_import import command_line, messages, schema
 from ..engine.process import Engine
+from ..export import darkness
 from ..export.analysis import SceneAnalysis
 from ..looks import transfer
 from ..render import anchors, final_render
 from ..run.driver import Driver, drive
-from ..run.notes import words_shown
+from ..run.notes import words_of
 from ..scene import bindings
+from ..scene.steps import Change, Steps
 from ..scene.subject import remember_subject
 from . import summary
 from .arguments import Reporter
@@ -36,20 +38,6 @@ from .summary import Stopwatch, numbered
 
 _SAMPLES_BEFORE = 16
 """The most that the picture before takes: it is only compared with, and the denoiser does the rest."""
-
-
-def run(args: argparse.Namespace, reporter: Reporter) -> None:
-    """Runs one vibe with an engine of its own, from opening the scene to the saved files."""
-    engine = Engine(args.engine, listener=reporter.engine)
-    engine.start()  # first, so that engine and scene load at the same time
-    vibe = HeadlessVibe(args, reporter, engine)
-    on_interrupt(vibe.stop)
-    try:
-        vibe.run()
-    except BaseException:
-        engine.stop(patience=0.1)  # it may be busy
-        raise
-    engine.stop()
 
 
 def on_interrupt(act: Callable[[], Any]) -> None:
@@ -76,22 +64,21 @@ def on_interrupt(act: Callable[[], Any]) -> None:
 
 
 class HeadlessVibe(Driver):
-    """One vibe of all shots of a command line.
+    """One vibe of all shots of a command line."""
 
-    Args:
-        args: The command line, from `arguments.parse`.
-        reporter: Takes every stage, and the result.
-        engine: Runs already, and keeps running: another vibe can follow.
-    """
-
-    def __init__(self, args: argparse.Namespace, reporter: Reporter, engine: Engine) -> None:
+    def __init__(
+        self, args: argparse.Namespace, reporter: Reporter, engine: Engine, change: Change | None = None
+    ) -> None:
         self._temporary = tempfile.TemporaryDirectory(prefix="vibe-", ignore_cleanup_errors=True)
         super().__init__(engine, Path(self._temporary.name))
         self._args, self._reporter, self._stopwatch = args, reporter, Stopwatch()
         self._out = Outputs(args.out)
-        self._shots = ShotList(args, self._job, reporter)
+        self._change = change or Change(Steps(), title=args.prompt, first=True)
+        self._steps = self._change.steps
+        self._shots = ShotList(args, self._job, reporter, self._change)
         self._measured: list[messages.Finished] = []
         self._skipped: dict[str, str] = {}  # by key, why a value was not written
+        self._unlit = False  # whether the first shot, which the engine tells about, is black before the vibe
 
     def run(self) -> SceneAnalysis:
         """Runs it to its end.
@@ -110,31 +97,17 @@ class HeadlessVibe(Driver):
                 fields = summary.report_fields(
                     self._args, self._shots, result, self._measured, self._skipped, self._stopwatch
                 )
+                fields["steps"] = self._steps.rows()
                 self._out.write_json("report.json", fields)
             lines = summary.closing_lines(self._shots, result, self._measured, self._skipped)
-            missing = [word for word, what in words_shown(self._measured[0].claims).items() if what]
-            self._reporter.result(lines, result.stopped, missing)
+            missed = words_of(self._measured[0].verdicts, "missed")
+            self._reporter.result(lines, result.stopped, missed)
         return self._shots.jobs[-1].analysis
 
     def _run(self) -> Generator[str]:
         """The vibe's steps: the search for the look, then every shot with it."""
         self._shots.export()
         self._stopwatch.lap("open and export")
-        self._ask(self._request())
-        # The engine works while the pictures before are rendered; the last shot is still open.
-        for number in reversed(range(len(self._shots))):
-            scene = self._render(number, "before.png", min(self._args.samples, _SAMPLES_BEFORE))
-            if note := final_render.black_note(scene, self._out.path(numbered("before.png", number))):
-                self._shots.jobs[number].warnings.insert(0, note)
-                self._reporter.note(note)
-        self._stopwatch.lap("render before")
-        result = yield from self._answer(messages.Result)
-        self._stopwatch.lap("wait for the engine")
-        for number in range(len(self._shots)):
-            yield from self._finish_shot(number, result)
-        self._write_variants(result)
-
-    def _request(self) -> messages.Vibe:
         several = len(self._shots) > 1
         shots = [
             messages.Shot(str(job.folder), shot.name, shot.scene)
@@ -142,13 +115,28 @@ class HeadlessVibe(Driver):
         ]
         free_camera = self._shots.bare and not several
         options = command_line.engine_options(self._args, camera=free_camera, online=preferences.online())
-        return messages.Vibe(
-            schema.schema_hash(),
-            shots[0].job,
-            self._args.prompt,
-            asdict(options),
-            shots=shots if several else [],
-        )
+        options = replace(options, goes_on=not self._change.first)
+        words, others = self._args.prompt, shots if several else []
+        self._ask(messages.Vibe(schema.schema_hash(), shots[0].job, words, asdict(options), shots=others))
+        # The engine works while the pictures before are rendered; the last shot is still open.
+        for number in reversed(range(len(self._shots))):
+            scene = self._render(number, "before.png", min(self._args.samples, _SAMPLES_BEFORE))
+            if final_render.is_black(self._out.path(numbered("before.png", number))):
+                darkness.check_shows(scene, self._shots.jobs[number].filling, lit=True)
+                self._unlit |= number == 0
+        self._stopwatch.lap("render before")
+        result = yield from self._answer(messages.Result)
+        self._stopwatch.lap("wait for the engine")
+        for number in range(len(self._shots)):
+            yield from self._finish_shot(number, result)
+        # A preset of every variant, and their contact sheet.
+        job, prompt = self._shots.jobs[0], result.report["prompt"]
+        for number, variant in enumerate(result.variants, start=1):
+            scene_job, name = job.with_additions_of(variant.values), f"{number}: {prompt}"
+            look = transfer.extract_look(prompt, scene_job, variant.values, name, _goals(result))
+            self._out.write_text(f"preset-{number}.json", look.dumps())
+        if result.variants:
+            self._out.copy(messages.VARIANTS, Path(job.folder) / messages.VARIANTS)
 
     def _finish_shot(self, number: int, result: messages.Result) -> Generator[str]:
         """Writes the values into a shot's scene, renders and saves it, while the engine measures it."""
@@ -160,6 +148,8 @@ class HeadlessVibe(Driver):
             self._skipped |= bindings.write(analysis.scene, values, analysis.objects, analysis.pivot)
             if shots.choice.explicit:
                 remember_subject(analysis.scene, analysis.objects)
+        if len(shots) == 1:
+            self._add_step(result)
         self._reporter.stage("rendering with Cycles")
         self._render(number, "after.png", args.samples)
         if args.figures:
@@ -172,8 +162,9 @@ class HeadlessVibe(Driver):
         compared = folder / "compare.png"
         self._ask(messages.Finish(before, after, str(compared), shot=number))
         if number == 0:
-            scene, goals = shots.jobs[0].with_additions_of(result.values), _goals(result)
-            look = transfer.extract_look(result.report["prompt"], scene, result.values, goals=goals)
+            values = result.values if self._change.first else self._steps.values()
+            scene, goals = shots.jobs[0].with_additions_of(values), _goals(result)
+            look = transfer.extract_look(result.report["prompt"], scene, values, goals=goals)
             out.write_text("preset.json", look.dumps())
         if args.grade_each or number == siblings[-1]:
             if not args.grade_each:
@@ -181,6 +172,8 @@ class HeadlessVibe(Driver):
             save_blend(out.path(summary.blend_of(args, shots, number)))
         self._measured.append((yield from self._answer(messages.Finished)))
         out.copy("compare.png", compared)
+        if args.then:
+            out.copy(f"step-{self._steps.shown}.png", out.path("after.png"))
         out.copy(numbered("predicted.png", number), folder / result.prediction)
         self._stopwatch.lap("save and measure")
 
@@ -199,6 +192,17 @@ class HeadlessVibe(Driver):
         film = {key: list(instance.value) for key, instance in instances.items() if key.startswith("film/")}
         return values | {key: value for key, value in film.items() if key in values} | result.shots[number]
 
+    def _add_step(self, result: messages.Result) -> None:
+        """Keeps the result in the scene, as a step that further sentences go on from."""
+        job, steps = self._shots.jobs[0], self._steps
+        before = {key: instance.value for key, instance in job.before.items()}
+        written = {k: v for k, v in result.values.items() if k not in self._skipped}
+        reasons = {key: row["reason"] for key, row in result.report["parameters"].items()}
+        steps.pivot = list(job.analysis.pivot)
+        self._change.title = self._change.title or result.report["prompt"]
+        steps.add(self._change, before, written, reasons, result.report["goals"])
+        steps.store(job.analysis.scene)
+
     def _render(self, number: int, name: str, samples: int) -> bpy.types.Scene:
         scene, args = self._shots.show(number).analysis.scene, self._args
         final_render.render_picture(
@@ -206,15 +210,10 @@ class HeadlessVibe(Driver):
         )
         return scene
 
-    def _write_variants(self, result: messages.Result) -> None:
-        """Writes a preset of every variant, and their contact sheet."""
-        job, prompt = self._shots.jobs[0], result.report["prompt"]
-        for number, variant in enumerate(result.variants, start=1):
-            scene, name = job.with_additions_of(variant.values), f"{number}: {prompt}"
-            look = transfer.extract_look(prompt, scene, variant.values, name, _goals(result))
-            self._out.write_text(f"preset-{number}.json", look.dumps())
-        if result.variants:
-            self._out.copy(messages.VARIANTS, Path(job.folder) / messages.VARIANTS)
+    def _show_message(self, message: messages.Message) -> None:
+        if isinstance(message, messages.Stage) and self._unlit and not message.lit:
+            job = self._shots.show(0)
+            darkness.check_shows(job.analysis.scene, job.filling, lit=False)
 
     def _anchor_stage(self, request: messages.Anchor) -> str:
         name = self._shots.shots[request.shot].name

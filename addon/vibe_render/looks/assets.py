@@ -19,12 +19,11 @@ import numpy as np
 from bpy.types import ID, Material, Scene
 from mathutils import Matrix, Vector
 
-from ..core import compat
+from ..core import compat, rendered
 from ..core.files import whole
 from ..core.schema_import import schema
 from ..export.analysis import SceneAnalysis
-from ..render import final_render
-from ..scene import scene_context
+from ..render import bake, final_render
 from ..scene.nodes import grade, owned
 from ..scene.stage import area_light, framing_camera, plain_world
 from . import thumbnail
@@ -86,15 +85,8 @@ def add_catalogs(place: Path, paths: Iterable[str]) -> None:
         raise schema.VibeError(f"{file} cannot be changed: {error}.", "Choose another folder.") from error
 
 
-def _set_preview(block: ID, pixels: np.ndarray) -> None:
-    """Gives a data-block a preview: pixels (H, W, 4) as displays show them, 0 to 1, row 0 at the bottom."""
-    preview = block.preview_ensure()
-    preview.image_size = (pixels.shape[1], pixels.shape[0])
-    preview.image_pixels_float.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
-
-
 def _material_balls(materials: Sequence[Material]) -> list[np.ndarray]:
-    """Small Cycles renders of a ball of each material, as for `_set_preview`. Nothing of them stays in the file."""
+    """Small Cycles renders of a ball of each material, as for `bake.read_file`. Nothing of them stays in the file."""
     before = {block for kind in _KINDS for block in getattr(bpy.data, kind)}
     try:
         scene, ball = _ball_stage()
@@ -103,7 +95,7 @@ def _material_balls(materials: Sequence[Material]) -> list[np.ndarray]:
             for material in materials:
                 ball.data.materials[0] = material
                 final_render.render_picture(scene, path, thumbnail.SIZE, _BALL_SAMPLES)
-                pictures.append(thumbnail.read_picture(path))
+                pictures.append(bake.read_file(path))
             return pictures
     finally:
         temporary = [(kind, b) for kind in _KINDS for b in list(getattr(bpy.data, kind)) if b not in before]
@@ -171,11 +163,6 @@ def export_assets(
 ) -> list[str]:
     """Writes the look that a scene has now; returns the names of the assets.
 
-    Args:
-        materials: The materials that belong to the look.
-        path: The .blend to write, or to replace.
-        picture: A thumbnail of the look: the preview of assets that are no materials.
-
     Raises:
         VibeError: There is nothing to export, or the files cannot be written.
     """
@@ -184,17 +171,20 @@ def export_assets(
         surfaces = [crate.keep("materials", material.copy(), material.name) for material in materials]
         for surface in surfaces:
             crate.mark(surface, "Materials", words)
-        if world := analysis.scene.world:
+        if world := rendered.world(analysis.scene):
             crate.mark(crate.keep("worlds", world.copy(), "World"), "Worlds", words)
         for pack in (_rig, _grade, _fog):
             pack(crate, analysis, words)
         if not crate.assets:
             raise schema.VibeError("There is nothing to export.", "Vibe the scene first, or apply a preset.")
         # Materials show themselves, other assets the look.
-        look = thumbnail.read_picture(picture)
+        look = bake.read_file(picture)
         pictures = dict(zip(surfaces, _material_balls(surfaces), strict=True))
         for block, _ in crate.assets:
-            _set_preview(block, pictures.get(block, look))
+            pixels = pictures.get(block, look)
+            preview = block.preview_ensure()
+            preview.image_size = (pixels.shape[1], pixels.shape[0])
+            preview.image_pixels_float.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
         # Write the copies, and their catalogs to the library that the file is in.
         blocks = {block for block, _ in crate.assets}
         with whole(path) as part:
@@ -211,7 +201,7 @@ def export_assets(
 
 def _rig(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
     """A collection of the scene's lights; its origin is what the subject stands on."""
-    lights = scene_context.lights(analysis.scene)
+    lights = rendered.lights(analysis.scene)
     if not lights:
         return
     rig = crate.keep("collections", bpy.data.collections.new("Rig"), "Light Rig")

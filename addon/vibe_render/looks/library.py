@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The preset library: the looks that come with Vibe Render, and the artist's own in a folder of theirs.
 
-A preset is NAME.json with a picture NAME.jpg next to it. Other files in the folders are never touched.
+A preset is NAME.json with a picture NAME.jpg next to it. Other files in the folders are never touched. What cannot be done,
+because a file cannot be read or written, or a preset is shipped or broken, is a VibeError.
 """
 
 from __future__ import annotations
 
 import contextlib
 import re
-import shutil
 import unicodedata
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -85,11 +85,7 @@ def preset_named(preset_: str) -> preset.Preset:
 
 
 def find_preset(name: str) -> Look:
-    """The preset of a name, or of its beginning if only one preset starts so, in any case.
-
-    Raises:
-        VibeError: There is none, or more than one.
-    """
+    """The preset of a name, or of its beginning if only one preset starts so, in any case; a VibeError otherwise."""
     library, folded = all_looks(), name.casefold().strip()
     for same in (
         lambda look: look.name.casefold() == folded,
@@ -122,19 +118,12 @@ def save_preset(look: preset.Preset, picture: Path | None = None) -> Look:
 
     Args:
         picture: A JPEG of it; a file that is none is ignored.
-
-    Raises:
-        VibeError: The folder cannot be written.
     """
     return _write(preset_folder(create=True), look, picture)
 
 
 def rename_preset(look: Look, name: str) -> Look:
-    """Gives one of the artist's presets another name, numbered where another preset has it.
-
-    Raises:
-        VibeError: The name is empty, the preset is shipped or broken, or the folder cannot be written.
-    """
+    """Gives one of the artist's presets another name, numbered where another preset has it."""
     name = preset.title(name)
     if not name:
         raise schema.VibeError("A preset needs a name.", "Type one.")
@@ -148,11 +137,7 @@ def rename_preset(look: Look, name: str) -> Look:
 
 
 def delete_preset(look: Look) -> None:
-    """Deletes one of the artist's presets and its picture.
-
-    Raises:
-        VibeError: It is a shipped one, or cannot be deleted.
-    """
+    """Deletes one of the artist's presets and its picture."""
     _check_own(look)
     try:
         look.path.unlink(missing_ok=True)
@@ -164,21 +149,13 @@ def delete_preset(look: Look) -> None:
 
 
 def import_preset(path: Path) -> Look:
-    """Copies a preset file into the artist's own presets.
-
-    Raises:
-        VibeError: The file is no preset, or the folder cannot be written.
-    """
+    """Copies a preset file into the artist's own presets."""
     look = transfer.load_preset(path)
     return save_preset(replace(look, name=look.name or preset.title(path.stem)), path.with_suffix(PICTURE))
 
 
 def export_preset(look: Look, path: Path) -> None:
-    """Writes a preset to a .json file, with its picture next to it.
-
-    Raises:
-        VibeError: The preset is broken, or the file cannot be written.
-    """
+    """Writes a preset to a .json file, with its picture next to it."""
     path = path.with_suffix(".json")
     if look.preset is None:
         raise schema.VibeError(look.problem, "Delete it, or correct the file.")
@@ -238,14 +215,8 @@ def _put(path: Path, look: preset.Preset, picture: Path | None) -> None:
     picture_path = path.with_suffix(PICTURE)
     with whole(path, "Check the folder.") as part:
         part.write_text(look.dumps() + "\n", encoding="utf-8")
-        if picture and picture != picture_path and _is_picture(picture):
-            with whole(picture_path) as copied:
-                shutil.copyfile(picture, copied)
-
-
-def _is_picture(path: Path) -> bool:
-    """Whether a file is a JPEG of a sensible size."""
-    if not path.is_file() or path.stat().st_size > _LARGEST_PICTURE:
-        return False
-    with path.open("rb") as file:
-        return file.read(len(_JPEG)) == _JPEG
+        if picture and picture != picture_path and picture.is_file():
+            data = picture.read_bytes() if picture.stat().st_size <= _LARGEST_PICTURE else b""
+            if data.startswith(_JPEG):
+                with whole(picture_path) as copied:
+                    copied.write_bytes(data)

@@ -36,7 +36,7 @@ def save_thumbnail(picture: Path, out: Path) -> None:
         VibeError: The picture cannot be read, or the file cannot be written.
     """
     try:
-        pixels = read_picture(picture)
+        pixels = bake.read_file(picture)
     except RuntimeError as error:
         raise schema.VibeError(f"No thumbnail could be made: {error}.", "Check the folder.") from error
     side = min(pixels.shape[:2])
@@ -52,13 +52,3 @@ def save_thumbnail(picture: Path, out: Path) -> None:
             small.save(quality=_QUALITY)
         finally:
             bpy.data.images.remove(small)
-
-
-def read_picture(picture: Path) -> np.ndarray:
-    """(H, W, 4) as stored, 0 to 1, row 0 at the bottom."""
-    image = bpy.data.images.load(str(picture))
-    try:
-        image.colorspace_settings.name = "Non-Color"
-        return bake.image_channels(image)
-    finally:
-        bpy.data.images.remove(image)

@@ -26,26 +26,21 @@ _DIM = 0.01  # radiance of white below which a light is too dark to be added
 _PROMINENT = 0.5  # of the visible area of the subject's largest material: smaller materials keep their look
 _TINTS = {"base_color": "tint", "color": "tint", "backdrop_color": "backdrop_tint"}
 """The colors that a texture takes the place of, and what tints it."""
-_ONLY_LAMPS = {"distance"}  # suns have none, which needs no note
+_UNNOTED = {"distance", "backdrop_horizon"}  # suns have no distance, and pictures bring their own horizon
 
 
 def load_preset(path: Path) -> preset.Preset:
-    """Reads a preset file.
-
-    Raises:
-        VibeError: It cannot be read, is too large, or is no preset (see `preset.loads`).
-    """
+    """Reads a preset file; a VibeError if it cannot be read, is too large, or is no preset (see `preset.loads`)."""
     try:
         with path.open("rb") as file:
             content = file.read(preset.LARGEST + 1)
         if len(content) > preset.LARGEST:
             raise schema.VibeError(f"{path.name} is too large for a preset.", "Choose a preset file.")
-        look = preset.loads(content.decode("utf-8"))
+        return preset.loads(content.decode("utf-8"))
     except (OSError, UnicodeDecodeError) as error:
         raise schema.VibeError(
             f"{path} cannot be read: {getattr(error, 'strerror', None) or error}.", "Check the path."
         ) from error
-    return look
 
 
 def extract_look(
@@ -148,8 +143,12 @@ def fit_look(look: preset.Preset, target: SceneParameters) -> Fit:
         if not theirs and entries:
             _missing(result, target, role, entries[0], kinds)
         if role == "subject":
-            theirs, less = _prominent(theirs, len(entries), visible_areas(target.analysis))
-            result.rest += [f"{owner}: shows too little to be what the look is about" for owner in less]
+            # Materials beyond the entries that are too small for one: tires do not get the car's paint.
+            areas = visible_areas(target.analysis)
+            least = _PROMINENT * areas.get(theirs[0], 0.0) if theirs else 0.0
+            small = [owner for owner in theirs[len(entries) :] if areas.get(owner, 0.0) < least]
+            theirs = [owner for owner in theirs if owner not in small]
+            result.rest += [f"{owner}: shows too little to be what the look is about" for owner in small]
         for place, owner in enumerate(theirs if entries else ()):
             index = min(place, len(entries) - 1)
             entry = entries[index]
@@ -161,13 +160,6 @@ def fit_look(look: preset.Preset, target: SceneParameters) -> Fit:
         if left_over:
             result.rest.append(f"{_words(role)}: {left_over} more than this scene has")
     return result
-
-
-def _prominent(owners: list[str], count: int, areas: dict[str, float]) -> tuple[list[str], list[str]]:
-    """The subject's materials that get an entry, and those too small for one: tires do not get the car's paint."""
-    least = _PROMINENT * areas.get(owners[0], 0.0) if owners else 0.0
-    rest = [owner for owner in owners[count:] if areas.get(owner, 0.0) < least]
-    return [owner for owner in owners if owner not in rest], rest
 
 
 def _words(role: str) -> str:
@@ -215,9 +207,16 @@ def _put(result: Fit, target: SceneParameters, group: str, owner: str, name: str
     key = schema.FAMILIES[f"{group}/{name}"].key(owner)
     instance = target.instances.get(key)
     if instance is None or instance.locked:
-        tinted = _as_tint(target, group, owner, _TINTS[name], value) if name in _TINTS else {}
-        result.values |= tinted
-        if not tinted and not (instance is None and name in _ONLY_LAMPS):
+        # A texture gets the color by its tint.
+        where = f"{group}/{owner}" if owner else group
+        tint = target.instances.get(f"{where}/{_TINTS[name]}") if name in _TINTS else None
+        if tint and not tint.locked:
+            level = _TEXTURE_LUMA if group == "material" else max(*value, 1e-3)
+            result.values[tint.key] = [min(v / level, h) for v, h in zip(value, tint.upper, strict=True)]
+            recolor = target.instances.get(f"{where}/recolor")
+            if recolor and not recolor.locked:
+                result.values[recolor.key] = [1.0]
+        elif instance or name not in _UNNOTED:
             reason = instance.locked if instance else "there is nothing of that kind in this scene"
             result.rest.append(f"{labels.title(key)}: {reason}")
         return
@@ -225,16 +224,3 @@ def _put(result: Fit, target: SceneParameters, group: str, owner: str, name: str
         value = [value[0] + camera_azimuth(target)]
     bounds = zip(value, instance.lower, instance.upper, strict=True)
     result.values[key] = [min(max(v * instance.reference, low), high) for v, low, high in bounds]
-
-
-def _as_tint(
-    target: SceneParameters, group: str, owner: str, name: str, color: list[float]
-) -> dict[str, list[float]]:
-    """The tint that gives a texture this color; nothing if it has no tint, or a locked one."""
-    tint = target.instances.get(f"{group}/{owner}/{name}" if owner else f"{group}/{name}")
-    recolor = target.instances.get(f"{group}/{owner}/recolor")
-    if tint is None or tint.locked:
-        return {}
-    level = _TEXTURE_LUMA if group == "material" else max(*color, 1e-3)
-    tinted = {tint.key: [min(v / level, high) for v, high in zip(color, tint.upper, strict=True)]}
-    return {**tinted, recolor.key: [1.0]} if recolor and not recolor.locked else tinted

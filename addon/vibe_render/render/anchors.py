@@ -15,9 +15,10 @@ from pathlib import Path
 import bpy
 from bpy.types import Object, Scene
 
+from ..core import rendered
 from ..core.compat import changed
 from ..core.schema_import import messages, schema
-from ..scene import bindings, scene_context
+from ..scene import bindings
 from ..scene.copies import copied_scene
 from . import final_render
 
@@ -55,17 +56,12 @@ def render_anchor(
     The file has the layers "Combined", "Noisy Image" and one "Combined_…" of every light group, in scene-linear light.
     It appears whole or not at all, and the scene is left exactly as it was.
 
-    Args:
-        values, subject, pivot: As for `bindings.write`; values of the film are ignored.
-        size: Longer side of the picture, pixels; the scene's aspect is kept.
-        samples: Most samples in a pixel.
-
     Returns:
         Light group to the owner of its light: "light/NAME" or "world". Other light is only in the whole.
     """
     linear_values = {key: value for key, value in values.items() if not key.startswith("film/")}
     with bindings.trial(scene, linear_values, subject, pivot), copied_scene(scene) as twin:
-        layer = scene_context.layer(twin)
+        layer = rendered.layer(twin)
         layer.cycles.denoising_store_passes = True
         with _light_groups(scene, layer) as groups:
             final_render.render_layers(twin, layer, path, size, samples, seed)
@@ -77,12 +73,12 @@ def _light_groups(scene: Scene, layer: bpy.types.ViewLayer) -> Iterator[dict[str
     """A light group for every light that can be edited, and for the world; the artist's are put back afterwards."""
     # Lights that share their data are one group.
     sharing: dict[bpy.types.ID, list[bpy.types.ID]] = {}
-    instanced = dict.fromkeys(light for light, _ in scene_context.instanced_lights(scene))
-    for light in dict.fromkeys([*scene_context.lights(scene), *instanced]):
+    instanced = dict.fromkeys(light for light, _ in rendered.instanced_lights(scene))
+    for light in dict.fromkeys([*rendered.lights(scene), *instanced]):
         sharing.setdefault(light.data, []).append(light)
     emitters = [(f"light/{members[0].name_full}", members) for members in sharing.values()]
-    if scene.world:
-        emitters.append(("world", [scene.world]))
+    if world := rendered.world(scene):
+        emitters.append(("world", [world]))
     groups: dict[str, str] = {}
     with ExitStack() as stack:
         for owner, members in emitters:

@@ -9,11 +9,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import bmesh
 import bpy
 import numpy as np
 from bpy.types import Light, Object, Scene
 from mathutils import Vector
 
+from ..core import rendered
 from ..core.compat import assign, changed
 from ..core.files import whole
 from ..scene.copies import copied_scene
@@ -39,7 +41,7 @@ def _render_linear(scene: bpy.types.Scene, samples: int) -> np.ndarray:
         assign(scene.render.image_settings, **kind)
         with whole(path) as part:
             scene.render.filepath = str(part)
-            bpy.ops.render.render(scene=scene.name, layer=scene.view_layers[0].name, write_still=True)
+            bpy.ops.render.render(scene=scene.name, layer=rendered.layer(scene).name, write_still=True)
         image = bpy.data.images.load(str(path))
         try:
             return image_pixels(image)
@@ -55,6 +57,16 @@ def image_channels(image: bpy.types.Image) -> np.ndarray:
     return flat.reshape(height, width, image.channels)
 
 
+def read_file(path: Path) -> np.ndarray:
+    """The pixels of an image file as they are stored: (H, W, C) float32, row 0 at the bottom."""
+    image = bpy.data.images.load(str(path))
+    try:
+        image.colorspace_settings.is_data = True
+        return image_channels(image)
+    finally:
+        bpy.data.images.remove(image)
+
+
 def image_pixels(image: bpy.types.Image) -> np.ndarray:
     """Red, green and blue of `image_channels`; what is not finite counts as 0, as it does in Cycles."""
     values = np.nan_to_num(image_channels(image), copy=False, nan=0.0, posinf=0.0, neginf=0.0)
@@ -66,7 +78,7 @@ def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.
     """A copy of a material (and of the groups on the way) that emits one of its outputs; removed after the block."""
     twin = material.copy()
     tree = twin.node_tree
-    exit_, groups = _exposed_output(tree, origin)
+    exit_, groups = exposed_output(tree, origin)
     glow = tree.nodes.new("ShaderNodeEmission")
     tree.links.new(exit_, glow.inputs["Color"])
     for output in [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial"]:
@@ -82,7 +94,7 @@ def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.
             bpy.data.node_groups.remove(group)
 
 
-def _exposed_output(
+def exposed_output(
     tree: bpy.types.NodeTree, origin: ValueOrigin
 ) -> tuple[bpy.types.NodeSocket, list[bpy.types.NodeTree]]:
     """An output in a tree for the value of one inside its node groups, and the copies of groups made for it."""
@@ -109,8 +121,8 @@ def bake_view(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -
     with copied_scene(
         scene, resolution_x=width, resolution_y=height, resolution_percentage=100, film_transparent=False
     ) as twin:
-        twin.world = None
-        twin.view_layers[0].material_override = material
+        rendered.set_world(twin, None)
+        rendered.layer(twin).material_override = material
         return _render_linear(twin, samples=4)
 
 
@@ -203,7 +215,10 @@ def _weights(toward: Vector) -> np.ndarray:
 def _lit_ball(light: Object, radius: float) -> Iterator[tuple[Scene, Light]]:
     """A scene with a copy of a light in the middle of a ball, and the copy's data."""
     data, mesh = light.data.copy(), bpy.data.meshes.new("Vibe Bake")
-    _make_ball(mesh, radius)
+    shape = bmesh.new()
+    bmesh.ops.create_uvsphere(shape, u_segments=32, v_segments=16, radius=radius)
+    shape.to_mesh(mesh)
+    shape.free()
     lamp, ball = bpy.data.objects.new("Vibe Bake", data), bpy.data.objects.new("Vibe Bake", mesh)
     data.energy, data.color = _WATTS, (1.0, 1.0, 1.0)
     if hasattr(data, "use_temperature"):
@@ -222,18 +237,3 @@ def _lit_ball(light: Object, radius: float) -> Iterator[tuple[Scene, Light]]:
         bpy.data.objects.remove(ball)
         bpy.data.lights.remove(data)
         bpy.data.meshes.remove(mesh)
-
-
-def _make_ball(mesh: bpy.types.Mesh, radius: float) -> None:
-    rows, columns = 16, 32
-    points = [
-        (
-            radius * math.sin(math.pi * r / rows) * math.cos(2 * math.pi * c / columns),
-            radius * math.sin(math.pi * r / rows) * math.sin(2 * math.pi * c / columns),
-            radius * math.cos(math.pi * r / rows),
-        )
-        for r in range(rows + 1)
-        for c in range(columns)
-    ]
-    cells = [(r * columns + c, r * columns + (c + 1) % columns) for r in range(rows) for c in range(columns)]
-    mesh.from_pydata(points, [], [(a, b, b + columns, a + columns) for a, b in cells])

@@ -14,13 +14,14 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
 from mathutils import Matrix
 
+from ..core import rendered
 from ..core.compat import changed
-from ..scene import scene_context
 from ..scene.copies import copied_scene
 from ..scene.nodes.trails import ValueOrigin
 from . import final_render
@@ -83,20 +84,13 @@ def bake_passes(
     sides = (_FAR_SIDE, _FAR_SIDE) if plane else (scene.render.resolution_x, scene.render.resolution_y)
     scale = min(1.0, _LONGEST / max(sides))
     width, height = (max(16, round(scale * side)) for side in sides)  # Blender refuses fewer
+    frame: dict[str, Any] = {"resolution_x": width, "resolution_y": height, "resolution_percentage": 100}
     with ExitStack() as stack:
         for request in outputs.values():
             stack.enter_context(_sent(request, f"Vibe {request.channel}"))
         for number, name in enumerate(names, 1):
             stack.enter_context(_marked(materials[name], float(number)))
-        twin = stack.enter_context(
-            copied_scene(
-                scene,
-                resolution_x=width,
-                resolution_y=height,
-                resolution_percentage=100,
-                film_transparent=False,
-            )
-        )
+        twin = stack.enter_context(copied_scene(scene, **frame, film_transparent=False))
         if plane:
             stack.enter_context(straight_on(twin, plane))
         passes = _render(twin, channels, _FAR_SAMPLES if plane else _SAMPLES)
@@ -118,8 +112,8 @@ def _is_color(channel: str) -> bool:
 
 def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dict[str, np.ndarray]:
     """All AOVs; lamps, worlds and fog are left out as far as a scene's own settings can."""
-    layer, cycles = scene_context.layer(twin), twin.cycles
-    twin.world = None
+    layer, cycles = rendered.layer(twin), twin.cycles
+    rendered.set_world(twin, None)
     twin.render.engine = "CYCLES"
     for name in (*channels, _INDEX, _SQUARE):
         aov = layer.aovs.add()
@@ -138,7 +132,7 @@ def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dic
             pixel_filter_type="BOX",
             time_limit=0.0,
         ),
-        changed(layer, pass_alpha_threshold=0.0, material_override=None),
+        changed(layer, pass_alpha_threshold=0.0),
     ):
         return render_passes(twin)
 
@@ -281,7 +275,7 @@ def render_passes(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
     Returns:
         (H, W, C) float32 each, row 0 at the bottom; the channels in the order R, G, B, A or X, Y, Z, W.
     """
-    layer = scene_context.layer(scene)
+    layer = rendered.layer(scene)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "passes.exr"
         final_render.write_layers(scene, layer, path, exr_codec="NONE", use_exr_interleave=True)
@@ -310,38 +304,26 @@ def read_exr(path: Path) -> dict[str, np.ndarray]:
     data = path.read_bytes()
     if data[:4] != b"v/1\x01" or data[5] & 0b11010:  # tiles, deep data, several parts
         raise ValueError(f"{path.name} is not a plain OpenEXR file")
-    header, start = _header(data)
-    if header["compression"] != b"\0":
-        raise ValueError(f"{path.name} is compressed")
-    left, low, right, high = struct.unpack("<4i", header["dataWindow"])
-    width, height = right - left + 1, high - low + 1
-    names = _channels(header["channels"])
-    line = 4 * width * len(names)
-    begin = start + 8 * height  # after the table of lines, which follow one another
-    rows = np.frombuffer(data, np.uint8, height * (line + 8), begin).reshape(height, line + 8)
-    values = np.ascontiguousarray(rows[:, 8:]).view("<f4").reshape(height, len(names), width)
-    return {name: values[::-1, i] for i, name in enumerate(names)}
-
-
-def _header(data: bytes) -> tuple[dict[str, bytes], int]:
-    """The attributes by name, and where they end."""
-    attributes, at = {}, 8
+    header, at = {}, 8
     while data[at]:
         name_end = data.index(b"\0", at)
         kind_end = data.index(b"\0", name_end + 1)
         size = struct.unpack_from("<i", data, kind_end + 1)[0]
-        attributes[data[at:name_end].decode()] = data[kind_end + 5 : kind_end + 5 + size]
+        header[data[at:name_end].decode()] = data[kind_end + 5 : kind_end + 5 + size]
         at = kind_end + 5 + size
-    return attributes, at + 1
-
-
-def _channels(table: bytes) -> list[str]:
-    """The names of the channels, in the order of the lines' content."""
-    names, at = [], 0
-    while table[at]:
-        end = table.index(b"\0", at)
+    if header["compression"] != b"\0":
+        raise ValueError(f"{path.name} is compressed")
+    left, low, right, high = struct.unpack("<4i", header["dataWindow"])
+    width, height = right - left + 1, high - low + 1
+    names, table, place = [], header["channels"], 0  # in the order of the lines' content
+    while table[place]:
+        end = table.index(b"\0", place)
         if struct.unpack_from("<i", table, end + 1)[0] != 2:
             raise ValueError("a channel does not hold 32-bit floats")
-        names.append(table[at:end].decode())
-        at = end + 17
-    return names
+        names.append(table[place:end].decode())
+        place = end + 17
+    line = 4 * width * len(names)
+    begin = at + 1 + 8 * height  # after the table of lines, which follow one another
+    rows = np.frombuffer(data, np.uint8, height * (line + 8), begin).reshape(height, line + 8)
+    values = np.ascontiguousarray(rows[:, 8:]).view("<f4").reshape(height, len(names), width)
+    return {name: values[::-1, i] for i, name in enumerate(names)}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Final pictures: the scene's own render with Cycles, a mask of the subject in it, and a note on a black one."""
+"""Final pictures: the scene's own render with Cycles, a mask of the subject in it, and whether one is black."""
 
 from __future__ import annotations
 
@@ -12,12 +12,10 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..core import compat
+from ..core import rendered
 from ..core.compat import assign, changed
 from ..core.files import whole
 from ..scene.copies import copied_scene
-from ..scene.geometry.meshes import has_surface
-from ..scene.nodes import grade
 from . import bake
 
 _NOISE = 0.05
@@ -78,18 +76,21 @@ def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable
         twin = stack.enter_context(copied_scene(scene, film_transparent=True))
         _set_up(twin, size, _MASK_SAMPLES, 0)
         assign(twin.cycles, use_denoising=False, max_bounces=0)
-        twin.world = None
+        rendered.set_world(twin, None)
         for thing in scene.objects:
             fog = thing.type == "VOLUME" or is_fog(thing)
             holdout = thing.name_full not in theirs and thing.type not in ("LIGHT", "CAMERA")
             stack.enter_context(changed(thing, **({"hide_render": True} if fog else {"is_holdout": holdout})))
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
-            rendered = Path(folder) / path.name
-            _write(twin, rendered, "RGBA")
-            _keep_alpha(rendered, path)
+            colors = Path(folder) / path.name
+            _write(twin, colors, "RGBA")
+            _keep_alpha(colors, path)
 
 
 def _set_up(twin: bpy.types.Scene, size: int, samples: int, seed: int) -> None:
+    import _cycles  # type: ignore[import-not-found]  # there as soon as the Cycles add-on is
+
+    denoises = bool(getattr(_cycles, "with_openimagedenoise", False))
     render = twin.render
     width, height = render.resolution_x, render.resolution_y
     factor = size / max(width, height)
@@ -109,18 +110,12 @@ def _set_up(twin: bpy.types.Scene, size: int, samples: int, seed: int) -> None:
         use_adaptive_sampling=True,
         adaptive_threshold=_NOISE,
         adaptive_min_samples=min(16, samples),
-        use_denoising=_can_denoise(),
+        use_denoising=denoises,
         denoising_prefilter="FAST",  # a fifth of the whole time less, for no difference to be seen
         time_limit=0.0,
     )
-    if _can_denoise():
+    if denoises:
         twin.cycles.denoiser = "OPENIMAGEDENOISE"
-
-
-def _can_denoise() -> bool:
-    import _cycles  # type: ignore[import-not-found]  # there as soon as the Cycles add-on is
-
-    return bool(getattr(_cycles, "with_openimagedenoise", False))
 
 
 def _write(twin: bpy.types.Scene, path: Path, mode: str) -> None:
@@ -140,17 +135,13 @@ def _write_as(twin: bpy.types.Scene, path: Path, kind: dict[str, Any], **options
 def is_fog(thing: bpy.types.Object) -> bool:
     """Whether all materials of a thing are fog."""
     slots = [slot.material for slot in thing.material_slots if slot.material]
-    return bool(slots) and not any(has_surface(m) for m in slots)
+    return bool(slots) and not any(rendered.has_surface(m) for m in slots)
 
 
 def _keep_alpha(rendered: Path, path: Path) -> None:
     """Writes the alpha of one PNG as the gray of another, atomically."""
-    source = bpy.data.images.load(str(rendered))
-    source.alpha_mode = "CHANNEL_PACKED"
-    source.colorspace_settings.name = "Non-Color"
-    width, height = source.size
-    alpha = bake.image_channels(source)[..., 3:]
-    bpy.data.images.remove(source)
+    alpha = bake.read_file(rendered)[..., 3:]
+    height, width, _ = alpha.shape
     mask = bpy.data.images.new("Vibe Mask", width, height, alpha=False, is_data=True)
     try:
         mask.pixels.foreach_set(np.repeat(alpha, 4, axis=2).ravel())
@@ -161,21 +152,6 @@ def _keep_alpha(rendered: Path, path: Path) -> None:
         bpy.data.images.remove(mask)
 
 
-def black_note(scene: bpy.types.Scene, picture: Path) -> str:
-    """A note on a black picture of a scene; "" for any other."""
-    image = bpy.data.images.load(str(picture))
-    try:
-        image.colorspace_settings.name = "Non-Color"
-        shows = bool(bake.image_pixels(image).max() >= _BLACKEST)
-    finally:
-        bpy.data.images.remove(image)
-    if shows:
-        return ""
-    if grade.cut_off(compat.compositor(scene)):
-        return (
-            "The scene renders black: no picture reaches the output of its compositor. Connect one, or take the "
-            "compositor out."
-        )
-    return (
-        "The scene renders black: no light reaches what the camera sees. Switch a light on, or ask for one."
-    )
+def is_black(picture: Path) -> bool:
+    """Whether a picture shows nothing: every pixel of it is black."""
+    return bool(bake.read_file(picture)[..., :3].max() < _BLACKEST)

@@ -78,7 +78,7 @@ def _save_image(image: bpy.types.Image, folder: Path) -> Path:
     try:
         copy.alpha_mode = image.alpha_mode
         # Of no color space, numbers are saved as they are: light linear, colors encoded.
-        copy.colorspace_settings.name = "Non-Color"
+        copy.colorspace_settings.is_data = True
         copy.pixels.foreach_set(rgba.ravel())
         copy.file_format = "OPEN_EXR" if image.is_float else "PNG"
         copy.filepath_raw = str(path)

@@ -27,12 +27,7 @@ def path_of(scene: bpy.types.Scene) -> Path:
 
 
 def store(path: Path, picture: Path, first: bool) -> Path:
-    """Stores a picture of the exported scene, if that was the artist's own; returns the one to compare with.
-
-    Args:
-        path: From `path_of` at export: the camera may have moved since.
-        first: Whether no vibe was in the scene then.
-    """
+    """Stores a picture of the exported scene, if that was the artist's own; returns the one to compare with."""
     if first:
         # On a full disk nothing is stored; a later vibe then compares with its own start.
         with contextlib.suppress(schema.VibeError), whole(path) as part:

@@ -26,10 +26,6 @@ _Answer = TypeVar("_Answer", messages.Result, messages.Finished)
 class Driver:
     """One vibe as the engine works on it: requests, its answers, and what it has reported.
 
-    Args:
-        engine: Warm from before, or not started yet.
-        job: The job folder, in which the engine writes its pictures.
-
     Attributes:
         patience: Seconds of silence after which the engine is taken to hang.
         stage: The present stage, in words.
@@ -158,7 +154,13 @@ class Driver:
             for message in self._engine.poll():
                 self.receive(message)
                 if isinstance(message, messages.Anchor) and not self._stopping:  # a stopped one waits no more
-                    yield from self._serve(message)
+                    # The render blocks Blender for about a second: the stage says so before.
+                    self.stage = self._anchor_stage(message)
+                    yield self.stage
+                    self._engine.send(self._anchor(message))
+                    self._last_word_at = time.monotonic()
+                    if not self._stopping:
+                        self.stage = LOOKING
                 elif isinstance(message, kind):
                     answer = message
                 else:
@@ -173,15 +175,6 @@ class Driver:
                 f"The engine has said nothing for {self.patience / 60:.0f} minutes, and was ended.",
                 f"Try again; if it happens again, see {self._engine.log}.",
             )
-
-    def _serve(self, request: messages.Anchor) -> Generator[str]:
-        """Renders an anchor, which blocks Blender for about a second: the stage says so before."""
-        self.stage = self._anchor_stage(request)
-        yield self.stage
-        self._engine.send(self._anchor(request))
-        self._last_word_at = time.monotonic()
-        if not self._stopping:
-            self.stage = LOOKING
 
     def _anchor_stage(self, request: messages.Anchor) -> str:
         raise NotImplementedError

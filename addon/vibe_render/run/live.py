@@ -25,9 +25,6 @@ class Live(SceneSession):
     """Looks of words that are still being typed.
 
     The scene is read once, and again after it has changed. Nothing but the newest look stays in it, as a preview.
-
-    Args:
-        context: As for `SceneSession`, like `engine`.
     """
 
     def __init__(self, context: bpy.types.Context, engine: Engine) -> None:
@@ -125,21 +122,17 @@ class Live(SceneSession):
             yield from self._ready_engine()
             if self.job is None:
                 self._read = None  # nobody reads a job that is being written
-                yield from self._read_scene()
+                scene = self._find_scene()
+                vibed, start = snapshot.exists(scene), snapshot.mark(scene)
+                try:
+                    yield from self._export()
+                finally:  # takes back what the export adds
+                    if scene_now := self._scene_if_there():
+                        with self._without_look(scene_now):
+                            self._restore(start, vibed)
+                self._read = scene_settings(self._find_scene())
             if not self._due:
                 yield from self._glance()
-
-    def _read_scene(self) -> Generator[str]:
-        """Reads the scene, and takes back what the export adds to it."""
-        scene = self._find_scene()
-        vibed, start = snapshot.exists(scene), snapshot.mark(scene)
-        try:
-            yield from self._export()
-        finally:
-            if scene_now := self._scene_if_there():
-                with self._without_look(scene_now):
-                    self._restore(start, vibed)
-        self._read = scene_settings(self._find_scene())
 
     def _glance(self) -> Generator[str]:
         options = replace(self._find_scene().vibe.engine_options(bpy.context), size=_SIZE)

@@ -6,36 +6,25 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..core.schema_import import messages
+
+def words_of(verdicts: Sequence[Mapping[str, str]], state: str) -> list[str]:
+    """The words of a state, see the report's `verdicts`."""
+    return [row["word"] for row in verdicts if row["state"] == state and row["word"]]
 
 
-def words_shown(claims: Sequence[Mapping[str, Any]]) -> dict[str, str]:
-    """Word -> "" if the picture shows all that it claims, else what is missing; of words that claim something measurable.
-
-    Args:
-        claims: Rows of the report's `claims`.
-    """
-    by_word = messages.missing_by_word(claims)
-    return {word: _missing(rows[0]) if rows else "" for word, rows in by_word.items()}
-
-
-def claim_lines(claims: Sequence[Mapping[str, Any]]) -> list[str]:
-    """A line for all words that the picture shows, and one for each that it does not; `claims` as for `words_shown`."""
-    shown = words_shown(claims)
-    visible = ", ".join(word for word, missing in shown.items() if not missing)
-    lost = [_missing(row) for row in claims if not row["word"] and row["holds"] is False]
-    return [
-        *([f"The picture shows: {visible}."] if visible else []),
-        *(f"It does not show '{word}': {missing}." for word, missing in shown.items() if missing),
-        *(f"Look at the subject: {missing}." for missing in lost),
-    ]
+def verdict_lines(verdicts: Sequence[Mapping[str, str]]) -> list[str]:
+    """A line for the words of each state, and one for each that the picture does not show, with what would help."""
+    names = {"visible": "The picture shows", "already": "Was so already", "unmeasured": "Set, not measured"}
+    by_state = {name: words_of(verdicts, state) for state, name in names.items()}
+    lines = [f"{name}: {', '.join(words)}." for name, words in by_state.items() if words]
+    missed = [row for row in verdicts if row["state"] == "missed"]
+    lines += [f"It does not show '{row['word']}': {shortfall(row)}." for row in missed if row["word"]]
+    return lines + [f"Look at the subject: {row['missing']}." for row in missed if not row["word"]]
 
 
-def _missing(row: Mapping[str, Any]) -> str:
-    """The miss of a claim: "color of the wall is #b09080, wanted #cceede"."""
-    of = "" if row["thing"] == "picture" else f" of the {row['thing']}"
-    unit = f" {row['unit']}" if row["unit"] and row["measure"] != "color" else ""
-    return f"{row['says']}{of} is {row['after']}{unit}, wanted {row['wanted']}"
+def shortfall(row: Mapping[str, str]) -> str:
+    """What a missed word lacks, and why: "color of the vase is #74726f, wanted #ce371f; it conflicts with 'night'"."""
+    return "; ".join(filter(None, (row["missing"], row["why"])))
 
 
 def word_notes(report: Mapping[str, Any]) -> list[str]:

@@ -12,9 +12,9 @@ from collections.abc import Mapping, Sequence
 import bpy
 from bpy.types import Object, Scene
 
-from ..core import stored_journal
+from ..core import rendered, stored_journal
 from ..core.journal import Journal
-from ..scene import bindings, scene_context
+from ..scene import bindings
 
 KEY = "vibe_preview"
 
@@ -23,10 +23,6 @@ def show(
     scene: Scene, values: Mapping[str, Sequence[float]], subject: Sequence[Object], pivot: Sequence[float]
 ) -> None:
     """Shows values in place of those that are shown; a failure shows none.
-
-    Args:
-        values: Parameter key to components, in the schema's units.
-        subject: As for `bindings.instances`, like `pivot`.
 
     Raises:
         VibeError: As `bindings.write`.
@@ -39,7 +35,7 @@ def show(
         journal.undo()
         raise
     finally:
-        scene_context.layer(scene).update()
+        rendered.layer(scene).update()
     shown = Journal()
     shown.extend(journal)  # the first record of each value
     shown.remember()
@@ -55,7 +51,7 @@ def hide(scene: Scene) -> None:
     """Takes the preview away, if there is one; the scene is the artist's."""
     if exists(scene):
         _take_away(scene)
-        scene_context.layer(scene).update()
+        rendered.layer(scene).update()
 
 
 def hide_all() -> None:

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import math
 import re
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -13,7 +12,8 @@ import bpy
 
 from ..core.schema_import import labels, messages, schema
 from ..scene import bindings, snapshot
-from ..scene.nodes import backgrounds
+from ..scene import steps as step_list
+from ..scene.steps import Change, Steps
 from . import before_image
 
 
@@ -24,65 +24,76 @@ def apply(
     subject: Sequence[bpy.types.Object],
     pivot: Sequence[float],
     fresh_list: bool = False,
+    change: Change | None = None,
 ) -> None:
     """Writes a result into the scene and lists what it changed; a failure leaves the scene as it was.
 
     After an earlier vibe that was not kept, the list still shows the artist's own values as the old ones, to which
     Revert goes back.
 
-    Args:
-        pivot: The subject's center at export.
-        fresh_list: Whether the list shows the present values as the old ones instead.
-
     Raises:
         VibeError: The result does not fit the scene.
     """
     settings = scene.vibe
-    earlier = {} if fresh_list else {c.name: (c.values()[0], c.reason) for c in settings.changes}
+    if fresh_list:
+        settings.changes.clear()
     current = bindings.read(scene, subject, pivot)
     skipped = bindings.write(scene, engine_result.values, subject, pivot)
-    records = dict(engine_result.report.get("parameters", {}))
-    values: dict[str, Sequence[float]] = {k: v for k, v in engine_result.values.items() if k not in skipped}
-    for key, (own, reason) in earlier.items():
-        present = current.get(key, own)  # what the earlier vibe wrote stays
-        if key not in values and not labels.same(key, own, present):
-            values[key], records[key] = present, {"reason": reason}
-    forget(scene)
-    settings.vibed_prompt, settings.pivot = prompt, pivot
-    goals = engine_result.report.get("goals")
-    settings.vibed_goals = json.dumps(goals, ensure_ascii=False) if goals else ""
-    before = {**current, **{key: own for key, (own, _) in earlier.items()}}
+    written = {key: value for key, value in engine_result.values.items() if key not in skipped}
+    goals = engine_result.report.get("goals") or {}
+    records = engine_result.report.get("parameters", {})
     reasons = {key: record.get("reason", "") for key, record in records.items()}
-    _list_changes(settings, before, current, values, reasons)
+    change = change or Change(Steps(), title=prompt, first=True)
+    steps = change.steps
+    steps.pivot = list(pivot)
+    steps.add(change, current, written, reasons, goals)
+    show(scene, steps)
+    if change.first:
+        settings.vibed_prompt, settings.pivot, settings.variant = prompt, pivot, 0
+        settings.vibed_goals = json.dumps(goals, ensure_ascii=False) if goals else ""
+        settings.vibed_like = settings.vibed_preset = ""
+
+
+def show(scene: bpy.types.Scene, steps: Steps) -> None:
+    """Writes the values of the steps that are shown, lists them, and keeps the steps; a failure leaves the scene as it was.
+
+    What the artist has deleted since does not come back. Raises VibeError if the values do not fit the scene.
+    """
+    settings = scene.vibe
+    current = bindings.read(scene, (), steps.pivot)
+    values = {key: tuple(value) for key, value in steps.values().items() if key in current}
+    differing = {k: v for k, v in values.items() if not step_list.same(k, v, current[k])}
+    skipped = bindings.write(scene, differing, (), steps.pivot)
+    before = {**current, **steps.base, **{change.name: change.values()[0] for change in settings.changes}}
+    # What an earlier vibe wrote stays.
+    reasons = {change.name: change.reason for change in settings.changes if change.name not in values}
+    values = {key: current[key] for key in reasons if key in current} | values
+    for step in steps.steps[: steps.shown]:
+        reasons |= step.reasons if step.on else {}
+    listed = {k: v for k, v in values.items() if k not in skipped and not step_list.same(k, v, before[k])}
+    settings.changes.clear()  # first: without changes, resetting the sliders writes nothing
+    settings.strength, settings.show_original = 1.0, False
+    _list_changes(settings, before, current, listed, reasons)
+    steps.store(scene)
 
 
 def choose(
-    scene: bpy.types.Scene,
-    number: int,
-    variants: Sequence[messages.Variant],
-    subject: Sequence[bpy.types.Object],
+    scene: bpy.types.Scene, number: int, variant: messages.Variant, subject: Sequence[bpy.types.Object]
 ) -> None:
-    """Writes another variant of the last vibe in place of the one that is in the scene.
-
-    Args:
-        number: Index of the variant to write.
-        variants: All of them: values that none of them has stay as an earlier vibe left them.
+    """Writes another variant of the last vibe, by its number, in place of the one that is in the scene.
 
     Raises:
         VibeError: The values do not fit the scene.
     """
-    settings, theirs = scene.vibe, {key for variant in variants for key in variant.values}
-    old = {change.name: change.values()[0] for change in settings.changes}
-    earlier = {c.name: (c.values()[1], c.reason) for c in settings.changes if c.name not in theirs}
-    current = bindings.read(scene, subject, settings.pivot)
-    values = {**{key: new for key, (new, _) in earlier.items()}, **variants[number].values}
-    back = {key: was for key, was in old.items() if key not in values}
-    skipped = bindings.write(scene, {**back, **values}, subject, settings.pivot)
-    settings.changes.clear()
-    settings.strength, settings.show_original, settings.variant = 1.0, False, number
-    reasons = {**{key: reason for key, (_, reason) in earlier.items()}, **variants[number].reasons}
-    written = {key: value for key, value in values.items() if key not in skipped}
-    _list_changes(settings, {**current, **old}, current, written, reasons)
+    settings, steps = scene.vibe, Steps.of(scene)
+    current = bindings.read(scene, subject, steps.pivot)
+    change = Change(steps, title=settings.vibed_prompt, place=0 if steps.steps else None)
+    goals = json.loads(settings.vibed_goals or "{}")
+    skipped = bindings.write(scene, variant.values, subject, steps.pivot)
+    written = {key: value for key, value in variant.values.items() if key not in skipped}
+    steps.add(change, {**current, **steps.base}, written, variant.reasons, goals)
+    show(scene, steps)
+    settings.variant = number
 
 
 def _list_changes(
@@ -92,12 +103,7 @@ def _list_changes(
     values: Mapping[str, Sequence[float]],
     reasons: Mapping[str, str],
 ) -> None:
-    """Lists what has been written, in the order of the scene; lights that were added come after the others.
-
-    Args:
-        before: The old values. A light that was not there was dark, a backdrop the world's.
-        scene: Its values, in its order.
-    """
+    """Lists what has been written, in the order of the scene; lights that were added come after the others."""
     place = {key: number for number, key in enumerate(scene)}
 
     def order(key: str) -> tuple[int, int]:
@@ -105,12 +111,7 @@ def _list_changes(
 
     for key in sorted(values, key=order):
         new = tuple(values[key])
-        dark = schema.split_key(key)[2] in ("power", "strength")
-        old = (
-            before.get(key)
-            or before.get(backgrounds.WORLD_OF_BACKDROP.get(key, ""))
-            or ((0.0,) if dark else new)
-        )
+        old = step_list.old_value(key, before, new)
         change = settings.changes.add()
         change.name, change.reason = key, reasons.get(key, "")
         change.before[: len(old)] = old
@@ -124,29 +125,8 @@ def mix(scene: bpy.types.Scene) -> None:
     values = {}
     for change in settings.changes:
         before, after = change.values()
-        values[change.name] = blend(change.name, before, after, strength)
+        values[change.name] = step_list.along(change.name, before, (before, after), strength)
     bindings.write(scene, values, (), settings.pivot)
-
-
-def blend(key: str, before: schema.Values, after: schema.Values, strength: float) -> schema.Values:
-    """A value between two others, in steps that look even: along the parameter's perceptual scale.
-
-    Args:
-        strength: 0 to 1; at both ends the result is exact.
-    """
-    scale = labels.parameter(key).scale
-    return tuple(_between(scale, a, b, strength) for a, b in zip(before, after, strict=True))
-
-
-def _between(scale: schema.Scale, a: float, b: float, t: float) -> float:
-    if t in (0.0, 1.0):
-        return b if t else a
-    if scale.name == "log" and a > 0 and b > 0:
-        return a * math.pow(b / a, t)
-    if scale.name == "power" and a >= 0 and b >= 0:
-        root = 1.0 / scale.exponent
-        return ((1 - t) * a**root + t * b**root) ** scale.exponent
-    return (1 - t) * a + t * b
 
 
 def arrow(key: str, before: schema.Values, after: schema.Values) -> str:
@@ -175,6 +155,7 @@ def keep(scene: bpy.types.Scene) -> None:
     if settings.show_original:
         settings.show_original = False
     snapshot.forget(scene)
+    step_list.forget(scene)
     before_image.forget(scene)
     forget(scene)
 

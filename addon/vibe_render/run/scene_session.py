@@ -38,10 +38,6 @@ class SceneSession(Driver):
 
     It remembers the scene's session uid instead of the scene: after an undo a reference would be dangling.
 
-    Args:
-        context: Blender's; the work is on its scene, with the scene's settings.
-        engine: Warm from before, or not started yet.
-
     Attributes:
         scene: The scene's name at the start.
         warnings: What the engine sees only approximately, in words for the artist, after `view_notes`.
@@ -54,6 +50,7 @@ class SceneSession(Driver):
         self.scene, self._uid = context.scene.name, context.scene.session_uid
         self.warnings: list[str] = []
         self.view_notes: list[str] = []
+        self._filling = ""  # see `SceneJob`
         self._subject: list[str] = []
         self._pivot = (0.0, 0.0, 0.0)
         self._before_path = Path()  # of the before image
@@ -71,12 +68,8 @@ class SceneSession(Driver):
 
     def take_over(self, other: SceneSession) -> None:
         """Goes on with the look of another session of the same scene, if that shows one."""
-        self.look, self.words, self.preview, self.before = (
-            other.look,
-            other.words,
-            other.preview,
-            other.before,
-        )
+        self.look, self.words = other.look, other.words
+        self.preview, self.before = other.preview, other.before
         self._subject, self._pivot, self._shown = other._subject, other._pivot, other._shown
 
     def show_again(self) -> None:
@@ -122,7 +115,7 @@ class SceneSession(Driver):
         self._options = replace(self._options, like=reference.picture_path(self._find_scene(), self._job))
         self._subject = [obj.name_full for obj in job.analysis.objects]
         self._pivot = job.analysis.pivot
-        self.warnings, self.view_notes = job.warnings, job.view_notes
+        self.warnings, self.view_notes, self._filling = job.warnings, job.view_notes, job.filling
 
     def _take_look_away(self) -> None:
         self._shown = None
@@ -130,12 +123,7 @@ class SceneSession(Driver):
             preview.hide(scene)
 
     def _restore(self, start: int, vibed: bool) -> None:
-        """Takes back what the export has added, unless an undo or another file has done so already. No look may be shown.
-
-        Args:
-            start: The snapshot's mark before the export.
-            vibed: Whether an earlier vibe is in the scene.
-        """
+        """Takes back what the export has added, unless an undo or another file has done so already. No look may be shown."""
         scene = self._scene_if_there()
         if scene is None or not snapshot.exists(scene) or snapshot.mark(scene) < start:
             return

@@ -4,16 +4,18 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import bpy
 
 from ..core import preferences
 from ..core.schema_import import atomic, messages, schema
 from ..engine.process import Engine
+from ..export import darkness
 from ..render import anchors, final_render, reference
-from ..scene import snapshot
+from ..scene import bindings, snapshot
 from ..scene.prepare import separate_materials, shared_materials
+from ..scene.steps import Change, Steps
 from ..scene.subject import remember_subject
 from . import before_image, result
 from .scene_session import READING, SceneSession
@@ -27,10 +29,6 @@ SILENT = 30.0  # seconds without a message from the engine, after which the pane
 class Session(SceneSession):
     """One vibe of the open scene.
 
-    Args:
-        context: As for `SceneSession`, like `engine`.
-        ask: Whether an artist is there to answer questions.
-
     Attributes:
         prompt: The words; "" for none.
         like: Name of the picture; "" for none.
@@ -40,10 +38,16 @@ class Session(SceneSession):
 
     patience = 900.0
 
-    def __init__(self, context: bpy.types.Context, engine: Engine, ask: bool = False) -> None:
+    def __init__(
+        self, context: bpy.types.Context, engine: Engine, ask: bool = False, change: Change | None = None
+    ) -> None:
         super().__init__(context, engine)
         settings = context.scene.vibe
         self.prompt, self.like = settings.prompt.strip(), reference.picture_name(settings)
+        self._change = change or Change(
+            Steps(), sentence=self.prompt, title=self.prompt or self.like, first=True
+        )
+        self.prompt, self.like = self._change.sentence, self.like if self._change.first else ""
         self.shared = settings.shared if ask or settings.shared != "ASK" else "ALL"
         self.question: dict[str, list[str]] = {}
         self._vibed = False  # whether an earlier vibe is in the scene
@@ -95,8 +99,12 @@ class Session(SceneSession):
         scene = self._find_scene()
         self._vibed, start = snapshot.exists(scene), snapshot.mark(scene)
         try:
+            if self._change.values:
+                bindings.write(scene, self._change.values, (), self._change.steps.pivot)
             yield from self._export()
             yield from self._ask_about_shared()
+            if not self._change.first:
+                self._options = replace(self._options, goes_on=True, like="", target=(), variants=1)
             options = asdict(self._options)
             self._ask(
                 messages.Vibe(
@@ -109,8 +117,9 @@ class Session(SceneSession):
             yield from self._object_mode("Found. Go back to Object Mode to see it")
             scene = self._find_scene()
             self._take_look_away()
-            result.apply(scene, self.prompt, engine_result, self.subject(scene), self._pivot)
-            scene.vibe.vibed_like = self.like
+            subject, change = self.subject(scene), self._change
+            result.apply(scene, self.prompt, engine_result, subject, self._pivot, change=change)
+            scene.vibe.vibed_like = self.like or scene.vibe.vibed_like
             if self._choice.explicit:
                 remember_subject(scene, self.subject(scene))
         except BaseException:  # Esc closes this generator, which raises here
@@ -150,9 +159,9 @@ class Session(SceneSession):
             self._show(message)
         elif isinstance(message, messages.Stage) and message.picture:
             picture = self._job / message.picture
-            if (note := final_render.black_note(self._find_scene(), picture)) and note not in self.view_notes:
-                self.view_notes = [*self.view_notes, note]
-                self.warnings = [note, *self.warnings]
+            scene = self._find_scene()
+            if darkness.is_cut_off(scene) or final_render.is_black(picture):
+                darkness.check_shows(scene, self._filling, message.lit)
             self.before = before_image.store(self._before_path, picture, not self._vibed)
 
     def _anchor_stage(self, request: messages.Anchor) -> str:

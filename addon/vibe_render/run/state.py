@@ -10,6 +10,7 @@ import bpy
 from ..core import background, preferences
 from ..core.schema_import import schema
 from ..engine.process import Engine
+from ..scene.steps import Change
 from .live import Live
 from .session import Session
 from .word_readings import WordReadings
@@ -35,10 +36,10 @@ class AddonState:
         self._engine: Engine | None = None
         self._engine_choice: tuple[str, Path] | None = None
 
-    def begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
-        """Starts a session with the engine of the last one, unless the preferences have changed; `ask` as for `Session`."""
+    def begin(self, context: bpy.types.Context, ask: bool = False, change: Change | None = None) -> Session:
+        """Starts a session with the engine of the last one, unless the preferences have changed; arguments as for `Session`."""
         self.forget()
-        self.session, self.running = Session(context, self.engine(context), ask), True
+        self.session, self.running = Session(context, self.engine(context), ask, change), True
         if self.live and self.live.scene == self.session.scene:
             self.live.hand_over(self.session)
         return self.session

@@ -11,10 +11,10 @@ from typing import Any
 
 import bpy
 
+from ..core import rendered
 from ..core.schema_import import messages, schema
 from ..engine.process import Engine
 from ..export.reading import sketch_scene
-from ..scene import scene_context
 from .scene_session import scene_settings
 
 _QUIET = 0.5  # seconds without a change of the scene, after which its words are read anew
@@ -45,9 +45,10 @@ class WordReadings:
     def due(self, scene: bpy.types.Scene, live: Path | None = None) -> bool:
         """Whether the words of a scene have not been read yet, as it is now and with its artist's targets."""
         words = _words(scene)
-        return (
-            self._asked is not None or words != self._read or bool(words[0] and self._is_stale(scene, live))
-        )
+        if self._asked is not None or words != self._read or not words[0]:
+            return self._asked is not None or words != self._read
+        # Whether the newest readings are of another scene than that of now.
+        return self._job != str(live) if live else self._sketched != _settings(scene)
 
     def scene_changed(self, changed: Iterable[bpy.types.ID]) -> None:
         """Takes the data-blocks that have changed in Blender."""
@@ -81,10 +82,6 @@ class WordReadings:
         """Waits for nothing any more: the engine is another one."""
         self._asked = None
 
-    def _is_stale(self, scene: bpy.types.Scene, live: Path | None) -> bool:
-        """Whether the newest readings are of another scene than that of now."""
-        return self._job != str(live) if live else self._sketched != _settings(scene)
-
     def _sketch(self, scene: bpy.types.Scene) -> Path | None:
         """The folder of the sketch of the scene as it is now; None where it cannot be exported."""
         settings = _settings(scene)
@@ -105,11 +102,11 @@ def _words(scene: bpy.types.Scene) -> _Words:
 
 def _names(scene: bpy.types.Scene) -> tuple[dict[str, list[str]], dict[str, str]]:
     """All that is known of a scene that cannot be exported, such as one without a camera: objects with their materials, and lights."""
-    shown = sorted(scene_context.shown(scene), key=lambda obj: obj.name)
+    shown = sorted(rendered.shown(scene), key=lambda obj: obj.name)
     objects = {
         o.name: [slot.material.name for slot in o.material_slots if slot.material]
         for o in shown
-        if o.type in scene_context.GEOMETRY
+        if o.type in rendered.GEOMETRY
     }
     return objects, {o.name: o.data.type for o in shown if o.type == "LIGHT"}
 

@@ -13,6 +13,7 @@ from typing import Any
 from bpy.types import Object, Scene
 from mathutils import Vector
 
+from ..core import rendered
 from ..core.journal import Journal
 from ..core.schema_import import labels, schema
 from ..core.value_slots import ValueSlot
@@ -79,10 +80,11 @@ BINDINGS: tuple[ParameterBinding, ...] = (
     _row("world/color",             partial(at.background, "Color", LIGHT),       COLOR),
     _row("world/tint",              partial(at.world_tint, LIGHT),                COLOR),
     _row("world/strength",          partial(at.background, "Strength", LIGHT)),
-    _row("world/rotation",          at.world_rotation,                            DEGREES),
+    _row("world/rotation",          lambda _, world: backgrounds.rotation_slot(world), DEGREES),
     _row("world/backdrop_color",    partial(at.background, "Color", BACKDROP),    COLOR),
     _row("world/backdrop_tint",     partial(at.world_tint, BACKDROP),             COLOR),
     _row("world/backdrop_strength", partial(at.background, "Strength", BACKDROP)),
+    _row("world/backdrop_horizon",  at.horizon,                                   COLOR),
 
     _row("material/base_color",     at.surface_color,                             COLOR),
     _row("material/tint",           partial(at.material_tint, "Tint"),            COLOR),
@@ -157,7 +159,8 @@ def instances(
     for row, owner, slot in _slots(context, groups):
         reference = {"": 1.0, **lengths, **owner.lengths}[row.parameter.reference]
         value = row.codec.decode(slot.get())
-        instance = schema.Instance(row.parameter, owner.name, value, reference, owner.role, slot.locked)
+        locked = owner.locked or slot.locked
+        instance = schema.Instance(row.parameter, owner.name, value, reference, owner.role, locked)
         by_key[instance.key] = instance
     return by_key
 
@@ -172,8 +175,8 @@ def write(
 ) -> dict[str, str]:
     """Writes values into the scene, recorded in its snapshot; a failure leaves the scene as it was.
 
-    Keys of one of our own lights (see `schema.added_lights`) that the scene lacks add it. Keys of a backdrop that is to
-    differ from the world give the world one.
+    Keys of one of our own lights (see `schema.added_lights`) or of a copy of a material (`schema.material_copies`) that
+    the scene lacks add it. Keys of a backdrop that is to differ from the world give the world one.
 
     Args:
         values: Parameter key to components, in the schema's units.
@@ -186,7 +189,7 @@ def write(
     """
     with snapshot.transaction(scene) as journal:
         rest = put(journal, scene, values, subject, pivot)
-    scene_context.layer(scene).update()
+    rendered.layer(scene).update()
     return rest
 
 
@@ -201,11 +204,11 @@ def trial(
     journal = Journal()
     try:
         rest = put(journal, scene, values, subject, pivot)
-        scene_context.layer(scene).update()
+        rendered.layer(scene).update()
         yield rest
     finally:
         journal.undo()
-        scene_context.layer(scene).update()
+        rendered.layer(scene).update()
 
 
 def put(
@@ -227,17 +230,20 @@ def put(
             raise schema.VibeError(message, "Correct the value.")
     if any(key in backgrounds.WORLD_OF_BACKDROP for key in values):
         world = instances(scene, subject, pivot, ("world",))
-        values = backgrounds.with_backdrop(journal, scene.world, world, values)
+        values = backgrounds.with_backdrop(journal, rendered.world(scene), world, values)
     rest = dict.fromkeys(values, "there is nothing of that name in this scene")
     owners = {owner for group, owner, _ in map(schema.split_key, values) if group == "light"}
     add_lights(journal, scene, owners, subject)
+    prepare.add_copies(
+        journal, scene, {o for group, o, _ in map(schema.split_key, values) if group == "material"}
+    )
     context = scene_context.SceneContext(scene, tuple(subject), Vector(pivot), everything=True)
     for row, owner, slot in list(_slots(context)):
         key = row.parameter.key(owner.name)
         if key not in values:
             continue
-        rest[key] = slot.locked
-        if not slot.locked:
+        rest[key] = owner.locked or slot.locked
+        if not rest[key]:
             slot.set(journal, row.codec.encode(tuple(map(float, values[key]))))
     return {key: reason for key, reason in rest.items() if reason}
 

@@ -9,9 +9,8 @@ from typing import Any, TypeVar
 
 import bpy
 
-from ..core import compat
+from ..core import compat, rendered
 from ..core.compat import changed
-from . import scene_context
 
 _COARSE_LIGHT = {"sampling_method": "MANUAL", "sample_map_resolution": 512}
 """A map of a world's light that is computed in a moment. Cycles' own choice may take a minute for stars of noise."""
@@ -27,7 +26,7 @@ def copied_scene(scene: bpy.types.Scene, graded: bool = False, **render: Any) ->
     Its output, passes and render result are its own. Sequencer, borders and stereo are off.
 
     Args:
-        graded: Keep the compositor; its File Output nodes write nothing.
+        graded: Keep the compositor, whose File Output nodes write nothing, and the film exposure.
         **render: Settings of the copy's `render`.
     """
     with ExitStack() as stack:
@@ -39,16 +38,17 @@ def copied_scene(scene: bpy.types.Scene, graded: bool = False, **render: Any) ->
                 stack.callback(bpy.data.node_groups.remove, tree)
         else:
             compat.drop_compositor(twin)
+            twin.cycles.film_exposure = 1.0
             # Lines cost time, and crash an engine that draws nothing.
             render = {"use_freestyle": False, **render}
         settings = {"use_sequencer": False, "use_border": False, "use_multiview": False, **render}
         for name, value in settings.items():
             setattr(twin.render, name, value)
         # Where nodes without a texture give a world's light, Cycles decides how finely it is sampled.
-        world = scene.world
+        world = rendered.world(scene)
         tree = compat.node_tree(world) if world else None
         computed = tree and all(node.bl_idname != "ShaderNodeTexEnvironment" for node in tree.nodes)
-        if computed and world.is_editable and world.cycles.sampling_method == "AUTOMATIC":
+        if world and computed and world.is_editable and world.cycles.sampling_method == "AUTOMATIC":
             stack.enter_context(changed(world.cycles, **_COARSE_LIGHT))
         yield twin
 
@@ -60,6 +60,15 @@ def evaluate_render(scene: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph]
     engine is handed the other one, so this registers one for a moment. Nothing is rendered, nothing in the file changes.
     """
     results: list[T] = []
+    size: dict[str, Any] = {"resolution_percentage": 100, "resolution_x": _SMALL, "resolution_y": _SMALL}
+    with copied_scene(scene, **size) as twin, viewer(twin, lambda graph: results.append(read(graph))):
+        bpy.ops.render.render(scene=twin.name, layer=rendered.layer(twin).name)
+    return results[0]
+
+
+@contextmanager
+def viewer(twin: bpy.types.Scene, look: Callable[[bpy.types.Depsgraph], None]) -> Iterator[None]:
+    """Gives a copied scene an engine inside the block that draws nothing, and calls `look` with what it would draw."""
     errors: list[Exception] = []
 
     class Viewer(bpy.types.RenderEngine):
@@ -68,22 +77,15 @@ def evaluate_render(scene: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph]
 
         def render(self, depsgraph: bpy.types.Depsgraph) -> None:
             try:
-                results.append(read(depsgraph))
+                look(depsgraph)
             except Exception as error:
                 errors.append(error)
 
     bpy.utils.register_class(Viewer)
     try:
-        with copied_scene(
-            scene,
-            engine=Viewer.bl_idname,
-            resolution_percentage=100,
-            resolution_x=_SMALL,
-            resolution_y=_SMALL,
-        ) as twin:
-            bpy.ops.render.render(scene=twin.name, layer=scene_context.layer(twin).name)
+        twin.render.engine = Viewer.bl_idname
+        yield
     finally:
         bpy.utils.unregister_class(Viewer)
     if errors:
         raise errors[0]
-    return results[0]

@@ -12,10 +12,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from bpy.types import Material, NodeTree, Object, Scene
+from bpy.types import NodeTree, Object, Scene
 from mathutils import Vector
 
-from ..core import compat, locks
+from ..core import compat, locks, rendered
 from ..core.journal import Journal
 from ..core.value_slots import LazySlot, PropertySlot, ValueSlot, socket_slot
 from . import scene_context
@@ -140,15 +140,6 @@ def _box(journal: Journal, scene: Scene, shape: FogDomain) -> None:
     corners = [(x, y, z) for x in (low.x, high.x) for y in (low.y, high.y) for z in (low.z, high.z)]
     faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     mesh.from_pydata(corners, [], faces)
-    mesh.materials.append(_material(journal))
-    box.location = origin
-    box.display_type, box.hide_select = "WIRE", True
-    scene.collection.objects.link(box)
-    compat.march_volumes(journal, scene)
-    scene_context.layer(scene).update()
-
-
-def _material(journal: Journal) -> Material:
     material = journal.new("materials", NAME)
     owned.mark_owned(material, NAME)
     tree = compat.enable_nodes(material)
@@ -159,23 +150,24 @@ def _material(journal: Journal) -> Material:
     node.use_custom_color, node.color = True, owned.COLOR
     node.location = (output.location.x - 200.0, output.location.y)
     tree.links.new(node.outputs["Volume"], output.inputs["Volume"])
-    return material
+    mesh.materials.append(material)
+    box.location = origin
+    box.display_type, box.hide_select = "WIRE", True
+    scene.collection.objects.link(box)
+    compat.march_volumes(journal, scene)
+    rendered.layer(scene).update()
 
 
 def _group(journal: Journal) -> NodeTree:
     tree, new = owned.owned_group(journal, NAME, "ShaderNodeTree")
-    if new:
-        owned.group_input(tree, "Density", "NodeSocketFloat", 0.0, 0.0, 1000.0)
-        owned.group_input(tree, "Color", "NodeSocketColor", (0.8, 0.8, 0.8, 1.0))
-        owned.group_input(tree, "Anisotropy", "NodeSocketFloat", 0.0, -0.99, 0.99)
-        owned.group_input(tree, "Height Falloff", "NodeSocketFloat", 0.0, 0.0, 1000.0)
-        owned.group_input(tree, "Height Offset", "NodeSocketFloat", 0.0, -1000.0, 1000.0)
-        tree.interface.new_socket("Volume", in_out="OUTPUT", socket_type="NodeSocketShader")
-        _fill(tree)
-    return tree
-
-
-def _fill(tree: NodeTree) -> None:
+    if not new:
+        return tree
+    owned.group_input(tree, "Density", "NodeSocketFloat", 0.0, 0.0, 1000.0)
+    owned.group_input(tree, "Color", "NodeSocketColor", (0.8, 0.8, 0.8, 1.0))
+    owned.group_input(tree, "Anisotropy", "NodeSocketFloat", 0.0, -0.99, 0.99)
+    owned.group_input(tree, "Height Falloff", "NodeSocketFloat", 0.0, 0.0, 1000.0)
+    owned.group_input(tree, "Height Offset", "NodeSocketFloat", 0.0, -1000.0, 1000.0)
+    tree.interface.new_socket("Volume", in_out="OUTPUT", socket_type="NodeSocketShader")
     build = owned.Builder(tree)
     density, color, anisotropy, falloff, offset = build.inputs(*_IDENTITY)
     position = build.node("ShaderNodeTexCoord").outputs["Object"]
@@ -186,3 +178,4 @@ def _fill(tree: NodeTree) -> None:
     extinction = build.math("MULTIPLY", density, thinning)
     fog = build.node("ShaderNodeVolumePrincipled", Color=color, Density=extinction, Anisotropy=anisotropy)
     build.output(fog.outputs["Volume"])
+    return tree

@@ -10,14 +10,14 @@ from typing import Any
 
 from bpy.types import Camera, Light, Material, Object, Scene, World
 
-from ..core import compat, locks
+from ..core import compat, locks, rendered
 from ..core.journal import Journal
-from ..core.value_slots import PropertySlot, ValueSlot, together
+from ..core.value_slots import PropertySlot, ValueSlot, same, together
 from . import fog
 from .light_types import type_of
 from .nodes import backgrounds, grade, inputs, layers, light_nodes, trails
-from .nodes.backgrounds import LIGHT
-from .nodes.inputs import FACTOR, TINT, Inset
+from .nodes.backgrounds import BACKDROP, LIGHT
+from .nodes.inputs import FACTOR, HORIZON, TINT, Inset
 from .nodes.trails import NodeEntry
 from .orbits import OrbitSlot, Pose
 from .scene_context import SceneContext
@@ -108,14 +108,35 @@ def shader(name: str, context: SceneContext, material: Material) -> ValueSlot | 
     return inputs.input_slot(lambda: layers.entry(material, name))
 
 
+@dataclass
+class _StrengthSlot:
+    """Value slot: the strongest component of a color (RGB or RGBA); setting it keeps the hue."""
+
+    color: ValueSlot
+
+    @property
+    def locked(self) -> str:
+        return self.color.locked
+
+    def get(self) -> float:
+        return float(min(max(self.color.get()[:3]), 1.0))
+
+    def set(self, journal: Journal, raw: float) -> None:
+        color, strongest = self.color.get(), max(self.color.get()[:3])
+        if not same(raw, self.get()):
+            self.color.set(journal, tuple(raw * c / strongest if strongest else raw for c in color[:3]))
+
+
 def coat_weight(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The weight of a coat: the input of the shader, or the color of a glossy one that lies over a metal."""
-    return shader("Coat Weight", context, material) or layers.lacquer_weight(material)
+    """The weight of a coat: the input of the shader, or the color of a lacquer over a metal, which is 1 at full strength."""
+    color = inputs.input_slot(partial(layers.lacquer_entry, material, "Base Color"))
+    return shader("Coat Weight", context, material) or (_StrengthSlot(color) if color else None)
 
 
 def coat_roughness(context: SceneContext, material: Material) -> ValueSlot | None:
     """The roughness of a coat: likewise."""
-    return shader("Coat Roughness", context, material) or layers.lacquer_roughness(material)
+    lacquer = partial(layers.lacquer_entry, material, "Roughness")
+    return shader("Coat Roughness", context, material) or inputs.input_slot(lacquer)
 
 
 def surface_color(context: SceneContext, material: Material) -> ValueSlot | None:
@@ -140,8 +161,18 @@ def glow_strength(context: SceneContext, material: Material) -> ValueSlot | None
 
 def material_tint(name: str, context: SceneContext, material: Material) -> ValueSlot | None:
     """An input of the owned tint on a base color that is computed, or on each of several that are mixed."""
-    count = len(layers.colors(material))
-    slots = [TINT.slot(partial(_color, material, n), name, plain=count > 1) for n in range(count)]
+    return _of_all(partial(layers.colors, material), TINT, name, plain=len(layers.colors(material)) > 1)
+
+
+def _of_all(
+    find: Callable[[], list[NodeEntry]], inset: Inset, name: str, plain: bool = True
+) -> ValueSlot | None:
+    """An input of the inset on each of several inputs; `plain` as for `Inset.slot`."""
+
+    def entry(number: int) -> NodeEntry:
+        return find()[number]
+
+    slots = [inset.slot(partial(entry, n), name, plain) for n in range(len(find()))]
     return together([slot for slot in slots if slot])
 
 
@@ -151,14 +182,11 @@ def recolor(context: SceneContext, material: Material) -> ValueSlot | None:
     return material_tint("Recolor", context, material) or TINT.slot(glow, "Recolor")
 
 
-def _color(material: Material, number: int) -> NodeEntry | None:
-    return layers.colors(material)[number]
-
-
 def background(name: str, part: str, context: SceneContext, world: World) -> ValueSlot | None:
     """An input of a world's background; a computed color has a tint instead, of a mix each strength a factor."""
     if backgrounds.mixed_backgrounds(world, part):
-        return _of_all(world, part, "Strength", FACTOR, "Factor") if name == "Strength" else None
+        strengths = partial(backgrounds.mixed_entries, world, part, "Strength")
+        return _of_all(strengths, FACTOR, "Factor") if name == "Strength" else None
     if backgrounds.single_background(world, part) is None:
         plain = part == LIGHT and name == "Color" and compat.node_tree(world) is None
         return PropertySlot(world, "color", locks.of_property(world, "color")) if plain else None
@@ -168,40 +196,42 @@ def background(name: str, part: str, context: SceneContext, world: World) -> Val
 def world_tint(part: str, context: SceneContext, world: World) -> ValueSlot | None:
     """The owned tint on a computed background, or on each of several that are mixed."""
     if backgrounds.mixed_backgrounds(world, part):
-        return _of_all(world, part, "Color", TINT, "Tint")
+        return _of_all(partial(backgrounds.mixed_entries, world, part, "Color"), TINT, "Tint")
     return TINT.slot(partial(_single, world, part, "Color"), "Tint")
 
 
-def _single(world: World, part: str, name: str) -> NodeEntry | None:
+def horizon(context: SceneContext, world: World) -> ValueSlot | None:
+    """The tint of a plain backdrop at the horizon."""
+    color = _single(world, BACKDROP, "Color")
+    if color is None or inputs.resolve(color).source is not None:
+        return None
+    height = {"Height": backgrounds.horizon_height(context.scene, world)}
+    return HORIZON.slot(partial(_single, world, BACKDROP, "Color", inset=False), "Horizon", True, height)
+
+
+def _single(world: World, part: str, name: str, inset: bool = True) -> NodeEntry | None:
+    """An input of a single Background; `inset` looks through the inset of a horizon."""
     node = backgrounds.single_background(world, part)
-    return node.entry(name) if node else None
-
-
-def _of_all(world: World, part: str, entry: str, inset: Inset, name: str) -> ValueSlot | None:
-    """An input of the inset on an input of each Background that is mixed."""
-    count = len(backgrounds.mixed_entries(world, part, entry))
-    slots = [inset.slot(partial(_mixed, world, part, entry, n), name, plain=True) for n in range(count)]
-    return together([slot for slot in slots if slot])
-
-
-def _mixed(world: World, part: str, entry: str, number: int) -> NodeEntry | None:
-    return backgrounds.mixed_entries(world, part, entry)[number]
-
-
-def world_rotation(context: SceneContext, world: World) -> ValueSlot | None:
-    """The rotation of an environment texture around the vertical axis; None if it is one of several Backgrounds."""
-    background = backgrounds.single_background(world)
-    return backgrounds.rotation_slot(background) if background else None
+    entry = node.entry(name) if node else None
+    if entry is None or not inset:
+        return entry
+    origin = inputs.resolve(entry)
+    group = HORIZON.of(origin.source)
+    return NodeEntry(group.inputs[0], origin.inside) if group else entry
 
 
 def volume(name: str, context: SceneContext, scene: Scene) -> ValueSlot | None:
     """A value of the fog: of the artist's world volume if there is one, else of the owned box."""
 
+    def own() -> trails.NodeInGroups | None:
+        world = rendered.world(scene)
+        return trails.world_volume(world) if world else None
+
     def find() -> NodeEntry | None:
-        node = trails.world_volume(scene.world) if scene.world else None
+        node = own()
         return node.entry(name) if node else None
 
-    if scene.world and trails.world_volume(scene.world):
+    if own():
         return inputs.input_slot(find)
     return fog.fog_slot(context, name)
 

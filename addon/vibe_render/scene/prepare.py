@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable, Sequence
 from math import pi, radians, tan
 
@@ -11,7 +12,7 @@ import numpy as np
 from bpy.types import Material, Object, Scene
 from mathutils import Vector
 
-from ..core import compat
+from ..core import compat, rendered
 from ..core.journal import Journal
 from ..core.schema_import import schema
 from . import scene_context, snapshot
@@ -58,21 +59,22 @@ def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
             _add_world(journal, scene),
             _add_camera(journal, scene, low, high),
             _add_key(journal, scene, low, high),
-            *(_add_material(journal, obj) for obj in about),
+            *(_add_material(journal, obj) for obj in about if not rendered.override_lock(scene)),
         ]
-    scene_context.layer(scene).update()
+    rendered.layer(scene).update()
     return [words for words in added if words]
 
 
 def _add_world(journal: Journal, scene: Scene) -> str:
-    if scene.world is None:
+    shown = rendered.world(scene)
+    if shown is None:
         world = journal.new("worlds", "Vibe World")
         compat.enable_nodes(world)
         owned.mark_owned(world, "Vibe World")
-        journal.set(scene, "world", world)
+        rendered.set_world(scene, world, journal.set)
         return "a world"
-    if sum(other.world == scene.world for other in bpy.data.scenes) > 1:
-        journal.set(scene, "world", journal.copy("worlds", scene.world))
+    if rendered.world_users(shown) > 1:
+        rendered.set_world(scene, journal.copy("worlds", shown), journal.set)
         return "its own copy of a world that other scenes use"
     return ""
 
@@ -96,11 +98,10 @@ def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> st
 
 
 def _add_key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
-    graph = scene_context.depsgraph(scene)
     if (
-        scene_context.lights(scene)
-        or scene_context.instanced_lights(scene)
-        or _light_of_surfaces(graph, scene_context.meshes(scene), (low + high) / 2.0) > _LEAST_LIGHT
+        rendered.lights(scene)
+        or rendered.instanced_lights(scene)
+        or _light_of_surfaces(scene, (low + high) / 2.0) > _LEAST_LIGHT
     ):
         return ""
     light = add_light(journal, scene, "Vibe Key", low, high)
@@ -126,7 +127,7 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     toward = Vector(schema.orbit.direction(front + azimuth, elevation))
     # No wall around the subject may stand in its way.
     distance, gap = added_light_distance(low, high), 1.01 * (high - low).length / 2.0
-    start, graph = pivot + gap * toward, scene_context.depsgraph(scene)
+    start, graph = pivot + gap * toward, rendered.depsgraph(scene)
     hit, wall, *_ = scene.ray_cast(graph, start, toward, distance=max(distance - gap, 1e-3))
     if hit:
         distance = (wall - pivot).length - _CLEAR * (wall - start).length
@@ -179,10 +180,11 @@ def added_light_distance(low: Vector, high: Vector) -> float:
 
 def _is_lit(scene: Scene) -> bool:
     """Whether the world lights the scene."""
-    if scene.world is None:
+    world = rendered.world(scene)
+    if world is None:
         return False
-    single = backgrounds.single_background(scene.world)
-    mixed = [each.shader for each in backgrounds.mixed_backgrounds(scene.world)]
+    single = backgrounds.single_background(world)
+    mixed = [each.shader for each in backgrounds.mixed_backgrounds(world)]
     for background in mixed or ([single] if single else []):
         color, strength = background.node.inputs["Color"], background.node.inputs["Strength"]
         if active_links(color) or active_links(strength):
@@ -207,18 +209,16 @@ def _add_material(journal: Journal, obj: Object) -> str:
     return f'a material for "{obj.name}"'
 
 
-def _light_of_surfaces(depsgraph: bpy.types.Depsgraph, objects: Iterable[Object], place: Vector) -> float:
-    """Radiance of a white surface at a place that faces all that glows, as if nothing stood in the way."""
-    total = 0.0
-    for obj in objects:
-        strengths = [
-            layers.emitted_radiance(slot.material) if slot.material else 0.0 for slot in obj.material_slots
-        ]
+def _light_of_surfaces(scene: Scene, place: Vector) -> float:
+    """Radiance of a white surface at a place that faces all that glows, as if nothing stood in the way; beyond enough, any more."""
+    total, of = 0.0, rendered.layer(scene)
+    glow = functools.cache(lambda material: layers.emitted_radiance(material) if material else 0.0)
+    for thing, _, matrix in rendered.instances(scene):
+        strengths = [glow(m) for m in rendered.worn(thing, of)] if thing.type == "MESH" else []
         if any(strengths):
-            evaluated = obj.evaluated_get(depsgraph)
-            if mesh := evaluated.to_mesh():
-                total += _light_of_mesh(mesh, np.array(evaluated.matrix_world), strengths, place)
-                evaluated.to_mesh_clear()
+            total += _light_of_mesh(thing.data, np.array(matrix), strengths, place)
+        if total > _LEAST_LIGHT:
+            break
     return total
 
 
@@ -260,6 +260,23 @@ def separate_materials(scene: Scene, subject: Sequence[Object]) -> None:
             for obj in subject:
                 if obj.is_editable:
                     _replace_material(journal, obj, inside, material, twin)
+
+
+def add_copies(journal: Journal, scene: Scene, names: Iterable[str]) -> None:
+    """Adds those of `schema.material_copies` that are named and missing, and puts them on their objects."""
+    known = {material.name_full: material for material in bpy.data.materials}
+    for name in sorted({*names} - known.keys()):
+        source, who = schema.material_copies.copied(name)
+        wearers = {
+            o for o in scene.objects if o.is_editable and schema.material_copies.is_worn_by(who, o.name)
+        }
+        wearers = {obj for obj in wearers if known.get(source) in _materials_of(obj)}
+        if not who or not wearers:
+            continue
+        twin = journal.copy("materials", known[source])
+        twin.name = name
+        for obj in sorted(wearers, key=lambda o: o.name):
+            _replace_material(journal, obj, wearers, known[source], twin)
 
 
 def _materials_of(obj: Object) -> set[Material]:

@@ -11,10 +11,10 @@ from contextlib import contextmanager
 
 from bpy.types import Scene
 
-from ..core import stored_journal
+from ..core import rendered, stored_journal
 from ..core.journal import Journal
 from ..core.schema_import import schema
-from . import scene_context
+from . import steps
 from .subject import forget_subject
 
 KEY = "vibe_snapshot"
@@ -48,9 +48,10 @@ def revert(scene: Scene) -> list[str]:
     """
     journal = _load(scene)
     forget(scene)  # first: it counts as a user of what is to be removed
+    steps.forget(scene)
     forget_subject(scene)
     lost = journal.undo()
-    scene_context.layer(scene).update()
+    rendered.layer(scene).update()
     return lost
 
 

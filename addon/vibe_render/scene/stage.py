@@ -173,7 +173,14 @@ def build_demo() -> bpy.types.Scene:
     brass = plain_material("Brass", (0.72, 0.48, 0.19), roughness=0.22, metallic=1.0)
     enamel = plain_material("Enamel", (0.09, 0.16, 0.22), roughness=0.18)
     wall = plain_material("Wall", (0.36, 0.35, 0.34), roughness=0.8)
-    suzanne = _suzanne(clay)
+    bpy.ops.mesh.primitive_monkey_add(size=1.15, location=(0.0, 0.0, 1.19))
+    suzanne = bpy.context.object
+    suzanne.name = DEMO_SUBJECT
+    # she looks to the front; turned a little, she meets the key light
+    suzanne.rotation_euler = (math.radians(-14), 0.0, math.radians(4))
+    smooth = suzanne.modifiers.new("Smooth", "SUBSURF")
+    smooth.levels = smooth.render_levels = 3
+    _finish_solid(suzanne, clay)
     bpy.ops.mesh.primitive_cylinder_add(vertices=96, radius=0.5, depth=0.72, location=(0.0, 0.0, 0.36))
     _round(bpy.context.object, 0.03)
     _finish_solid(bpy.context.object, stone).name = "Plinth"
@@ -198,17 +205,6 @@ def build_demo() -> bpy.types.Scene:
     plain_world(scene, (0.5, 0.53, 0.57), strength=0.22)
     suzanne.select_set(True)
     return scene
-
-
-def _suzanne(stuff: bpy.types.Material) -> bpy.types.Object:
-    bpy.ops.mesh.primitive_monkey_add(size=1.15, location=(0.0, 0.0, 1.19))
-    thing = bpy.context.object
-    thing.name = DEMO_SUBJECT
-    # she looks to the front; turned a little, she meets the key light
-    thing.rotation_euler = (math.radians(-14), 0.0, math.radians(4))
-    smooth = thing.modifiers.new("Smooth", "SUBSURF")
-    smooth.levels = smooth.render_levels = 3
-    return _finish_solid(thing, stuff)
 
 
 def _ball(name: str, place: tuple[float, float, float], radius: float, stuff: bpy.types.Material) -> None:
@@ -246,17 +242,18 @@ def build_stage(path: str | Path, kind: str = "cyclorama", subject_name: str = "
 
     The mesh is moved to stand on height 0 and scaled until its bounding box has a radius of 1 m.
 
-    Args:
-        path: A mesh file of one of `limits.MESH_FORMATS`.
-        kind: One of `options.STAGES`.
-        subject_name: Name of the material of parts that have none.
-
     Raises:
         VibeError: If the kind is not known, or the file is missing, broken or without any mesh.
     """
     if kind not in options.STAGES:
         raise schema.VibeError(f"There is no stage {kind!r}.", f"Use one of: {', '.join(options.STAGES)}.")
-    path = _checked(path)
+    path = Path(path).absolute()
+    if path.suffix.lower() not in limits.MESH_FORMATS:
+        raise schema.VibeError(
+            f"{path.name} is not a mesh that can be staged.", f"Use {', '.join(limits.MESH_FORMATS)}."
+        )
+    if not path.is_file():
+        raise schema.VibeError(f"There is no file {path}.", "Check the path.")
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True, load_ui=False)
     scene = bpy.context.scene
     scene.render.resolution_x = scene.render.resolution_y = 1024
@@ -281,17 +278,6 @@ def build_stage(path: str | Path, kind: str = "cyclorama", subject_name: str = "
     for mesh in meshes:
         mesh.select_set(True)
     return scene
-
-
-def _checked(path: str | Path) -> Path:
-    path = Path(path).absolute()
-    if path.suffix.lower() not in limits.MESH_FORMATS:
-        raise schema.VibeError(
-            f"{path.name} is not a mesh that can be staged.", f"Use {', '.join(limits.MESH_FORMATS)}."
-        )
-    if not path.is_file():
-        raise schema.VibeError(f"There is no file {path}.", "Check the path.")
-    return path
 
 
 def _import_meshes(path: Path) -> list[bpy.types.Object]:

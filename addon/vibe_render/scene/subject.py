@@ -98,7 +98,10 @@ def automatic_subject(
     if not weight.any():
         raise schema.VibeError("The camera sees no mesh.", "Point the scene's camera at something.")
     visible = weight > 0
-    borders = _borders(surfaces.object, count)
+    # Of each object, the number of the picture's four sides at which it is visible.
+    owner = surfaces.object
+    shown = np.concatenate([np.unique(side) for side in (owner[0], owner[-1], owner[:, 0], owner[:, -1])])
+    borders = np.bincount(shown[shown >= 0], minlength=count)
     eye = np.array(scene.camera.matrix_world.translation)
     enclosing = ((geometry.boxes[:, 0] < eye) & (eye < geometry.boxes[:, 1])).all(1)
     loose = visible & ~enclosing & (borders < 3)
@@ -107,14 +110,11 @@ def automatic_subject(
     if not apart.any():  # a close-up fills the picture, and is what it is about
         apart = weight == weight.max()
     subject = apart & (weight >= _PROMINENT * weight[apart].max())
-    return subject | (loose & ~_thin(geometry.boxes) & _within(geometry.boxes, subject))
-
-
-def _borders(owner: np.ndarray, count: int) -> np.ndarray:
-    """(N,): the number of the picture's four sides at which an object is visible."""
-    sides = (owner[0], owner[-1], owner[:, 0], owner[:, -1])
-    shown = np.concatenate([np.unique(side) for side in sides])
-    return np.bincount(shown[shown >= 0], minlength=count)
+    # Objects inside the box around all of it are parts of it.
+    low, high = geometry.boxes[subject, 0].min(0), geometry.boxes[subject, 1].max(0)
+    slack = _SLACK * (high - low).max()
+    within = ((geometry.boxes[:, 0] >= low - slack) & (geometry.boxes[:, 1] <= high + slack)).all(1)
+    return subject | (loose & ~_thin(geometry.boxes) & within)
 
 
 def _grounds(boxes: np.ndarray, borders: np.ndarray) -> np.ndarray:
@@ -135,13 +135,6 @@ def _thin(boxes: np.ndarray) -> np.ndarray:
     """(N,): cloths, leaves and planes."""
     size = boxes[:, 1] - boxes[:, 0]
     return size.min(1) < 0.02 * np.maximum(size.max(1), 1e-9)
-
-
-def _within(boxes: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-    """(N,): objects inside the box around all chosen ones."""
-    low, high = boxes[chosen, 0].min(0), boxes[chosen, 1].max(0)
-    slack = _SLACK * (high - low).max()
-    return ((boxes[:, 0] >= low - slack) & (boxes[:, 1] <= high + slack)).all(1)
 
 
 def remember_subject(scene: Scene, subject: Iterable[Object]) -> None:

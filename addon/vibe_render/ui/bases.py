@@ -4,18 +4,16 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import bpy
 
 from ..core import files
+from ..core.rendered import GEOMETRY
 from ..core.schema_import import schema
 from ..render import reference
 from ..run.state import addon_state
 from ..scene import snapshot, subject
-from ..scene.scene_context import GEOMETRY
 from .engine_state import engine_state
 
 RUNNING = "A vibe is on its way"
@@ -97,8 +95,13 @@ class IdleOperator(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
-            with _waiting(context):
+            if context.window:
+                context.window.cursor_modal_set("WAIT")
+            try:
                 message = self.act(context)
+            finally:
+                if context.window:
+                    context.window.cursor_modal_restore()
         except (schema.VibeError, OSError) as error:
             if isinstance(error, OSError):  # from a temporary file
                 error = files.unwritable(Path(tempfile.gettempdir(), "vibe"), error, "Check that folder.")
@@ -119,16 +122,3 @@ class IdleOperator(bpy.types.Operator):
             VibeError: It cannot be done; nothing has changed.
         """
         raise NotImplementedError
-
-
-@contextmanager
-def _waiting(context: bpy.types.Context) -> Iterator[None]:
-    """Shows the mouse pointer of a busy Blender."""
-    if context.window is None:
-        yield
-        return
-    context.window.cursor_modal_set("WAIT")
-    try:
-        yield
-    finally:
-        context.window.cursor_modal_restore()

@@ -38,13 +38,7 @@ def paragraph(
     faint: bool = False,
     letters: int = 0,
 ) -> None:
-    """Draws wrapped text.
-
-    Args:
-        icon: Before the first line; the other lines are indented.
-        faint: Draw it like disabled text.
-        letters: Characters in a line; 0 for as many as the region is wide.
-    """
+    """Draws wrapped text, `letters` in a line; 0 for as many as the region is wide."""
     column = layout.column(align=True)
     column.scale_y, column.active = 0.8, not faint
     width = (letters or columns(context)) - (3 if icon != "NONE" else 0)
@@ -120,10 +114,19 @@ def icon(*pictures: Path | None, square: bool = False) -> int:
         collection = bpy.utils.previews.new()
     if version != shown:
         collection.clear()
-        parts = [_load(collection, path) for path in there]
+        parts = [collection.load(str(path), str(path), "IMAGE") for path in there]
+        for part in parts:
+            part.image_size[:]  # reads the file now; else a job would read it, and the panel would flicker
         if len(parts) > 1 or square:
             whole = _composed([_pixels(part) for part in parts])
-            _put(collection.new("vibe"), _middle(whole) if square else whole)
+            if square:
+                height, width = whole.shape
+                side = min(height, width)
+                bottom, left = (height - side) // 2, (width - side) // 2
+                whole = whole[bottom : bottom + side, left : left + side]
+            shown_part = collection.new("vibe")
+            shown_part.image_size = whole.shape[::-1]
+            shown_part.image_pixels.foreach_set(whole.ravel())
         _slots[slot] = version, collection
     return collection["vibe" if "vibe" in collection else str(there[0])].icon_id
 
@@ -135,31 +138,12 @@ def free_icons() -> None:
     _slots.clear()
 
 
-def _load(collection: bpy.utils.previews.ImagePreviewCollection, path: Path) -> bpy.types.ImagePreview:
-    loaded = collection.load(str(path), str(path), "IMAGE")
-    loaded.image_size[:]  # reads the file now; else a job would read it, and the panel would flicker
-    return loaded
-
-
 def _pixels(part: bpy.types.ImagePreview) -> np.ndarray:
     """(H, W) int32: the four bytes of each pixel; row 0 is the bottom."""
     width, height = part.image_size
     pixels = np.empty(width * height, np.int32)
     part.image_pixels.foreach_get(pixels)
     return pixels.reshape(height, width)
-
-
-def _put(target: bpy.types.ImagePreview, pixels: np.ndarray) -> None:
-    target.image_size = pixels.shape[::-1]
-    target.image_pixels.foreach_set(pixels.ravel())
-
-
-def _middle(pixels: np.ndarray) -> np.ndarray:
-    """The square in the middle."""
-    height, width = pixels.shape
-    side = min(height, width)
-    bottom, left = (height - side) // 2, (width - side) // 2
-    return pixels[bottom : bottom + side, left : left + side]
 
 
 def _composed(parts: list[np.ndarray]) -> np.ndarray:

@@ -109,21 +109,17 @@ class EngineState:
             answer, problem = _answer_of(test)
             self.outcome, self.succeeded = str(problem or f"Engine {answer} answers"), problem is None
         if self.setup and not self.setup.running:
-            self._end_setup(self.setup)
+            setup, self.setup = self.setup, None
+            try:
+                setup.finish()
+                self.outcome, self.succeeded = "The engine is set up", True
+                if chosen := preferences.get(bpy.context):
+                    chosen.engine = str(setup.folder)
+                    self.search(chosen.engine, again=True)
+            except schema.VibeError as error:
+                self.outcome, self.succeeded = str(error), False
         drawing.redraw()
         return _TICK if self.busy else None
-
-    def _end_setup(self, setup: EngineSetup) -> None:
-        self.setup = None
-        try:
-            setup.finish()
-        except schema.VibeError as error:
-            self.outcome, self.succeeded = str(error), False
-            return
-        self.outcome, self.succeeded = "The engine is set up", True
-        if chosen := preferences.get(bpy.context):
-            chosen.engine = str(setup.folder)
-            self.search(chosen.engine, again=True)
 
 
 def setup_folder() -> Path:

@@ -28,6 +28,7 @@ from . import (
     run,
     scope,
     setup,
+    steps,
     words,
 )
 from .engine_state import engine_state
@@ -123,6 +124,7 @@ CLASSES: tuple[type, ...] = (
     *picture.CLASSES,
     *prompt_history.CLASSES,
     *result.CLASSES,
+    *steps.CLASSES,
     *presets.CLASSES,
     *preset_files.CLASSES,
     *_panels(),

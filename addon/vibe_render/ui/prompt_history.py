@@ -7,7 +7,7 @@ from __future__ import annotations
 import contextlib
 import json
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import bpy
 from bpy.props import StringProperty
@@ -44,19 +44,15 @@ def _stored() -> list[tuple[str, list[str]]]:
         stored = json.loads((own_folder("") / _NAME).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return []
-    rows = [{"prompt": row} if isinstance(row, str) else row for row in _listed(stored)]
-    return [
-        (
-            row["prompt"],
-            [t for t in _listed(row.get("targets")) if isinstance(t, str) and "=" in t.strip("= ")],
-        )
-        for row in rows
-        if isinstance(row, dict) and isinstance(row.get("prompt"), str)
-    ]
-
-
-def _listed(value: Any) -> list[Any]:
-    return value if isinstance(value, list) else []
+    found = []
+    for row in stored if isinstance(stored, list) else ():
+        given = {"prompt": row} if isinstance(row, str) else row
+        if isinstance(given, dict) and isinstance(given.get("prompt"), str):
+            pairs = given.get("targets")
+            pairs = pairs if isinstance(pairs, list) else []
+            usable = [pair for pair in pairs if isinstance(pair, str) and "=" in pair.strip("= ")]
+            found.append((given["prompt"], usable))
+    return found
 
 
 def clear() -> None:

@@ -125,11 +125,12 @@ def _dim(settings: "VibeSettings", context: bpy.types.Context) -> None:
         _mix(settings, context)
 
 
-def _choose_anew(settings: "VibeSettings", context: bpy.types.Context) -> None:
-    forget_subject(settings.id_data)
-
-
 _Options = declare("VibeOptions", preferences=False, updates={"prompt": live.typed})
+SHARED = (
+    ("ALL", "Affect All Users", "The other things change with the subject"),
+    ("SINGLE", "Make Single-User", "The subject gets copies of its own; Revert takes them away"),
+)
+"""What may happen to materials of the subject that other things use too."""
 _EFFORT = options.named("budget").panel
 
 
@@ -148,7 +149,7 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
             ("SELECTED", "Selected Objects", "What is selected when the vibe starts"),
             ("COLLECTION", "Collection", "Everything in one collection"),
         ),
-        update=_choose_anew,
+        update=lambda settings, _context: forget_subject(settings.id_data),
     )
     collection: PointerProperty(
         type=bpy.types.Collection, name="Collection", description="What the picture is about"
@@ -172,11 +173,7 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
     shared: EnumProperty(
         name="Shared",
         description="Materials of the subject that other things use too",
-        items=(
-            ("ASK", "Ask", "Ask when it matters"),
-            ("ALL", "Affect All Users", "The other things change with the subject"),
-            ("SINGLE", "Make Single-User", "The subject gets copies of its own; Revert takes them away"),
-        ),
+        items=(("ASK", "Ask", "Ask when it matters"), *SHARED),
     )
     show_reasons: BoolProperty(
         name="Reasons", description="Show which words caused each change", default=True
@@ -196,6 +193,14 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         update=_mix,
     )
     changes: CollectionProperty(type=VibeChange)
+    further: StringProperty(
+        name="And Now",
+        description="A further sentence, which goes on from the result: a bit warmer; less fog; but leave the sky; back to the first",
+        maxlen=schema.limits.LONGEST_PROMPT,
+    )
+    edited: IntProperty(
+        description="Number of the step that the further sentence replaces; 0 for another step", min=0
+    )
     vibed_prompt: StringProperty()
     vibed_goals: StringProperty()  # as JSON, for presets
     vibed_like: StringProperty(description="The picture that the look comes from, if any")
@@ -215,12 +220,7 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         return [f"{each.name}={each.target}" for each in present]
 
     def set_target(self, word: str, target: str) -> None:
-        """Keeps the artist's target for a word.
-
-        Args:
-            word: As `--target` calls it.
-            target: A name, see `schema.targets`; "" to have the word described as it is read.
-        """
+        """Keeps the artist's target for a word."""
         place = self.targets.find(word)
         if place >= 0:
             self.targets.remove(place)

@@ -16,10 +16,11 @@ from ..core.schema_import import labels, schema
 from ..export.notes import shortened_notes
 from ..render import reference
 from ..run import result
-from ..run.notes import word_notes, words_shown
+from ..run.notes import shortfall, word_notes, words_of
 from ..run.session import Session
 from ..run.state import addon_state
 from ..scene import snapshot
+from . import steps
 from .bases import allowed, result_obstacle
 from .drawing import GROUP_ICONS, columns, icon, paragraph, see_rendered
 from .scope import draw_lock
@@ -27,6 +28,13 @@ from .scope import draw_lock
 _AGREEMENTS = ((1.0, "matches", True), (3.0, "is close to", True), (math.inf, "differs from", False))
 """Upper bound of the mean CIEDE2000 between preview and render, the words for it, and whether that is good news: 1 is
 the least difference that people see side by side."""
+
+_STATES = {
+    "visible": ("Shows", "CHECKMARK"),
+    "already": ("Was so already", "REMOVE"),
+    "unmeasured": ("Set, not measured", "QUESTION"),
+}
+"""State of a word's verdict -> its words and its sign."""
 
 
 class ResultPanel:
@@ -56,6 +64,7 @@ class ResultPanel:
             row.prop(settings, "show_original", text="After", toggle=True, invert_checkbox=True)
             column.prop(settings, "strength", slider=True)
             see_rendered(column, context)
+        steps.draw(layout, context)
         grid = layout.column(align=True)
         grid.scale_y = 1.3
         row = grid.row(align=True)
@@ -89,12 +98,16 @@ def _draw_session(layout: bpy.types.UILayout, context: bpy.types.Context, sessio
         _draw_variants(layout, session, current)
     if current:  # what follows was measured on the first variant
         return
-    words = words_shown(session.report.get("claims", ()))
-    if visible := [word for word, missing in words.items() if not missing]:
-        paragraph(layout, context, f"Shows: {', '.join(visible)}", "CHECKMARK")
-    for word, missing in words.items():
-        if missing:
-            paragraph(layout, context, f"Not yet: {word}. {missing[0].upper()}{missing[1:]}", "X")
+    verdicts = session.report.get("verdicts", ())
+    for state, (name, icon_name) in _STATES.items():
+        if words := words_of(verdicts, state):
+            paragraph(layout, context, f"{name}: {', '.join(words)}", icon_name)
+    for row in verdicts:
+        if row["state"] == "missed" and row["word"]:
+            missing = shortfall(row)
+            paragraph(layout, context, f"Not yet: {row['word']}. {missing[:1].upper()}{missing[1:]}", "X")
+            if row["unlock"] in context.scene.vibe.locks:
+                layout.operator("vibe.lock", text="Unlock", icon="UNLOCKED").key = row["unlock"]
     if session.prediction_error is not None:
         text, good = agreement(session.prediction_error, context.scene.render.engine)
         paragraph(layout, context, text, "CHECKMARK" if good else "INFO")
@@ -159,30 +172,25 @@ def _draw_changes(
 ) -> None:
     """Values that changed for the same reason; below them the word that caused it, whose tool tip is the whole reason."""
     for change in same:
-        _draw_change(layout, context.scene.vibe, change)
+        parameter = labels.parameter(change.name)
+        row = layout.row(align=True)
+        split = row.split(factor=0.44, align=True)
+        split.label(text=labels.words(parameter.name))
+        values = split.row(align=True)
+        if parameter.kind == "color":
+            values.enabled = False
+            values.prop(change, "before", text="")
+            values.prop(change, "after", text="")
+        else:
+            values.alignment = "RIGHT"
+            values.label(text=result.arrow(change.name, *change.values()))
+        draw_lock(row, context.scene.vibe, change.name)
     if context.scene.vibe.show_reasons and why:
         most = columns(context)
         text = why if len(why) <= most else f"{why[: most - 1].rstrip()}…"
         row = layout.row()
         row.active, row.alignment, row.scale_y = False, "LEFT", 0.75
         row.operator("vibe.why", text=text, emboss=False).key = same[-1].name
-
-
-def _draw_change(layout: bpy.types.UILayout, settings: Any, change: Any) -> None:
-    """Name, old and new value, a lock."""
-    parameter = labels.parameter(change.name)
-    row = layout.row(align=True)
-    split = row.split(factor=0.44, align=True)
-    split.label(text=labels.words(parameter.name))
-    values = split.row(align=True)
-    if parameter.kind == "color":
-        values.enabled = False
-        values.prop(change, "before", text="")
-        values.prop(change, "after", text="")
-    else:
-        values.alignment = "RIGHT"
-        values.label(text=result.arrow(change.name, *change.values()))
-    draw_lock(row, settings, change.name)
 
 
 class _Vibed(bpy.types.Operator):
@@ -238,9 +246,8 @@ class VIBE_OT_variant(_Vibed):
         if session is None or not 0 <= self.number < len(session.variants):
             self.report({"ERROR"}, "That look is not there any more")
             return {"CANCELLED"}
-        variants = [variant for variant, _ in session.variants]
         try:
-            result.choose(scene, self.number, variants, session.subject(scene))
+            result.choose(scene, self.number, session.variants[self.number][0], session.subject(scene))
         except schema.VibeError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

@@ -20,31 +20,16 @@ from ..run.notes import failure_note
 from ..run.session import PAUSING, SILENT, Session
 from ..run.state import addon_state
 from . import bases, drawing, live, prompt_history
+from .properties import SHARED
 
 _TICK = 0.02  # seconds between two steps of the session
 _REDRAW = 0.1  # seconds after which the panels are drawn again though the stage is the same
 
 
-class VIBE_OT_run(bpy.types.Operator):
-    """Change the scene's materials, lights, fog and grading until it looks like the words"""
+class Vibing(bpy.types.Operator):
+    """An operator that runs a vibe: in the background from its button, at once from a script."""
 
-    bl_idname = "vibe.run"
-    bl_label = "Vibe It"
     bl_options: ClassVar[set[str]] = {"UNDO"}  # no REGISTER: "Adjust Last Operation" would do it all again
-
-    again: BoolProperty(
-        name="Again", description="The same words once more, with another seed", options={"SKIP_SAVE"}
-    )
-
-    @classmethod
-    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
-        if properties.again:
-            return "Look once more for the same words, from here, with another seed"
-        return cls.__doc__ or ""
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return bases.allowed(cls, bases.obstacle(context))
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Starts the vibe in the background."""
@@ -95,13 +80,7 @@ class VIBE_OT_run(bpy.types.Operator):
         self._clean_up(context)
 
     def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
-        settings = context.scene.vibe
-        if self.again and (settings.vibed_prompt or settings.vibed_like):
-            settings.prompt = settings.vibed_prompt
-            settings.seed += 1
-        if words := settings.prompt.strip():
-            prompt_history.remember(words, settings.target_pairs())
-        return addon_state.begin(context, ask)
+        raise NotImplementedError
 
     def _escape(self, context: bpy.types.Context) -> set[str]:
         """The first Esc takes the best look so far, if there is one; otherwise the vibe is canceled."""
@@ -129,6 +108,36 @@ class VIBE_OT_run(bpy.types.Operator):
         if context.workspace:  # none while another file is opened
             context.workspace.status_text_set(None)
         drawing.redraw()
+
+
+class VIBE_OT_run(Vibing):
+    """Change the scene's materials, lights, fog and grading until it looks like the words"""
+
+    bl_idname = "vibe.run"
+    bl_label = "Vibe It"
+
+    again: BoolProperty(
+        name="Again", description="The same words once more, with another seed", options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        if properties.again:
+            return "Look once more for the same words, from here, with another seed"
+        return cls.__doc__ or ""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return bases.allowed(cls, bases.obstacle(context))
+
+    def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
+        settings = context.scene.vibe
+        if self.again and (settings.vibed_prompt or settings.vibed_like):
+            settings.prompt = settings.vibed_prompt
+            settings.seed += 1
+        if words := settings.prompt.strip():
+            prompt_history.remember(words, settings.target_pairs())
+        return addon_state.begin(context, ask)
 
 
 def _advance(session: Session) -> schema.VibeError | None:
@@ -190,12 +199,7 @@ class VIBE_OT_answer(_Running):
     bl_label = "Answer"
     bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
-    shared: EnumProperty(
-        items=(
-            ("ALL", "Affect All Users", "The other things change with the subject"),
-            ("SINGLE", "Make Single-User", "The subject gets copies of its own; Revert takes them away"),
-        )
-    )
+    shared: EnumProperty(items=SHARED)
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
@@ -271,8 +275,8 @@ def _draw_question(
         layout.label(text=f"and {len(question) - 4} more materials", icon="BLANK1")
     column = layout.column(align=True)
     column.scale_y = 1.2
-    column.operator("vibe.answer", text="Affect All Users", icon="LINKED").shared = "ALL"
-    column.operator("vibe.answer", text="Make Single-User", icon="UNLINKED").shared = "SINGLE"
+    for (answer, title, _), icon in zip(SHARED, ("LINKED", "UNLINKED"), strict=True):
+        column.operator("vibe.answer", text=title, icon=icon).shared = answer
 
 
 CLASSES = (VIBE_OT_run, VIBE_OT_stop, VIBE_OT_cancel, VIBE_OT_answer, VIBE_OT_dismiss)

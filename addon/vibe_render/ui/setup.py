@@ -58,22 +58,8 @@ class VibePreferences(_Options, bpy.types.AddonPreferences):  # type: ignore[mis
         engine_state.search(self.engine)
         self.layout.use_property_split = True
         self.layout.use_property_decorate = False
-        self._draw_engine(_section(self.layout, "Engine", "SHADERFX"), context)
-        column = _section(self.layout, "Vision-Language Model (optional)", "OUTLINER_OB_IMAGE")
-        column.prop(self, "vlm_model", placeholder="None: the offline planner reads the words")
-        column.prop(self, "vlm_url", placeholder="https://api.openai.com/v1")
-        column.prop(self, "vlm_key", placeholder="Kept in Blender's preferences only")
-        if self.vlm_model and not preferences.online():
-            column.label(text="Online access is off: only a model on this computer is asked", icon="INFO")
-        column = _section(self.layout, "Cache", "FILE_CACHE")
-        column.prop(self, "cache", text="Folder", placeholder="The extension's own")
-        row = column.split(factor=0.4)
-        row.label()
-        row = row.row()
-        row.label(text=cache_size(cache_folder(context)))
-        row.operator("vibe.clear_cache", icon="TRASH")
-
-    def _draw_engine(self, column: bpy.types.UILayout, context: bpy.types.Context) -> None:
+        # The engine: where it is, buttons for it, the outcome of the last one.
+        column = _section(self.layout, "Engine", "SHADERFX")
         column.prop(self, "engine", text="Folder", placeholder="Found by itself")
         split = column.split(factor=0.4)
         split.label()
@@ -91,6 +77,20 @@ class VibePreferences(_Options, bpy.types.AddonPreferences):  # type: ignore[mis
         column.separator()
         column.prop(self, "device")
         column.prop(self, "encoder", placeholder="The one that comes with it")
+        # The model and the cache.
+        column = _section(self.layout, "Vision-Language Model (optional)", "OUTLINER_OB_IMAGE")
+        column.prop(self, "vlm_model", placeholder="None: the offline planner reads the words")
+        column.prop(self, "vlm_url", placeholder="https://api.openai.com/v1")
+        column.prop(self, "vlm_key", placeholder="Kept in Blender's preferences only")
+        if self.vlm_model and not preferences.online():
+            column.label(text="Online access is off: only a model on this computer is asked", icon="INFO")
+        column = _section(self.layout, "Cache", "FILE_CACHE")
+        column.prop(self, "cache", text="Folder", placeholder="The extension's own")
+        row = column.split(factor=0.4)
+        row.label()
+        row = row.row()
+        row.label(text=cache_size(cache_folder(context)))
+        row.operator("vibe.clear_cache", icon="TRASH")
 
 
 def _section(layout: bpy.types.UILayout, title: str, icon: str) -> bpy.types.UILayout:
@@ -127,11 +127,6 @@ def cache_size(folder: Path) -> str:
         size = f"{drawing.size(sum(files))} in {count}" if files else "Empty"
         _measured[folder] = time.monotonic(), size
     return size
-
-
-def measure_again() -> None:
-    """Forgets the measured sizes."""
-    _measured.clear()
 
 
 def draw_failure(layout: bpy.types.UILayout, context: bpy.types.Context, failure: schema.VibeError) -> None:
@@ -287,7 +282,7 @@ class VIBE_OT_clear_cache(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Deletes our folder in the cache folder, and nothing else there."""
         shutil.rmtree(cache_folder(context), ignore_errors=True)
-        measure_again()
+        _measured.clear()
         return {"FINISHED"}
 
 

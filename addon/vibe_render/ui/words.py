@@ -12,9 +12,9 @@ from typing import ClassVar
 import bpy
 from bpy.props import EnumProperty, StringProperty
 
+from ..core import rendered
 from ..core.schema_import import messages, schema, targets
 from ..run.state import addon_state
-from ..scene import scene_context
 from . import drawing
 
 _TICK = 0.02  # seconds between two looks at what the engine says
@@ -155,8 +155,8 @@ def _icon(scene: bpy.types.Scene, name: str) -> str:
 
 def _own_names(scene: bpy.types.Scene) -> Iterator[str]:
     """The objects and lights that a render shows."""
-    for obj in scene_context.shown(scene):
-        if obj.type == "LIGHT" or (obj.type in scene_context.GEOMETRY and obj.material_slots):
+    for obj in rendered.shown(scene):
+        if obj.type == "LIGHT" or (obj.type in rendered.GEOMETRY and obj.material_slots):
             yield obj.name
 
 

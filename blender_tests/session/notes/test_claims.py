@@ -1,50 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is said of the words that a picture shows, and of those that it does not."""
 
-from vibe_render.run.notes import claim_lines, words_shown
+from vibe_render.run.notes import verdict_lines
 
 
-def row(word, holds, measure="warmth", thing="picture", after=3.2):
-    return {
-        "word": word,
-        "thing": thing,
-        "measure": measure,
-        "says": {"warmth": "warmth", "color": "color", "separation": "distance from what is right around"}[
-            measure
-        ],
-        "unit": {"warmth": "b*", "color": "OKLab", "separation": "Lab"}[measure],
-        "wanted": "at least 8" if measure != "color" else "#cceede",
-        "after": after,
-        "holds": holds,
-    }
+def row(word, state, missing="", why=""):
+    return {"word": word, "state": state, "missing": missing, "why": why, "unlock": ""}
 
 
 ROWS = [
-    row("warm", True),
-    row("pale mint", False, "color", "wall", "#b09080"),
-    row("cozy", True),
-    row("cozy", False),
-    row("lamp", None),
-    row("", False, "separation", "subject", 2.0),
+    row("warm", "visible"),
+    row("teal", "already"),
+    row("pale mint", "missed", "color of the wall is #b09080, wanted #cceede", "it conflicts with 'warm'"),
+    row("velvet", "unmeasured"),
+    row("red", "missed", why="the scene has no object that it could describe"),
+    row("", "missed", "distance from what is right around of the subject is 2.0 Lab, wanted at least 8"),
 ]
 
 
-def test_a_word_is_shown_if_all_that_it_claims_holds():
-    assert {word: not missing for word, missing in words_shown(ROWS).items()} == {
-        "warm": True,
-        "pale mint": False,
-        "cozy": False,
-    }
-
-
-def test_what_is_missing_is_said_with_what_was_wanted():
-    assert claim_lines(ROWS) == [
+def test_each_state_has_its_words_and_each_miss_its_reason():
+    assert verdict_lines(ROWS) == [
         "The picture shows: warm.",
-        "It does not show 'pale mint': color of the wall is #b09080, wanted #cceede.",
-        "It does not show 'cozy': warmth is 3.2 b*, wanted at least 8.",
+        "Was so already: teal.",
+        "Set, not measured: velvet.",
+        "It does not show 'pale mint': color of the wall is #b09080, wanted #cceede; it conflicts with 'warm'.",
+        "It does not show 'red': the scene has no object that it could describe.",
         "Look at the subject: distance from what is right around of the subject is 2.0 Lab, wanted at least 8.",
     ]
 
 
 def test_nothing_is_said_where_nothing_is_claimed():
-    assert claim_lines([]) == []
+    assert verdict_lines([]) == []

@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 
 from lab.bench.binding.reading import Reach
 from lab.train.sentences.labels import LabeledSentence, LookWord
+from lab.train.sentences.right import as_meant
 from proxy_renderer.words.lexicon.entries import normalize
-from proxy_renderer.words.lexicon.vocabulary import as_meant
 
 _TOKEN = re.compile(r"[^\W_]+(?:['’][^\W_]+)*")
 Span = tuple[int, int]

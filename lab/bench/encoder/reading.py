@@ -25,6 +25,7 @@ from rich.table import Table
 from lab import judge as judge_encoder
 from lab.bench import cache
 from lab.bench.encoder.mistakes import save_mistakes
+from lab.heads.attributes import ATTRIBUTES
 from lab.heads.classes import classes_of
 from lab.train.data import LOOKS, Batch
 from lab.train.evaluate import FEW, Mistake, cost, judge, shaded, skill
@@ -37,7 +38,6 @@ from proxy_renderer.guidance.encoder import Encoder, load_encoder
 from proxy_renderer.planning.captions import compose
 from proxy_renderer.schema import VibeError, atomic
 from proxy_renderer.words.lexicon.entries import normalize
-from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.words.lexicon.word_table import Nearest
 from proxy_renderer.words.parser import parse

@@ -19,8 +19,6 @@ from proxy_renderer.blender.launch import blender_side
 from proxy_renderer.schema import VibeError, atomic
 
 BASELINE = Variation("clip-only")
-_CODE = ("claims", "color", "guidance", "optimize", "planning", "prompt", "render", "scene", "schema")
-"""What a result depends on in this package; of Blender's side it is all."""
 
 
 @dataclass(frozen=True)
@@ -204,10 +202,8 @@ def _content(meshes: Path | None, pair: Pair) -> str:
 def _fingerprint() -> str:
     """A hash of the code and weights that a result depends on."""
     digest = hashlib.sha256()
-    here = Path(proxy_renderer.__file__).parent
-    folders = [*(here / name for name in _CODE), Path(methods.__file__).parent]
+    folders = [Path(proxy_renderer.__file__).parent, Path(methods.__file__).parent, blender_side().parent]
     files = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
-    files += blender_side().parent.rglob("*.py")
     for path in sorted(files):
         if path.suffix in (".py", ".toml", ".txt", ".json", ".safetensors"):
             digest.update(path.name.encode())

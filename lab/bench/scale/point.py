@@ -73,7 +73,7 @@ class _Follower:
     def stage(self, name: str) -> None:
         """Nothing."""
 
-    def begin(self, display: Tensor) -> None:
+    def begin(self, display: Tensor, lit: bool) -> None:
         """Nothing."""
 
     def look(self, look: EarlyLook) -> None:

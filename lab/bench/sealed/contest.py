@@ -12,7 +12,7 @@ from rich.console import Console
 
 from lab.bench.paper.verdict import tally
 from lab.bench.sealed.table import JobResult, claims_of, share
-from lab.methods import PROJECTION, Variation
+from lab.methods import BASELINES, Variation
 
 _FEWEST = 12
 """A baseline's first steps, in one round; they tell how long a step takes."""
@@ -27,12 +27,12 @@ def rival_row(
     """The rival's row of a job; a baseline's is of a run that had at least as many seconds in the loop as the product.
 
     Args:
-        rival: A baseline or `PROJECTION`.
+        rival: A name of `METHODS`.
         rate: A baseline's greatest step, see `Variation`.
         carry_out: Carries the job out in another way, and returns its row.
     """
-    if rival == PROJECTION:
-        return carry_out(Variation(PROJECTION))
+    if rival not in BASELINES:
+        return carry_out(Variation(rival))
     steps = _FEWEST
     while True:
         row = carry_out(Variation(rival, rate, ("--rounds=1", f"--steps={steps}")))

@@ -14,7 +14,7 @@ from lab.bench.wild import product
 from proxy_renderer.blender import launch
 from proxy_renderer.engine.pictures import load_picture
 from proxy_renderer.schema import atomic
-from proxy_renderer.schema.messages import missing_by_word
+from proxy_renderer.schema.messages import word_states
 
 _SHORT = ("--rounds", "1", "--steps", "8", "--samples", "64", "--figures")
 """A short vibe: what is tried is whether a scene can be read, changed, predicted and given back."""
@@ -74,7 +74,7 @@ class Trial:
             "black": bool(load_picture(out / "after.png").max() < 0.02),
             "subject": report["subject"],
             "read_seconds": report["timings"]["open and export"],
-            "words": {word: not missing for word, missing in missing_by_word(report["claims"]).items()},
+            "words": {word: state != "missed" for word, state in word_states(report["claims"]).items()},
             "claims": report["claims"],
             "similarity": report["similarity"],
             "ignored": report["understood"]["ignored"],

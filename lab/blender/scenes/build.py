@@ -11,10 +11,10 @@ import bpy
 import numpy as np
 from bpy.types import Node, Object, Scene
 from mathutils import Euler, Vector
-from vibe_render.core import compat
+from vibe_render.core import compat, rendered
 from vibe_render.core.color import Color
 from vibe_render.core.schema_import import schema
-from vibe_render.scene import bindings, scene_context, snapshot
+from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.light_types import SIZE, light_type
 from vibe_render.scene.orbits import orbit_matrix
 from vibe_render.scene.stage import cyclorama, floor, framing_camera, mesh_object, plain_material, plain_world
@@ -73,7 +73,7 @@ def _camera(scene: Scene, view: CameraRecipe, points: np.ndarray, luck: random.R
 
 def _points(scene: Scene, thing: Object) -> np.ndarray:
     """(N, 3) vertices of an object as it is rendered, world space."""
-    evaluated = thing.evaluated_get(scene_context.depsgraph(scene))
+    evaluated = thing.evaluated_get(rendered.depsgraph(scene))
     mesh = evaluated.to_mesh()
     flat = np.empty(3 * len(mesh.vertices), np.float32)
     mesh.vertices.foreach_get("co", flat)

@@ -7,8 +7,8 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
+from lab.heads.attributes import ATTRIBUTES
 from lab.train.pictures import looks
-from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 
 WHOLE, ALONE, EMPTY = 0, 1, 2
 _SEEN_ALONE = (

@@ -17,10 +17,10 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from scipy.ndimage import uniform_filter
 
+from lab.heads.attributes import ATTRIBUTES
 from lab.train.pictures.shapes import Random, shape
 from lab.train.pictures.surfaces import Shape, grid
 from proxy_renderer.schema.orbit import direction, frame
-from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 
 VOID, SUBJECT, STAGE = 0, 1, 2
 FAR = 8.0

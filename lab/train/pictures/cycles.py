@@ -21,6 +21,7 @@ import torch
 from PIL import Image
 from torch import Tensor
 
+from lab.heads.attributes import ATTRIBUTES
 from lab.train.pictures import looks, visible
 from lab.train.pictures.bank import SIDES
 from lab.train.pictures.shapes import shape
@@ -28,7 +29,6 @@ from lab.train.pictures.surfaces import bent
 from proxy_renderer.blender.launch import environment, events
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.orbit import frame
-from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 
 SAMPLES = 24
 _TWINNED = ("subject_finish", "subject_metal", "light_softness")

@@ -8,8 +8,9 @@ same picture with that one attribute changed, which is what makes hard negatives
 import torch
 from torch import Tensor
 
+from lab.heads.attributes import ATTRIBUTES
 from proxy_renderer.color.floats import linear_from_srgb, srgb_from_hex
-from proxy_renderer.words.lexicon.quantities import ATTRIBUTES, COLORS
+from proxy_renderer.words.lexicon.quantities import COLORS
 
 NAMES = tuple(ATTRIBUTES)
 INDEX = {name: i for i, name in enumerate(NAMES)}

@@ -9,10 +9,11 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
+from lab.heads.attributes import ATTRIBUTES
 from lab.train.pictures.bank import SUBJECT
 from lab.train.pictures.looks import INDEX, NAMES, UNKNOWN
 from proxy_renderer.color.tensors import lab_from_srgb
-from proxy_renderer.words.lexicon.quantities import ATTRIBUTES, COLORS
+from proxy_renderer.words.lexicon.quantities import COLORS
 
 _NOTICED = 0.02
 """Least mean difference of display values between two pictures that differ in one attribute."""

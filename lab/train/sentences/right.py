@@ -7,7 +7,8 @@ import re
 from difflib import SequenceMatcher
 
 from lab.train.sentences.labels import ROLES, LabeledScene, LabeledSentence, LabelTarget, LookWord
-from proxy_renderer.words.lexicon.vocabulary import as_meant, shipped_vocabulary
+from proxy_renderer.words.lexicon.entries import normalize
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.words.names import is_detail
 from proxy_renderer.words.targets import MATTER, TINGE, PromptPairs, TargetPair
 from proxy_renderer.words.types import GLOW
@@ -16,6 +17,12 @@ _WORD = re.compile(r"\d+|[^\W\d_]+(?:['’][a-z]+)?")  # "2900K" is read as "290
 _NAMED = ("light", "lights", "key", "fill", "rim", "air", "surroundings")
 """Kinds of targets that a word names by saying what there is of them."""
 _GENERAL = ("lighting", "atmosphere")
+
+
+def as_meant(word: str) -> str:
+    """A word as the readers have it: normalized, and spelled out where it was typed in a hurry."""
+    plain = normalize(word)
+    return shipped_vocabulary().typed.get(plain, plain)
 
 
 def right_pairs(sentence: LabeledSentence, read: PromptPairs) -> list[list[bool]]:

@@ -7,6 +7,7 @@ names are drawn at random and the text tower learns to leave them aside.
 
 import random
 
+from lab.heads.attributes import ATTRIBUTES
 from lab.train.text.wording import (
     BRIGHTNESS_WORDS,
     COLOR_WORDS,
@@ -26,7 +27,6 @@ from lab.train.text.wording import (
     color_names,
     phrases,
 )
-from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 
 _PLAIN = {
     "light_side": SIDE_WORDS, "light_softness": SOFT_WORDS, "light_temperature": TEMPERATURE_WORDS, "fog": FOG_WORDS,

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -19,56 +20,69 @@ class Measure:
     take: Callable[..., Tensor]
     unit: str  # for the report
     notice: float  # the least difference between two images that people notice side by side
-    says: str  # its name in the report
+    sentence: str  # what it is of a thing, "{}"
     # whether `take` also wants the (2,) direction in a* and b* of the color that it looks for
     directed: bool = False
+    # whether it is about the finish of a surface, which light and film that no word names could only fake
+    of_finish: bool = False
+
+    @property
+    def says(self) -> str:
+        """Its name in the report, without a thing."""
+        return re.sub(r" \w+ the \{\}", "", self.sentence)
 
 
 MEASURES: dict[str, Measure] = {
-    "color": Measure(color.color, "OKLab", 2.0, "color"),
-    "tint": Measure(color.tint, "ab", 2.0, "tint"),
-    "off_hue": Measure(color.tint, "ab", 2.0, "tint beside the color of the light"),
-    "accent": Measure(color.accent, "ab", 2.0, "tint of a tenth", directed=True),
-    "lightness": Measure(color.lightness, "L*", 2.0, "lightness"),
-    "chroma": Measure(color.chroma, "C*", 2.0, "chroma"),
-    "vividest": Measure(color.vividest, "C*", 3.0, "chroma of the most vivid"),
-    "warmth": Measure(color.warmth, "b*", 1.5, "warmth"),
-    "shadow_warmth": Measure(color.shadow_warmth, "b*", 1.5, "warmth of the shadows"),
-    "highlight_warmth": Measure(color.highlight_warmth, "b*", 1.5, "warmth of the lights"),
-    "brown_distance": Measure(color.brown_distance, "ab", 1.5, "distance from tints of brown"),
-    "contrast": Measure(tone.contrast, "L*", 3.0, "from darkest to lightest"),
-    "black_point": Measure(tone.black_point, "L*", 2.0, "lightness of the darkest"),
-    "white_point": Measure(tone.white_point, "L*", 2.0, "lightness of the lightest"),
-    "vignette": Measure(tone.vignette, "L*", 1.5, "darkening of the corners"),
-    "standing_out": Measure(tone.standing_out, "L*", 3.0, "lightness above the surroundings"),
-    "silhouette": Measure(tone.silhouette, "L*", 3.0, "a dark, even shape before a lighter ground"),
-    "separation": Measure(tone.separation, "Lab", 2.0, "distance from what is right around"),
-    "burnt": Measure(tone.burnt, "", 0.02, "share that is burnt out"),
-    "drowned": Measure(tone.drowned, "", 0.02, "share that drowns in black"),
-    "light_right": Measure(light.light_right, "", 0.1, "light from the right"),
-    "light_up": Measure(light.light_up, "", 0.1, "light from above"),
-    "light_front": Measure(light.light_front, "", 0.1, "light from the camera's side"),
-    "hardness": Measure(light.hardness, "stops/px", 0.05, "steepness of shadow edges"),
-    "key_to_fill": Measure(light.key_to_fill, "stops", 0.3, "from shade to light"),
-    "rim": Measure(light.rim, "L*", 3.0, "lightness of the outline above the inside"),
-    "gloss": Measure(light.gloss, "L*", 1.5, "contrast of highlights"),
-    "sharpness": Measure(light.sharpness, "L*/px", 0.4, "sharpness of reflections"),
-    "unscattered": Measure(light.unscattered, "", 0.05, "share of mirrored or transmitted light"),
-    "sheen": Measure(light.sheen, "", 0.05, "glow along the edges"),
-    "mean": Measure(color.mean, "OKLab", 1.0, "color"),
-    "lower_quartile": Measure(color.tone(0.25), "L*", 2.0, "lightness of the darker quarter"),
-    "median": Measure(color.tone(0.5), "L*", 2.0, "median lightness"),
-    "upper_quartile": Measure(color.tone(0.75), "L*", 2.0, "lightness of the lighter quarter"),
-    "spread": Measure(color.spread, "L*", 3.0, "from its darkest to its lightest tenth"),
-    "cast": Measure(color.cast, "ab", 2.0, "color cast"),
-    "shadow_cast": Measure(color.cast_between(*color.SHADOWS), "ab", 2.0, "color cast of the shadows"),
-    "midtone_cast": Measure(color.cast_between(*color.MIDTONES), "ab", 2.0, "color cast of the midtones"),
-    "highlight_cast": Measure(color.cast_between(*color.LIGHTS), "ab", 2.0, "color cast of the lights"),
-    "from_right": Measure(color.from_right, "L*", 3.0, "lighter on the right than on the left"),
-    "from_above": Measure(color.from_above, "L*", 3.0, "lighter above than below"),
-    "veil": Measure(color.veil, "%", 3.0, "light over everything"),
-    "haze": Measure(light.haze, "", 0.04, "share of light that the air takes away"),
-    "mist_below": Measure(light.mist_below, "", 0.04, "how much more the air hides below than above"),
-    "air_lightness": Measure(light.air_lightness, "L*", 2.0, "lightness of the air"),
+    "color": Measure(color.color, "OKLab", 2.0, "color of the {}"),
+    "tint": Measure(color.tint, "a*b*", 2.0, "tint of the {}"),
+    "off_hue": Measure(color.tint, "a*b*", 2.0, "tint of the {} beside the color of the light"),
+    "accent": Measure(color.accent, "a*b*", 2.0, "tint of a tenth of the {}", directed=True),
+    "lightness": Measure(color.lightness, "L*", 2.0, "lightness of the {}"),
+    "chroma": Measure(color.chroma, "C*", 2.0, "chroma of the {}"),
+    "vividest": Measure(color.vividest, "C*", 3.0, "chroma of the most vivid parts of the {}"),
+    "colorfulness": Measure(color.colorfulness, "", 5.0, "colorfulness of the {}"),
+    "warmth": Measure(color.warmth, "b*", 1.5, "warmth of the {}"),
+    "shadow_warmth": Measure(color.shadow_warmth, "b*", 1.5, "warmth of the shadows of the {}"),
+    "highlight_warmth": Measure(color.highlight_warmth, "b*", 1.5, "warmth of the lit parts of the {}"),
+    "brown_distance": Measure(color.brown_distance, "a*b*", 1.5, "distance of the {} from tints of brown"),
+    "contrast": Measure(tone.contrast, "L*", 3.0, "contrast of the {}"),
+    "black_point": Measure(color.tone(0.02), "L*", 2.0, "lightness of the darkest parts of the {}"),
+    "white_point": Measure(color.tone(0.98), "L*", 2.0, "lightness of the lightest parts of the {}"),
+    "vignette": Measure(tone.vignette, "L*", 1.5, "darkening of the corners of the {}"),
+    "standing_out": Measure(tone.standing_out, "L*", 3.0, "lightness of the {} above the surroundings"),
+    "silhouette": Measure(tone.silhouette, "L*", 3.0, "darkness of the {} against the surroundings"),
+    "separation": Measure(tone.separation, "ΔE", 2.0, "color distance of the {} from what is around it"),
+    "burnt": Measure(tone.burnt, "", 0.02, "overexposed share of the {}"),
+    "clipped": Measure(tone.clipped, "", 0.01, "share of the {} with a clipped channel"),
+    "drowned": Measure(tone.drowned, "", 0.02, "share of the {} that drowns in black"),
+    "light_right": Measure(light.light_along(0), "of 1", 0.1, "light from the right on the {}"),
+    "light_up": Measure(light.light_along(1), "of 1", 0.1, "light from above on the {}"),
+    "light_front": Measure(light.light_along(2), "of 1", 0.1, "light from the camera's side on the {}"),
+    "hardness": Measure(light.hardness, "stops per pixel", 0.05, "steepness of shadow edges in the {}"),
+    "key_to_fill": Measure(light.key_to_fill, "stops", 0.3, "contrast of light and shade on the {}"),
+    "rim": Measure(light.rim, "L*", 3.0, "lightness of the outline of the {} above the inside"),
+    "gloss": Measure(light.gloss, "L*", 1.5, "contrast of highlights on the {}", of_finish=True),
+    "sharpness": Measure(
+        light.sharpness, "L* per pixel", 0.4, "sharpness of reflections on the {}", of_finish=True
+    ),
+    "unscattered": Measure(
+        light.unscattered, "", 0.05, "share of mirrored or transmitted light on the {}", of_finish=True
+    ),
+    "sheen": Measure(light.sheen, "", 0.05, "glow along the edges of the {}", of_finish=True),
+    "mean": Measure(color.mean, "OKLab", 1.0, "color of the {}"),
+    "lower_quartile": Measure(color.tone(0.25), "L*", 2.0, "lightness of the darker quarter of the {}"),
+    "median": Measure(color.tone(0.5), "L*", 2.0, "median lightness of the {}"),
+    "upper_quartile": Measure(color.tone(0.75), "L*", 2.0, "lightness of the lighter quarter of the {}"),
+    "spread": Measure(color.spread, "L*", 3.0, "lightness range of the {}"),
+    "cast": Measure(color.cast, "a*b*", 2.0, "cast of the {}"),
+    "shadow_cast": Measure(color.cast_between(*color.SHADOWS), "a*b*", 2.0, "cast of shadows of the {}"),
+    "midtone_cast": Measure(color.cast_between(*color.MIDTONES), "a*b*", 2.0, "cast of midtones of the {}"),
+    "highlight_cast": Measure(color.cast_between(*color.LIGHTS), "a*b*", 2.0, "cast of highlights of the {}"),
+    "from_right": Measure(color.from_right, "L*", 3.0, "lightness of the right of the {} above the left"),
+    "from_above": Measure(color.from_above, "L*", 3.0, "lightness of the top of the {} above its foot"),
+    "veil": Measure(color.veil, "%", 3.0, "veil of light over the {}"),
+    "haze": Measure(light.haze, "", 0.04, "share of light that the air takes from the {}"),
+    "mist_below": Measure(light.mist_below, "", 0.04, "haze at the foot of the {} beyond that above"),
+    "air_lightness": Measure(light.air_lightness, "L*", 2.0, "lightness of the air before the {}"),
 }
 """By name, as `quantities.toml` and the wishes of the vocabulary call them."""

@@ -55,11 +55,7 @@ def tint(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def accent(picture: MeasuredPicture, where: Tensor, direction: Tensor) -> Tensor:
-    """Distance from gray along a color's direction of the part of a region that lies farthest in it: (1,) a* and b*.
-
-    Args:
-        direction: (2,) unit vector in a* and b*.
-    """
+    """Distance from gray along a color's direction, (2,) of length 1, of the part of a region that lies farthest in it: (1,) a* and b*."""
     along = picture.lab[..., 1:][where] @ direction
     return along[along.detach() >= torch.quantile(along.detach(), 1 - _ACCENT)].mean()[None]
 
@@ -77,6 +73,17 @@ def chroma(picture: MeasuredPicture, where: Tensor) -> Tensor:
 def vividest(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Distance from gray that all but the most vivid thirtieth of the pixels keep below: (1,) C* of CIE Lab."""
     return _chroma_of(picture, where).quantile(1 - 1 / 30)[None]
+
+
+def colorfulness(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """How colorful people call an image: (1,), 0 for gray, 82 for highly, 109 for extremely colorful.
+
+    Hasler and Süsstrunk, "Measuring colorfulness in natural images" (2003), on sRGB of 0 to 255.
+    """
+    red, green, blue = (255 * picture.display[where]).unbind(-1)
+    opponents = torch.stack([red - green, (red + green) / 2 - blue])
+    deviation = opponents.var(1, correction=0).sum() + 1e-4
+    return (deviation.sqrt() + 0.3 * (opponents.mean(1).square().sum() + 1e-4).sqrt())[None]
 
 
 def _chroma_of(picture: MeasuredPicture, where: Tensor) -> Tensor:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import torch
 import torch.nn.functional as F
@@ -32,19 +32,9 @@ _OBLIQUE = 0.5  # cosine between normal and view where sheen is given: 60 degree
 _MIRROR_HIGHLIGHTS = 0.99  # share of a region that is no highlight
 
 
-def light_right(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Share of light from the right: (1,) in [-1, 1], in the camera's space."""
-    return _shading(picture, where)[0:1]
-
-
-def light_up(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Share of light from above: (1,) in [-1, 1], in the camera's space."""
-    return _shading(picture, where)[1:2]
-
-
-def light_front(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Share of light from the camera's side: (1,) in [-1, 1]."""
-    return _shading(picture, where)[2:3]
+def light_along(axis: int) -> Callable[[MeasuredPicture, Tensor], Tensor]:
+    """The measure of the share of light from the camera's right (0), from above (1), or from its side (2): (1,) in [-1, 1]."""
+    return lambda picture, where: _shading(picture, where)[axis : axis + 1]
 
 
 def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -107,12 +97,10 @@ def gloss(picture: MeasuredPicture, where: Tensor) -> Tensor:
     count = int(where.sum())
     if count < FEW:
         return picture.display.new_zeros(1)
-    box = _box(where)
-    light, where, seen = (
-        _blurred(picture.lab[..., 0][box]),
-        where[box],
-        (picture.seen.material[box], picture.seen.normal[box]),
-    )
+    rows, columns = where.any(1).nonzero()[:, 0], where.any(0).nonzero()[:, 0]
+    box = slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)
+    light, where = _blurred(picture.lab[..., 0][box]), where[box]
+    seen = picture.seen.material[box], picture.seen.normal[box]
     rise = torch.zeros_like(light)
     for share in _HIGHLIGHTS:
         away = max(1, round(share * math.sqrt(count)))
@@ -144,12 +132,6 @@ def _shading(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return slope / length * (length / 0.3).clamp_max(1.0)
 
 
-def _box(where: Tensor) -> tuple[slice, slice]:
-    """The rows and the columns in which a region (H, W) lies."""
-    rows, columns = where.any(1).nonzero()[:, 0], where.any(0).nonzero()[:, 0]
-    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)
-
-
 def _beside(light: Tensor, where: Tensor, material: Tensor, normal: Tensor, step: tuple[int, int]) -> Tensor:
     """The light (H, W) a step away; infinite where that is out of the region, of another material, or around a corner."""
     same = _moved(material, step, -2) == material
@@ -161,15 +143,14 @@ def _moved(field: Tensor, step: tuple[int, int], outside: float) -> Tensor:
     """A field (H, W, …) as it is a step away."""
     (down, right), (height, width) = step, field.shape[:2]
     moved = torch.full_like(field, outside)
-    rows, columns = (
-        slice(max(-down, 0), min(height - down, height)),
-        slice(max(-right, 0), min(width - right, width)),
+    to, source = (
+        (
+            slice(max(s * down, 0), min(height + s * down, height)),
+            slice(max(s * right, 0), min(width + s * right, width)),
+        )
+        for s in (-1, 1)
     )
-    from_rows, from_columns = (
-        slice(max(down, 0), min(height + down, height)),
-        slice(max(right, 0), min(width + right, width)),
-    )
-    moved[rows, columns] = field[from_rows, from_columns]
+    moved[to] = field[source]
     return moved
 
 
@@ -262,23 +243,22 @@ def sharpness(picture: MeasuredPicture, where: Tensor) -> Tensor:
 def _by_material(
     picture: MeasuredPicture, where: Tensor, take: Callable[[Tensor, Tensor, Tensor], Tensor]
 ) -> Tensor:
-    """(1,) mean over a region's pixels of what is taken off each of its materials; 0 where none has enough pixels."""
-    found = [(take(*rest), count) for count, *rest in _materials(picture, where)]
-    if not found:
-        return picture.luminance.new_zeros(1)
-    total = sum(count for _, count in found)
-    return torch.stack([value * (count / total) for value, count in found]).sum()[None]
+    """(1,) mean over a region's pixels of what is taken off each of its materials; 0 where none has enough pixels.
 
-
-def _materials(picture: MeasuredPicture, where: Tensor) -> Iterator[tuple[int, Tensor, Tensor, Tensor]]:
-    """Of each material: how many pixels n it has, its light (n,) without textures, its normals (n, 3), its places (n, 2)."""
-    seen = picture.seen
+    It is taken off n pixels' light (n,) without textures, normals (n, 3), and places (n, 2).
+    """
+    seen, found = picture.seen, []
     where = where & (seen.normal.norm(dim=-1) > 0.5)
     for number in seen.material[where].unique():
         mine = where & (seen.material == number)
         if (count := int(mine.sum())) >= FEW:
             place = mine.nonzero().to(picture.luminance) / max(where.shape)
-            yield count, picture.shading[mine], seen.normal[mine].to(place), place - place.mean(0)
+            taken = take(picture.shading[mine], seen.normal[mine].to(place), place - place.mean(0))
+            found.append((taken, count))
+    if not found:
+        return picture.luminance.new_zeros(1)
+    total = sum(count for _, count in found)
+    return torch.stack([value * (count / total) for value, count in found]).sum()[None]
 
 
 def _fitted(basis: Tensor, light: Tensor) -> tuple[Tensor, Tensor]:

@@ -3,17 +3,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
 
 import torch
 import torch.nn.functional as F
 from jaxtyping import Bool, Float
 from torch import Tensor
 
-from ...color.tensors import lab_from_srgb, linear_from_srgb, luminance, oklab_from_srgb
+from ...color.constants import CONES_FROM_REC709, REC709_FROM_CONES
+from ...color.tensors import lab_from_srgb, linear_from_srgb, luminance, oklab_from_srgb, srgb_from_linear
 from ...render.gbuffer import GBuffer
+from ...words.types import Part
 
 FEW = 32
 """Pixels of which nothing is told."""
@@ -21,10 +22,14 @@ FEW = 32
 GRAIN = 192
 """Slopes are given per pixel of a picture of this size."""
 
+_BLACK = 0.02  # of white, as an image is stored: what is darker everywhere shows nothing
+_ADAPTED = 0.7  # share of the light's color that is not noticed, and of its stops, where it is dim
+_MIDDLE, _DIM = (
+    0.18,
+    6.0,
+)  # of white: a gray surface in light that is not dim; times darker, beyond which things are dark
+_UNLIT = 1e-4  # of white: light that has no color to adapt to
 _DARKEST = 0.05  # of a pattern, relative to its mean: what is darker mirrors rather than scatters light
-
-Part = Literal["subject", "surroundings", "sky", "picture"]
-"""A part of the picture that a claim speaks of; the sky is what is seen of the world."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +58,22 @@ class MeasuredPicture:
         """OKLab, times 100."""
         return 100 * oklab_from_srgb(self.display)
 
+    def in_white_light(self, where: Tensor) -> MeasuredPicture:
+        """The same picture as it looks to people who have adapted to the light in the region `where`.
+
+        A white car in blue light looks nearly white, and a red one in dim light red. The cones adapt each by itself (von Kries
+        1902), and to a degree of 0.7, with the picture's own white for the rest (Fairchild 2020).
+        """
+        gray = None if self.seen.gray is None else linear_from_srgb(self.seen.gray[where]).mean(0)
+        if gray is None or luminance(gray) < _UNLIT:
+            return self
+        to_cones, from_cones = gray.new_tensor(CONES_FROM_REC709), gray.new_tensor(REC709_FROM_CONES)
+        light = to_cones @ (gray / luminance(gray))
+        level = (_MIDDLE / luminance(gray)).clamp(1.0, _DIM) ** _ADAPTED
+        scale = level / (_ADAPTED * light + (1.0 - _ADAPTED) * to_cones.sum(1))
+        adapted = linear_from_srgb(self.display) @ (from_cones @ (scale[:, None] * to_cones)).T
+        return replace(self, display=srgb_from_linear(adapted))
+
     @cached_property
     def luminance(self) -> Float[Tensor, "h w"]:
         """Linear light as shown."""
@@ -62,6 +83,11 @@ class MeasuredPicture:
     def shading(self) -> Float[Tensor, "h w"]:
         """Linear light without what textures make of it."""
         return self.luminance / self.seen.pattern.clamp_min(_DARKEST)
+
+
+def is_black(display: Tensor) -> bool:
+    """True for an image (H, W, 3) in [0, 1] that shows nothing."""
+    return bool(display.max() < _BLACK)
 
 
 def region_of(seen: GBuffer, part: Part, materials: tuple[str, ...] = ()) -> Bool[Tensor, "h w"]:

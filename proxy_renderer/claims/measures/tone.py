@@ -25,16 +25,6 @@ def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return (light - torch.stack([lightness_below(picture, part, 0.05) for part in parts]).min())[None]
 
 
-def black_point(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Lightness of the darkest fiftieth: (1,) L*."""
-    return lightness_below(picture, where, 0.02)[None]
-
-
-def white_point(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Lightness of the lightest fiftieth: (1,) L*."""
-    return lightness_below(picture, where, 0.98)[None]
-
-
 def vignette(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Darkness of the corners relative to the middle ring of the whole image, in the second least darkened one: (1,) L*.
 
@@ -87,6 +77,11 @@ def separation(picture: MeasuredPicture, where: Tensor) -> Tensor:
 def burnt(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Share of a region that is burnt out, by a soft step at L* 97: (1,) in [0, 1]."""
     return torch.sigmoid(2 * (picture.lab[..., 0][where] - 97.0)).mean()[None]
+
+
+def clipped(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """Share of a region with a channel at its end, by a soft step at 0.99 of it: (1,) in [0, 1]. Such a color has lost its shading."""
+    return torch.sigmoid(200 * (picture.display[where].amax(-1) - 0.99)).mean()[None]
 
 
 def drowned(picture: MeasuredPicture, where: Tensor) -> Tensor:

@@ -40,7 +40,7 @@ class RoundPlace(Enum):
     START = "at the start"
     LAST_END = "where the last round ended"
     BEST_END = "where the best round ended: the last one came no nearer to the words"
-    MIDDLE = "in the middle of all ranges: no round came nearer"
+    MIDDLE = "in the middle of the ranges that words name: no round came nearer"
 
 
 @dataclass(frozen=True)
@@ -136,8 +136,8 @@ class Confiner:
         return Confined(advice, advice.plan, ranges, lower, upper, u, shots, here.number, reach.opening)
 
     def middle(self, now: Confined) -> Tensor:
-        """(N,) another start: relevant values stand in the middle of their ranges."""
-        movable = self._vector.mark(key for key, entry in now.plan.items() if entry.priority is not None)
+        """(N,) another start: values that words name stand in the middle of their ranges."""
+        movable = self._vector.mark(key for key, entry in now.plan.items() if entry.is_named)
         return torch.where(movable & (now.upper > now.lower), (now.lower + now.upper) / 2, now.u)
 
     def _ranges(
@@ -147,7 +147,10 @@ class Confiner:
         vector = self._vector
         ranges = feasible_ranges(plan, vector.instances, vector.values(u))
         if opening:
-            named = {key for key, entry in plan.items() if self._opens(key, entry)}
+            # No range of a finish opens: that is what its word says.
+            parameters = {key: vector.instances[key].parameter for key in plan}
+            finishes = {k for k, p in parameters.items() if p.group == "material" and p.kind != "color"}
+            named = {key for key, entry in plan.items() if entry.is_named and not entry.usual} - finishes
             measured = {f"film/{c.measure}" for c in claims if c.word and c.part == "picture"}
             whole = [key for key in named if vector.instances[key].parameter.family in measured]
             share = torch.where(vector.mark(named), opening, 0.0).masked_fill(vector.mark(whole), math.inf)
@@ -157,12 +160,6 @@ class Confiner:
             low_end, high_end = ((min(end[0], widest),) for end in ranges[key])
             ranges[key] = low_end, high_end
         return ranges
-
-    def _opens(self, key: str, entry: PlanEntry) -> bool:
-        """True for ranges that may open while claims are missed: those that words name, but no finish, which is what its word says."""
-        parameter = self._vector.instances[key].parameter
-        finish = parameter.group == "material" and parameter.kind != "color"
-        return entry.is_named and not (entry.usual or finish)
 
 
 def carry(plan: Plan, earlier: Plan) -> Plan:

@@ -33,13 +33,9 @@ _BETTER = 0.01  # correlation by which another direction has to be better than t
 def with_key_turned(
     scene: SceneData, vector: ParameterVector, u: Tensor, lower: Tensor, upper: Tensor, goal: Tensor
 ) -> Tensor:
-    """A point whose key light comes from where it does in an image; u itself where none is better, or it may not turn.
+    """A point in the box whose key light comes from where it does in an sRGB-encoded image (H, W, 3).
 
-    Args:
-        u: (N,) within the box.
-        lower: (N,) its lower corner.
-        upper: (N,) its upper corner.
-        goal: (H, W, 3) the image, sRGB-encoded.
+    It is u (N,) itself where none is better, or the light may not turn.
     """
     keys = [
         key

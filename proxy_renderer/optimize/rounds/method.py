@@ -52,10 +52,7 @@ class Method:
     ) -> Guidance:
         """The judge of an image's similarity to the words that the encoder is asked for.
 
-        Args:
-            advice: The composed captions, and the words' wishes.
-            start: The artist's image, on which the guidance is calibrated.
-            every_word: Whether that are all words, as in the paper: an artist has named an encoder.
+        It is calibrated on the artist's image. `every_word`, as in the paper, if an artist has named an encoder.
         """
         prompts = advice.prompts if every_word or self.every_word else advice.unmeasured
         if prompts == NO_PROMPTS:  # claims say all
@@ -77,21 +74,12 @@ class Method:
         seed: int,
         follow: Callable[[int, float, Any], bool],
     ) -> Descent:
-        """Lines 8 to 15, from the round's projected point, where S_K was chosen.
-
-        Args:
-            movable: (N,) bool, the components that may move.
-            follow: Called with (step from 1, loss, picture) after each step; True ends the loop.
-        """
+        """Lines 8 to 15, from the round's projected point, where S_K was chosen; `follow` is called after each step, see `solve`."""
         return solve(chosen.objective, now.u, movable, now.lower, now.upper, steps, follow, chosen.model)
 
 
 def load_method() -> Method:
-    """The plug-in that the environment names, or the product's method.
-
-    Raises:
-        VibeError: There is no such plug-in.
-    """
+    """The plug-in that the environment names, or the product's method; raises VibeError if there is no such plug-in."""
     name = os.environ.get(VARIABLE, "")
     if not name:
         return Method()

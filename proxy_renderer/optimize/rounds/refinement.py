@@ -67,6 +67,7 @@ class Outcome:
     # one record per round: parameters, loss at start and end, its terms, how far its end was from the words' claims,
     # steps, seconds
     rounds: list[dict[str, Any]]
+    descent: Descent | None = None  # of the round that ended at u
     reference: Reference | None = None  # the image that replaces words, or adds to them
     stopped: bool = False  # whether the observer ended the loop
     # all variants, if several were asked for; the one of least loss first
@@ -85,6 +86,7 @@ class RoundEnd:
     confined: Confined  # the round's plan and ranges
     record: dict[str, Any]  # for the report, see `Outcome.rounds`
     settled: bool  # whether the steps have hardly lowered the loss
+    descent: Descent
 
     @classmethod
     def seen(
@@ -111,7 +113,7 @@ class RoundEnd:
         record["missed"] = missed._asdict()
         settled = descent.start_loss - descent.loss < CONVERGED * abs(descent.start_loss)
         now = replace(now, plan=chosen.with_reasons(now.plan))
-        return cls(descent.u, shots, missed, descent.loss, start, now, record, settled)
+        return cls(descent.u, shots, missed, descent.loss, start, now, record, settled, descent)
 
 
 def nearest(ends: Sequence[RoundEnd]) -> RoundEnd:
@@ -142,7 +144,7 @@ def next_round(search: Search, ends: Sequence[RoundEnd]) -> RoundStart | None:
     if is_stuck(search, ends):
         # Variants stay near their own start; the middle of ranges as wide as an image's is no better than any other point.
         was_there = any(end.start.place is RoundPlace.MIDDLE for end in ends)
-        if was_there or not has_claims or start.drawn is not None or search.reference:
+        if was_there or not has_claims or start.drawn is not None or search.pictured:
             return None
         place, share = RoundPlace.MIDDLE, 1.0
     number, earlier = last.start.number + 1, last.confined.plan
@@ -167,16 +169,15 @@ def claims_words(shots: Sequence[ShotState]) -> bool:
 
 
 def least_change(search: Search, ends: Sequence[RoundEnd]) -> RoundEnd:
-    """The best end; with least change, if that satisfies all claims too, which Cycles has to confirm."""
+    """The best end; with least change, if that satisfies as many claims, which Cycles has to confirm."""
     best = nearest(ends)
-    is_done = not best.missed.claims and claims_words(best.shots)
-    if not is_done or best.start.start.drawn is not None or search.clock.stopped:
+    if not claims_words(best.shots) or best.start.start.drawn is not None or search.clock.stopped:
         return best
     u = eased(search, best.shots, best.confined.plan, best.u)
     if u is None:
         return best
     shots, missed = search.seen(best.shots, u, ends[-1].start.number)
-    if missed.claims:
+    if missed.claims > best.missed.claims:
         return best
     search.show(shots, u)
     return replace(best, u=u, shots=shots, missed=missed)
@@ -188,15 +189,9 @@ def eased(search: Search, shots: Sequence[ShotState], plan: Plan, u: Tensor) -> 
     A round steps at once to where all claims are satisfied, and often past it: a dark car may need a little more light to be
     told from its floor, and gets a white floor in glaring light, for nothing that is claimed speaks against that.
 
-    Args:
-        shots: With their proxies corrected at u.
-        plan: Says which values only support the words.
-        u: (N,) a point at which all claims are satisfied.
-
-    Returns:
-        (N,) another point that shows each claim as well; None where nothing is gained.
+    At u (N,) the shots are corrected; another point shows each claim as well. None if nothing is gained.
     """
-    if search.reference:  # of which all values are free alike
+    if search.pictured:  # of which all values are free alike
         return None
     vector = search.vector
     supports = vector.mark(key for key, e in plan.items() if e.priority is not None and e.prior > 0.0)
@@ -214,7 +209,7 @@ def _distances(shots: Sequence[ShotState], u: Tensor) -> Tensor:
     with torch.no_grad():
         for shot in shots:
             viewed = shot.viewed(u)
-            for value, lower, upper in viewed.aims(viewed.draw(u)):
+            for _, value, lower, upper in viewed.aims(viewed.draw(u)):
                 found.append(outside(value, lower, upper).norm().cpu())
     return torch.stack(found)
 
@@ -237,6 +232,7 @@ def outcome_of(search: Search, start: Start, ends: Sequence[RoundEnd], best: Rou
         shots=best.shots,
         loss=best.loss,
         rounds=records,
+        descent=best.descent,
         reference=search.reference,
         stopped=search.clock.stopped,
     )

@@ -5,19 +5,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import torch
 from torch import Tensor
 
 from ...claims.claim import HOLDS, Claim, ClaimSet
-from ...claims.measures.picture import MeasuredPicture
+from ...claims.measures.picture import MeasuredPicture, is_black
 from ...goals.resolve import Goals
 from ...guidance.encoder import Encoder
 from ...guidance.guide import Guidance, claims_loss
 from ...planning.advice import Advice, Advisor
-from ...reference.advisor import advisor_with_picture
-from ...reference.like import Reference
+from ...reference.like import LikeAdvisor, Reference
 from ...render.proxy import Proxy, Render
 from ...scene import SceneData
 from ...schema import VibeError
@@ -52,11 +52,10 @@ class ImageJudge:
         encoder: Encoder,
         prompt: str,
         every_word: bool,
-        word_claims: Callable[[Goals], tuple[Claim, ...]],
-        reference: Reference | None,
+        claims_of: Callable[[Goals], tuple[Claim, ...]],
     ) -> None:
         self._method, self._encoder, self._prompt, self._every_word = method, encoder, prompt, every_word
-        self._word_claims, self._reference = word_claims, reference
+        self._claims_of = claims_of
         self.claims: tuple[Claim, ...] = ()
         # of each shot: the artist's image, as measured, its claims
         self._artist: list[tuple[Render, MeasuredPicture, ClaimSet]] = []
@@ -68,16 +67,9 @@ class ImageJudge:
         """True if the claims are known."""
         return bool(self._artist)
 
-    def claims_of(self, goals: Goals, shot: ShotState) -> tuple[Claim, ...]:
-        """The claims of words and reference image about the first shot; about the others the same."""
-        claims = self._word_claims(goals)
-        if self._reference:
-            return self._reference.claims(claims, shot.gbuffer(shot.vector.encode({})))
-        return claims
-
     def begin(self, shots: Sequence[ShotState], u: Tensor, goals: Goals) -> None:
         """Settles the claims, and keeps the artist's images, drawn at u (N,): changes and guidance are relative to them."""
-        self.claims = self._method.claims(self.claims_of(goals, shots[0]))
+        self.claims = self._method.claims(self._claims_of(goals))
         for shot in shots:
             image = shot.draw(u)
             before = MeasuredPicture(image.display.detach(), shot.gbuffer(u))
@@ -118,6 +110,7 @@ class Search:
         rounds: R, the most rounds from each start.
         clock: Reports progress to the observer.
         reference: The image that replaces words, or adds to them; None for words alone.
+        pictured: Whether a reference image is among the goals; its wishes may come without it.
         confiner: Plans, and makes boxes of plans.
         judge: Says how near images are to the words.
         looks: Shown before the end; None where nobody wants them, and for several shots.
@@ -136,32 +129,41 @@ class Search:
     ) -> None:
         self.method, self.observer = method or Method(), observer
         self.reference = Reference.of(options, views[0].scene)
-        if self.reference:  # it speaks of all of light and grade at once
+        self._stage = stage or read_stage([view.scene for view in views], prompt)
+        written = self._stage.goals.pictured if isinstance(self._stage.goals, Goals) else ()
+        self.pictured = bool(self.reference or written)
+        if self.pictured:  # it speaks of all of light and grade at once
             options = replace(options, top_k=max(options.top_k, _VALUES))
         self.options = options
 
         def proxy(scene: SceneData) -> Proxy:
-            size = inner_size(scene, options, encoder)
+            size = inner_size(scene, options, encoder, self.pictured)
             return Proxy(scene, size, device=str(encoder.device), seed=options.seed)
 
-        self.vector, self.shots = gathered(views, options, proxy)
-        self._stage = stage or read_stage([view.scene for view in views], prompt)
+        staged = zip(views, self._stage.scenes, strict=True)
+        self.vector, self.shots = gathered([replace(v, scene=scene) for v, scene in staged], options, proxy)
         words = bool(prompt.strip()) or isinstance(self._stage.goals, Goals)
         described = self._stage.understood.scene
         self._offline, asked = (
-            advisor_with_picture(self.reference, each, words, len(views), described.lights)
-            for each in (self._stage.advisor, advisor or self._stage.advisor)
+            self._with_picture(each, words) for each in (self._stage.advisor, advisor or self._stage.advisor)
         )
         self.confiner = Confiner(self.vector, self.shots, described, asked, self.method.plan)
         self.several = options.variants > 1
         # Variants have the time of one vibe in common, as far as that goes.
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds
         self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, observer)
-        self.judge = ImageJudge(
-            self.method, encoder, prompt, bool(options.encoder), self._stage.claims, self.reference
-        )
+        self.judge = ImageJudge(self.method, encoder, prompt, bool(options.encoder), self._stage.claims)
         alone = len(self.shots) == 1 and observer.wants_looks
         self.looks = Looks(self.shots[0], described) if alone else None
+
+    def _with_picture(self, advisor: Advisor, words: bool) -> Advisor:
+        """An advisor for the picture, if there is one, and for words, if there are any."""
+        if self.reference is None:
+            return advisor
+        if len(self.shots) > 1:  # it shows one of them at most
+            self.reference.same = False
+        seen = partial(self.shots[0].gbuffer, self.vector.encode({}))
+        return LikeAdvisor(self.reference, advisor if words else None, seen)
 
     def show_plan(self) -> None:
         """Shows what the words alone give, before the first anchor; the words' own plan, also where a model is asked later."""
@@ -171,9 +173,9 @@ class Search:
             u, advice = self.looks.planned(self._offline)
         except VibeError:  # if nobody else understands the words either, the first round says so
             return
-        self.observer.begin(self.looks.before)
+        self.observer.begin(self.looks.before, True)  # Cycles has not been asked yet
         self.observer.look(self.looks.values(u))
-        claims = self.judge.claims_of(advice.goals, self.shots[0])
+        claims = self._stage.claims(advice.goals)
         self.observer.look(self.looks.drawn(u, claims))
 
     def show(self, shots: Sequence[ShotState], u: Tensor) -> None:
@@ -186,14 +188,19 @@ class Search:
         u = here.u
         shots = [shot.anchored(u, here.number) for shot in here.shots]
         advice = self.confiner.advise(shots, u, here.earlier)
-        if not self.judge.has_begun:  # at the artist's own values
+        begins, artist = not self.judge.has_begun, u
+        if begins:  # at the artist's own values
             self.judge.begin(shots, u, advice.goals)
-            self.observer.begin(shots[0].draw(u).display.detach())
         first, *others = self.judge.equipped(shots, advice)
         shots = [first, *(shot.planned(advice.plan) for shot in others)]
         if not here.earlier and here.start.drawn is None:
             u = begun(self.vector, advice.plan, u)
-        return self.confiner.confined(advice, u, here, shots, self.judge.claims)
+        now = self.confiner.confined(advice, u, here, shots, self.judge.claims)
+        if begins:
+            image = shots[0].draw(artist).display
+            with torch.no_grad():
+                self.observer.begin(image, not (is_black(image) and is_black(shots[0].draw(now.u).display)))
+        return now
 
     def placed(self, now: Confined, here: RoundStart) -> Confined:
         """The round at the point where its steps begin, with the proxies corrected there."""
@@ -203,7 +210,9 @@ class Search:
         elif here.place is RoundPlace.START and self.reference and self.reference.same:
             goal = self.reference.display
             u = with_key_turned(self.shots[0].scene, self.vector, u, now.lower, now.upper, goal)
-        return replace(now, u=u, shots=[shot.anchored(u, here.number, _STRIDE) for shot in now.shots])
+        return replace(
+            now, u=u, shots=[shot.anchored(u, here.number, _STRIDE).viewed(u) for shot in now.shots]
+        )
 
     def select(self, now: Confined, u: Tensor, shots: Sequence[ShotState] = ()) -> Selection:
         """S_K (line 6), chosen at u (N,), and the objective over it; `shots` judge, all of the round if there are none."""

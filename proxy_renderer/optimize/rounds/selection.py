@@ -17,7 +17,7 @@ import torch
 from torch import Tensor
 
 from ...guidance.guide import Weights
-from ...planning.types import Plan
+from ...planning.types import LEFT_ALONE, Plan
 from ...schema import VibeError
 from ...schema.messages import Options
 from ..least_squares import LinearModel, linearize
@@ -31,6 +31,9 @@ _MISSED = 3.0
 """How many more where claims are missed for long: what words name goes first, but what it cannot earn is left to what can."""
 
 _FAINTEST = 2.0**-20
+
+_WORTH = 1.0
+"""Noticeable steps that supporting parameters have to gain, or they stay as the artist has them."""
 
 ALIKE = 0.9
 """Share of a parameter's effect on the claims that another one has too, from where they do the same."""
@@ -50,12 +53,10 @@ class Selection:
 
     def with_reasons(self, plan: Plan) -> Plan:
         """The plan, with the reasons of parameters that are held."""
-        held = {
-            key: replace(
-                plan[key], reason=f"{plan[key].reason}; held: {other} does the same to what is claimed"
-            )
-            for key, other in self.shared.items()
-        }
+        held = {}
+        for key, other in self.shared.items():
+            reason = f"{plan[key].reason}; held: {other} does the same to what is claimed"
+            held[key] = replace(plan[key], reason=reason)
         return Plan({**plan, **held}, plan.notes)
 
 
@@ -69,8 +70,7 @@ def select(
 ) -> Selection:
     """S_K (equation 7), chosen at u (N,): the K parameters that receive gradients, `top_k` in the options.
 
-    Raises:
-        VibeError: Nothing that the words name may change.
+    Raises VibeError if nothing that the words name may change.
     """
     plan, lower, upper = now.plan, now.lower, now.upper
     # Moving the camera means tracing everything again: only words are worth that.
@@ -79,7 +79,8 @@ def select(
         for k in relevant(plan, vector, upper > lower)
         if vector.instances[k].parameter.group != "camera" or plan[k].is_named
     }
-    objective = RoundObjective(shots, vector, plan, probed, (lower, upper), weights, bool(options.like))
+    pictured = bool(now.advice.goals.pictured)
+    objective = RoundObjective(shots, vector, plan, probed, (lower, upper), weights, pictured)
 
     # The loss near u over all of these keys, in shares of their ranges, and each key's part of it
     wide = vector.mark(probed) & (upper > lower)
@@ -91,7 +92,8 @@ def select(
         end = int(before[vector.slices[key].stop - 1])
         parts[key] = slice(end - int(wide[vector.slices[key]].sum()), end)
 
-    keys, shared = choose(plan, options.top_k, model, parts, low, high, _HALF + _MISSED * now.opening)
+    candidates = needed(plan, model, parts, low, high)
+    keys, shared = choose(plan, options.top_k, model, candidates, low, high, _HALF + _MISSED * now.opening)
     mine = torch.zeros(len(low), dtype=torch.bool)
     for key in keys:
         mine[parts[key]] = True
@@ -99,18 +101,31 @@ def select(
 
 
 def relevant(plan: Plan, vector: ParameterVector, wide: Tensor) -> set[str]:
-    """Keys that a round may change, of components (N,) bool that have a range.
-
-    Raises:
-        VibeError: Nothing that the words name is among them.
-    """
+    """Keys that a round may change, of components (N,) bool that have a range; raises VibeError if words name none of them."""
     found = {k for k, e in plan.items() if e.priority is not None and wide[vector.slices[k]].any()}
     if all(plan[key].prior > 0.0 and not plan[key].any_hue for key in found):
+        left_alone = [note for note in plan.notes if note.startswith(LEFT_ALONE)]
         raise VibeError(
-            "Nothing that the words name may change in this scene.",
+            " ".join(["Nothing that the words name may change in this scene.", *left_alone]),
             "Unlock something, allow more groups, or use other words.",
         )
     return found
+
+
+def needed(
+    plan: Plan, model: LinearModel, parts: Mapping[str, slice], low: Tensor, high: Tensor
+) -> Mapping[str, slice]:
+    """The parts that the words name; all parts if the supporting parameters can do more.
+
+    A red sofa in a sunlit room needs a red sofa, not a darker room.
+    """
+    named = {key: part for key, part in parts.items() if plan[key].is_named}
+    free = torch.zeros(len(low), dtype=torch.bool)
+    for part in named.values():
+        free[part] = True
+    alone = model.loss(model.step(torch.where(free, low, 0.0), torch.where(free, high, 0.0)))
+    together = model.loss(model.step(low, high))
+    return named if named and alone - together < _WORTH * model.weight else parts
 
 
 def choose(
@@ -124,20 +139,9 @@ def choose(
 ) -> tuple[list[str], dict[str, str]]:
     """The K most important parameters, refined by how much each can still lower the loss next to those before it.
 
-    Half the gain costs some places: a parameter at the right end of its range, or one that the loss does not
-    depend on, makes room for one that still helps.
-
-    Args:
-        plan: Entries by key; a smaller priority is more important.
-        k: How many keys at most; a color counts as one.
-        model: The loss over all that may be chosen.
-        parts: Key -> its components in the model.
-        low: (n,) least that each component may be moved.
-        high: (n,) most.
-        half: Places in the order of priorities that half the gain costs.
-
-    Returns:
-        The keys, and held ones -> the key that does the same.
+    Half the gain costs some places, `half`: a parameter at the right end of its range, or one that the loss does not depend on,
+    makes room for one that still helps. A smaller priority is more important; a color counts as one. Also returned are keys that
+    are held -> the key that does the same.
     """
     move, free = torch.zeros_like(low), torch.zeros(len(low), dtype=torch.bool)
     left = dict(parts)

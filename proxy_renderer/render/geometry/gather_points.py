@@ -153,13 +153,9 @@ def _spread(
 ) -> SparseWeights:
     """Weights from the gather points that fit each point's normal, plane and place best.
 
-    Args:
-        lists: The gather points of every cell.
-        window: Cells to look at along both axes: offsets from a point's own, or from the upper left of the
-            four whose middles surround it where the window has an even length.
-        nearest: How many gather points to keep, at most as many as the window has cells.
-        width: Distance in cells at which a gather point's weight has faded.
-        chosen: (N,) bool: points that get light; None for all.
+    The window has cells along both axes: offsets from a point's own, or from the upper left of the four whose middles surround it
+    where it has an even length. The nearest, at most as many as that, are kept; at the width, in cells, their weight has faded.
+    Only `chosen` points (N,) get light; all if None.
     """
     count, device = points.place.shape[1], lists.device
     shape = count, gather_points.place.shape[1]

@@ -6,9 +6,12 @@ from __future__ import annotations
 import functools
 import hashlib
 import weakref
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import torch
 from embreex import rtcore_scene
 from embreex.mesh_construction import TriangleMesh
 
@@ -16,6 +19,10 @@ from ...scene import SceneMesh
 
 RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
 """Kinds of rays that an object may be hidden from, by Blender's names."""
+
+_SHARE = 8192  # rays that are worth a thread
+
+_pool = functools.cache(ThreadPoolExecutor)
 
 
 TraceResult = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
@@ -41,14 +48,26 @@ class TriangleTree:
         number = np.cumsum(used, dtype=np.int32) - 1
         scene = rtcore_scene.EmbreeScene()
         TriangleMesh(scene, self._mesh.vertices[used], np.ascontiguousarray(number[faces], np.int32))
+        scene.run(np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32))  # the first ray builds the tree
         return scene
+
+    def _run(self, *rays: np.ndarray, **how: Any) -> Any:
+        """Embree's answer for rays (N, …), by as many threads as torch has: it lets go of Python's lock."""
+        threads = min(torch.get_num_threads(), len(rays[0]) // _SHARE)
+        if threads < 2:
+            return self._embree.run(*rays, **how)
+        parts = zip(*(np.array_split(each, threads) for each in rays), strict=True)
+        answers = list(_pool(torch.get_num_threads()).map(lambda part: self._embree.run(*part, **how), parts))
+        if isinstance(answers[0], dict):
+            return {name: np.concatenate([each[name] for each in answers]) for name in answers[0]}
+        return np.concatenate(answers)
 
     def nearest(self, origin: np.ndarray, toward: np.ndarray, before: TraceResult | None) -> TraceResult:
         """The nearest hits of rays (N, 3), those that another tree gave among them."""
         if before is None:
-            answer = self._embree.run(origin, toward, output=1)
+            answer = self._run(origin, toward, output=1)
         else:
-            answer = self._embree.run(origin, toward, before[3], query="INTERSECT", output=1)
+            answer = self._run(origin, toward, before[3], query="INTERSECT", output=1)
         met = answer["primID"] >= 0
         triangle = self._members[answer["primID"].clip(0)]
         u, v, distance = answer["u"], answer["v"], answer["tfar"]
@@ -61,7 +80,7 @@ class TriangleTree:
 
     def blocks(self, origin: np.ndarray, toward: np.ndarray, distance: np.ndarray) -> np.ndarray:
         """(N,) bool: rays (N, 3) that meet a triangle before a distance (N,)."""
-        return self._embree.run(origin, toward, distance, query="OCCLUDED") >= 0
+        return self._run(origin, toward, distance, query="OCCLUDED") >= 0
 
 
 _trees: weakref.WeakValueDictionary[tuple[int, bytes], TriangleTree] = weakref.WeakValueDictionary()

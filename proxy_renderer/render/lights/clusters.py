@@ -71,7 +71,9 @@ class LightClusters:
         matrix = (sent[:, :, None] * colors[:, None]).flatten(1)  # (L, 3 P)
         strength = matrix.norm(dim=1)
         order = strength.argsort(descending=True).tolist()
-        shared = [i for i in order if _may_join(lamps[i]) and not moving[i]][EXACT // 2 :]
+        # A light that lights some objects only has shadows of its own, and joins no other.
+        may_join = [x.light.shadow and not x.light.unlit for x in lamps]
+        shared = [i for i in order if may_join[i] and not moving[i]][EXACT // 2 :]
         groups = [(i,) for i in order if i not in set(shared)]
         if shared:
             unit = matrix[shared] / strength[shared].clamp_min(1e-20)[:, None]
@@ -87,11 +89,6 @@ def weights(cluster: LightCluster, lamps: Sequence[LightSource]) -> Tensor:
     bright = luminance(torch.stack([lamps[i].color.detach() for i in cluster.members]))[:, 0]
     power = (bright * bright.new_tensor(cluster.powers)).clamp_min(0.0)
     return power + 0.1 * power.mean() + 1e-12
-
-
-def _may_join(lamp: LightSource) -> bool:
-    """True if a light may be in a cluster: one that lights some objects only has shadows of its own."""
-    return lamp.light.shadow and not lamp.light.unlit and lamp.shadowless < 0 and not lamp.pictured
 
 
 def k_means(points: Tensor, count: int) -> Tensor:

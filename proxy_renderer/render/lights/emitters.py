@@ -28,7 +28,8 @@ from .light_types import PointLight
 _LEAST = 0.25
 """Radiance from which a surface counts as a lamp: less is no brighter than what other lamps light."""
 _POINTS = 4096
-_MOST = 12
+_COUNTS, _MORE = tuple(range(1, 13)), (16, 24, 32, 48, 64)
+"""Numbers of clusters: more for what is scattered, such as fairy lights."""
 _FINE, _COARSE = 1 / 30, 1 / 10
 """Radii of clusters in distances of the view: fine ones need no further cut, larger ones than coarse are no points."""
 _ROUND = 0.6
@@ -119,14 +120,15 @@ class Emitters:
 
 def clusters_of(geometry: RayGeometry, material: int, near: float) -> list[EmitterCluster]:
     """Cuts a material's surface into clusters; none where it is too large for that at a distance `near` in meters."""
-    triangles = (geometry.material == material).nonzero()[:, 0]
+    triangles = ((geometry.material == material) & geometry.visible_to("diffuse")).nonzero()[:, 0]
     if not len(triangles):
         return []
     place, normal, area = _points(geometry, triangles)
     if not area > 0:
         return []
     outside, inside = (_open(geometry, material, place, side) for side in (normal, -normal))
-    for count in range(1, _MOST + 1):
+    scattered = area < float(_radius(place)) ** 2
+    for count in _COUNTS + _MORE * scattered:
         label = k_means(place, count)
         groups = [label == k for k in range(count) if bool((label == k).any())]
         size = torch.stack([_radius(place[:, group]) for group in groups])

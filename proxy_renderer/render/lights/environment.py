@@ -52,13 +52,16 @@ class Environment:
         blurred: Copies of that, blurred to several degrees: see `blurred_stack`.
         suns: Its bright parts, which `soft` and `harmonics` are without.
         soft: A blurred copy.
+        hidden: Kinds of rays that do not meet it.
         harmonics: (9, 3) spherical harmonics of the radiance; a plain color has only the first.
     """
 
     def __init__(self, scene: SceneData, device: torch.device) -> None:
+        self.hidden = scene.world.hidden
         self.suns: list[EnvironmentSun] = []
         self.whole: Tensor | None = None
         seen = scene.world.backdrop
+        self.horizon = scene.world.horizon
         self.backdrop = None if seen is None else _padded(_sharp(seen, device))
         self.sharp = self.blurred = self.soft = torch.zeros(0, device=device)
         image = scene.world.image
@@ -87,11 +90,17 @@ class Sky:
     turn: Tensor  # () rotation of the picture around the vertical, radians
     backdrop_color: Tensor  # (3,) the same as `color` for what the camera sees
     backdrop_turn: Tensor  # () likewise
+    # (3,) tint of that at the horizon, which fades towards the top of the image; None for none
+    horizon: Tensor | None = None
 
     @property
     def plain(self) -> bool:
         """True if it looks the same everywhere."""
         return self.environment.whole is None
+
+    def reaches(self, ray: str) -> bool:
+        """Whether a kind of rays meets it."""
+        return ray not in self.environment.hidden
 
     @property
     def pictured(self) -> bool:
@@ -113,11 +122,7 @@ class Sky:
     def reflected(self, mirrored: Tensor, normal: Tensor, view: Tensor, roughness: float) -> Tensor:
         """Uncolored radiance (3, N) that a rough surface reflects of the world, without highlights.
 
-        Args:
-            mirrored: (3, N) mirror directions.
-            normal: (3, N) unit normals.
-            view: (7, N) albedo basis at the viewing cosine.
-            roughness: Of the surface, of which there should be few.
+        The view (7, N) is the albedo basis at the viewing cosine. There should be few roughnesses.
         """
         if self.plain:
             return torch.ones_like(mirrored)
@@ -137,6 +142,15 @@ class Sky:
         """Uncolored radiance (3, N) that the camera sees behind everything, in unit directions (3, N)."""
         return self._radiance(self.environment.backdrop, toward, self.backdrop_turn)
 
+    def backdrop_tint(self, height: Tensor) -> Tensor:
+        """(3, N) what `backdrop` is multiplied by at heights (N,) in the image, 0 at the bottom and 1 at the top."""
+        if self.horizon is None:
+            return self.backdrop_color[:, None]
+        share = ((height - self.environment.horizon) / (1.0 - self.environment.horizon)).clamp(0.0, 1.0)
+        smooth = share * share * (3.0 - 2.0 * share)
+        tint = self.horizon[:, None] + (1.0 - self.horizon[:, None]) * smooth
+        return self.backdrop_color[:, None] * tint
+
     def _radiance(self, picture: Tensor | None, toward: Tensor, turn: Tensor) -> Tensor:
         """Radiance (3, N) of a turned picture in directions (3, N); 1 where there is none."""
         if picture is None or not picture.numel():
@@ -149,11 +163,12 @@ class Sky:
     @property
     def lamps(self) -> list[EnvironmentSunLight]:
         """The suns in its picture."""
-        return [sun.lamp(i, self.color, self.turn) for i, sun in enumerate(self.environment.suns)]
+        hidden = self.environment.hidden
+        return [sun.lamp(i, self.color, self.turn, hidden) for i, sun in enumerate(self.environment.suns)]
 
     def coefficients(self) -> Tensor:
         """Spherical harmonics (9, 3) of the colored, turned world."""
-        base = self.environment.harmonics
+        base = self.environment.harmonics * self.reaches("diffuse")
         if self.plain:
             return base * self.color
         rows = list(base.unbind(0))
@@ -168,7 +183,7 @@ class Sky:
 
         Ramamoorthi and Hanrahan's convolution with the cosine (2001), which the rotation does not change.
         """
-        h = self.environment.harmonics * self.color
+        h = self.environment.harmonics * self.color * self.reaches("diffuse")
         even, odd = 0.282095 * h[0] + 0.315392 * 2 / 4 * h[6], 0.488603 * 2 / 3 * h[2]
         return torch.stack((even + odd, even - odd)).clamp_min(0.0)
 
@@ -196,7 +211,10 @@ def sky_of(environment: Environment, settings: RenderValues) -> Sky:
         return Sky(environment, color, turn, color, turn)
     kind = "color" if environment.backdrop is None else "tint"
     backdrop = settings.color(f"world/backdrop_{kind}", 1.0) * settings.scalar("world/backdrop_strength", 1.0)
-    return Sky(environment, color, turn, backdrop, turn if _shares_picture(settings.scene) else still)
+    turned = turn if _shares_picture(settings.scene) else still
+    has_horizon = "world/backdrop_horizon" in settings.scene.instances
+    horizon = settings.color("world/backdrop_horizon", 1.0) if has_horizon else None
+    return Sky(environment, color, turn, backdrop, turned, horizon)
 
 
 def harmonics(toward: Tensor) -> Tensor:
@@ -261,13 +279,7 @@ def blurred(picture: Tensor, roughness: float) -> Tensor:
 
 
 def look_up_blurred(stack_: Tensor, place: Tensor, roughness: Tensor) -> Tensor:
-    """Radiance (3, N).
-
-    Args:
-        stack_: From `blurred_stack`.
-        place: (N, 2) in [-1, 1]: across and up the picture.
-        roughness: (N,) of the round lobe.
-    """
+    """Radiance (3, N) of round lobes of a roughness (N,), from a `blurred_stack` at places (N, 2) in [-1, 1], across and up."""
     height, width = stack_.shape[3], stack_.shape[4] - 2
     level = (roughness - _FIRST_BLUR) / (_BLUR_STEP * (_BLURS - 1) / 2) - 1
     x, y = place.unbind(1)
@@ -280,9 +292,8 @@ def look_up_blurred(stack_: Tensor, place: Tensor, roughness: Tensor) -> Tensor:
 def taps(roughness: float) -> Tensor:
     """The K round lobes that stand for one stretched lobe of a roughness.
 
-    Returns:
-        (2, K, 7) coefficients over `albedo.basis` of the viewer's cosine: how far each leans from the mirror
-        direction towards the normal (tangent, in sines of the viewer's angle), and its roughness.
+    Coefficients (2, K, 7) over `albedo.basis` of the viewer's cosine: how far each leans from the mirror direction towards the
+    normal (tangent, in sines of the viewer's angle), and its roughness.
     """
     count = 2 if roughness < _ROUGH else 4
     rows = [_taps(c, roughness**2, count) for c in albedo.COSINES]

@@ -64,15 +64,17 @@ class EnvironmentSun:
         """True if reflections show its picture, not the highlight of a disc."""
         return self.angle > _WIDE
 
-    def lamp(self, number: int, tint: Tensor, turn: Tensor) -> EnvironmentSunLight:
-        """The sun as a light, in a world of color `tint` (3,) whose picture is turned by `turn` () radians."""
+    def lamp(
+        self, number: int, tint: Tensor, turn: Tensor, hidden: tuple[str, ...] = ()
+    ) -> EnvironmentSunLight:
+        """The sun as a light, in a world of color `tint` (3,), turned by `turn` () radians and `hidden` from kinds of rays."""
         c, s, zero = turn.cos(), turn.sin(), torch.zeros_like(turn)
         one = torch.ones_like(turn)
         rows = torch.stack((c, s, zero)), torch.stack((-s, c, zero)), torch.stack((zero, zero, one))
         across, up = tangents(self.toward[:, None])
         axes = torch.stack(rows) @ torch.cat((across, up, self.toward[:, None]), 1)
         identity = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-        light = Light(f"world/{number}", "SUN", identity, (0.0, 0.0, 0.0))
+        light = Light(f"world/{number}", "SUN", identity, (0.0, 0.0, 0.0), hidden=hidden)
         place, size = torch.zeros_like(self.toward), torch.full_like(turn.detach(), self.angle)
         return EnvironmentSunLight(light, self.color * tint, place, axes, size, wide=self.wide)
 

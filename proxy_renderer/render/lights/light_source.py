@@ -121,6 +121,10 @@ class LightSource(ABC):
         """(N,) bool: surfaces of objects (N,) that get its light; light linking may leave some out."""
         return ~torch.isin(objects, objects.new_tensor(self.light.unlit))
 
+    def reaches(self, ray: str) -> bool:
+        """Whether a kind of surfaces' rays meets it."""
+        return ray not in self.light.hidden
+
     @property
     def owner(self) -> str:
         """Whose parameters its color depends on: "light/NAME" or "world"; "" for what surfaces emit."""
@@ -151,6 +155,10 @@ class LightSource(ABC):
         parts = torch.cat((self.position, self.axes.flatten(), self.size[None]))
         return tuple(parts.detach().tolist())
 
+    def has_rays_of(self, other: LightSource | None) -> bool:
+        """True if rays to its middle are those to another's: it may differ in size and color."""
+        return other is not None and self.position.equal(other.position) and self.axes.equal(other.axes)
+
     def detached(self) -> Self:
         """The same light without gradients."""
         return replace(
@@ -179,15 +187,10 @@ def disc_offsets(toward: Tensor, solid_angle: Tensor, uv: Tensor) -> Tensor:
 
 
 def clipped_sphere(cosine: Tensor, sine2: Tensor) -> Tensor:
-    """Cosine-weighted part of a sphere above the horizon, relative to the unclipped vector flux.
+    """Cosine-weighted part of a sphere above the horizon, relative to the unclipped vector flux, by its squared angular sine (N,).
 
-    Args:
-        cosine: (N,) of the angle between the normal and the sphere's middle.
-        sine2: (N,) squared sine of the sphere's angular radius.
-
-    Returns:
-        (N,) the cosine where the sphere is fully above the horizon, 0 where it is below, in between a smooth blend
-        that meets both ends with the right slope (Hill and Heitz, "Real-Time Area Lighting", 2016).
+    It is the cosine (N,) between the normal and the sphere's middle where the sphere is fully above the horizon, 0 where it is
+    below, and in between a smooth blend that meets both ends with the right slope (Hill and Heitz, "Real-Time Area Lighting", 2016).
     """
     sine = sine2.clamp_min(1e-8).sqrt()
     t = (cosine / sine).clamp(-1.0, 1.0)
@@ -205,13 +208,9 @@ def equiangular(
 ) -> SegmentLight:
     """Light of a place (3,) along rays, analytically (equiangular sampling: Kulla and Fajardo 2012).
 
-    Parts of a segment subtend the same angle at the light, and so count the same.
-
-    Args:
-        softness: () meters by which the light is at least off the ray: about what averaging over its size does.
-        back: (3,) unit vector away from where a flat light shines; None for one that shines to all sides.
-        parts: In how many parts each segment is looked at.
-        intensity: Radiant intensity (n,) back along unit vectors (3, n) to the light.
+    Parts of a segment subtend the same angle at the light, and so count the same. By the softness, in meters, the light is at
+    least off the ray: about what averaging over its size does. `back` (3,) points away from where a flat light shines, None shines
+    to all sides; the intensity (n,) is that back along unit vectors (3, n) to the light.
     """
     to_light = position.view(3, 1, 1) - segments.start
     closest = (to_light * segments.toward).sum(0)

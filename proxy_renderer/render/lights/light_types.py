@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import ClassVar
 
 import torch
@@ -12,7 +13,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from ...scene import Light, SceneData
-from ...scene.values import RenderValues, needs_gradient
+from ...scene.values import Remembered, RenderValues, needs_gradient
 from ...schema import VibeError
 from ..geometry.camera import RaySegments
 from ..geometry.vectors import cross, dot, length, unit, within
@@ -248,15 +249,10 @@ class AreaLight(LightSource):
         flux = torch.zeros_like(points)
         for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
             cosine = dot(a, b).clamp(-0.99999, 0.99999)
-            flux = flux + cross(a, b) * _theta_over_sine(cosine)
+            flux = flux + cross(a, b) * (torch.arccos(cosine) / (1 - cosine * cosine).sqrt())
         flux = flux * 0.5
         size = length(flux, 1e-9)
         return size * clipped_sphere(dot(flux, normals) / size, (size / math.pi).clamp_max(1.0))
-
-
-def _theta_over_sine(cosine: Tensor) -> Tensor:
-    """theta / sin(theta) for cos(theta)."""
-    return torch.arccos(cosine) / (1 - cosine * cosine).sqrt()
 
 
 @dataclass(frozen=True)
@@ -317,6 +313,14 @@ def light_type(name: str) -> type[LightSource]:
     return LIGHT_TYPES[name]
 
 
-def light_sources(scene: SceneData, values: RenderValues) -> list[LightSource]:
-    """All lights of the scene at the render's values; raises VibeError if one has an unknown type."""
-    return [light_type(light.type).of(light, scene, values) for light in scene.lights]
+def light_sources(
+    scene: SceneData, values: RenderValues, made: Remembered | None = None
+) -> list[LightSource]:
+    """All lights of the scene at the render's values, some made before; raises VibeError if one has an unknown type."""
+    kept = made or Remembered()
+    return [
+        kept.of(
+            f"light/{light.name}", values, partial(light_type(light.type).of, light, scene, values), number
+        )
+        for number, light in enumerate(scene.lights)  # instances of a lamp have its name
+    ]

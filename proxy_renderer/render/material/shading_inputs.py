@@ -4,9 +4,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, TypeVar
 
 from torch import Tensor
 
@@ -14,6 +14,8 @@ from ...color.tensors import luminance
 from ...scene import Material
 from ...scene.values import RenderValues, needs_gradient
 from ..geometry.vectors import within
+
+T = TypeVar("T")
 
 _UNIT_INPUTS = ("metallic", "roughness", "coat", "transmission")
 """Parameters from 0 to 1 that may vary over a surface."""
@@ -48,6 +50,22 @@ class ShadingInputs:
     glow_recolor: Tensor | None
     strength: Tensor
     recolor: Tensor | None
+    # what `seen` keeps; None if it keeps nothing
+    kept: dict[str, tuple[Tensor, Any]] | None = field(default=None, repr=False, compare=False)
+
+    def seen(self, name: str, view: Tensor, make: Callable[[], T]) -> T:
+        """What follows from the inputs and a view (7, N), whatever the light: kept for the next render."""
+        if self.kept is None or needs_gradient(view):
+            return make()
+        known = self.kept.get(name)
+        if known is None or known[0] is not view:
+            known = self.kept[name] = view, make()
+        terms: T = known[1]
+        return terms
+
+    def uses(self, name: str, view: Tensor) -> bool:
+        """True if the lobe of a weight can matter at a view (7, N), see `used`; asking a card's memory takes long."""
+        return self.seen(f"uses {name}", view, lambda: used(getattr(self, name)))
 
     @property
     def emission(self) -> Tensor:
@@ -81,8 +99,10 @@ def _grayed(color: Tensor, recolor: Tensor | None) -> Tensor:
     return color + (luminance(color.T).T - color) * recolor
 
 
-def shading_inputs_of(material: Material, settings: RenderValues) -> ShadingInputs:
-    """The values of one material."""
+def shading_inputs_of(
+    material: Material, settings: RenderValues, kept: dict[str, tuple[Tensor, Any]] | None = None
+) -> ShadingInputs:
+    """The values of one material, which keep in `kept` what follows from them."""
     key = f"material/{material.name}/"
     constants = material.constants
     textured = material.texture is not None
@@ -122,6 +142,7 @@ def shading_inputs_of(material: Material, settings: RenderValues) -> ShadingInpu
         glow_recolor=glow_recolor,
         strength=glow_factor * float(strength.image[..., 0].mean()) if strength else glow_factor,
         recolor=recolor if textured else None,
+        kept=kept,
     )
 
 

@@ -128,6 +128,13 @@ class ViewSamples:
     basis: Tensor  # (7, N) albedo basis of the viewing cosine
     mirrored: Tensor  # (3, N) mirror directions
     beyond: Tensor  # (3, B) directions of the samples that meet nothing
+    _parts: dict[int, Tensor] = field(default_factory=dict, repr=False, compare=False)
+
+    def part(self, samples: slice) -> Tensor:
+        """The albedo basis (7, n) at the samples of one material; the same object every time, see `ShadingInputs.seen`."""
+        if samples.start not in self._parts:
+            self._parts[samples.start] = self.basis[:, samples]
+        return self._parts[samples.start]
 
     @staticmethod
     def of(surface: Surface, toward: Tensor) -> ViewSamples:
@@ -176,6 +183,7 @@ class DirectLight:
         point, normal = view_samples.surface.position, view_samples.surface.normal
         specular = None
         if not lamp.pictured:
-            specular = area_specular(lamp, direct, point, normal, view_samples.toward_eye).times(visible)
+            lit = visible * lamp.reaches("glossy")
+            specular = area_specular(lamp, direct, point, normal, view_samples.toward_eye).times(lit)
         paths = LightPaths(point, direct.toward, direct.distance)
-        return DirectLight(direct.irradiance * visible, specular, paths)
+        return DirectLight(direct.irradiance * visible * lamp.reaches("diffuse"), specular, paths)

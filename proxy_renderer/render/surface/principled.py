@@ -10,12 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from ...scene.values import needs_gradient
 from ..geometry.vectors import within
 from ..lights.area_specular import AreaSpecular
 from ..material import albedo
@@ -32,40 +32,55 @@ def shade(
     base = inputs.colored(texture)
     clamped = within(base, 0.0, 1.0)
     result, weight = torch.zeros_like(light.irradiance), torch.ones((), device=base.device)
-    if used(inputs.sheen):
+    if inputs.uses("sheen", light.view):
         fuzz, weight = sheen(inputs, light)
         result = result + fuzz
-    if used(inputs.coat):
+    if inputs.uses("coat", light.view):
         gloss, left = coat(inputs, light)
         result, weight = result + gloss * weight, weight * left
     emission = inputs.emission
-    if used(emission):
+    if inputs.uses("emission", light.view):
         result = result + (emission if emission.dim() > 1 else emission[:, None]) * weight
     reflections = light.reflected.at(inputs.roughness)
     lobes = [h.lobe(inputs.roughness) for h in light.highlights]
-    single = single_scattering(inputs.roughness, light.view)
-    if used(inputs.metallic):
-        metal = _metal(inputs, light, clamped, lobes, reflections, single)
+    single = inputs.seen("single", light.view, lambda: single_scattering(inputs.roughness, light.view))
+    if inputs.uses("metallic", light.view):
+        layer = inputs.seen("metal", light.view, lambda: _metal(inputs, light.view, clamped, single))
+        metal = layer.reflected(light, lobes, reflections)
         result, weight = result + metal * (weight * inputs.metallic), weight * (1 - inputs.metallic)
-    if needs_gradient(inputs.metallic) or bool((inputs.metallic < 1).any()):
-        if used(inputs.transmission):
+    if inputs.seen("is no metal", light.view, lambda: used(1 - inputs.metallic)):
+        if inputs.uses("transmission", light.view):
             glass = _glass(inputs, light, clamped, lobes, reflections, single)
             result = result + glass * (weight * inputs.transmission)
             weight = weight * (1 - inputs.transmission)
-        dielectric, left = _dielectric(inputs, light, lobes, reflections, single)
-        diffuse = base * light.irradiance * (left / math.pi)
-        result = result + (dielectric + diffuse) * weight
+        layer = inputs.seen("dielectric", light.view, lambda: _dielectric(inputs, light.view, single))
+        diffuse = base * light.irradiance * (layer.left / math.pi)
+        result = result + (layer.reflected(light, lobes, reflections) + diffuse) * weight
     return result
 
 
-def _metal(
-    inputs: ShadingInputs,
-    light: IncidentLight,
-    base: Tensor,
-    lobes: Sequence[Tensor],
-    reflections: Tensor,
-    single: tuple[Tensor, Tensor],
-) -> Tensor:
+class _Layer(NamedTuple):
+    """A reflecting layer as a view sees it, whatever the light."""
+
+    e: Tensor  # (N,) single-scattering albedo without Fresnel
+    f0: Tensor  # (3, 1 or N) reflectance head on
+    curve: Tensor  # (7,) of its rise to the edge, over the cosine at the half vector
+    reflectance: Tensor  # (3, N) or (N,) of what lies around
+    boost: Tensor  # (3, N) or (N,) by light that bounces between microfacets
+    left: Tensor  # (3, N) or (N,) share that reaches what is below; 1 for a metal, which has nothing there
+    edge: Tensor | None = None  # (3, 1 or N) weight by which a metal's edge is tinted
+
+    def reflected(self, light: IncidentLight, lobes: Sequence[Tensor], reflections: Tensor) -> Tensor:
+        """Reflection (3, N) of the lights' lobes (N,) and of what lies around (3, N)."""
+        direct = specular(light.lamps, light.highlights, lobes, self.curve, self.f0, 1.0)
+        if self.edge is not None:
+            curve = albedo.edge_curve().to(self.e.device)
+            bent = [lobe * (curve @ h.curve) for lobe, h in zip(lobes, light.highlights, strict=True)]
+            direct = direct - self.edge * summed(light.lamps, bent)
+        return (reflections * self.reflectance * self.e + direct) * self.boost
+
+
+def _metal(inputs: ShadingInputs, view: Tensor, base: Tensor, single: tuple[Tensor, Tensor]) -> _Layer:
     """F82-tint metal with multiple scattering (Kutz et al. 2021)."""
     e, mean = single
     f5 = (6 / 7) ** 5
@@ -74,27 +89,16 @@ def _metal(
     fss = base + (1 - base) / 21 - b / 126
     many = multiple_scattering(fss, mean)
     curve = torch.tensor(albedo.SCHLICK_CURVE, device=e.device)
-    share = albedo.weigh(albedo.schlick_share(inputs.roughness), light.view)
-    direct = specular(light.lamps, light.highlights, lobes, curve, base, 1.0)
+    reflectance, edge = base + (1 - base) * albedo.weigh(albedo.schlick_share(inputs.roughness), view), None
     if used(1 - tint):
-        edge = albedo.edge_curve().to(e.device)
-        bent = [lobe * (edge @ h.curve) for lobe, h in zip(lobes, light.highlights, strict=True)]
-        direct = direct - b * summed(light.lamps, bent)
-    reflectance = base + (1 - base) * share
-    if used(1 - tint):
-        reflectance = reflectance - b * albedo.weigh(albedo.edge_share(inputs.roughness), light.view)
-    around = reflections * reflectance.clamp_min(0.0)
-    return (around * e + direct) * (1 + many * ((1 - e) / e))
+        edge = b
+        reflectance = reflectance - b * albedo.weigh(albedo.edge_share(inputs.roughness), view)
+    boost = 1 + many * ((1 - e) / e)
+    return _Layer(e, base, curve, reflectance.clamp_min(0.0), boost, torch.ones_like(mean), edge)
 
 
-def _dielectric(
-    inputs: ShadingInputs,
-    light: IncidentLight,
-    lobes: Sequence[Tensor],
-    reflections: Tensor,
-    single: tuple[Tensor, Tensor],
-) -> tuple[Tensor, Tensor]:
-    """Reflection (3, N) of the dielectric layer, and the share (N,) that it leaves to the diffuse base."""
+def _dielectric(inputs: ShadingInputs, view: Tensor, single: tuple[Tensor, Tensor]) -> _Layer:
+    """The dielectric layer above a diffuse base."""
     e, mean = single
     f0 = albedo.f0_of(inputs.ior) * 2 * inputs.specular
     root = f0.clamp(1e-5, 0.95).sqrt()
@@ -106,14 +110,12 @@ def _dielectric(
     many = multiple_scattering(tinted + (1 - tinted) * s, mean)
     # An IOR of 1 reflects nothing; next to it the curves are too steep for their tables.
     present = (f0.detach() / _FAINT).clamp_max(1.0)
-    share = albedo.weigh(albedo.dielectric_share(inputs.roughness, ior), light.view).clamp(0.0, 1.0) * present
+    share = albedo.weigh(albedo.dielectric_share(inputs.roughness, ior), view).clamp(0.0, 1.0) * present
     curve = albedo.dielectric_curve(ior) * present
-    direct = specular(light.lamps, light.highlights, lobes, curve, tinted, 1.0)
     strongest = tinted.amax()
-    around = reflections * (tinted + (1 - tinted) * share)
     boost = 1 + many.amax() * ((1 - e) / e)
     left = 1 - (strongest + (1 - strongest) * share) * (e * boost)
-    return (around * e + direct) * boost, left
+    return _Layer(e, tinted, curve, tinted + (1 - tinted) * share, boost, left)
 
 
 def _glass(
@@ -141,21 +143,23 @@ def coat(
     inputs: ShadingInputs, light: IncidentLight
 ) -> tuple[Float[Tensor, "3 n"], Float[Tensor, "*tinted n"]]:
     """Reflection (3, N) of the lacquer, and the share that reaches what is below."""
+    layer = inputs.seen("coat", light.view, lambda: _coat(inputs, light))
+    lobes = [h.lobe(inputs.coat_roughness) for h in light.highlights]
+    return layer.reflected(light, lobes, light.reflected.at(inputs.coat_roughness)), layer.left
+
+
+def _coat(inputs: ShadingInputs, light: IncidentLight) -> _Layer:
     e, mean = single_scattering(inputs.coat_roughness, light.view)
     ior = torch.tensor(inputs.coat_ior, device=e.device).clamp_min(1.0001)
     f0 = albedo.f0_of(ior)
     many = multiple_scattering((ior - 1) / (4.08567 + 1.00071 * ior), mean)
     share = albedo.weigh(albedo.dielectric_share(inputs.coat_roughness, ior), light.view).clamp(0.0, 1.0)
-    lobes = [h.lobe(inputs.coat_roughness) for h in light.highlights]
-    curve = albedo.dielectric_curve(ior)
-    direct = specular(light.lamps, light.highlights, lobes, curve, f0.expand(3, 1), 1.0)
     reflectance = f0 + (1 - f0) * share
     boost = (1 + many * ((1 - e) / e)) * inputs.coat
-    around = light.reflected.at(inputs.coat_roughness) * reflectance * e
     left = 1 - reflectance * e * boost
     if any(t != 1.0 for t in inputs.coat_tint):
         left = left * (1 - inputs.coat * (1 - _coat_tint(inputs, light)))
-    return (around + direct) * boost, left
+    return _Layer(e, f0.expand(3, 1), albedo.dielectric_curve(ior), reflectance, boost, left)
 
 
 def _coat_tint(inputs: ShadingInputs, light: IncidentLight) -> Tensor:

@@ -45,6 +45,12 @@ def direct_lights_of(frame: RenderState) -> list[DirectLight]:
     return direct_lights
 
 
+def irradiance(frame: RenderState, direct_lights: list[DirectLight], gathered: IndirectLight) -> Tensor:
+    """Light (3, N) that arrives at each sample of a surface."""
+    direct = frame.colors.T @ _irradiances(direct_lights) if direct_lights else 0.0
+    return gathered.irradiance + direct
+
+
 def radiance(
     frame: RenderState,
     direct_lights: list[DirectLight],
@@ -68,7 +74,7 @@ def radiance(
     if direct_lights:
         irradiance = irradiance + frame.colors[:bare].T @ _irradiances(direct_lights)
     *levels, behind = cache.worlds(sky, view_samples)
-    tint = sky.color[:, None]
+    tint = (sky.color * sky.reaches("glossy"))[:, None]
     knots, images = _images(gathered, [level * tint for level in levels], around)
     # The gradient of one split is one concatenation; that of a slice per material is a picture of zeros for each.
     sizes = [stop - start for _, start, stop in cache.samples.slices]
@@ -80,7 +86,7 @@ def radiance(
             irradiance=received,
             lamps=frame.colors[:bare],
             highlights=[direct_light.part(part) for direct_light in direct_lights],
-            view=view_samples.basis[:, part],
+            view=view_samples.part(part),
             reflected=_reflected(knots, reflections),
             behind=_behind(frame, table, gathered, material, part) if used(inputs.transmission) else None,
         )
@@ -88,9 +94,12 @@ def radiance(
         texture = varying.pop("base_color", None)
         pieces.append(shade(inputs.varied(varying), incoming, texture))
     if not transparent:
-        return torch.cat((*pieces, behind * sky.backdrop_color[:, None]), 1)
+        samples = cache.samples
+        height = 1.0 - samples.place[1, samples.surfaces :] / samples.size[1]
+        backdrop = sky.backdrop_tint(height) * sky.reaches("camera")
+        return torch.cat((*pieces, behind * backdrop), 1) * cache.on_film
     shown = torch.cat((*pieces, torch.zeros_like(behind)), 1)
-    return torch.cat((shown, cache.covered))
+    return torch.cat((shown, cache.covered)) * cache.on_film
 
 
 def _irradiances(direct_lights: list[DirectLight]) -> Tensor:
@@ -129,10 +138,12 @@ def _reflected(knots: tuple[float, ...], images: list[Tensor]) -> ReflectedRadia
 def table_of(frame: RenderState) -> RadianceTable:
     """Radiances of what secondary rays meet."""
     rows = zip(frame.shading_inputs, frame.cache.mean_texture, strict=True)
-    albedos = torch.stack([p.base * mean * (1 - p.transmission) for p, mean in rows])
+    bounces = min(frame.cache.scene.bounces, 1)
+    albedos = torch.stack([p.base * mean * (1 - p.transmission) * bounces for p, mean in rows])
     emission = torch.stack([p.emission for p in frame.shading_inputs])
     sky = frame.sky
-    colors = torch.stack([s.color for s in frame.sources]) if frame.sources else frame.colors
+    lit = [s.color * s.reaches("diffuse") for s in frame.sources]
+    colors = torch.stack(lit) if lit else frame.colors
     metallic = torch.stack([p.metallic for p in frame.shading_inputs])
     albedos = within(albedos, 0.0, 1.0)
     return RadianceTable.of(albedos, metallic, emission, colors, sky.hemispheres, sky.coefficients())
@@ -150,7 +161,7 @@ def _behind(
 
     def picture_at(side: int) -> Tensor:
         behind = frame.cache.behind(material, side, part, max(here + side * _BENT, 1.0), frame.sources)
-        world = frame.sky.seen(behind.toward) * frame.sky.color[:, None]
+        world = frame.sky.seen(behind.toward) * (frame.sky.color * frame.sky.reaches("transmission"))[:, None]
         return behind.hits.image(table, behind.ambient(gathered.gather_points).T) + world * behind.hits.open
 
     straight = picture_at(0)

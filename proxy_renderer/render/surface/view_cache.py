@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import torch
@@ -95,11 +95,15 @@ class ViewCache:
                 )
                 for m in scene.materials
             ]
-            # (1, N + B) 1 for samples of the subject and of any surface, else 0; (H, W) distance at the centers
+            # (1, N + B) 1 for samples of the subject, of any surface, and of what is no holdout, else 0
             subject = torch.tensor([o.subject for o in scene.objects], device=geometry.device)
             owner = geometry.object[samples.hits.triangle.clamp_min(0)]
-            self.inside = (subject[owner] & samples.hits.hit).to(torch.float32)[None]
+            holdout = torch.tensor(["film" in o.hidden for o in scene.objects], device=geometry.device)
+            shown = ~holdout[owner] | ~samples.hits.hit
+            self.on_film = shown.to(torch.float32)[None]
+            self.inside = (subject[owner] & samples.hits.hit & shown).to(torch.float32)[None]
             self.covered = samples.hits.hit.to(torch.float32)[None]
+            # (H, W) distance at the centers
             self.depth = samples.center_hits.distance.view(view.size[::-1])
             self.defocus = Defocus.of(scene.camera, view.detached(), self.depth)
             self.mask = samples.resolve(self.inside).view(self.depth.shape)
@@ -107,7 +111,7 @@ class ViewCache:
         self._bounced: dict[int, LightSource] = {}
         self._outlines: Silhouettes | None = None
         self._indirect_fog: IndirectFogRays | None = None
-        self._through: dict[tuple[int, int], tuple[float, object, RefractedHits]] = {}
+        self._through: dict[tuple[int, int], tuple[float, Any, RefractedHits]] = {}
         self._worlds: tuple[object, tuple[Tensor, ...]] | None = None
 
     def aside(self) -> Self:
@@ -193,7 +197,7 @@ class ViewCache:
                 return
         self._bounced[index] = lamp.detached()
         with torch.no_grad():
-            self.indirect.light(index, self._bounced[index])
+            self.indirect.light(index, self._bounced[index], lamp.has_rays_of(last))
 
     def behind(
         self, material: int, side: int, part: slice, ior: float, lamps: Sequence[LightSource]
@@ -214,7 +218,8 @@ class ViewCache:
             behind = replace(kept[2], hits=kept[2].hits.aside())
             with torch.no_grad():
                 for i, lamp in enumerate(lamps):
-                    behind.hits.light(i, lamp.detached())
+                    if kept[1] is None or kept[1][i] != place[i]:
+                        behind.hits.light(i, lamp.detached())
             kept = kept[0], place, behind
         self._through[material, side] = kept
         return kept[2]

@@ -118,14 +118,14 @@ class FinalGather:
         other._weights = None
         return other
 
-    def light(self, index: int, lamp: LightSource) -> None:
-        """Traces shadow rays again for a light that has moved."""
+    def light(self, index: int, lamp: LightSource, same_rays: bool) -> None:
+        """Traces shadow rays again for a light that has moved; see `SecondaryHits.light`."""
         if self._borrowed:
             self.diffuse, self.glossy = self.diffuse.aside(), self.glossy.aside()
             self.mirror = self.mirror.aside()
             self._borrowed = False
         for hits in (self.diffuse, self.glossy, self.mirror):
-            hits.light(index, lamp)
+            hits.light(index, lamp, same_rays)
         self._weights = None
 
     def spread_to(self, hits: SecondaryHits) -> SparseWeights:

@@ -73,11 +73,8 @@ def hit_radiance(
 ) -> Tensor:
     """Radiance (3, N) of single hits; 0 where they leave the scene.
 
-    Args:
-        ambient: (3, N) irradiance that is not the table's.
-        incoming: (2 (L + 2), N) how much of each source a hit gets, once and twice scattered.
-        members: Per material, the indices of its hits.
-        relative_base_color: (3, N) texture of the hits, relative to their material's mean color; None for that alone.
+    `ambient` (3, N) is irradiance that is not the table's, `incoming` (2 (L + 2), N) how much of each source a hit gets, once and
+    twice scattered; `members` has the hits of each material, whose mean color textures (3, N) are relative to.
     """
     given = table.radiances, table.albedo / math.pi, ambient, incoming, members, relative_base_color
     radiance: Tensor = _HitRadiance.apply(*given)

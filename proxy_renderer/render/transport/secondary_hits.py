@@ -150,16 +150,20 @@ class SecondaryHits:
         other.incoming, other._clear = self.incoming.clone(), self._clear.clone()
         return other
 
-    def light(self, index: int, lamp: LightSource) -> None:
-        """Traces shadow rays from all hits to one light, whose row among the sources is `index`."""
-        self._trace(lamp, self._bounces(index))
+    def light(self, index: int, lamp: LightSource, same_rays: bool = False) -> None:
+        """Traces shadow rays from all hits to one light, whose row among the sources is `index`.
 
-    def _trace(self, lamp: LightSource, bounces: list[_Bounce]) -> None:
+        Those traced before are kept where they are the `same_rays`, as for a light that has only changed its size.
+        """
+        self._trace(lamp, self._bounces(index), same_rays)
+
+    def _trace(self, lamp: LightSource, bounces: list[_Bounce], same_rays: bool = False) -> None:
         """Traces shadow rays from the surfaces of bounces."""
         for row, rays, surface, share in bounces:
             direct = lamp.irradiance(surface.position, surface.normal)
-            clear = _clear(self.geometry, lamp, direct, surface) * share
-            self._clear[row, rays], self.incoming[row, rays] = clear, direct.irradiance * clear
+            if not same_rays:
+                self._clear[row, rays] = _clear(self.geometry, lamp, direct, surface) * share
+            self.incoming[row, rays] = direct.irradiance * self._clear[row, rays]
 
     def _bounces(self, index: int) -> list[_Bounce]:
         """Those that belong to a light."""

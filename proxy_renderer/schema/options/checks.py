@@ -18,10 +18,7 @@ from .table import TABLE, TRAITS
 
 
 def frame_numbers(text: str) -> list[int]:
-    """Frames as people write them: "1,50,100-110"; none from "".
-
-    Raises:
-        VibeError: A part is neither a number nor a range of two.
+    """Frames as people write them: "1,50,100-110"; none from "". Raises VibeError for what is no number and no range.
 
     >>> frame_numbers("1, 50, 100-102, 50")
     [1, 50, 100, 101, 102]
@@ -36,18 +33,20 @@ def frame_numbers(text: str) -> list[int]:
     return list(numbers)
 
 
-def prompt(text: str, like: str = "", goals: str = "") -> str:
-    """A prompt with something in it, of a length that a person types."""
+def prompt(text: str, like: str = "", goals: str = "", then: Sequence[str] = ()) -> str:
+    """A prompt with something in it, of a length that a person types; or a further sentence, likewise."""
     if text.strip() and goals:
         raise VibeError("There are a prompt and goals.", "Leave out one of --prompt and --goals.")
-    if not text.strip() and not like and not goals:
+    if not all(map(str.strip, then)):
+        raise VibeError("The step is empty.", 'Say what is to change: --then "a bit warmer".')
+    if not text.strip() and not like and not goals and not then:
         raise VibeError(
             "The prompt is empty.",
             'Describe the look: --prompt "misty, cool blue fog, vignette", or show it: --like still.jpg.',
         )
-    if len(text) > LONGEST_PROMPT:
+    if (length := max(map(len, (text, *then)))) > LONGEST_PROMPT:
         raise VibeError(
-            f"The prompt has {len(text)} characters, more than {LONGEST_PROMPT}.",
+            f"The prompt has {length} characters, more than {LONGEST_PROMPT}.",
             "A sentence or two is best.",
         )
     return text

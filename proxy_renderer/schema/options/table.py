@@ -217,6 +217,7 @@ class Options:
         "render",
     )
     camera: bool = False  # whether the camera may be optimized though `groups` does not name it
+    goes_on: bool = False  # whether the prompt is a further sentence, see `schema.sentences`
     online: bool = True  # whether other computers may be reached; a model on this one always may
 
     @classmethod
@@ -262,6 +263,15 @@ TASK = (
             length=LONGEST_PROMPT,
             live=True,
         ),
+    ),
+    Option(
+        "then",
+        (),
+        'a further sentence, which goes on from the last result: "a bit warmer"; without --prompt, from the one in the '
+        ".blend; can be given several times",
+        "task",
+        unit="TEXT",
+        manifest=(),
     ),
     Option(
         "stage",

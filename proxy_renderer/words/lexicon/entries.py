@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from ...schema import FAMILIES, Values, VibeError
 from ...schema.parameters import MEANS, SURFACES, Parameter, may_serve
@@ -27,15 +28,13 @@ OWNERS = {
     "film": "film",
 }
 """Who an effect may name -> schema group."""
-RANGE_MODES = ("", "times", "plus", "shade", "camera", "sides", "lightness", "share")
+RANGE_MODES = ("", "times", "plus", "near", "shade", "camera", "sides", "lightness", "share")
 SLOTS = tuple(MEANS)
 _TEXT: tuple[type, str] = (str, 'Write text in quotes: "...".')
 _LIST: tuple[type, str] = (list, 'Write a list: ["contrast is high", "film/contrast 1.1..1.3 !2"].')
 _ROWS = {
     "slot": _TEXT, "words": _TEXT, "wishes": _LIST, "means": _TEXT, "phrase": _TEXT, "opposite": _TEXT, "never": _LIST,
 }  # fmt: skip
-_FORMER = {"do": "wishes", "heads": "wishes", "claims": "wishes", "never_heads": "never"}
-"""Rows of earlier versions -> where their content stands now."""
 COLOR_MODES = ("color", "gel", "albedo", "shown", "cast")
 _COLOR = re.compile(r"@|own|#[0-9a-fA-F]{6}")
 _CLASS = re.compile(r"(?P<quantity>[a-z_]+) is (?P<named>[a-z_]+)")
@@ -44,7 +43,7 @@ _EFFECT = re.compile(
 )
 
 
-_NUMBERS = {"plus": 1, "camera": 1, "sides": 1, "lightness": 1, "share": 1, "shade": 2}
+_NUMBERS = {"plus": 1, "near": 1, "camera": 1, "sides": 1, "lightness": 1, "share": 1, "shade": 2}
 """Mode -> how many numbers an end of a range has; of other modes one, or as many as the parameter has components."""
 _LARGEST = 1e9
 
@@ -142,99 +141,85 @@ def at_line(path: Path, text: str, problem: str, remedy: str, *quotes: str) -> V
 
 
 def parse_effect(text: str) -> Effect:
-    """Reads "material/roughness 0.03..0.15 ? !2".
-
-    Raises:
-        VibeError: It is not of that form, or names what the schema does not have.
-    """
+    """Reads "material/roughness 0.03..0.15 ? !2". Raises VibeError if it has another form, or does not fit the schema."""
     match = _EFFECT.fullmatch(text.strip())
-    problem = VibeError(
-        f"Vocabulary: '{text}' is not an effect.", "Write 'OWNER/PARAMETER [MODE] LOWER..UPPER'."
-    )
     if not match or match["owner"] not in OWNERS:
-        raise problem
-    mode = match["mode"] or ""
-    weak, priority = bool(match["weak"]), int(match["priority"] or 4)
-    effect = Effect(match["owner"], match["name"], mode, weak=weak, priority=priority)
-    if effect.family not in FAMILIES:
-        raise VibeError(
-            f"Vocabulary: '{text}' names no parameter.", "See schema/parameters.py for those that exist."
-        )
+        raise _wrong(f"'{text}' is not an effect", "Write 'OWNER/PARAMETER [MODE] LOWER..UPPER'.")
+    mode, color = match["mode"] or "", ""
+    ends: tuple[Values, Values] = ((), ())
+    parameter = FAMILIES.get(f"{OWNERS[match['owner']]}/{match['name']}")
+    if parameter is None:
+        raise _wrong(f"'{text}' names no parameter", "See schema/parameters.py for those that exist.")
     if mode in COLOR_MODES:
         if not _COLOR.fullmatch(match["args"]):
-            raise VibeError(
-                f"Vocabulary: '{text}' has no color.", 'Write "#rrggbb", "@" or "own" at its end.'
-            )
-        _check_fit(text, effect)
-        return replace(effect, color=match["args"])
-    lower, dots, upper = match["args"].partition("..")
-    if mode not in RANGE_MODES or not dots:
-        raise problem
+            raise _wrong(f"'{text}' has no color", 'Write "#rrggbb", "@" or "own" at its end.')
+        color = match["args"]
+    else:
+        ends = _ends(text, match["args"])
+    if remedy := _misfit(parameter, mode, *ends):
+        raise _wrong(f"'{text}' does not fit its parameter", remedy)
+    weak, priority = bool(match["weak"]), int(match["priority"] or 4)
+    return Effect(match["owner"], match["name"], mode, *ends, color, weak, priority)
+
+
+def _wrong(problem: str, remedy: str) -> VibeError:
+    return VibeError(f"Vocabulary: {problem}.", remedy)
+
+
+def _ends(text: str, numbers: str) -> tuple[Values, Values]:
+    """Both ends of a range: "0.03..0.15"."""
     try:
-        low, high = (tuple(float(v) for v in side.split(",")) for side in (lower, upper))
+        low, high = (tuple(float(v) for v in side.split(",")) for side in numbers.split(".."))
     except ValueError:
-        raise problem from None
+        raise _wrong(f"'{text}' is not an effect", "Write 'OWNER/PARAMETER [MODE] LOWER..UPPER'.") from None
     if len(low) != len(high) or any(a > b for a, b in zip(low, high, strict=True)):
-        raise VibeError(f"Vocabulary: '{text}' has a lower bound above the upper one.", "Swap them.")
-    effect = replace(effect, lower=low, upper=high)
-    _check_fit(text, effect)
-    return effect
-
-
-def _check_fit(text: str, effect: Effect) -> None:
-    """Raises VibeError where the parameter of an effect has no such mode, or no such numbers."""
-    if remedy := _misfit(FAMILIES[effect.family], effect.mode, effect.lower, effect.upper):
-        raise VibeError(f"Vocabulary: '{text}' does not fit its parameter.", remedy)
+        raise _wrong(f"'{text}' has a lower bound above the upper one", "Swap them.")
+    return low, high
 
 
 def _misfit(parameter: Parameter, mode: str, lower: Values, upper: Values) -> str:
-    """The remedy for an effect whose mode or numbers its parameter cannot have; "" for one that fits.
-
-    Args:
-        lower: Of its range; empty for colors.
-    """
-    color = parameter.kind == "color"
+    """The remedy for an effect whose mode or numbers (none for colors) its parameter cannot have; "" for one that fits."""
+    color, turns = parameter.kind == "color", parameter.name == "azimuth"
     light = parameter.name in ("power", "strength") and parameter.group in ("light", "world")
-    fits = {
-        "": True,
-        "times": True,
-        "plus": not color,
-        "shade": color,
-        "camera": parameter.name == "azimuth",
-        "sides": parameter.name == "azimuth",
-        "lightness": color or light,
-        "share": light,
-        "shown": color or light,
-    }
-    if not fits.get(mode, color):
+    fits = {"plus": not color, "shade": color, "camera": turns, "sides": turns, "share": light}
+    fits |= dict.fromkeys(("", "times", "near"), True) | dict.fromkeys(("lightness", "shown"), color or light)
+    if not fits.get(mode, color and mode in COLOR_MODES):
         return f"'{mode}' is no mode of {parameter.family}: use another, or none."
-    if not lower:
-        return ""
     counts = sorted({_NUMBERS[mode]} if mode in _NUMBERS else {1, parameter.components})
-    if len(lower) not in counts:
+    if lower and len(lower) not in counts:
         return f"Write {' or '.join(map(str, counts))} numbers at each end, with commas between them."
     if not all(abs(v) <= _LARGEST for v in (*lower, *upper)):
         return f"Write finite numbers, at most {_LARGEST:g}."
     if mode == "times" and min(lower) < 0.0:
         return "Write no negative multiples."
-    if mode == "" and parameter.scale.name == "log" and min(lower) <= 0.0:
-        return "Write numbers above 0."
-    return ""
+    is_log = mode == "" and parameter.scale.name == "log"
+    return "Write numbers above 0." if is_log and min(lower) <= 0.0 else ""
 
 
-def read_entry(name: str, row: dict) -> VocabularyEntry:
-    """One [look.NAME] table.
-
-    Raises:
-        VibeError: A row is missing, unknown, of the wrong type, or holds what the schema does not have.
-    """
-    _check_rows(name, row)
-    words = [name, *row.get("words", "").split(",")]
+def read_entry(name: str, row: dict[str, Any]) -> VocabularyEntry:
+    """One [look.NAME] table. Raises VibeError if a row is missing, unknown, of the wrong type, or does not fit the schema."""
+    for key, value in row.items():
+        kind, remedy = _ROWS.get(key, (None, f"Use some of: {', '.join(_ROWS)}."))
+        if kind is None:
+            raise _wrong(f"'{key}' is no row of an entry", remedy)
+        parts = value if isinstance(value, list) else []
+        if not isinstance(value, kind) or not all(isinstance(v, str) for v in parts):
+            raise _wrong(f"'{key}' of '{name}' has the wrong type", remedy)
+    slot, words = row.get("slot"), [name, *row.get("words", "").split(",")]
+    if slot not in SLOTS:
+        raise _wrong(f"'{name}' has no known slot", f"Add slot = one of: {', '.join(SLOTS)}.")
+    if not (row.get("wishes") or row.get("means")):
+        raise _wrong(f"'{name}' does nothing", 'Give it a row wishes = [...] or means = "...".')
     for text in (*row.get("wishes", ()), *row.get("never", ())):
-        _check_means(name, row["slot"], text)
+        if "/" in text and not may_serve(OWNERS[parse_effect(text).owner], slot):
+            problem = f"'{name}' is of slot {slot} and may not change a material: '{text}'"
+            remedy = (
+                "Remove that effect and use light, world, volume or film, or give the entry one of the slots"
+            )
+            raise _wrong(problem, f"{remedy} {', '.join(SURFACES)}.")
     return VocabularyEntry(
         name,
-        row["slot"],
+        slot,
         tuple(dict.fromkeys(normalize(w) for w in words if w.strip())),
         read_wishes(row.get("wishes", ())),
         row.get("means", ""),
@@ -245,73 +230,32 @@ def read_entry(name: str, row: dict) -> VocabularyEntry:
 
 
 def read_wishes(texts: Iterable[str]) -> tuple[EntryWish, ...]:
-    """Reads the wishes of a word, grouped by their quantities in the order in which these are named first.
+    """Reads the wishes of a word, grouped by quantities in the order of their first ones. Raises VibeError for what is none.
 
     Args:
         texts: Classes ("finish is glossy"), effects ("film/contrast 1.1..1.3 !2") and claims ("thing gloss 12..").
-
-    Raises:
-        VibeError: One of them is none of the three.
     """
     found: dict[str, EntryWish] = {}
     table = quantities()
+
+    def of(quantity: str) -> EntryWish:
+        return found.get(quantity, EntryWish(quantity))
+
     for text in texts:
-        if named := _CLASS.fullmatch(text.strip()):
-            _check_class(text, named["quantity"], named["named"])
-            now = found.setdefault(named["quantity"], EntryWish(named["quantity"]))
-            found[now.quantity] = replace(now, named=named["named"])
+        if match := _CLASS.fullmatch(text.strip()):
+            quantity, named = match["quantity"], match["named"]
+            if quantity not in table.by_name:
+                raise _wrong(f"'{text}' names no quantity", f"Choose from: {', '.join(table.by_name)}.")
+            if named not in table.by_name[quantity].classes:
+                classes = ", ".join(table.by_name[quantity].classes) or "none: write an effect or a claim"
+                raise _wrong(f"'{named}' is no class of {quantity}", f"Choose from: {classes}.")
+            found[quantity] = replace(of(quantity), named=named)
         elif "/" in text:
             effect = parse_effect(text)
             quantity = table.of_parameter(effect.owner, effect.family, effect.mode)
-            now = found.setdefault(quantity, EntryWish(quantity))
-            found[quantity] = replace(now, effects=(*now.effects, effect))
+            found[quantity] = replace(of(quantity), effects=(*of(quantity).effects, effect))
         else:
             claim = read_claim(text)
             quantity = table.of_claim(claim)
-            now = found.setdefault(quantity, EntryWish(quantity))
-            found[quantity] = replace(now, claims=(*now.claims, claim))
+            found[quantity] = replace(of(quantity), claims=(*of(quantity).claims, claim))
     return tuple(found.values())
-
-
-def _check_class(text: str, quantity: str, named: str) -> None:
-    """Raises VibeError where a quantity does not exist, or has no such class."""
-    known = quantities().by_name
-    if quantity not in known:
-        raise VibeError(f"Vocabulary: '{text}' names no quantity.", f"Choose from: {', '.join(known)}.")
-    if named not in known[quantity].classes:
-        classes = ", ".join(known[quantity].classes) or "none: write an effect or a claim"
-        raise VibeError(f"Vocabulary: '{named}' is no class of {quantity}.", f"Choose from: {classes}.")
-
-
-def _check_means(name: str, slot: str, text: str) -> None:
-    """Raises VibeError where an effect is no means that words of a slot have."""
-    if "/" not in text or may_serve(OWNERS[parse_effect(text).owner], slot):
-        return
-    surfaces = ", ".join(SURFACES)
-    raise VibeError(
-        f"Vocabulary: '{name}' is of slot {slot} and may not change a material: '{text}'.",
-        f"Remove that effect and use light, world, volume or film, or give the entry one of the slots {surfaces}.",
-    )
-
-
-def _check_rows(name: str, row: dict) -> None:
-    for key, value in row.items():
-        if key in _FORMER:
-            raise VibeError(
-                f"Vocabulary: the row '{key}' of '{name}' is of an earlier version.",
-                f'Write its content into a row {_FORMER[key]} = [...]; classes as "finish is glossy".',
-            )
-        if key not in _ROWS:
-            raise VibeError(
-                f"Vocabulary: '{key}' is no row of an entry.", f"Use some of: {', '.join(_ROWS)}."
-            )
-        kind, remedy = _ROWS[key]
-        parts = value if isinstance(value, list) else []
-        if not isinstance(value, kind) or not all(isinstance(v, str) for v in parts):
-            raise VibeError(f"Vocabulary: '{key}' of '{name}' has the wrong type.", remedy)
-    if row.get("slot") not in SLOTS:
-        raise VibeError(f"Vocabulary: '{name}' has no known slot.", f"Add slot = one of: {', '.join(SLOTS)}.")
-    if not (row.get("wishes") or row.get("means")):
-        raise VibeError(
-            f"Vocabulary: '{name}' does nothing.", 'Give it a row wishes = [...] or means = "...".'
-        )

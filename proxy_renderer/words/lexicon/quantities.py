@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The quantities that words are about, "finish" or "brightness" (`quantities.toml`), with claims on them as text.
 
-A claim is "PART MEASURE [#RRGGBB] LOWER..UPPER [or [any] CHANGE]": "picture warmth 8.. or +4". The color is the direction of measures
-that need one, as `tint` and `accent` do. A change is enough near the interval only, or, with "any", wherever it ends: "paler" is so
-of black, too.
+A claim is "PART MEASURE [#RRGGBB] [in BOX] [by] LOWER..UPPER [or [any] CHANGE] [xWEIGHT] [(REASON)]": "picture warmth 8.. or +4". The color
+is the direction of measures that need one, as `tint` and `accent` do. Measures with several numbers have them at each end, joined by
+commas. A change is enough near the interval only, or, with "any", wherever it ends: "paler" is so of black, too. "or +0" lets an excess
+stay that is there already. "by" counts both ends from what the artist's picture has, in noticeable steps: "picture warmth by 2..4".
 """
 
 from __future__ import annotations
@@ -12,39 +13,29 @@ import math
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
-from typing import Any
 
-from ...schema import VibeError
+from ...schema import Values, VibeError
 
 COLORS = (
     "black", "grey", "white", "brown", "red", "orange", "yellow", "green", "teal", "blue", "purple", "pink",
 )  # fmt: skip
-
-ATTRIBUTES: dict[str, tuple[str, ...]] = {
-    "subject_color": COLORS,
-    "surroundings_color": COLORS,
-    "subject_finish": ("matte", "satin", "glossy"),
-    "subject_metal": ("dielectric", "metal"),
-    "light_side": ("left", "front", "right", "back", "top"),
-    "light_softness": ("hard", "soft"),
-    "light_temperature": ("warm", "neutral", "cool"),
-    "fog": ("none", "light", "thick"),
-    "brightness": ("dark", "medium", "bright"),
-    "contrast": ("low", "medium", "high"),
-    "saturation": ("muted", "natural", "vivid"),
-    "vignette": ("none", "vignette"),
-}
-"""Attribute name -> its classes; an ordered scale where there is one. The trained heads have this order."""
 PARTS = ("thing", "subject", "surroundings", "picture", "sky")
 _TINTS = ("tint", "accent")
 """Measures of which only what lies in the direction of a color counts."""
+_IN_TWO = ("off_hue", "cast", "shadow_cast", "midtone_cast", "highlight_cast")
+_NUMBERS = {"color": 3, "mean": 3, **dict.fromkeys(_IN_TWO, 2)}
+"""Measure -> how many numbers it gives, of those that give several."""
+_NUMBER = r"-?\d*\.?\d+"
+_END = rf"{_NUMBER}(?:,{_NUMBER})*"
 _CLAIM = re.compile(
-    r"(?P<part>\w+) (?P<measure>\w+)(?: (?P<color>#[0-9a-fA-F]{6}))? (?P<lower>-?[\d.]*\d)?\.\.(?P<upper>-?[\d.]*\d)?"
-    r"(?: or (?P<any>any )?(?P<change>[+-][\d.]+))?"
+    rf"(?P<part>\w+) (?P<measure>\w+)(?: (?P<color>#[0-9a-fA-F]{{6}}))?(?: in (?P<box>{_END}))?"
+    rf"(?P<by> by)? (?P<lower>{_END})?\.\.(?P<upper>{_END})?(?: or (?P<any>any )?(?P<change>[+-]\d*\.?\d+))?"
+    rf"(?: x(?P<weight>\d*\.?\d+))?(?: \((?P<reason>(?s:.+))\))?"
 )
+_LESS = 2.0  # by how many of its changes a claim would ask for less at strength 0
 
 
 @dataclass(frozen=True)
@@ -53,19 +44,45 @@ class ClaimText:
 
     part: str  # one of `PARTS`; "thing" is what the word describes
     measure: str  # a key of `claims.measures.registry.MEASURES`
-    lower: float = -math.inf  # of the interval
-    upper: float = math.inf  # of the interval
+    lower: Values = (-math.inf,)  # of the interval, a number for each that the measure gives
+    upper: Values = (math.inf,)  # likewise
     # what is enough of a change since the artist's picture; None if only the interval counts
     change: float | None = None
     near: bool = True  # whether a change is enough near the interval only
     color: str = ""  # "#rrggbb" in whose direction a tint counts; "" for measures that need none
+    box: Values = ()  # left, upper, right and lower end in the frame, as shares of its width and height; () for all of it
+    # of a step while values are sought; 0 of what is not sought, but what a picture has, from where "colder" goes
+    weight: float = 1.0
+    reason: str = ""  # why it is claimed; "" where the word says it
+    by: bool = False  # whether both ends are noticeable steps from what the artist's picture has
 
     def __str__(self) -> str:
         """As `read_claim` reads it."""
-        lower, upper = (f"{end:.6g}" if math.isfinite(end) else "" for end in (self.lower, self.upper))
+        lower, upper = (_joined(end) if math.isfinite(end[0]) else "" for end in (self.lower, self.upper))
         color = f" {self.color}" if self.color else ""
+        box = f" in {_joined(self.box)}" if self.box else ""
         change = "" if self.change is None else f" or {'' if self.near else 'any '}{self.change:+.6g}"
-        return f"{self.part} {self.measure}{color} {lower}..{upper}{change}"
+        weight = "" if self.weight == 1.0 else f" x{self.weight:.6g}"
+        reason = f" ({self.reason})" if self.reason else ""
+        by = " by" if self.by else ""
+        return f"{self.part} {self.measure}{color}{box}{by} {lower}..{upper}{change}{weight}{reason}"
+
+    def of_strength(self, strength: float, mild: bool) -> ClaimText:
+        """The claim of a word that asks for more or less of a change; of a `mild` word both ends are met sooner."""
+        lower, upper, change = self.lower, self.upper, self.change
+        if not change:
+            return self
+        if mild:
+            less, middle = (1.0 - min(strength, 1.0)) * _LESS * change, (lower[0] + upper[0]) / 2
+            ends = (lower[0] - less, upper[0]) if change > 0 else (lower[0], upper[0] - less)
+            if math.isfinite(middle):
+                ends = (ends[0], middle) if change > 0 else (middle, ends[1])
+            lower, upper = (ends[0],), (ends[1],)
+        return replace(self, lower=lower, upper=upper, change=change * strength)
+
+
+def _joined(numbers: Values) -> str:
+    return ",".join(f"{round(v, 4):.9g}" for v in numbers)
 
 
 def warmth_asked(measure: str, lower: float, upper: float) -> int:
@@ -76,11 +93,11 @@ def warmth_asked(measure: str, lower: float, upper: float) -> int:
 
 
 def read_claim(text: str) -> ClaimText:
-    """Reads "PART MEASURE [#RRGGBB] LOWER..UPPER [or [any] CHANGE]"; an end that is left out is open.
+    """Reads "PART MEASURE [#RRGGBB] [in BOX] [by] LOWER..UPPER [or [any] CHANGE] [xWEIGHT] [(REASON)]"; an end that is left out is open.
 
     Example:
-        >>> read_claim("picture warmth 8.. or +4")
-        ClaimText(part='picture', measure='warmth', lower=8.0, upper=inf, change=4.0, near=True, color='')
+        >>> read_claim("picture warmth 8.. or +4").lower
+        (8.0,)
 
     Raises:
         VibeError: It is not of that form, or names a part or a measure that does not exist.
@@ -98,15 +115,32 @@ def read_claim(text: str) -> ClaimText:
             f"'{text}' needs a color, or has one too many.",
             "Write '#rrggbb' after a measure of tints, and after no other.",
         )
-    lower = float(match["lower"]) if match["lower"] else -math.inf
-    upper = float(match["upper"]) if match["upper"] else math.inf
-    if lower > upper:
+    count = _NUMBERS.get(match["measure"], 1)
+    lower = _numbers(match["lower"]) or (-math.inf,) * count
+    upper = _numbers(match["upper"]) or (math.inf,) * count
+    if len(lower) != count or len(upper) != count:
+        remedy = f"Write {'one number' if count == 1 else f'{count} numbers, joined by commas,'} at each end."
+        raise VibeError(f"'{text}' has another count of numbers than its measure.", remedy)
+    if any(low > high for low, high in zip(lower, upper, strict=True)):
         raise VibeError(f"'{text}' has a lower end above the upper one.", "Swap them.")
     change = float(match["change"]) if match["change"] else None
-    if change is not None and not math.isfinite(lower if change > 0 else upper):
+    if change and (count > 1 or not math.isfinite((lower if change > 0 else upper)[0])):
         raise VibeError(f"'{text}' asks for a change away from its interval.", "Turn the sign of the change.")
+    box = _numbers(match["box"])
+    if box and not (len(box) == 4 and 0.0 <= box[0] < box[2] <= 1.0 and 0.0 <= box[1] < box[3] <= 1.0):
+        remedy = "Write its left, upper, right and lower end as shares of the frame: 'in 0,0,0.5,1'."
+        raise VibeError(f"'{text}' has no part of the frame after 'in'.", remedy)
+    by = bool(match["by"])
+    if by and change is not None:
+        raise VibeError(f"'{text}' has two changes.", "Leave out 'by' or 'or'.")
     near, color = not match["any"], match["color"] or ""
-    return ClaimText(match["part"], match["measure"], lower, upper, change, near, color)
+    weight, reason = float(match["weight"] or 1.0), match["reason"] or ""
+    part, measure = match["part"], match["measure"]
+    return ClaimText(part, measure, lower, upper, change, near, color, box, weight, reason, by)
+
+
+def _numbers(text: str | None) -> Values:
+    return tuple(map(float, text.split(","))) if text else ()
 
 
 @dataclass(frozen=True)
@@ -131,17 +165,11 @@ class QuantityTable:
     # "OWNER/PARAMETER MODE", "OWNER/PARAMETER" or a family of parameters -> name of its quantity
     parameters: Mapping[str, str]
     measures: Mapping[str, str]  # "PART MEASURE" or "MEASURE" -> name of its quantity
+    # MEASURE -> noticeable steps of change from which judges saw it; infinite where no change told them
+    seen: Mapping[str, float]
 
     def of_parameter(self, owner: str, family: str, mode: str) -> str:
-        """The quantity that an effect serves: the name of the most specific row.
-
-        Args:
-            owner: As an effect names it: "key", "others", "material".
-            family: Of the parameter: "light/power".
-
-        Raises:
-            VibeError: No row has it.
-        """
+        """The quantity that an effect of the "key" on "light/power" serves, by the most specific row. Raises VibeError for none."""
         name = family.partition("/")[2]
         rows = (f"{owner}/{name} {mode}", f"{owner}/{name}", f"{family} {mode}", family)
         found = next((self.parameters[row] for row in rows if row in self.parameters), "")
@@ -165,20 +193,18 @@ class QuantityTable:
 def quantities() -> QuantityTable:
     """The table that is shipped."""
     rows = tomllib.loads(Path(__file__).with_name("quantities.toml").read_text("utf-8"))
+    by_name = {}
+    for name, row in rows.items():
+        classes = {each: tuple(map(read_claim, texts)) for each, texts in row.get("classes", {}).items()}
+        ways = row.get("exclusive", False), row.get("softly", False)
+        by_name[name] = Quantity(name, row["says"], *ways, classes, row.get("softer", {}))
     return QuantityTable(
-        {name: _quantity(name, row) for name, row in rows.items()},
+        by_name,
         {parameter: name for name, row in rows.items() for parameter in row.get("parameters", ())},
         {measure: name for name, row in rows.items() for measure in row.get("measures", ())},
-    )
-
-
-def _quantity(name: str, row: Mapping[str, Any]) -> Quantity:
-    classes = {each: tuple(map(read_claim, texts)) for each, texts in row.get("classes", {}).items()}
-    return Quantity(
-        name,
-        row["says"],
-        row.get("exclusive", False),
-        row.get("softly", False),
-        classes,
-        row.get("softer", {}),
+        {
+            measure: steps or math.inf
+            for row in rows.values()
+            for measure, steps in row.get("seen", {}).items()
+        },
     )

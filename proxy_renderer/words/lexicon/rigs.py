@@ -20,12 +20,15 @@ from .entries import Effect, normalize, parse_effect, temperature
 SOURCES = {"point": "POINT", "spot": "SPOT", "area": "AREA", "sun": "SUN"}
 REACHES = ("subject", "pool", "background", "all")
 THROUGH = ("", "window")
-KINDS = ("source", "style", "time", "season", "mood", "hour", "place")
+KINDS = ("source", "style", "time", "film", "season", "mood", "hour", "place")
 TIMES = ("time", "season", "hour")
 """Kinds that have a sky."""
 _DISTANCES = {"POINT": 1.8, "SPOT": 5.0, "AREA": 3.0, "SUN": 0.0}
 _SIZES = {"POINT": 0.1, "SPOT": 0.08, "AREA": 1.2, "SUN": 0.5}
 _KELVINS = (1000.0, 20000.0)
+
+
+_DARK_SKY = -3.0  # stops of a sky from which it is night
 
 
 @dataclass(frozen=True)
@@ -47,6 +50,8 @@ class RigLight:
     own: str = ""  # the light of the scene that it is, where a prompt names it; "" otherwise
     through: str = ""
     pattern: str = ""
+    # materials of the lamp of the picture in which it burns, where a prompt names one
+    worn: frozenset[str] = frozenset()
 
     @property
     def is_warm(self) -> bool:
@@ -73,6 +78,12 @@ class Rig:
     air: float | None = None
     grade: tuple[Effect, ...] = ()
     lights: tuple[RigLight, ...] = ()  # its lights, the key first
+
+    @property
+    def has_dark_sky(self) -> bool:
+        """Whether its sky is that of a night."""
+        return self.sky is not None and self.sky <= _DARK_SKY
+
     under_sky: bool = False  # whether its sky is that of an hour that the prompt names too
 
     @property
@@ -142,11 +153,6 @@ class RigTable:
         return rig.kind in TIMES and not self.luminaries.isdisjoint(word.split())
 
     @property
-    def two_colors(self) -> Rig:
-        """The rig of two colored lights."""
-        return self.rigs["neon light"]
-
-    @property
     def plain(self) -> Rig:
         """The rig of words that only say how light is, and where it comes from."""
         return self.rigs["plain key"]
@@ -176,11 +182,7 @@ def rig_table() -> RigTable:
 
 
 def read(text: str, place: str) -> dict[str, Rig]:
-    """Rigs by name from the text of a .toml file.
-
-    Raises:
-        VibeError: Something in it is not what it should be; names the line and the remedy.
-    """
+    """Rigs by name from the text of a .toml file. Raises VibeError, which names line and remedy, if something in it is wrong."""
     try:
         rows = tomllib.loads(text).get("rig", {})
     except tomllib.TOMLDecodeError as error:
@@ -226,13 +228,8 @@ def _rig(name: str, row: dict[str, Any]) -> Rig:
     )
 
 
-_LIGHT_ROWS = {"source", "from", "side"} | {f.name for f in fields(RigLight)} - {
-    "type",
-    "azimuth",
-    "elevation",
-    "mirrored",
-    "own",
-}
+_NO_ROWS = {"type", "azimuth", "elevation", "mirrored", "own"}
+_LIGHT_ROWS = {"source", "from", "side"} | {f.name for f in fields(RigLight)} - _NO_ROWS
 
 
 def _light(row: dict[str, Any]) -> RigLight:

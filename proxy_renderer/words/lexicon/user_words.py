@@ -40,11 +40,7 @@ _LARGEST = 2_000_000  # bytes; a vocabulary is text that somebody wrote
 
 
 def default_vocabulary() -> Vocabulary:
-    """The vocabulary that is shipped, with the user's own on top.
-
-    Raises:
-        VibeError: Something in the user's file is wrong.
-    """
+    """The vocabulary that is shipped, with the user's own on top. Raises VibeError if something in the user's file is wrong."""
     path = user_file()
     return _extended(path, path.stat().st_mtime_ns) if path else shipped_vocabulary()
 
@@ -55,11 +51,7 @@ def _extended(path: Path, changed: int) -> Vocabulary:
 
 
 def user_file() -> Path | None:
-    """The artist's own vocabulary; None where there is none.
-
-    Raises:
-        VibeError: $VIBE_VOCABULARY names a file that does not exist.
-    """
+    """The artist's own vocabulary; None where there is none. Raises VibeError if $VIBE_VOCABULARY names no file."""
     if named := os.environ.get(VARIABLE):
         path = Path(named).expanduser()
         if not path.is_file():
@@ -100,17 +92,14 @@ def extend(base: Vocabulary, path: Path) -> Vocabulary:
 def _read(path: Path) -> tuple[str, dict[str, Any]]:
     try:
         if path.stat().st_size > _LARGEST:
-            raise VibeError(
-                f"The vocabulary {path} is larger than {_LARGEST // 1_000_000} MB.", "Use a .toml of words."
-            )
+            raise VibeError(f"The vocabulary {path} is larger than 2 MB.", "Use a .toml of words.")
         text = path.read_text("utf-8")
         rows = tomllib.loads(text)
-    except (OSError, UnicodeDecodeError) as error:
-        raise VibeError(
-            f"The vocabulary {path} cannot be read: {error}.", "Save it as UTF-8 text."
-        ) from error
     except tomllib.TOMLDecodeError as error:
         raise VibeError(f"The vocabulary {path} is not valid TOML: {error}.", "Mend that line.") from error
+    except (OSError, UnicodeDecodeError) as error:
+        remedy = "Save it as UTF-8 text."
+        raise VibeError(f"The vocabulary {path} cannot be read: {error}.", remedy) from error
     for table, content in rows.items():
         if table not in _TABLES or not isinstance(content, dict):
             remedy = f"Use [look.NAME] or [colors]; these hold {' and '.join(_TABLES.values())}."
@@ -135,10 +124,6 @@ _COLORS = re.compile(r"^\[colors\][^\n]*\n", re.MULTILINE)
 def add_look(path: Path, name: str, rows: Mapping[str, str | Sequence[str]]) -> None:
     """Appends an entry.
 
-    Args:
-        path: Of the vocabulary; need not exist.
-        rows: As in vocabulary.toml; empty ones are left out.
-
     Raises:
         VibeError: The name is taken, or the file would be wrong with it; it is as it was.
     """
@@ -148,11 +133,7 @@ def add_look(path: Path, name: str, rows: Mapping[str, str | Sequence[str]]) -> 
 
 
 def add_color(path: Path, name: str, code: str) -> None:
-    """Adds a color, see `add_look`.
-
-    Args:
-        path: Of the vocabulary; need not exist.
-    """
+    """Adds a color, see `add_look`."""
     text, line = _text(path), f"{json.dumps(name, ensure_ascii=False)} = {json.dumps(code)}\n"
     head = _COLORS.search(text)
     begun = text[: head.end()] if head else (text.rstrip("\n") + "\n\n[colors]\n").lstrip("\n")

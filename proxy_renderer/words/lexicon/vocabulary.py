@@ -87,6 +87,10 @@ class Vocabulary:
         return (base, base + "e", base[:-1], base[:-1] + "y") if compares else ()
 
 
+GLOWING = "glowing"
+"""The entry of what emits light."""
+
+
 @cache
 def shipped_vocabulary() -> Vocabulary:
     """The vocabulary that is shipped, with the words of the rigs."""
@@ -99,21 +103,12 @@ def shipped_vocabulary() -> Vocabulary:
         if known == rig.name:
             entries.setdefault(rig.name, VocabularyEntry(rig.name, "lighting", rig.words, phrase=rig.name))
         synonyms |= dict.fromkeys((word for word in rig.words if word not in vocabulary.entries), known)
+    synonyms |= hour_phrases()
     return replace(vocabulary, entries=entries, synonyms=synonyms)
 
 
-def as_meant(word: str) -> str:
-    """A word as the readers have it: normalized, and spelled out where it was typed in a hurry."""
-    plain = normalize(word)
-    return shipped_vocabulary().typed.get(plain, plain)
-
-
 def load(text: str, colors: str) -> Vocabulary:
-    """A vocabulary from the text of a .toml file and of a color list.
-
-    Raises:
-        VibeError: Something in it is not what it should be; says what.
-    """
+    """A vocabulary from the text of a .toml file and of a color list. Raises VibeError, which says what is wrong in it."""
     try:
         rows = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -181,6 +176,24 @@ def _read_elsewhere(
             raise VibeError(f"Vocabulary: '{word}' at a {kind} is in two rows.", "Keep one.")
         found[kind][word] = entry
     return found
+
+
+@cache
+def _hours() -> dict[str, Any]:
+    """hours.toml."""
+    return tomllib.loads(Path(__file__).with_name("hours.toml").read_text("utf-8"))
+
+
+@cache
+def hour_phrases() -> dict[str, str]:
+    """Phrase for a time of day, or for where light comes from -> its entry."""
+    return _by_word(_hours()["phrases"])
+
+
+def hour_entry(hour: int) -> str:
+    """The name of the entry of an hour by the clock, from 0 to 23."""
+    since: dict[str, str] = _hours()["from_hour"]
+    return since[max((start for start in since if int(start) <= hour), key=int)]
 
 
 def _words(text: str) -> frozenset[str]:

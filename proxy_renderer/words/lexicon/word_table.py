@@ -6,13 +6,14 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .vocabulary import Vocabulary, shipped_vocabulary
+from .vocabulary import Vocabulary, hour_phrases, shipped_vocabulary
 
 if TYPE_CHECKING:
     import numpy as np
@@ -54,7 +55,11 @@ class WordTable:
     def rows(self, word: str) -> list[int]:
         """Rows that make up a word: its own, or those of a compound's two parts ("thundercloud")."""
         row = self.find(word)
-        if row is not None or self.is_english(word) or word.startswith(_denials()):
+        if (
+            row is not None
+            or self.is_english(word)
+            or word.startswith(tuple(shipped_vocabulary().words["denials"]))
+        ):
             return [] if row is None else [row]
         for cut in sorted(range(3, len(word) - 2), key=lambda c: abs(2 * c - len(word))):
             parts = word[:cut], word[cut:]
@@ -96,7 +101,7 @@ def table() -> WordTable:
 
 def stem(word: str) -> str:
     """What is left of a word without its endings: "gloominess" and "gloomy" have the same stem."""
-    endings = shipped_vocabulary().made(_endings)
+    endings = tuple(sorted(shipped_vocabulary().words["endings"]))
     while len(word) > _SHORTEST and word.endswith(endings):
         shorter = {base for e in endings if _SHORTEST <= len(base := word.removesuffix(e)) < len(word)}
         if not shorter:
@@ -107,21 +112,17 @@ def stem(word: str) -> str:
     return word.removesuffix("i") if len(word) > _SHORTEST else word
 
 
-def _endings(vocabulary: Vocabulary) -> tuple[str, ...]:
-    return tuple(sorted(vocabulary.words["endings"]))
-
-
 def denied(word: str) -> str:
     """The thing that a word says is not there: "moonless", "unpolished"; "" for other words."""
     for ending in shipped_vocabulary().words["lacks"]:
         if len(base := word.removesuffix(ending)) < len(word):
             return base if len(base) > _SHORTEST_LACKED else ""
-    bases = (word.removeprefix(prefix) for prefix in _denials() if word.startswith(prefix))
+    bases = (
+        word.removeprefix(prefix)
+        for prefix in shipped_vocabulary().words["denials"]
+        if word.startswith(prefix)
+    )
     return next((stem(base) for base in bases if base in table().index), "")
-
-
-def _denials() -> tuple[str, ...]:
-    return tuple(shipped_vocabulary().words["denials"])
 
 
 class Nearest:
@@ -135,7 +136,9 @@ class Nearest:
         import numpy as np
 
         self._table = table()
-        known = [(w, e, self._table.vector(w)) for w, e in vocabulary.synonyms.items()]
+        # Phrases such as "just after sunrise" tell nothing of a single word
+        words = {w: e for w, e in vocabulary.synonyms.items() if w not in hour_phrases()}
+        known = [(w, e, self._table.vector(w)) for w, e in words.items()]
         self._known = [(word, entry) for word, entry, vector in known if vector is not None]
         self._places = np.stack([vector for _, _, vector in known if vector is not None])
         self._denying: dict[str, list[int]] = defaultdict(list)
@@ -149,16 +152,14 @@ class Nearest:
 
     def meant(self, word: str) -> tuple[str, str, float] | None:
         """Entry, nearest known word and confidence of a word; None where it has no vector."""
-        import numpy as np
-
         likeness = self._likeness(word)
         if likeness is None:
             return None
-        best = likeness.argsort()[: -_NEAREST - 1 : -1]  # they vote for their entries
-        votes: dict[str, float] = {}
+        # The nearest words vote for their entries
+        votes: dict[str, float] = defaultdict(float)
+        best = likeness.argsort()[: -_NEAREST - 1 : -1]
         for i in best:
-            entry = self._known[i][1]
-            votes[entry] = votes.get(entry, 0.0) + float(np.exp(_SHARPNESS * likeness[i]))
+            votes[self._known[i][1]] += math.exp(_SHARPNESS * likeness[i])
         entry = max(votes, key=votes.__getitem__)
         first = next(i for i in best if self._known[i][1] == entry)
         agreement = votes[entry] / sum(votes.values())
@@ -167,15 +168,11 @@ class Nearest:
     def choices(self, word: str, count: int) -> list[str]:
         """Known words that a word may be taken for, each of another entry, the nearest first; none where it has no vector."""
         likeness = self._likeness(word)
-        if likeness is None:
-            return []
         chosen: dict[str, str] = {}
-        for i in (-likeness).argsort():
+        for i in () if likeness is None else (-likeness).argsort():
             known, entry = self._known[i]
             chosen.setdefault(entry, known)
-            if len(chosen) == count:
-                break
-        return list(chosen.values())
+        return list(chosen.values())[:count]
 
     def _likeness(self, word: str) -> np.ndarray | None:
         """Cosines of a word with the known words; None where it has no vector."""

@@ -11,7 +11,7 @@ from tiny_job import write_job
 from lab.methods import METHODS, RATE, Variation
 from lab.methods.adam import Adam
 from lab.methods.clip import ClipAuthors, ClipOnly, GlobalGuidance
-from lab.methods.parts import Middle, Projection, WithoutClaims, WithoutEncoder
+from lab.methods.parts import BareRig, Middle, Projection, WithoutClaims, WithoutEncoder
 from proxy_renderer.engine.report import changed_values
 from proxy_renderer.guidance.encoder import Encoder, load_encoder
 from proxy_renderer.optimize import pipeline
@@ -20,6 +20,7 @@ from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
 from proxy_renderer.optimize.rounds.method import VARIABLE, Method, load_method
 from proxy_renderer.optimize.rounds.search import Missed, Search
 from proxy_renderer.optimize.shots import ShotInput
+from proxy_renderer.optimize.stage import set_stage
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema.messages import Options, Progress
 
@@ -160,3 +161,14 @@ def test_what_is_left_out_is_not_in_the_loss(search):
     terms = begun.select(now, home).objective.account(home)["terms"]
     assert "claims" in terms
     assert all(terms.get(name, 0.0) == 0.0 for name in ("whole", "direction", "attributes"))
+
+
+@pytest.mark.parametrize("prompt", ["candlelight, the ball is gold", "a gold ball"])
+def test_the_bare_rig_moves_lights_and_no_surface(scene, encoder, prompt):
+    stage = set_stage([scene], prompt)
+    views = [ShotInput(each) for each in stage.scenes]
+    options = Options(rounds=2, size=48)
+    outcome = pipeline.run(views, prompt, options, encoder, Silent(), stage=stage, method=BareRig())
+    changed = changed_values(outcome)
+    assert not [key for key in changed if key.startswith("material/")]
+    assert any(key.startswith(("light/", "world/")) for key in changed) == ("candlelight" in prompt)

@@ -5,8 +5,8 @@ import pytest
 import torch
 
 from lab.heads import heads_of
+from lab.heads.attributes import ATTRIBUTES
 from proxy_renderer.guidance.encoder import load_encoder
-from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 
 
 @pytest.fixture(scope="module")

@@ -9,6 +9,7 @@ import pytest
 import torch
 
 from lab.heads import heads_of
+from lab.heads.attributes import ATTRIBUTES
 from lab.train.data import LOOKS, choices, contradicts, gather, make_batch
 from lab.train.evaluate import skill
 from lab.train.pictures import bank as banks
@@ -21,7 +22,6 @@ from lab.train.train import Trainer, TrainingRecipe
 from proxy_renderer.guidance import encoder
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.schema import VibeError
-from proxy_renderer.words.lexicon.quantities import ATTRIBUTES
 
 SIZE = 64
 TINY = {

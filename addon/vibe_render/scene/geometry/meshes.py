@@ -8,9 +8,8 @@ from typing import Any
 
 import bpy
 import numpy as np
-from mathutils import Matrix
 
-from ...core.compat import node_tree
+from ...core import rendered
 from .triangles import FARTHEST, PlacedMesh, SceneGeometry, SourceMesh
 from .visibility import RayCamera
 
@@ -20,7 +19,6 @@ DEFAULT_MATERIAL = ""
 UvLookup = Callable[[bpy.types.Material], tuple[str, np.ndarray]]
 """For a material: the name of its UV map ("" for the active one), and a 3x3 matrix applied to the UVs."""
 
-_RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
 _SKIPPED = {"CURVES": "hair", "VOLUME": "a volume object", "POINTCLOUD": "a point cloud"}
 
 _SIDES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (3, 2, 6, 7), (0, 3, 7, 4), (1, 5, 6, 2))
@@ -39,6 +37,7 @@ def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[lis
     hidden: dict[str, frozenset[str]] = {}
     placed: list[PlacedMesh] = []
     warnings: dict[str, None] = {}
+    of = depsgraph.view_layer
     for instance in depsgraph.object_instances:
         thing = instance.object
         if thing.type in _SKIPPED and instance.show_self:
@@ -48,40 +47,22 @@ def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[lis
             continue
         key = thing.original.as_pointer(), thing.data.as_pointer()
         if key not in known:
-            if thing.is_holdout or thing.is_shadow_catcher:
-                kind = "a holdout" if thing.is_holdout else "a shadow catcher"
-                warnings[f"{thing.name} is {kind}: the prediction shows it as a plain surface."] = None
-            slots = _slots_of(thing)
+            top = instance.parent or thing
+            if note := rendered.surface_note(top, of):
+                warnings[note] = None
+            slots = rendered.worn(thing, of)
             names = tuple(m.name_full if m else DEFAULT_MATERIAL for m in slots)
             source = thing.data.as_pointer(), *names  # the same mesh with the same materials is read once
             mesh = meshes.get(source) or meshes.setdefault(source, _read_mesh(thing.data, slots, uv_of))
             owner = thing.original.name_full, ""
-            known[key] = PlacedMesh(mesh, names, np.eye(4), owner, _hidden_from(thing))
+            known[key] = PlacedMesh(mesh, names, np.eye(4), owner, rendered.hidden_from(thing, of))
         shown = known[key]
         parent = instance.parent.original.name_full if instance.parent else ""
         if parent not in hidden:
-            hidden[parent] = _hidden_from(instance.parent) if parent else frozenset()
+            hidden[parent] = rendered.hidden_from(instance.parent, of) if parent else frozenset()
         matrix, owner = np.array(instance.matrix_world), (shown.owner[0], parent)
         placed.append(PlacedMesh(shown.mesh, shown.materials, matrix, owner, shown.hidden | hidden[parent]))
     return placed, list(warnings)
-
-
-def _hidden_from(thing: bpy.types.Object) -> frozenset[str]:
-    """The kinds of rays that pass an object, and its instances."""
-    return frozenset(ray for ray in _RAYS if not getattr(thing, f"visible_{ray}"))
-
-
-def _slots_of(thing: bpy.types.Object) -> list[bpy.types.Material | None]:
-    """The materials in the slots; at least one slot, which may hold nothing."""
-    slots = [slot.material for slot in thing.material_slots] or list(thing.data.materials)
-    return [m.original if m else None for m in slots] or [None]
-
-
-def has_surface(material: bpy.types.Material | None) -> bool:
-    """Whether a material shows a surface; a box of fog has none."""
-    tree = node_tree(material) if material else None
-    output = tree.get_output_node("CYCLES") if tree else None
-    return output is None or output.inputs["Surface"].is_linked or not output.inputs["Volume"].is_linked
 
 
 def _read_mesh(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: UvLookup) -> SourceMesh:
@@ -98,7 +79,7 @@ def _read_mesh(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_
         normals=array(mesh.corner_normals, "vector", (corners, 3), np.float32),
         triangles=array(mesh.loop_triangles, "loops", (count, 3), np.int32),
         slot=slot,
-        solid=np.array([has_surface(m) for m in slots]),
+        solid=np.array([rendered.has_surface(m) for m in slots]),
         uvs=_uvs(mesh, slots, uv_of),
     )
 
@@ -131,28 +112,30 @@ def array(collection, attribute: str, shape: tuple[int, ...], kind: type) -> np.
 
 
 def box_geometry(
-    depsgraph: bpy.types.Depsgraph, shown: Collection[bpy.types.Object], camera: RayCamera
+    scene: bpy.types.Scene, shown: Collection[bpy.types.Object], camera: RayCamera
 ) -> SceneGeometry:
     """The sides of bounding boxes that face away from a camera: these never hide what is inside or before a box.
 
     Args:
-        depsgraph: The evaluated scene, of the viewport.
-        shown: The objects that a render shows.
+        shown: The objects that count, of all that a render shows.
     """
-    known: dict[int, list[_Box]] = {}
+    of = rendered.layer(scene)
+    known: dict[tuple[int, int], list[_Box]] = {}
     hidden: list[frozenset[str]] = []
     objects: dict[tuple[str, str], int] = {}
     materials: dict[str, int] = {}
     extents, matrices, owners, material_numbers = [], [], [], []
     # Gather boxes with the numbers of their objects and materials; instances share what is known of an object.
-    for thing, instancer, matrix in _shown_objects(depsgraph, shown):
-        key = thing.as_pointer()
+    for thing, instancer, matrix in rendered.instances(scene):
+        if thing.type != "MESH" or (instancer or thing.original) not in shown:
+            continue
+        key = thing.original.as_pointer(), thing.data.as_pointer()
         if key not in known:
-            known[key] = list(_material_boxes(thing))
+            known[key] = list(_material_boxes(thing, of))
         name = thing.original.name_full, instancer.name_full if instancer else ""
         number = objects.setdefault(name, len(objects))
         if number == len(hidden):
-            hidden.append(_hidden_from(thing))
+            hidden.append(rendered.hidden_from(thing, of))
         for extent, material in known[key]:
             extents.append(extent)
             matrices.append(matrix)
@@ -166,6 +149,12 @@ def box_geometry(
     usable = (np.abs(world) < FARTHEST).all((1, 2))
     mirrored = np.linalg.det(placed[:, :3, :3]) < 0
     box, faces, normals = _far_sides(world, usable, mirrored, camera)
+    # Of each object, the least and the greatest corner of all its boxes; zeros without boxes.
+    theirs = np.array(owners, np.int32)[usable]
+    least, greatest = np.full((len(objects), 3), np.inf), np.full((len(objects), 3), -np.inf)
+    np.minimum.at(least, theirs, world[usable].min(1))
+    np.maximum.at(greatest, theirs, world[usable].max(1))
+    around = np.where(np.isfinite(least[:, None]), np.stack([least, greatest], 1), 0.0).astype(np.float32)
     owner, material_number = (np.array(each, np.int32)[box] for each in (owners, material_numbers))
     return SceneGeometry(
         world.reshape(-1, 3),
@@ -176,35 +165,18 @@ def box_geometry(
         owner,
         [*materials],
         [*objects],
-        _extents(world[usable], np.array(owners, np.int32)[usable], len(objects)),
+        around,
         hidden,
         [],
     )
 
 
-def _shown_objects(
-    depsgraph: bpy.types.Depsgraph, shown: Collection[bpy.types.Object]
-) -> Iterator[tuple[bpy.types.Object, bpy.types.Object | None, Matrix]]:
-    """Mesh objects that a render shows, with instancer and matrix; unevaluated where the viewport hides them."""
-    seen = set()
-    for item in depsgraph.object_instances:
-        thing, original = item.object, item.object.original
-        instancer = item.parent.original if item.parent else None
-        seen.add(original)
-        is_shown = (instancer or original) in shown and not original.hide_render
-        if thing.type == "MESH" and item.show_self and is_shown:
-            yield thing, instancer, item.matrix_world.copy()
-    for obj in sorted(shown, key=lambda each: each.name_full):
-        if obj.type == "MESH" and obj not in seen:
-            yield obj, None, obj.matrix_world.copy()
-
-
-def _material_boxes(thing: bpy.types.Object) -> Iterator[_Box]:
+def _material_boxes(thing: bpy.types.Object, of: bpy.types.ViewLayer) -> Iterator[_Box]:
     """The box of an object, cut along its longest side into a part for each material that its faces have."""
-    box, slots = thing.bound_box, _slots_of(thing)
+    box, slots = thing.bound_box, rendered.worn(thing, of)
     low, high = box[0][:], box[6][:]
     areas = {slots[0]: 1.0} if len(slots) == 1 else _face_ratios(thing.data, slots)
-    areas = {material: area for material, area in areas.items() if has_surface(material)}
+    areas = {material: area for material, area in areas.items() if rendered.has_surface(material)}
     if len(areas) == 1:
         (material,) = areas
         yield (low, high), material.name_full if material else DEFAULT_MATERIAL
@@ -245,11 +217,3 @@ def _far_sides(
     faces = np.concatenate([quads[:, (0, 1, 2)], quads[:, (0, 2, 3)]]).astype(np.int32)
     facing = np.repeat((normals / np.maximum(area, 1e-12)[..., None])[box, side][:, None], 3, axis=1)
     return np.concatenate([box, box]), faces, np.concatenate([facing, facing]).astype(np.float32)
-
-
-def _extents(world: np.ndarray, owners: np.ndarray, count: int) -> np.ndarray:
-    """(count, 2, 3) float32: least and greatest corner of all boxes (B, 8, 3) of each owner (B,); zeros without boxes."""
-    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
-    np.minimum.at(low, owners, world.min(1))
-    np.maximum.at(high, owners, world.max(1))
-    return np.where(np.isfinite(low[:, None]), np.stack([low, high], 1), 0.0).astype(np.float32)

@@ -10,6 +10,7 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
+from ...core.rendered import FILM
 from .triangles import SceneGeometry
 
 RAYS = 48  # along each side of the picture
@@ -57,6 +58,8 @@ def visible_surfaces(camera: RayCamera, geometry: SceneGeometry) -> VisibleSurfa
             start = Vector(starts[index]) + toward * (slant * first)
             face = tree.ray_cast(start, toward, slant * (last - first))[2]
             hits[index] = -1 if face is None else near[face]
+        holdout = np.array([FILM in rays for rays in geometry.hidden], bool)[geometry.object]
+        hits[holdout[hits]] = -1  # what was -1 stays so
     owner, material = (np.append(a, -1)[hits] for a in (geometry.object, geometry.material))
     return VisibleSurfaces(owner, material)
 

@@ -6,14 +6,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from bpy.types import Node, NodeSocket, World
+from bpy.types import Node, Scene, World
+from bpy_extras.object_utils import world_to_camera_view
+from mathutils import Vector
 
 from ...core import compat, locks
 from ...core.journal import Journal
 from ...core.schema_import import labels, schema
-from ...core.value_slots import LazySlot, PropertySlot, ValueSlot
+from ...core.value_slots import LazySlot, ValueSlot
 from . import owned, trails
-from .inputs import artists_origin
+from .inputs import HORIZON, artists_origin, input_slot, own_groups
 from .layers import Layer, MixSide, behind
 from .trails import (
     NodeEntry,
@@ -27,8 +29,13 @@ from .trails import (
 LIGHT, BACKDROP = "light", "backdrop"
 _ROTATION = "Vibe Rotation"
 _LEFT = 200.0  # from a node of ours to the next
-WORLD_OF_BACKDROP = {f"world/backdrop_{name}": f"world/{name}" for name in ("color", "tint", "strength")}
-"""The parameters of a backdrop, and those of the world that it starts from."""
+_HORIZON = "world/backdrop_horizon"
+WORLD_OF_BACKDROP = {f"world/backdrop_{name}": f"world/{name}" for name in ("color", "tint", "strength")} | {
+    _HORIZON: ""
+}
+"""The parameters of a backdrop, and those of the world that it starts from; a new backdrop has no horizon."""
+_NO_HORIZON = (1.0, 1.0, 1.0)
+_HIGHEST = 0.6  # height of the horizon in the image, of 1, from which the camera looks down on what has none
 
 
 def has_backdrop(world: World) -> bool:
@@ -61,17 +68,7 @@ def mixed_entries(world: World, part: str, name: str) -> list[NodeEntry]:
     """An input of each of a part's mixed Backgrounds; those whose value has one origin once."""
     layers = mixed_backgrounds(world, part)
     alike = tuple(s for layer in layers if (s := layer.shader.input(name)))
-    found: list[NodeEntry] = []
-    origins: list[NodeSocket] = []
-    for layer in layers:
-        entry = layer.shader.entry(name, alike)
-        if entry is None:
-            continue
-        origin = resolve(entry)
-        if (origin.source or origin.socket) not in origins:
-            origins.append(origin.source or origin.socket)
-            found.append(entry)
-    return found
+    return trails.distinct(layer.shader.entry(name, alike) for layer in layers)
 
 
 def shares_picture(world: World) -> bool:
@@ -115,46 +112,95 @@ def _weighs(side: MixSide) -> bool:
 
 
 @dataclass
-class _EnvironmentTurnSlot:
-    """Value slot: the angle by which the looked-up direction is turned, radians.
+class _TurnSlot:
+    """Value slot: the angle by which the looked-up direction is turned, radians; part of a vector, or a number."""
 
-    A Mapping node of type Texture turns the other way round.
-    """
-
-    mapping: Node
+    inner: ValueSlot
+    sign: float  # -1 for a Mapping node of type Texture, which turns the other way round
 
     @property
     def locked(self) -> str:
-        origin = resolve(NodeEntry(self.mapping.inputs["Rotation"]))
-        return locks.of_socket(origin.socket, origin.source)
-
-    @property
-    def _sign(self) -> float:
-        return -1.0 if self.mapping.vector_type == "TEXTURE" else 1.0
+        return self.inner.locked
 
     def get(self) -> float:
-        return self._sign * self.mapping.inputs["Rotation"].default_value[2]
+        value = self.inner.get()
+        return self.sign * (value[2] if isinstance(value, tuple) else value)
 
     def set(self, journal: Journal, raw: float) -> None:
-        PropertySlot(self.mapping.inputs["Rotation"], "default_value", index=2).set(journal, self._sign * raw)
+        value = self.inner.get()
+        self.inner.set(
+            journal, (*value[:2], self.sign * raw) if isinstance(value, tuple) else self.sign * raw
+        )
 
 
-def rotation_slot(background: trails.NodeInGroups) -> ValueSlot | None:
-    """The rotation of the environment texture that a background comes from; None without one."""
-    texture = trails.environment_texture(background.node.inputs["Color"])
+def environment(world: World) -> NodeInGroups | None:
+    """The environment texture of a world with a single Background; None without one."""
+    background = single_background(world)
+    color = background.entry("Color") if background else None
+    return trails.environment_texture(color) if color else None
+
+
+def is_only_turned(world: World) -> bool:
+    """Whether a world looks its environment texture up in all directions as they are, or turned around the vertical axis."""
+    texture = environment(world)
+    ways = _ways(texture) if texture else []
+    if len(ways) != 1 or ways[0].node.bl_idname != "ShaderNodeMapping":
+        return not ways
+    inputs = ways[0].node.inputs
+    plain = not any(inputs["Rotation"].default_value[:2]) and not any(inputs["Location"].default_value)
+    computed = any(active_links(inputs[name]) for name in ("Location", "Rotation", "Scale"))
+    return plain and set(inputs["Scale"].default_value) == {1.0} and not computed
+
+
+def _ways(texture: NodeInGroups) -> list[NodeInGroups]:
+    """The nodes that a texture's direction passes, backwards, without the Texture Coordinate that it comes from."""
+    found: list[NodeInGroups] = []
+    socket, inside = texture.node.inputs["Vector"], texture.inside
+    while before := trails.source_output(socket, inside):
+        output, inside = before
+        if output.node.bl_idname == "ShaderNodeTexCoord" and output.name == "Generated":
+            break
+        found.append(NodeInGroups(output.node, inside))
+        if output.node.bl_idname != "ShaderNodeMapping":
+            break
+        socket = output.node.inputs["Vector"]
+    return found
+
+
+def rotation_slot(world: World) -> ValueSlot | None:
+    """The rotation of a world's environment texture: of the Mapping node that looks it up, or of one of ours before all others."""
+    texture = environment(world)
     if not texture:
         return None
-    vector = texture.node.inputs["Vector"]
+
+    def first() -> NodeInGroups:
+        """The Mapping node at which the direction begins, or the texture without one."""
+        now = environment(world)
+        assert now
+        return [now, *(way for way in _ways(now) if way.node.bl_idname == "ShaderNodeMapping")][-1]
+
+    def entry() -> NodeEntry | None:
+        """The input with a Mapping's turn: its Rotation, or the Z of the Combine XYZ that makes it; None if it is computed."""
+        if first().node.bl_idname != "ShaderNodeMapping":
+            return None
+        turn = NodeEntry(first().node.inputs["Rotation"], first().inside)
+        origin = resolve(turn)
+        if origin.source and origin.source.node.bl_idname == "ShaderNodeCombineXYZ":
+            turn = NodeEntry(origin.source.node.inputs["Z"], origin.inside)
+            origin = resolve(turn)
+        return None if origin.source else turn
 
     def find() -> ValueSlot | None:
-        links = active_links(vector)
-        node = links[0].from_node if links else None
-        return _EnvironmentTurnSlot(node) if node and node.bl_idname == "ShaderNodeMapping" else None
+        inner = input_slot(entry) if entry() else None
+        sign = -1.0 if inner and first().node.vector_type == "TEXTURE" else 1.0
+        return _TurnSlot(inner, sign) if inner else None
 
-    def make(journal: Journal) -> ValueSlot:
+    def make(journal: Journal) -> ValueSlot | None:
+        own_groups(journal, first().inside)
+        vector = first().node.inputs["Vector"]
         tree = vector.id_data
         mapping = journal.node(tree, "ShaderNodeMapping", _ROTATION)
-        owned.dress(journal, tree, mapping, texture.node)
+        owned.dress(journal, tree, mapping, vector.node)
         if links := active_links(vector):
             source = links[0].from_socket
         else:
@@ -164,20 +210,38 @@ def rotation_slot(background: trails.NodeInGroups) -> ValueSlot | None:
             source = direction.outputs["Generated"]
         journal.link(source, mapping.inputs["Vector"])
         journal.link(mapping.outputs["Vector"], vector)
-        return _EnvironmentTurnSlot(mapping)
+        return find()
 
-    existing = find()
-    return existing or LazySlot(find, make, 0.0, locks.of_socket(vector, None))
+    return find() or LazySlot(
+        find, make, 0.0, locks.of_socket(texture.node.inputs["Vector"], None, texture.inside)
+    )
 
 
-def _can_have_backdrop(world: World) -> bool:
-    """Whether a world is one plain Background, in its own tree, that both lights and is seen."""
-    tree = compat.node_tree(world)
-    output = tree.get_output_node("ALL") if tree else None
-    single = single_background(world)
-    if output is None or single is None or has_backdrop(world):
-        return False
-    return not single.inside and bool(active_links(output.inputs["Surface"]))
+def horizon_height(scene: Scene, world: World | None) -> float:
+    """Height of a world's horizon in the image: 0 at the bottom, 1 at the top, less than 0 below it.
+
+    A backdrop that has one keeps it. Otherwise it is that of the scene's camera. A camera without perspective, or one that
+    looks down, has none: the backdrop fades from the bottom.
+    """
+    if made := horizon_inset(world) if world else None:
+        return made.inputs["Height"].default_value
+    camera = scene.camera
+    if camera is None or camera.type != "CAMERA" or camera.data.type != "PERSP":
+        return 0.0
+    ahead = camera.matrix_world.to_quaternion() @ Vector((0.0, 0.0, -1.0))
+    level = Vector((ahead.x, ahead.y, 0.0))
+    if level.length < 1e-3:
+        return 0.0
+    far = camera.matrix_world.translation + 1e4 * level.normalized()
+    height = world_to_camera_view(scene, camera, far).y
+    return max(height, -1.0) if height < _HIGHEST else 0.0
+
+
+def horizon_inset(world: World) -> Node | None:
+    """The inset that gives a backdrop its horizon; None without one."""
+    seen = single_background(world, BACKDROP)
+    color = seen.entry("Color") if seen else None
+    return HORIZON.of(resolve(color).source) if color else None
 
 
 def _add_backdrop(journal: Journal, world: World) -> None:
@@ -216,12 +280,21 @@ def offered_backdrop(
     world: World | None, instances: Mapping[str, schema.Instance]
 ) -> dict[str, schema.Instance]:
     """The parameters that a backdrop would have; none where the world cannot have one, or is partly locked."""
-    if world is None or not _can_have_backdrop(world):
+    tree = compat.node_tree(world) if world else None
+    output = tree.get_output_node("ALL") if tree else None
+    single = single_background(world) if world else None
+    # It has to be one plain Background, in its own tree, that both lights and is seen.
+    if output is None or single is None or has_backdrop(world):
+        return {}
+    if single.inside or not active_links(output.inputs["Surface"]):
         return {}
     own = {key: instances[its] for key, its in WORLD_OF_BACKDROP.items() if its in instances}
     if any(instance.locked for instance in own.values()):
         return {}
-    return {key: replace(i, parameter=schema.FAMILIES[key]) for key, i in own.items()}
+    offer = {key: replace(i, parameter=schema.FAMILIES[key]) for key, i in own.items()}
+    if plain := offer.get("world/backdrop_color"):
+        offer[_HORIZON] = replace(plain, parameter=schema.FAMILIES[_HORIZON], value=_NO_HORIZON)
+    return offer
 
 
 def with_backdrop(
@@ -240,6 +313,7 @@ def with_backdrop(
     if world is None or not named:
         return dict(values)
     future = {key: tuple(values.get(key, instance.value)) for key, instance in {**instances, **offer}.items()}
+    future[""] = _NO_HORIZON
     if all(labels.same(key, future[WORLD_OF_BACKDROP[key]], future[key]) for key in named):
         return {key: value for key, value in values.items() if key not in offer}
     _add_backdrop(journal, world)

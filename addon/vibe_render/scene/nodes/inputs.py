@@ -43,8 +43,15 @@ class _InputSlot:
             return
         own_groups(journal, self._origin().inside)
         origin = self._origin()
+        # A node of our own between a Value or RGB node and the inputs that mean the same. An artist would drag the node
+        # itself only if all that it feeds were to change: the roughness of one shader must not change the bump of another.
         if origin.feeds_others:
-            _separate(journal, origin)
+            tree, node = origin.socket.id_data, origin.socket.node
+            twin = journal.node(tree, node.bl_idname, _VALUE)
+            owned.dress(journal, tree, twin, origin.targets[0].node)
+            twin.outputs[0].default_value = origin.socket.default_value
+            for target in origin.targets:
+                journal.link(twin.outputs[0], target)
             origin = self._origin()
         socket_slot(origin.socket).set(journal, raw)
 
@@ -82,20 +89,6 @@ def own_groups(journal: Journal, inside: tuple[Node, ...]) -> None:
         tree = node.node_tree
 
 
-def _separate(journal: Journal, origin: ValueOrigin) -> None:
-    """Puts a node of our own between a Value or RGB node and the inputs that mean the same.
-
-    An artist would drag the node itself only if all that it feeds were to change: the roughness of one shader must
-    not change the bump of another.
-    """
-    tree, node = origin.socket.id_data, origin.socket.node
-    twin = journal.node(tree, node.bl_idname, _VALUE)
-    owned.dress(journal, tree, twin, origin.targets[0].node)
-    twin.outputs[0].default_value = origin.socket.default_value
-    for target in origin.targets:
-        journal.link(twin.outputs[0], target)
-
-
 @dataclass(frozen=True)
 class Inset:
     """A kind of inset. Its group's first input takes what comes in, its only output gives what goes on."""
@@ -104,11 +97,14 @@ class Inset:
     identities: Mapping[str, Any]  # its other inputs, with the values that change nothing
     fill: Callable[[NodeTree], None]  # declares the sockets of a new group and fills it
 
-    def slot(self, find: FindEntry, name: str, plain: bool = False) -> ValueSlot | None:
+    def slot(
+        self, find: FindEntry, name: str, plain: bool = False, settings: Mapping[str, float] | None = None
+    ) -> ValueSlot | None:
         """An input of the inset on an input; None without such an input, or if its value is not computed.
 
         Args:
             plain: Whether a value that is not computed gets an inset too: one of several that are mixed.
+            settings: Other inputs of a new inset, with their values.
         """
         entry = find()
         if entry is None:
@@ -131,7 +127,7 @@ class Inset:
 
         def make(journal: Journal) -> ValueSlot:
             own_groups(journal, first.inside)
-            node = self.of(origin().source) or self._insert(journal, origin())
+            node = self.of(origin().source) or self._insert(journal, origin(), settings or {})
             return socket_slot(node.inputs[name])
 
         return LazySlot(there, make, self.identities[name], locks.of_socket(first.socket, None, first.inside))
@@ -140,7 +136,7 @@ class Inset:
         """The inset that an output belongs to, if it is one of this kind."""
         return source.node if source and _inset_name(source.node) == self.name else None
 
-    def _insert(self, journal: Journal, origin: ValueOrigin) -> Node:
+    def _insert(self, journal: Journal, origin: ValueOrigin, settings: Mapping[str, float]) -> Node:
         """Puts it before all inputs that mean the same; what else gets the value keeps it as it is."""
         socket = origin.socket
         targets = origin.targets or (socket,)
@@ -153,6 +149,8 @@ class Inset:
             journal.link(feed, node.inputs[0])
         else:
             node.inputs[0].default_value = socket.default_value
+        for name, value in settings.items():
+            node.inputs[name].default_value = value
         for target in targets:
             journal.link(node.outputs[0], target)
         return node
@@ -194,6 +192,28 @@ def _fill_tint(tree: NodeTree) -> None:
 
 
 TINT = Inset("Vibe Tint", {"Tint": (1.0, 1.0, 1.0), "Recolor": 0.0}, _fill_tint)
+
+
+def _fill_horizon(tree: NodeTree) -> None:
+    owned.group_input(tree, "Color", "NodeSocketColor", (0.05, 0.05, 0.05, 1.0))
+    owned.group_input(tree, "Horizon", "NodeSocketColor", (1.0, 1.0, 1.0, 1.0))
+    owned.group_input(tree, "Height", "NodeSocketFloat", 0.0, -1.0, 1.0)
+    tree.interface.new_socket("Color", in_out="OUTPUT", socket_type="NodeSocketColor")
+    build = owned.Builder(tree)
+    color, horizon, height = build.inputs("Color", "Horizon", "Height")
+    window = build.node("ShaderNodeTexCoord").outputs["Window"]
+    place = build.node("ShaderNodeSeparateXYZ", Vector=window).outputs["Y"]
+    rise = build.math("SUBTRACT", place, height), build.math("SUBTRACT", 1.0, height)
+    share = build.math("DIVIDE", *rise, clamp=True)
+    # smoothstep: s² (3 - 2 s)
+    smooth = build.math(
+        "MULTIPLY", build.math("MULTIPLY", share, share), build.math("MULTIPLY_ADD", share, -2.0, 3.0)
+    )
+    left = build.vector("SCALE", build.vector("SUBTRACT", (1.0, 1.0, 1.0), horizon), scale=smooth)
+    build.output(build.vector("MULTIPLY", color, build.vector("ADD", horizon, left)))
+
+
+HORIZON = Inset("Vibe Horizon", {"Horizon": (1.0, 1.0, 1.0)}, _fill_horizon)
 
 
 def _fill_factor(tree: NodeTree) -> None:

@@ -5,16 +5,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 from math import prod
 
 from bpy.types import Material, Node, NodeSocket
 
 from ...core import compat
-from ...core.journal import Journal
-from ...core.value_slots import ValueSlot, same
-from . import inputs
-from .trails import ALIASES, NodeEntry, NodeInGroups, resolve, source_output
+from .trails import ALIASES, NodeEntry, NodeInGroups, distinct, resolve, source_output
 
 TRANSPARENT = "ShaderNodeBsdfTransparent"
 _BACKGROUND = "ShaderNodeBackground"
@@ -161,36 +157,7 @@ def colors(material: Material) -> list[NodeEntry]:
     first = entry(material, "Base Color")
     if first is None:
         return []
-    found: list[NodeEntry] = []
-    origins: list[NodeSocket] = []
-    for layer in body(material):
-        color = layer.shader.entry("Base Color", first.alike)
-        assert color
-        origin = resolve(color)
-        if (origin.source or origin.socket) not in origins:
-            origins.append(origin.source or origin.socket)
-            found.append(color)
-    return found
-
-
-@dataclass
-class _StrengthSlot:
-    """Value slot: the strongest component of a color (RGB or RGBA); setting it keeps the hue."""
-
-    color: ValueSlot
-
-    @property
-    def locked(self) -> str:
-        return self.color.locked
-
-    def get(self) -> float:
-        return float(min(max(self.color.get()[:3]), 1.0))
-
-    def set(self, journal: Journal, raw: float) -> None:
-        color, strongest = self.color.get(), max(self.color.get()[:3])
-        if same(raw, self.get()):
-            return
-        self.color.set(journal, tuple(raw * c / strongest if strongest else raw for c in color[:3]))
+    return distinct(layer.shader.entry("Base Color", first.alike) for layer in body(material))
 
 
 def glossy_layer(every: list[Layer], base: Layer) -> Layer | None:
@@ -204,18 +171,8 @@ def lacquer_over(every: list[Layer], base: Layer) -> Layer | None:
     return over if over and over.sides[-1].grazing else None
 
 
-def lacquer_weight(material: Material) -> ValueSlot | None:
-    """The strength of the lacquer over a metal: its color, which is 1 at full strength; None without one."""
-    color = inputs.input_slot(partial(_lacquer_entry, material, "Base Color"))
-    return _StrengthSlot(color) if color else None
-
-
-def lacquer_roughness(material: Material) -> ValueSlot | None:
-    """The roughness of the lacquer over a metal; None without one."""
-    return inputs.input_slot(partial(_lacquer_entry, material, "Roughness"))
-
-
-def _lacquer_entry(material: Material, name: str) -> NodeEntry | None:
+def lacquer_entry(material: Material, name: str) -> NodeEntry | None:
+    """An input of the lacquer over a metal; None without one."""
     shown = body(material)
     coat = lacquer_over(layers(material), shown[0]) if shown else None
     return coat.shader.entry(name) if coat else None
@@ -223,16 +180,12 @@ def _lacquer_entry(material: Material, name: str) -> NodeEntry | None:
 
 def emitted_radiance(material: Material) -> float:
     """About the radiance that a material's surface emits, its strongest component; 0 if it does not."""
-    return sum(layer.share * _emitted(layer.shader) for layer in layers(material))
-
-
-def _emitted(shader: NodeInGroups) -> float:
-    values = []
-    for name, computed in (("Emission Color", _COMPUTED_COLOR), ("Emission Strength", _COMPUTED_STRENGTH)):
-        entry = shader.entry(name)
-        if entry is None:
-            return 0.0
-        origin = resolve(entry)
-        value = origin.socket.default_value
-        values.append(computed if origin.source else max(value[:3]) if hasattr(value, "__len__") else value)
-    return max(values[0] * values[1], 0.0)
+    total = 0.0
+    for layer in layers(material):
+        color, strength = layer.shader.entry("Emission Color"), layer.shader.entry("Emission Strength")
+        if color and strength:
+            hue, factor = resolve(color), resolve(strength)
+            strongest = _COMPUTED_COLOR if hue.source else max(hue.socket.default_value[:3])
+            power = _COMPUTED_STRENGTH if factor.source else factor.socket.default_value
+            total += layer.share * max(strongest * power, 0.0)
+    return total

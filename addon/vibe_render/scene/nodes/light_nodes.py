@@ -25,9 +25,18 @@ def factor(light: Light) -> tuple[float, float, float] | None:
     color, strength = _origin(light, "Color"), _origin(light, "Strength")
     if color is None or strength is None:
         return None
-    level = _level(strength)
-    if level is None or (color.source and not kelvin(light)):
+    if color.source and not kelvin(light):
         return None
+    if strength.source:
+        # Light Falloff passes a strength on, if that falls off as light does.
+        node = strength.source.node
+        if node.bl_idname != "ShaderNodeLightFalloff" or strength.source.name != "Quadratic":
+            return None
+        smooth = node.inputs["Smooth"]
+        strength = resolve(NodeEntry(node.inputs["Strength"], strength.inside))
+        if strength.source or smooth.is_linked or smooth.default_value != 0.0:
+            return None
+    level = float(strength.socket.default_value)
     red, green, blue = (1.0, 1.0, 1.0) if color.source else color.socket.default_value[:3]
     return red * level, green * level, blue * level
 
@@ -50,17 +59,6 @@ def flatten(light: Light) -> None:
     plain.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
     output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputLight")
     tree.links.new(plain.outputs[0], output.inputs["Surface"])
-
-
-def _level(strength: ValueOrigin) -> float | None:
-    """A strength as a number; Light Falloff passes on its own, if that falls off as light does."""
-    source = strength.source
-    if source is not None and source.node.bl_idname == "ShaderNodeLightFalloff":
-        entry = resolve(NodeEntry(source.node.inputs["Strength"], strength.inside))
-        smooth = source.node.inputs["Smooth"]
-        plain = source.name == "Quadratic" and not smooth.is_linked and smooth.default_value == 0.0
-        return float(entry.socket.default_value) if plain and entry.source is None else None
-    return None if source else float(strength.socket.default_value)
 
 
 def _origin(light: Light, name: str) -> ValueOrigin | None:

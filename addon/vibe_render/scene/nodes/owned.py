@@ -10,9 +10,9 @@ import bpy
 from bpy.types import ID, Node, NodeSocket, NodeTree, Object
 
 from ...core.journal import Journal
+from ...core.rendered import MARK
 from ...core.schema_import import schema
 
-MARK = "vibe_owned"
 FOG = "Vibe Fog"
 CARD = schema.added_lights.CARD
 COLOR = (0.32, 0.22, 0.46)

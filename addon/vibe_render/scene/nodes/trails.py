@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -99,6 +99,15 @@ def resolve(entry: NodeEntry) -> ValueOrigin:
     return ValueOrigin(last, None, inside)
 
 
+def distinct(entries: Iterable[NodeEntry | None]) -> list[NodeEntry]:
+    """Inputs, those whose value has one origin once."""
+    found: dict[NodeSocket, NodeEntry] = {}
+    for entry in filter(None, entries):
+        origin = resolve(entry)
+        found.setdefault(origin.source or origin.socket, entry)
+    return list(found.values())
+
+
 def _ends(socket: NodeSocket, inside: tuple[Node, ...]) -> Iterator[NodeSocket]:
     """The inputs that an input's value goes to: itself, or those behind a reroute or inside a group."""
     node = socket.node
@@ -187,9 +196,9 @@ def world_volume(world: World) -> NodeInGroups | None:
     return _from_output(compat.node_tree(world), "Volume", kinds)
 
 
-def environment_texture(color: NodeSocket) -> NodeInGroups | None:
+def environment_texture(color: NodeEntry) -> NodeInGroups | None:
     """The environment texture that a background's color comes from."""
-    return _search(color, (), ("ShaderNodeTexEnvironment",))
+    return _search(color.socket, color.inside, ("ShaderNodeTexEnvironment",))
 
 
 def depends_on_rays(color: NodeEntry) -> bool:

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Names that are no UTF-8, which old files and some importers have: Blender's Python cannot read them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import bpy
+from bpy.types import ID, bpy_struct
+
+from .schema_import import schema
+
+_PARTS = (
+    "nodes",
+    "attributes",
+    "uv_layers",
+    "vertex_groups",
+    "modifiers",
+    "view_layers",
+    "bones",
+    "key_blocks",
+)
+"""Collections inside data-blocks whose items have names, or read things by name."""
+_replaced: list[str] = []  # what `note` has not told yet
+
+
+def make_readable() -> None:
+    """Replaces all texts of the file that are no UTF-8 by what they are in Latin-1; equal texts stay equal.
+
+    Raises:
+        VibeError: One of them is in a linked library.
+    """
+    for struct in _structs():
+        texts = (p for p in struct.bl_rna.properties if p.type == "STRING" and not p.is_readonly)
+        for name in (p.identifier for p in texts):
+            try:
+                getattr(struct, name)
+            except UnicodeDecodeError as error:
+                # Without a character that was cut in the middle, or in Latin-1.
+                cut = error.reason == "unexpected end of data"
+                text = error.object[: error.start].decode() if cut else error.object.decode("latin-1")
+                block = struct if isinstance(struct, ID) else struct.id_data
+                if not block.is_editable:
+                    raise schema.VibeError(
+                        f'"{text}" in {bpy.path.basename(block.library.filepath)} is no UTF-8.',
+                        "Rename it there and save that file again.",
+                    ) from error
+                setattr(struct, name, text)
+                if text not in _replaced:
+                    _replaced.append(text)
+
+
+def _structs() -> Iterator[bpy_struct]:
+    """All data-blocks, and the parts of them that have names."""
+    collections = (p.identifier for p in bpy.data.bl_rna.properties if p.type == "COLLECTION")
+    for name in collections:
+        for block in getattr(bpy.data, name):
+            tree = getattr(block, "node_tree", None)
+            for owner in filter(None, (block, tree)):
+                yield owner
+                for part in _PARTS:
+                    yield from getattr(owner, part, ())
+
+
+def note() -> str:
+    """A note on the names that were replaced since the last one, in words for the artist; "" without any."""
+    names = ", ".join(_replaced[:3]) + (f" and {len(_replaced) - 3} more" if len(_replaced) > 3 else "")
+    _replaced.clear()
+    return f"Names that are no UTF-8 cannot be read; they have been replaced: {names}." if names else ""

@@ -1,0 +1,279 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a render of a scene shows: the only place that asks Blender which objects, surfaces, lights and settings count.
+
+A scene is rendered through its first view layer in use. `docs/develop/what-is-rendered.md` has a row for each property.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import bpy
+from bpy.types import Collection, Material, NodeTree, Object, Scene, ViewLayer, World
+from mathutils import Matrix, Vector
+
+from . import compat
+
+MARK = "vibe_owned"
+"""The custom property by which Vibe Render knows what it has added."""
+GEOMETRY = {"MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES", "POINTCLOUD"}
+FILM = "film"
+"""In the place of a kind of rays: what a holdout is hidden from."""
+_RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
+_LIT = ("diffuse", "glossy", "transmission")
+
+# --- objects ----------------------------------------------------------------------------------------
+
+
+def layer(scene: Scene) -> ViewLayer:
+    """The first view layer that is rendered."""
+    return next((each for each in scene.view_layers if each.use), scene.view_layers[0])
+
+
+def scenes(scene: Scene) -> list[Scene]:
+    """The scene and its background sets, which a render shows too."""
+    found = [scene]
+    while (behind := found[-1].background_set) and behind not in found:
+        found.append(behind)
+    return found
+
+
+def shown(scene: Scene) -> set[Object]:
+    """The objects that a render shows, those of background sets too.
+
+    An object counts if one of its collections does: neither that nor a collection around it may be disabled in renders,
+    and the view layer must not exclude it.
+    """
+    found: set[Object] = set()
+    for each in scenes(scene):
+        here = set(filter(None, layer(each).objects))  # what was removed just now is there as None
+        enabled = (o for c in _enabled(each.collection) for o in c.objects)
+        found |= {o for o in enabled if o in here and not o.hide_render}
+    return found
+
+
+def _enabled(collection: Collection) -> Iterator[Collection]:
+    """A collection and those inside it that are not disabled in renders."""
+    if not collection.hide_render:
+        yield collection
+        for child in collection.children:
+            yield from _enabled(child)
+
+
+def depsgraph(scene: Scene) -> bpy.types.Depsgraph:
+    """The evaluated scene, up to date."""
+    chosen = layer(scene)
+    chosen.update()
+    return chosen.depsgraph
+
+
+def instances(scene: Scene) -> Iterator[tuple[Object, Object | None, Matrix]]:
+    """Objects that a render shows, with instancer and matrix; unevaluated where the viewport hides them."""
+    objects = shown(scene)
+    seen = set()
+    for item in depsgraph(scene).object_instances:
+        original, instancer = item.object.original, item.parent.original if item.parent else None
+        seen.add(instancer or original)
+        by_nodes = instancer is not None and instancer.instance_type == "NONE"  # also by particles
+        hidden = original.hide_render and not by_nodes
+        shows = original.show_instancer_for_render if original.is_instancer else item.show_self
+        if shows and (instancer or original) in objects and not hidden:
+            yield item.object, instancer, item.matrix_world.copy()
+    for obj in sorted(objects - seen, key=lambda each: each.name_full):
+        yield obj, None, obj.matrix_world.copy()
+
+
+def has_finite_place(obj: Object) -> bool:
+    """Whether an object's place is finite; broken drivers and constraints leave it otherwise."""
+    return _is_finite(obj.matrix_world)
+
+
+def _is_finite(matrix: Matrix) -> bool:
+    return all(math.isfinite(v) for row in matrix for v in row)
+
+
+def hidden_from(thing: Object, of: ViewLayer) -> frozenset[str]:
+    """The kinds of rays that pass an object, and its instances; the camera's pass what only lights indirectly.
+
+    A holdout stops them all, and leaves a hole in the film.
+    """
+    rays = {ray for ray in _RAYS if not getattr(thing, f"visible_{ray}")}
+    if thing.original.indirect_only_get(view_layer=of):
+        rays.add("camera")
+    if thing.original.holdout_get(view_layer=of) or all(map(is_holdout, worn(thing, of))):
+        rays.add(FILM)
+    return frozenset(rays)
+
+
+def frustum(scene: Scene) -> Matrix | None:
+    """World space to the clip space of the scene's camera; None if there is none."""
+    camera, render = scene.camera, scene.render
+    if camera is None or camera.type != "CAMERA":
+        return None
+    projection = camera.calc_matrix_camera(
+        layer(scene).depsgraph,
+        x=render.resolution_x,
+        y=render.resolution_y,
+        scale_x=render.pixel_aspect_x,
+        scale_y=render.pixel_aspect_y,
+    )
+    return projection @ camera.matrix_world.normalized().inverted()
+
+
+def in_frame(to_clip: Matrix, thing: Object, matrix: Matrix) -> bool:
+    """Whether the bounding box of an object at a matrix reaches into the camera's view; conservative."""
+    corners = [to_clip @ matrix @ Vector((*corner, 1.0)) for corner in thing.bound_box]
+    sides = [(axis, sign) for axis in range(3) for sign in (1.0, -1.0)]
+    return not any(all(sign * c[axis] > c.w for c in corners) for axis, sign in sides)
+
+
+# --- surfaces ---------------------------------------------------------------------------------------
+
+
+def worn(thing: Object, of: ViewLayer) -> list[Material | None]:
+    """The materials that an object's faces have in renders of a view layer, slot by slot; at least one, which may be None."""
+    if override := of.material_override:
+        return [override.original]
+    slots = [slot.material for slot in thing.material_slots] or list(
+        getattr(thing.data, "materials", None) or ()
+    )
+    return [m.original if m else None for m in slots] or [None]
+
+
+def override_lock(scene: Scene) -> str:
+    """The reason why no material of a scene can change its render; "" without one."""
+    override = layer(scene).material_override
+    if override is None:
+        return ""
+    return f'the view layer "{layer(scene).name}" shows "{override.name}" in place of all materials'
+
+
+def has_surface(material: Material | None) -> bool:
+    """Whether a material shows a surface; a box of fog has none."""
+    tree = compat.node_tree(material) if material else None
+    output = tree.get_output_node("CYCLES") if tree else None
+    return output is None or output.inputs["Surface"].is_linked or not output.inputs["Volume"].is_linked
+
+
+def is_holdout(material: Material | None) -> bool:
+    """Whether a material's surface is nothing but a Holdout."""
+    tree = compat.node_tree(material) if material else None
+    output = tree.get_output_node("CYCLES") if tree else None
+    return output is not None and any(
+        link.from_node.bl_idname == "ShaderNodeHoldout" for link in output.inputs["Surface"].links
+    )
+
+
+def surface_note(thing: Object, of: ViewLayer) -> str:
+    """A note on an object that a render does not show as a plain surface; "" for others."""
+    if FILM in hidden_from(thing, of):
+        return f"{thing.name} is a holdout: words about it cannot be visible."
+    if thing.is_shadow_catcher:
+        return f"{thing.name} is a shadow catcher: the prediction shows it as a plain surface."
+    return ""
+
+
+# --- lights -----------------------------------------------------------------------------------------
+
+
+def is_portal(obj: Object) -> bool:
+    """Whether a light is a portal, which guides the world's light and gives none."""
+    return obj.data.type == "AREA" and obj.data.cycles.is_portal
+
+
+def _shines(obj: Object) -> bool:
+    return obj.type == "LIGHT" and not is_portal(obj)
+
+
+def lights(scene: Scene) -> list[Object]:
+    """The scene's own lights that a render sees, by name; portals and lights whose place is not a number light nothing."""
+    here = set(scene.objects)
+    found = [o for o in shown(scene) if _shines(o) and o in here and has_finite_place(o)]
+    return sorted(found, key=lambda o: o.name_full)
+
+
+def instanced_lights(scene: Scene) -> list[tuple[Object, Matrix]]:
+    """Lights that instances of collections and geometry nodes show, and those of background sets, with their matrices."""
+    here = set(scene.objects)
+    return [
+        (thing.original, matrix)
+        for thing, instancer, matrix in instances(scene)
+        if _shines(thing) and (instancer or thing.original not in here) and _is_finite(matrix)
+    ]
+
+
+def unlit_rays(light: Object) -> list[str]:
+    """The kinds of surfaces' rays that do not meet a light."""
+    return [ray for ray in _LIT if not getattr(light, f"visible_{ray}")]
+
+
+def world(scene: Scene) -> World | None:
+    """The world that a render shows: the scene's, or the one that the view layer puts in its place, or leaves out."""
+    of = layer(scene)
+    return (getattr(of, "world_override", None) or scene.world) if of.use_sky else None
+
+
+def unlit_by(world: World | None) -> list[str]:
+    """The kinds of rays that do not meet a world."""
+    return [ray for ray in ("camera", *_LIT) if world and not getattr(world.cycles_visibility, ray)]
+
+
+def set_world(scene: Scene, new: World | None, put: Callable[[Any, str, Any], None] = setattr) -> None:
+    """Replaces the world that a render shows; `put` takes owner, name and value, as `Journal.set` does."""
+    if new is not None and not layer(scene).use_sky:
+        put(layer(scene), "use_sky", True)
+    if getattr(layer(scene), "world_override", None):
+        put(layer(scene), "world_override", new)
+        if new is not None:
+            return
+    put(scene, "world", new)
+
+
+def world_users(block: World) -> int:
+    """The number of scenes and view layers that render with a world."""
+    layers = (each for s in bpy.data.scenes for each in s.view_layers)
+    worlds = [s.world for s in bpy.data.scenes] + [getattr(each, "world_override", None) for each in layers]
+    return worlds.count(block)
+
+
+# --- the image --------------------------------------------------------------------------------------
+
+
+def image_notes(scene: Scene) -> list[str]:
+    """Settings of the whole image that the prediction leaves out, in words for the artist."""
+    view, render, cycles, of = scene.view_settings, scene.render, scene.cycles, layer(scene)
+    culls = render.use_simplify and (cycles.use_camera_cull or cycles.use_distance_cull)
+    strips = getattr(scene.sequence_editor, "strips", getattr(scene.sequence_editor, "sequences", ()))
+    materials = of.material_override
+    settings = {
+        "The view transform's curves are left out of the prediction.": view.use_curve_mapping,
+        "Motion blur is left out of the prediction.": render.use_motion_blur,
+        "Freestyle lines are in the pictures, not in the prediction.": render.use_freestyle,
+        "The render border is left out: the whole picture is predicted and rendered.": render.use_border,
+        "Stereo is left out: the picture is what the camera itself sees.": render.use_multiview,
+        "The sequencer's strips are left out: the picture is the scene's own render.": render.use_sequencer
+        and bool(strips),
+        "Culling by Simplify is left out: the prediction shows culled objects too.": culls,
+        f'The view layer "{of.name}" shows "{materials.name if materials else ""}" in place of all materials: words '
+        "about materials cannot be visible. Remove the material override, or ask for light only.": materials
+        is not None,
+    }
+    return [note for note, used in settings.items() if used]
+
+
+def changing_compositor(scene: Scene) -> NodeTree | None:
+    """The compositor tree, if it does more than pass the scene's first rendered view layer on; our own grade is no change."""
+    tree = compat.compositor(scene)
+    socket = compat.compositor_output(tree) if tree else None
+    while socket is not None and (links := [link for link in socket.links if not link.is_muted]):
+        node = links[0].from_node
+        if node.bl_idname == "CompositorNodeRLayers":
+            first = node.layer == layer(scene).name and links[0].from_socket.name == "Image"
+            return None if first and node.scene in (None, scene) else tree
+        ours = node.type == "GROUP" and node.node_tree and MARK in node.node_tree
+        if not (ours or node.type == "REROUTE" or node.mute):
+            return tree
+        socket = node.inputs[0]
+    return None  # nothing reaches the output: the render is black, which is reported elsewhere

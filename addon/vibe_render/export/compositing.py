@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The artist's compositor as a table of colors, where it changes each pixel's color by that color alone."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ..core import compat, rendered
+from ..core.compat import assign
+from ..core.schema_import import schema
+from ..render import bake
+from ..scene.copies import copied_scene, viewer
+
+SIZE = 33
+"""Colors along each axis of the table."""
+TABLE_TOE, TABLE_STOPS = schema.radiometry.TABLE_TOE, schema.radiometry.TABLE_STOPS
+_SIDE = math.isqrt(SIZE**3 - 1) + 1
+_TOLERANCE = 0.02  # stops
+
+
+def color_table(scene: bpy.types.Scene) -> np.ndarray | None:
+    """What the compositor makes of scene-linear colors: (SIZE, SIZE, SIZE, 3), in stops, indexed by blue, green, red.
+
+    None where it leaves colors alone, and where the table could not tell: where the place of a pixel or what is around it
+    counts, or more goes in than the image of the first rendered view layer.
+    """
+    if rendered.changing_compositor(scene) is None:
+        return None
+    axis = TABLE_TOE * (2 ** np.linspace(0.0, TABLE_STOPS, SIZE) - 1)
+    blue, green, red = np.meshgrid(axis, axis, axis, indexing="ij")
+    colors = np.zeros((_SIDE**2, 3), np.float32)
+    colors[: SIZE**3] = np.stack((red, green, blue), -1).reshape(-1, 3)
+    # The same colors in other places tell whether places count.
+    order = np.random.default_rng(0).permutation(len(colors))
+    with copied_scene(
+        scene, graded=True, resolution_x=_SIDE, resolution_y=_SIDE, resolution_percentage=100
+    ) as twin:
+        layers = list(_layers(compat.compositor(twin)))
+        if not all(_is_plain(node, twin) for node in layers):
+            return None
+        straight, mixed = (_in_stops(_composited(twin, each)) for each in (colors, colors[order]))
+    if np.abs(straight[order] - mixed).max() > _TOLERANCE:
+        return None
+    return straight[: SIZE**3].reshape(SIZE, SIZE, SIZE, 3)
+
+
+def _layers(tree: bpy.types.NodeTree | None) -> Iterator[bpy.types.Node]:
+    """The Render Layers nodes that are linked in a tree and in its groups; grades of ours are muted on the way."""
+    for node in tree.nodes if tree else ():
+        if node.bl_idname == "CompositorNodeRLayers" and any(s.is_linked for s in node.outputs):
+            yield node
+        elif node.type == "GROUP" and node.node_tree:
+            node.mute = node.mute or rendered.MARK in node.node_tree
+            yield from _layers(node.node_tree)
+
+
+def _is_plain(node: bpy.types.Node, scene: bpy.types.Scene) -> bool:
+    """Whether nothing but the image of the scene's first rendered view layer comes from a Render Layers node."""
+    names = {socket.name for socket in node.outputs if socket.is_linked}
+    return names == {"Image"} and node.scene in (None, scene) and node.layer == rendered.layer(scene).name
+
+
+def _composited(twin: bpy.types.Scene, colors: np.ndarray) -> np.ndarray:
+    """What the compositor makes of colors (N, 3) that a render would have, pixel by pixel."""
+    image = bpy.data.images.new("Vibe Colors", _SIDE, _SIDE, float_buffer=True, is_data=True)
+    added = []
+    try:
+        image.pixels.foreach_set(np.insert(colors, 3, 1.0, axis=1).ravel())
+        for node in list(_layers(compat.compositor(twin))):
+            source = node.id_data.nodes.new("CompositorNodeImage")
+            source.image = image
+            added.append((source, node))
+            for link in list(node.outputs["Image"].links):
+                node.id_data.links.new(source.outputs["Image"], link.to_socket)
+        with tempfile.TemporaryDirectory(prefix="vibe-") as folder, viewer(twin, lambda _: None):
+            kind = {
+                "media_type": "IMAGE",
+                "file_format": "OPEN_EXR",
+                "color_depth": "32",
+                "color_mode": "RGB",
+            }
+            assign(twin.render.image_settings, **kind)
+            twin.render.filepath = str(Path(folder) / "colors.exr")
+            bpy.ops.render.render(scene=twin.name, write_still=True)
+            return bake.read_file(Path(twin.render.filepath))[..., :3].reshape(-1, 3)
+    finally:
+        for source, node in added:
+            for link in list(source.outputs["Image"].links):
+                node.id_data.links.new(node.outputs["Image"], link.to_socket)
+            node.id_data.nodes.remove(source)
+        bpy.data.images.remove(image)
+
+
+def _in_stops(colors: np.ndarray) -> np.ndarray:
+    return np.sign(colors) * np.log2(np.abs(np.nan_to_num(colors)) / TABLE_TOE + 1)

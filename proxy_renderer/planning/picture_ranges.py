@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How far the values of a scene may go to look like a reference image: ranges from its wishes, beside those of words."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from ..color.floats import linear_from_srgb, srgb_from_lab
+from ..goals.contradictions import CASTS
+from ..goals.picture import beside_picture
+from ..goals.resolve import Goals
+from ..goals.wish import Wish
+from ..schema import Instance, Values
+from ..words.lexicon.entries import OWNERS, Effect
+from ..words.lexicon.quantities import ClaimText
+from ..words.lexicon.vocabulary import Vocabulary
+from .owners import protected
+from .ranges import clip
+from .types import Plan, PlanEntry
+
+_LIGHTNESS = 65.0  # L* at which a cast is taken for a color
+_STRONGER, _WEAKER = 1.6, 0.5
+"""How much stronger than the strongest cast a light's color may be, since other light lies over it, and how much weaker than
+any. A range up to white would hold hues that are in no cast: pink and yellow beside orange."""
+_FEW_HUES = 0.0  # cosine between the hues of two casts from where each has a light of its own
+_PALE, _COLORFUL = 6.0, 16.0
+"""Mean C* up to which a picture is as good as gray, and how much more it has where all paint keeps its saturation."""
+_STRONG = 6.0  # C* of a cast whose hue counts
+HELD_LIGHTLY = 0.05
+"""Pull of what a picture lets move to the artist's value: of two ways that look the same, the nearer one."""
+_LIT = ("light/color", "world/color")
+"""Families of what colors light: they take the hues of the picture's casts."""
+UNTOUCHED = "the picture does not speak of it: keeps the artist's value"
+
+
+@dataclass(frozen=True)
+class LightColors:
+    """The colors that light may have: on the line between the two ends of a range, for more than one line has more hues."""
+
+    key: tuple[Values, Values]  # of key lights: lower and upper end, linear, in [0, 1]
+    fill: tuple[Values, Values]  # of all other light, that of the world included
+    paint: float  # saturation that paint keeps at least, so that a colorful picture makes nothing gray
+
+
+def light_colors(claims: Sequence[ClaimText]) -> LightColors:
+    """The colors that the casts among some claims ask for.
+
+    All light takes the hue of the strongest cast. Where there is another one more than 90 degrees of hue apart, as teal
+    beside orange, each has its own light: the key that of the picture's lights, all other light the opposite one.
+    """
+    casts = [_middle(claim) for claim in claims if claim.measure in CASTS] or [(0.0, 0.0)]
+    lights = [_middle(claim) for claim in claims if claim.measure == "highlight_cast"]
+    strong = [cast for cast in casts if math.hypot(*cast) > _STRONG]
+    strongest = max(casts, key=lambda cast: math.hypot(*cast))
+    key = next((cast for cast in lights if cast in strong), strongest)
+    fill = min(strong, key=lambda cast: _cosine(cast, key), default=key)
+    if _cosine(key, fill) >= _FEW_HUES:
+        key = fill = strongest
+    vivid = max((claim.upper[0] for claim in claims if claim.measure == "chroma"), default=0.0)
+    paint = min(max(vivid - _PALE, 0.0) / _COLORFUL, 1.0)
+    return LightColors(_line(key, casts), _line(fill, casts), paint)
+
+
+def _line(cast: tuple[float, float], casts: Sequence[tuple[float, float]]) -> tuple[Values, Values]:
+    """From a stronger one than a cast to a weaker one than any of its hue."""
+    alike = [each for each in casts if _cosine(each, cast) >= _FEW_HUES]
+    ends = [_color(*cast), *(_color(a, b, _WEAKER) for a, b in alike)]
+    return ends[0], tuple(map(max, zip(*ends, strict=True)))
+
+
+def _middle(claim: ClaimText) -> tuple[float, float]:
+    a, b = ((low + high) / 2 for low, high in zip(claim.lower, claim.upper, strict=True))
+    return a, b
+
+
+def _color(a: float, b: float, times: float = _STRONGER) -> Values:
+    """Linear color of light for so many times a cast, its greatest component 1."""
+    linear = linear_from_srgb(srgb_from_lab((_LIGHTNESS, times * a, times * b)))
+    return tuple(v / max(linear) for v in linear)
+
+
+def _cosine(one: tuple[float, float], other: tuple[float, float]) -> float:
+    lengths = math.hypot(*one) * math.hypot(*other)
+    return (one[0] * other[0] + one[1] * other[1]) / lengths if lengths > 1e-9 else 1.0
+
+
+def beside_words(plan: Plan, goals: Goals, instances: Mapping[str, Instance], vocabulary: Vocabulary) -> Plan:
+    """A plan of words, with what a picture's wishes let change; without a picture the same plan.
+
+    What words name is theirs. What only supports them, as a material that is to stand out, is the picture's to say.
+    """
+    pictured = beside_picture(goals, vocabulary).pictured
+    if not pictured:
+        return plan
+    free = {key: protected(instance, goals.parsed) for key, instance in instances.items()}
+    named = {key: entry for key, entry in plan.items() if entry.is_named}
+    kept = {k: replace(e, priority=None, reason=UNTOUCHED) for k, e in plan.items() if e.priority is not None}
+    return Plan({**plan, **kept, **entries_of(pictured, free), **named}, plan.notes)
+
+
+def entries_of(pictured: Sequence[Wish], instances: Mapping[str, Instance]) -> dict[str, PlanEntry]:
+    """Entries of what a picture's wishes let change, by key; what is locked is left out.
+
+    Colors of light are those of the casts that the wishes claim, except for a picture of the same scene, which has its colors place
+    by place. Wishes that claim nothing of the image, as those of a panorama of light, name the values themselves.
+    """
+    claims = [claim for wish in pictured for claim in wish.claims if claim.weight]
+    effects = [(wish.attribute.entry, effect) for wish in pictured for effect in wish.effects]
+    same, exact = any(claim.measure == "mean" for claim in claims), not any(wish.claims for wish in pictured)
+    colors = None if same or exact else light_colors(claims)
+    entries = {}
+    for key, instance in instances.items():
+        name, effect = next((each for each in effects if _acts_on(each[1], instance)), ("", None))
+        if effect is None:
+            continue
+        family, (lower, upper) = instance.parameter.family, _range(effect, instance)
+        if exact:
+            ends, reason = clip(lower, upper, instance), f"as light comes in {name}"
+            entries[key] = PlanEntry(*ends, effect.priority, reason, prior=0.0)
+            continue
+        if colors and family == "film/saturation":
+            lower = (colors.paint,)
+        lit = colors if family in _LIT else None
+        own = tuple(map(min, lower, instance.value)), tuple(map(max, upper, instance.value))
+        ends, reason = (
+            _lit(lit, instance) if lit else clip(*own, instance),
+            f"free to come to look like {name}",
+        )
+        entries[key] = PlanEntry(*ends, effect.priority, reason, HELD_LIGHTLY, any_hue=not lit)
+    return entries
+
+
+def _acts_on(effect: Effect, instance: Instance) -> bool:
+    owned = effect.owner in ("lights", OWNERS[effect.owner], instance.role)
+    return owned and effect.family == instance.parameter.family and not instance.locked
+
+
+def _lit(colors: LightColors, instance: Instance) -> tuple[Values, Values]:
+    """Ends for a color of light, as dark as the artist's or lighter; the artist's own hue is not among them.
+
+    It would open the range to hues between the two, which neither has.
+    """
+    level = max(instance.value)
+    strong, weak = colors.key if instance.role == "key" else colors.fill
+    lower = tuple(max(level * v, least) for v, least in zip(strong, instance.lower, strict=True))
+    return lower, tuple(map(min, weak, instance.upper))
+
+
+def _range(effect: Effect, instance: Instance) -> tuple[Values, Values]:
+    """The ends for an instance, which may be beyond its bounds."""
+    modes = {"times": operator.mul, "plus": operator.add}
+    act = modes.get(effect.mode, lambda _, end: end * instance.reference)
+    times = len(instance.value) // len(effect.lower)
+    lower, upper = (tuple(map(act, instance.value, end * times)) for end in (effect.lower, effect.upper))
+    return lower, upper

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Further sentences as goals: how far words go that compare, what serves them, and what stays of the rest."""
+
+import json
+import math
+
+import pytest
+import torch
+from goal_parts import ROOM, plan_of, read
+
+from proxy_renderer.claims.claim import Claim
+from proxy_renderer.claims.from_goals import claims_of
+from proxy_renderer.goals import written
+from proxy_renderer.goals.further import further
+from proxy_renderer.rigs.chosen import chosen_rig
+from proxy_renderer.schema import sentences
+from proxy_renderer.words.lexicon.rigs import rig_table
+from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+
+VOCABULARY = shipped_vocabulary()
+
+
+def step(sentence):
+    text, factor = sentences.plain(sentence)
+    return further(read(text), VOCABULARY, factor)
+
+
+def change(sentence):
+    """The measure that a sentence changes, and the middle of how far, in noticeable steps."""
+    claim = next(c for c in claims_of(step(sentence), VOCABULARY) if c.word)
+    assert claim.by
+    return claim.measure, (claim.lower[0] + claim.upper[0]) / 2
+
+
+@pytest.mark.parametrize(
+    ("more", "less", "measure"),
+    [
+        ("warmer", "cooler", "warmth"),
+        ("brighter", "darker", "lightness"),
+        ("more fog", "less fog", "haze"),
+        ("more vignette", "less vignette", "vignette"),
+        ("more contrast", "less contrast", "contrast"),
+        ("more saturated", "less saturated", "chroma"),
+        ("harder shadows", "softer shadows", "hardness"),
+        ("glossier", "less glossy", "gloss"),
+    ],
+)
+def test_opposites_go_equally_far_in_opposite_directions(more, less, measure):
+    (first, up), (second, down) = change(more), change(less)
+    assert (first, second) == (measure, measure)
+    assert up > 0.0
+    assert down == pytest.approx(-up)
+
+
+def test_a_bit_is_half_and_much_is_twice_of_the_plain_word():
+    for word in ("warmer", "less fog", "darker"):
+        plain = change(word)[1]
+        for small in ("a bit", "a touch", "slightly"):
+            assert change(f"{small} {word}")[1] == pytest.approx(plain / 2), small
+        for large in ("much", "a lot"):
+            assert change(f"{large} {word}")[1] == pytest.approx(2 * plain), large
+
+
+def test_twice_as_much_is_a_factor_of_the_value():
+    goals = step("twice as much fog")
+    effects = [str(effect) for wish in goals.wishes for effect in wish.effects]
+    assert [text.split()[1] for text in effects] == ["times"]
+    assert not [claim for wish in goals.wishes for claim in wish.claims]
+
+
+@pytest.mark.parametrize("sentence", ["darker", "warmer light", "a bit moodier light", "softer shadows"])
+def test_a_word_that_compares_sets_up_no_rig(sentence):
+    goals = step(sentence)
+    compared = [a for a in goals.parsed.attributes if not a.entry]
+    if len(compared) == len(goals.parsed.attributes):
+        assert chosen_rig(goals, rig_table(), VOCABULARY) is None
+
+
+def test_only_values_of_the_word_may_move_and_only_near_where_they_are():
+    plan = plan_of(step("warmer"))
+    moving = {key for key, entry in plan.items() if entry.priority is not None}
+    assert {key.rpartition("/")[2] for key in moving} <= {"temperature", "gain", "midtone", "exposure"}
+    assert not {key for key in moving if key.startswith("material/")}
+
+
+def test_color_words_hold_lightness_and_lightness_words_hold_color():
+    held = {
+        word: [c for c in claims_of(step(word), VOCABULARY) if not c.word] for word in ("warmer", "darker")
+    }
+    assert all(len(claims) > 8 for claims in held.values())
+    assert all(math.isfinite(c.upper[0]) and math.isinf(c.upper[1]) for c in held["warmer"])
+    assert all(math.isinf(c.upper[0]) and math.isfinite(c.upper[1]) for c in held["darker"])
+
+
+def test_a_word_about_an_object_holds_all_of_the_rest():
+    held = [c for c in claims_of(step("darker wall"), VOCABULARY) if not c.word]
+    assert all(map(math.isfinite, (v for c in held for v in c.upper)))
+    assert all(("surroundings", ("Plaster",)) in c.apart for c in held)
+
+
+def test_what_the_sentence_leaves_alone_is_held_closely():
+    held = [
+        c for c in claims_of(step("warmer, but leave the wall"), VOCABULARY) if c.materials == ("Plaster",)
+    ]
+    others = [c for c in claims_of(step("warmer"), VOCABULARY) if not c.word]
+    assert len(held) == 1
+    assert held[0].upper[0] < others[0].upper[0]
+    assert all(map(math.isfinite, held[0].upper))
+
+
+def test_further_goals_survive_json():
+    goals = step("a bit warmer, less fog")
+    raw = json.loads(json.dumps(written.as_json(goals)))
+    again = written.from_json(raw).within(ROOM)
+    assert raw["holds"] is True
+    assert again.holds
+    assert claims_of(again, VOCABULARY) == claims_of(goals, VOCABULARY)
+
+
+def test_words_that_contradict_each_other_are_named():
+    notes = list(step("warmer light, cooler light").notes())
+    assert len(notes) == 1
+    assert "warmer" in notes[0]
+    assert "cooler" in notes[0]
+
+
+def test_the_ends_of_a_further_claim_count_from_the_image():
+    claim = Claim("warmer", "picture", "warmth", "picture", (2.0,), (4.0,), by=True)
+    before = torch.tensor([10.0])
+    step = claim.notice
+    assert claim.interval(before) == ((10.0 + 2.0 * step,), (10.0 + 4.0 * step,))
+    assert claim.miss(torch.tensor([10.0 + 3.0 * step]), before) == 0.0
+    assert claim.miss(before, before) == pytest.approx(2.0)
+    assert not claim.was_so(before, before)

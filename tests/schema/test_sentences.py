@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Further sentences: which of them speak of earlier steps, and what is left of the others."""
+
+import pytest
+
+from proxy_renderer.schema.sentences import about_steps, plain
+
+
+@pytest.mark.parametrize(
+    ("sentence", "kind", "number", "factor", "what", "new"),
+    [
+        ("Back to the first.", "show", 1, 1.0, "", ""),
+        ("no, back to step 2", "show", 2, 1.0, "", ""),
+        ("go back to the original look", "show", 0, 1.0, "", ""),
+        ("undo that", "show", -1, 1.0, "", ""),
+        ("something between this and the first", "between", 1, 1.0, "", ""),
+        ("half as strong", "strength", -1, 0.5, "", ""),
+        ("and now twice as strong", "strength", -1, 2.0, "", ""),
+        ("without the vignette", "without", -1, 1.0, "vignette", ""),
+        ("no, the wall, not the table", "instead", -1, 1.0, "table", "wall"),
+        ("but leave the sky as it is", "except", -1, 1.0, "sky", ""),
+        ("except for the red car", "except", -1, 1.0, "red car", ""),
+    ],
+)
+def test_a_sentence_about_steps_is_told_from_a_look(sentence, kind, number, factor, what, new):
+    assert about_steps(sentence) == (kind, number, factor, what, new)
+
+
+@pytest.mark.parametrize(
+    "sentence", ["a bit warmer", "back light", "no fog", "warmer, but leave the sky", "between the trees", ""]
+)
+def test_a_look_is_no_sentence_about_steps(sentence):
+    assert about_steps(sentence) is None
+
+
+@pytest.mark.parametrize(
+    ("sentence", "text", "factor"),
+    [
+        ("And now a touch warmer", "a bit warmer", 0.0),
+        ("make it even darker", "darker", 0.0),
+        ("twice as much fog", "more fog", 2.0),
+        ("half the fog", "less fog", 0.5),
+        ("a lot more contrast", "much more contrast", 0.0),
+        ("and a rim light", "a rim light", 0.0),
+    ],
+)
+def test_what_is_left_of_a_sentence_is_as_prompts_say_it(sentence, text, factor):
+    assert plain(sentence) == (text, factor)
