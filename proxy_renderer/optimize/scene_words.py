@@ -129,7 +129,7 @@ class _Rays:
     place: np.ndarray  # (2, N) x and y
 
 
-_met: dict[int, tuple[weakref.ref[SceneMesh], _Rays]] = {}
+_met: weakref.WeakKeyDictionary[SceneMesh, _Rays] = weakref.WeakKeyDictionary()
 
 
 def present_looks(scene: SceneData) -> dict[str, MaterialLook]:
@@ -153,12 +153,9 @@ def present_looks(scene: SceneData) -> dict[str, MaterialLook]:
 
 def _rays(scene: SceneData) -> _Rays:
     """Rays of a scene; those of its mesh are traced once, as a tree takes longer than the reading of a prompt."""
-    known = _met.get(id(scene.mesh))
-    if known is None or known[0]() is not scene.mesh:
-        for key in [key for key, (mesh, _) in _met.items() if mesh() is None]:
-            del _met[key]
-        known = _met[id(scene.mesh)] = weakref.ref(scene.mesh), _traced(scene)
-    return known[1]
+    if scene.mesh not in _met:
+        _met[scene.mesh] = _traced(scene)
+    return _met[scene.mesh]
 
 
 def _traced(scene: SceneData) -> _Rays:

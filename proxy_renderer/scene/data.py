@@ -150,9 +150,9 @@ class FilmSettings:
     compositor: Array | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SceneMesh:
-    """All triangles of the scene in world space."""
+    """All triangles of the scene in world space; compared by identity, so what follows from a mesh can be kept with it."""
 
     vertices: Array  # (V, 3) float32
     faces: Array  # (F, 3) int32 into `vertices`

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -66,16 +66,30 @@ def needs_gradient(*tensors: Tensor) -> bool:
     return torch.is_grad_enabled() and any(t.requires_grad for t in tensors)
 
 
+class Recent:
+    """The last two things of each owner: at a point, and next to it. Renders for slopes differ in one value each."""
+
+    def __init__(self) -> None:
+        self._made: dict[Hashable, dict[Hashable, Any]] = {}
+
+    def of(self, owner: Hashable, key: Hashable, make: Callable[[], T]) -> T:
+        """The thing of an owner for a key; `make` makes it if it is none of the last two."""
+        made = self._made.setdefault(owner, {})
+        thing: T = made.pop(key) if key in made else make()
+        made[key] = thing  # the newest is the last
+        if len(made) > 2:
+            del made[next(iter(made))]
+        return thing
+
+
 class Remembered:
     """Things that are made of the values of one owner, a light or a material: the same thing again for the same values.
 
-    Renders for slopes differ in one value each, so nearly all is made already. What is learned is made anew.
+    What is learned is made anew.
     """
 
-    _LAST = 2  # of each owner: at a point, and next to it
-
     def __init__(self) -> None:
-        self._made: dict[tuple[str, int], dict[Any, Any]] = {}
+        self._recent = Recent()
 
     def of(self, owner: str, values: RenderValues, make: Callable[[], T], number: int = 0) -> T:
         """The thing of an owner, "material/NAME", by its number where several have one name; `make` makes it of these values."""
@@ -83,9 +97,4 @@ class Remembered:
         if needs_gradient(*given.values()):
             return make()
         key = tuple((name, values.numbers[name]) for name in given)
-        made = self._made.setdefault((owner, number), {})
-        thing: T = made.pop(key) if key in made else make()
-        made[key] = thing  # the newest is the last
-        if len(made) > self._LAST:
-            del made[next(iter(made))]
-        return thing
+        return self._recent.of((owner, number), key, make)

@@ -33,7 +33,7 @@ class TriangleTree:
     """The triangles of a mesh with indices `members` (n,), ready for rays."""
 
     def __init__(self, mesh: SceneMesh, members: np.ndarray) -> None:
-        self._mesh, self._members = mesh, members
+        self._mesh, self._members = weakref.ref(mesh), members
 
     @property
     def count(self) -> int:
@@ -42,12 +42,14 @@ class TriangleTree:
 
     @functools.cached_property
     def _embree(self) -> rtcore_scene.EmbreeScene:
-        faces = self._mesh.faces[self._members]
-        used = np.zeros(len(self._mesh.vertices), bool)
+        mesh = self._mesh()
+        assert mesh is not None  # whoever traces has it
+        faces = mesh.faces[self._members]
+        used = np.zeros(len(mesh.vertices), bool)
         used[faces] = True
         number = np.cumsum(used, dtype=np.int32) - 1
         scene = rtcore_scene.EmbreeScene()
-        TriangleMesh(scene, self._mesh.vertices[used], np.ascontiguousarray(number[faces], np.int32))
+        TriangleMesh(scene, mesh.vertices[used], np.ascontiguousarray(number[faces], np.int32))
         scene.run(np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32))  # the first ray builds the tree
         return scene
 
@@ -83,17 +85,14 @@ class TriangleTree:
         return self._run(origin, toward, distance, query="OCCLUDED") >= 0
 
 
-_trees: weakref.WeakValueDictionary[tuple[int, bytes], TriangleTree] = weakref.WeakValueDictionary()
+_trees: weakref.WeakKeyDictionary[SceneMesh, dict[bytes, TriangleTree]] = weakref.WeakKeyDictionary()
 
 
 def tree_of(mesh: SceneMesh, members: np.ndarray) -> TriangleTree:
-    """The tree of some triangles (n,) of a mesh: all that trace the same ones share it."""
-    # A living tree holds its mesh, so no other mesh has its id.
-    key = id(mesh), hashlib.blake2b(members.tobytes(), digest_size=16).digest()
-    tree = _trees.get(key)
-    if tree is None:
-        tree = _trees[key] = TriangleTree(mesh, members)
-    return tree
+    """The tree of some triangles (n,) of a mesh: all that trace the same ones share it, as long as the mesh lives."""
+    key = hashlib.blake2b(members.tobytes(), digest_size=16).digest()
+    trees = _trees.setdefault(mesh, {})
+    return trees.setdefault(key, TriangleTree(mesh, members))
 
 
 @dataclass(frozen=True)

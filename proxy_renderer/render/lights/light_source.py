@@ -131,6 +131,11 @@ class LightSource(ABC):
         return f"light/{self.light.name}"
 
     @property
+    def shines(self) -> bool:
+        """True if it gives light, or its color is being learned."""
+        return self.color.requires_grad or bool(self.color.any())
+
+    @property
     def pictured(self) -> bool:
         """True if reflections show its image, so that it has no highlight."""
         return False

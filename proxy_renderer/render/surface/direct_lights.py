@@ -14,7 +14,7 @@ from typing import Self
 import torch
 from torch import Tensor
 
-from ...scene.values import needs_gradient
+from ...scene.values import Recent, needs_gradient
 from ..geometry.camera import View
 from ..geometry.samples import Samples
 from ..geometry.vectors import above, dot, reflect
@@ -161,6 +161,7 @@ class DirectLight:
     area_specular: AreaSpecular | None
     paths: LightPaths  # from the samples to the light
     _parts: dict[int, AreaSpecular] = field(default_factory=dict, repr=False, compare=False)
+    _fogged: Recent = field(default_factory=Recent, repr=False, compare=False)
 
     def part(self, samples: slice) -> AreaSpecular:
         """The highlight at the samples of one material; the same object every time, because it caches lobes."""
@@ -170,7 +171,12 @@ class DirectLight:
         return self._parts[samples.start]
 
     def through(self, fog: FogMedium) -> DirectLight:
-        """The same behind the fog between light and samples."""
+        """The same behind the fog between light and samples; the same object for the same fog, because it caches lobes."""
+        if fog.signature is None:
+            return self._through(fog)
+        return self._fogged.of("", fog.signature, lambda: self._through(fog))
+
+    def _through(self, fog: FogMedium) -> DirectLight:
         passing = self.paths.transmittance(fog)
         specular = self.area_specular and self.area_specular.times(passing)
         return DirectLight(self.irradiance * passing, specular, self.paths)

@@ -47,8 +47,7 @@ def direct_lights_of(frame: RenderState) -> list[DirectLight]:
 
 def irradiance(frame: RenderState, direct_lights: list[DirectLight], gathered: IndirectLight) -> Tensor:
     """Light (3, N) that arrives at each sample of a surface."""
-    direct = frame.colors.T @ _irradiances(direct_lights) if direct_lights else 0.0
-    return gathered.irradiance + direct
+    return gathered.irradiance + _direct(list(zip(frame.lamps, direct_lights, strict=True)))
 
 
 def radiance(
@@ -66,13 +65,13 @@ def radiance(
     cache, view_samples, sky = frame.cache, frame.view_samples, frame.sky
     gathered = cache.indirect.following(gathered, table, frame.sources)
     irradiance = gathered.irradiance
-    bare = sum(1 for lamp in frame.lamps if not lamp.pictured)
-    if direct_lights[bare:]:
-        irradiance = irradiance + frame.colors[bare:].T @ _irradiances(direct_lights[bare:])
-    around = irradiance / math.pi
-    direct_lights = direct_lights[:bare]
-    if direct_lights:
-        irradiance = irradiance + frame.colors[:bare].T @ _irradiances(direct_lights)
+    # What gives no light costs nothing
+    shining = [pair for pair in zip(frame.lamps, direct_lights, strict=True) if pair[0].shines]
+    pictured = [pair for pair in shining if pair[0].pictured]
+    bare = [pair for pair in shining if not pair[0].pictured]
+    around = (irradiance := irradiance + _direct(pictured)) / math.pi
+    irradiance = irradiance + _direct(bare)
+    colors = torch.stack([lamp.color for lamp, _ in bare]) if bare else frame.colors[:0]
     *levels, behind = cache.worlds(sky, view_samples)
     tint = (sky.color * sky.reaches("glossy"))[:, None]
     knots, images = _images(gathered, [level * tint for level in levels], around)
@@ -84,8 +83,8 @@ def radiance(
         part, inputs = slice(start, stop), frame.shading_inputs[material]
         incoming = IncidentLight(
             irradiance=received,
-            lamps=frame.colors[:bare],
-            highlights=[direct_light.part(part) for direct_light in direct_lights],
+            lamps=colors,
+            highlights=[direct_light.part(part) for _, direct_light in bare],
             view=view_samples.part(part),
             reflected=_reflected(knots, reflections),
             behind=_behind(frame, table, gathered, material, part) if used(inputs.transmission) else None,
@@ -102,8 +101,12 @@ def radiance(
     return torch.cat((shown, cache.covered)) * cache.on_film
 
 
-def _irradiances(direct_lights: list[DirectLight]) -> Tensor:
-    return torch.stack([direct_light.irradiance for direct_light in direct_lights])
+def _direct(lights: Sequence[tuple[LightSource, DirectLight]]) -> Tensor | float:
+    """Irradiance (3, N) of some lights on all samples, 0 without any."""
+    if not lights:
+        return 0.0
+    colors = torch.stack([lamp.color for lamp, _ in lights])
+    return colors.T @ torch.stack([direct_light.irradiance for _, direct_light in lights])
 
 
 def _images(

@@ -24,7 +24,7 @@ from torch.nn import functional
 
 from ...color.tensors import trilinear
 from ...scene import SceneData
-from ...scene.values import RenderValues, needs_gradient
+from ...scene.values import Recent, RenderValues, needs_gradient
 from ..geometry.camera import RaySegments, View
 from ..geometry.vectors import length
 from ..lights.light_source import LightSource
@@ -71,6 +71,13 @@ class FogMedium:
         if not self._thins:
             return ()
         return None if needs_gradient(self._falloff, self._top) else (float(self._falloff), float(self._top))
+
+    @property
+    def signature(self) -> tuple[float, ...] | None:
+        """Numbers that transmittance and phase depend on; None while they are learned."""
+        if self.shape is None or needs_gradient(self.density, self.anisotropy):
+            return None
+        return float(self.density), float(self.anisotropy), *self.shape
 
     def reach(self, origin: Tensor) -> float:
         """Distance in meters from `origin` (3,) beyond which fog is ignored."""
@@ -210,7 +217,7 @@ class SingleScattering:
 
     def __init__(self, clear: VisibilityTest | None = None) -> None:
         self._clear = clear
-        self._kept: dict[str, tuple[Hashable, Tensor]] = {}
+        self._shadows, self._strengths = Recent(), Recent()
 
     def scatter(
         self, fog: FogMedium, view: View, near: float, lamps: Sequence[LightSource], world: Tensor
@@ -231,7 +238,7 @@ class SingleScattering:
         passing = torch.exp(-depth)  # (SEGMENTS + 1, rows, columns)
         light = self._world_light(fog, RaySegments.of(view, COARSE * _WORLD_COARSE, cuts), world)
         light = functional.interpolate(light, size=passing.shape[1:], mode="bilinear")
-        for lamp in lamps:
+        for lamp in (lamp for lamp in lamps if lamp.shines):
             light = light + self.lamp_light(fog, rays, lamp, lamp.segment_parts)
         scattered = (light * fog.albedo.view(3, 1, 1, 1) * (passing[:-1] - passing[1:])).cumsum(1)
         sums = torch.cat((functional.pad(scattered, (0, 0, 0, 0, 1, 0)), depth[None]))[None]
@@ -239,6 +246,21 @@ class SingleScattering:
 
     def lamp_light(self, fog: FogMedium, rays: RaySegments, lamp: LightSource, parts: int) -> Tensor:
         """In-scattered light (3, S, rows, columns) of one light in S segments of some parts, for an albedo of 1."""
+        make = functools.partial(self._strength, fog, rays, lamp, parts)
+        key = None if lamp.moving else (lamp.signature(), parts)
+        return self._of(fog, rays, lamp.light.name, key, make) * lamp.color.view(3, 1, 1, 1)
+
+    def _of(
+        self, fog: FogMedium, rays: RaySegments, name: str, key: Hashable, make: Callable[[], Tensor]
+    ) -> Tensor:
+        """What follows from fog, rays and a key; made again when they change, or are learned (a key of None)."""
+        if fog.signature is None or key is None or needs_gradient(rays.start, rays.toward):
+            return make()
+        cut = float(rays.cuts.flatten()[1])
+        return self._strengths.of(name, (fog.signature, rays.signature, cut, key), make)
+
+    def _strength(self, fog: FogMedium, rays: RaySegments, lamp: LightSource, parts: int) -> Tensor:
+        """The same (S, rows, columns) per unit of the light's color."""
         direct = lamp.in_scattering(rays, parts)
         strength = direct.irradiance
         if lamp.light.shadow:
@@ -250,10 +272,16 @@ class SingleScattering:
             strength = strength * self._shadow(lamp.light.name, signature, *ways, clear)
         strength = strength * fog.transmittance(direct.points, direct.toward, direct.distance)
         strength = strength * phase((direct.toward * rays.toward[:, None]).sum(0), fog.anisotropy)
-        return strength.unflatten(0, (len(rays.cuts) - 1, -1)).mean(1) * lamp.color.view(3, 1, 1, 1)
+        return strength.unflatten(0, (len(rays.cuts) - 1, -1)).mean(1)
 
     def _world_light(self, fog: FogMedium, rays: RaySegments, world: Tensor) -> Tensor:
         """The same for the world."""
+        key = "world", *rays.start.shape
+        arriving = self._of(fog, rays, "", key, lambda: self._world_arriving(fog, rays))
+        return torch.einsum("cd,dsxy->csxy", world.expand(3, len(WEIGHTS)), arriving)
+
+    def _world_arriving(self, fog: FogMedium, rays: RaySegments) -> Tensor:
+        """Shares (14, S, rows, columns) of the world's radiance from `DIRECTIONS` that are scattered."""
         points = rays.middles[:, None]
         directions = DIRECTIONS.to(points).view(3, -1, 1, 1, 1)  # (3, 14, SEGMENTS, rows, columns)
         everywhere = directions.expand(-1, -1, *points.shape[2:])
@@ -264,8 +292,8 @@ class SingleScattering:
         )
         lobe = phase((directions[:, :, 0] * rays.toward[:, None]).sum(0), fog.anisotropy)
         lobe = lobe * WEIGHTS.to(points).view(-1, 1, 1)
-        lobe = lobe / lobe.sum(0)  # a few directions miss a narrow lobe: keep its energy
-        return torch.einsum("cd,dsxy->csxy", world.expand(3, len(WEIGHTS)), reaching * lobe[:, None])
+        # A few directions miss a narrow lobe: keep its energy
+        return reaching * (lobe / lobe.sum(0))[:, None]
 
     def _shadow(
         self,
@@ -279,11 +307,8 @@ class SingleScattering:
         """Visibility (0 to 1), shaped like `distance`; traced again when the signature changes."""
         if clear is None:
             return torch.ones_like(distance)
-        kept = self._kept.get(name)
-        if kept is None or kept[0] != signature:
-            ways = points.detach().flatten(1), toward.detach().flatten(1), distance.detach().flatten()
-            kept = self._kept[name] = (signature, clear(*ways).view(distance.shape))
-        return kept[1]
+        ways = points.detach().flatten(1), toward.detach().flatten(1), distance.detach().flatten()
+        return self._shadows.of(name, signature, lambda: clear(*ways).view(distance.shape))
 
 
 def phase(cosine: Tensor, g: Tensor) -> Tensor:

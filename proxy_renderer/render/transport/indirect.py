@@ -94,6 +94,7 @@ class FinalGather:
         self._opening = gather_points.smooth_glossy(self.glossy.open[:, None])
         self._open_glossy = gather_points.spread(self._opening)[:, 0]
         self._weights: tuple[Tensor, Tensor] | None = None
+        self._by_source: list[Tensor] = []
         self._blurred: list[Tensor] = []
         self._shape = len(metals), 2 * (lamps + 2)
         self._skies = len(metals) * (2 * lamps + 5)
@@ -115,7 +116,7 @@ class FinalGather:
         other = self.aside()
         other.glossy = self.glossy.with_mirrors(metals, lamps)
         other.mirror = self.mirror.with_mirrors(metals, lamps)
-        other._weights = None
+        other._weights, other._by_source = None, []
         return other
 
     def light(self, index: int, lamp: LightSource, same_rays: bool) -> None:
@@ -126,7 +127,7 @@ class FinalGather:
             self._borrowed = False
         for hits in (self.diffuse, self.glossy, self.mirror):
             hits.light(index, lamp, same_rays)
-        self._weights = None
+        self._weights, self._by_source = None, []
 
     def spread_to(self, hits: SecondaryHits) -> SparseWeights:
         """Interpolation of irradiance from the gather points to hits that the picture shows, or nearly shows."""
@@ -151,11 +152,12 @@ class FinalGather:
         """The indirect light of one render: transmitted by fog, and in-scattered by it."""
         wide, narrow = self._weighed()
         sky = wide[:, self._skies :] @ table.radiances[self._skies :]
-        low = self._dimmed(wide, table, indirect_fog.path_transmittance, indirect_fog.passing)
+        diffuse, blurred = self._weighed_by_source(wide, narrow)
+        low = self._dimmed(diffuse, table, indirect_fog.path_transmittance)
+        low = low + self._emitted(wide, table) * indirect_fog.passing[:, None]
         low = (low + sky * indirect_fog.ambient[:, None]).clamp_min(0.0) + indirect_fog.scattered
         through = indirect_fog.mirrored[:, None]
-        clear = torch.ones_like(indirect_fog.passing)
-        glossy = self._dimmed(narrow, table, indirect_fog.light_transmittance, clear)
+        glossy = self._dimmed(blurred, table, indirect_fog.light_transmittance) + self._emitted(narrow, table)
         glossy = glossy * through + indirect_fog.haze * (1 - through)
         opening = self._opening * through
         glow = [light * through for light in self._glow_at_points(table)]
@@ -221,17 +223,23 @@ class FinalGather:
         """The table without emission, where that is looked for on its own."""
         return table if self._glow is None else table.without(self._emission)
 
-    def _dimmed(self, weights: Tensor, table: RadianceTable, shares: Tensor, emission: Tensor) -> Tensor:
-        """Light of surfaces at the gather points (A, 3), behind fog, from weights (A, K) over the rows of the table.
+    def _weighed_by_source(self, *weights: Tensor) -> list[Tensor]:
+        """Weights (A, K) over what surfaces scatter, source by source (S, A, M), for fog dims each source on its own."""
+        if not self._by_source:
+            materials, sources = self._shape
+            parts = (each[:, : materials * sources].view(-1, materials, sources) for each in weights)
+            self._by_source = [part.permute(2, 0, 1).contiguous() for part in parts]
+        return self._by_source
 
-        Shares (A, S) are the transmittance of the sources, emission (A,) that of what surfaces emit.
-        """
+    def _dimmed(self, by_source: Tensor, table: RadianceTable, shares: Tensor) -> Tensor:
+        """Scattered light (A, 3) at the gather points, behind fog that lets shares (A, S) of each source through."""
         materials, sources = self._shape
-        split = materials * sources
-        by_source = weights[:, :split].view(-1, materials, sources).permute(2, 0, 1)
-        scattered = torch.bmm(by_source, table.radiances[:split].view(materials, sources, 3).transpose(0, 1))
-        emitted = weights[:, split : self._skies] @ table.radiances[split : self._skies]
-        return torch.einsum("sac,as->ac", scattered, shares) + emitted * emission[:, None]
+        rows = table.radiances[: materials * sources].view(materials, sources, 3).transpose(0, 1)
+        return torch.einsum("sac,as->ac", torch.bmm(by_source, rows), shares)
+
+    def _emitted(self, weights: Tensor, table: RadianceTable) -> Tensor:
+        """Light (A, 3) of glowing surfaces at the gather points, from weights (A, K) over the rows of the table."""
+        return weights[:, self._emission] @ table.radiances[self._emission]
 
 
 def _secondary_hits(

@@ -8,12 +8,15 @@ gather points of indirect light. As on camera rays, light scatters once: Cycles'
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import TypeVar
 
 import torch
 from torch import Tensor
 
+from ...scene.values import Recent
 from ..geometry.camera import RaySegments, View
 from ..geometry.gather_points import GatherPoints
 from ..geometry.samples import Samples
@@ -23,6 +26,8 @@ from ..lights.environment import Sky
 from ..lights.light_source import LightSource
 from .fog import DIRECTIONS, WEIGHTS, FogMedium, SingleScattering, phase
 from .secondary_hits import shadowed_irradiance
+
+T = TypeVar("T")
 
 _ACROSS = 24
 _DIFFUSE_RAYS = 6
@@ -83,18 +88,19 @@ class IndirectFogRays:
         far = torch.full_like(ways[0], math.inf)
         clear = geometry.clear(begin.flatten(1), ways.flatten(1), far.flatten())
         self._open = clear.view(far.shape)  # (14, P)
-        self._irradiance: dict[int, tuple[object, Tensor]] = {}
+        self._irradiance, self._kept = Recent(), Recent()
 
     def gather(self, fog: FogMedium, lamps: Sequence[LightSource], sky: Sky) -> IndirectFog:
         """Sums the fog's effects at the values of one render."""
-        passing = fog.transmittance(self._start, self._toward, self._distance)  # (P, rays)
-        diffuse, mirrored = passing[:, :-1], passing[:, -1]
-        hit = self._hit[:, :-1].to(passing.dtype)
-        kept = (diffuse * hit + 1e-3 * diffuse).sum(1) / (hit + 1e-3).sum(1)
-        ambient = self._ambient(fog)
-        light_transmittance, path_transmittance = self._light_transmittance(fog, lamps, diffuse)
-        light_transmittance = torch.cat((light_transmittance, ambient[:, None].expand(-1, 2)), 1)
-        path_transmittance = torch.cat((path_transmittance, (kept * ambient)[:, None].expand(-1, 2)), 1)
+        passing, kept, ambient = self._of(fog, "passing", lambda: self._passing(fog))
+        mirrored = passing[:, -1]
+        columns = []
+        for i, lamp in enumerate(lamps):
+            make = partial(self._lamp_transmittance, fog, lamp, i, passing)
+            columns.append(self._of(fog, i, make, lamp.signature()))
+        world = ambient[:, None].expand(-1, 2)
+        light_transmittance = torch.cat((*(column[0] for column in columns), world), 1)
+        path_transmittance = torch.cat((*(column[1] for column in columns), kept[:, None] * world), 1)
         light = self._light(fog, lamps, sky, passing)  # (3, P, rays)
         scattered = light[:, :, :-1].mean(2) * math.pi
         haze = light[:, :, -1] / (1 - mirrored).clamp_min(1e-4)
@@ -118,29 +124,34 @@ class IndirectFogRays:
         facing = facing * (self._open + 1e-3)
         return (reaching * facing).sum(0) / facing.sum(0)
 
-    def _light_transmittance(
-        self, fog: FogMedium, lamps: Sequence[LightSource], passing: Tensor
+    def _of(self, fog: FogMedium, name: Hashable, make: Callable[[], T], key: Hashable = None) -> T:
+        """What follows from the fog, and from what has the key; made again when they change, or the fog is learned."""
+        return make() if fog.signature is None else self._kept.of(name, (fog.signature, key), make)
+
+    def _passing(self, fog: FogMedium) -> tuple[Tensor, Tensor, Tensor]:
+        """Transmittance (P, rays) of the rays, (P,) of the diffuse ones that hit surfaces, and (P,) of the world's light."""
+        passing = fog.transmittance(self._start, self._toward, self._distance)
+        diffuse, hit = passing[:, :-1], self._hit[:, :-1].to(passing.dtype)
+        kept = (diffuse * hit + 1e-3 * diffuse).sum(1) / (hit + 1e-3).sum(1)
+        return passing, kept, self._ambient(fog)
+
+    def _lamp_transmittance(
+        self, fog: FogMedium, lamp: LightSource, index: int, passing: Tensor
     ) -> tuple[Tensor, Tensor]:
-        """Transmittance (P, L) from the lights to the hits of diffuse rays, and from there on (P, rays) to the points."""
+        """Transmittance (P, 1) from a light to the hits of diffuse rays, and from there on, `passing` (P, rays), to the points."""
+        weight = self._irradiance.of(index, lamp.signature(), lambda: self._hit_irradiance(lamp.detached()))
         position = self._surface.position
-        light_transmittance = [passing.new_zeros((len(passing), 0))]
-        path_transmittance = [light_transmittance[0]]
-        for i, lamp in enumerate(lamps):
-            # The light's irradiance (P, rays) where the diffuse rays end, never 0: it is divided by.
-            kept = self._irradiance.get(i)
-            if kept is None or kept[0] != lamp.signature():
-                with torch.no_grad():
-                    irradiance = shadowed_irradiance(self._geometry, lamp.detached(), self._surface)
-                    irradiance = (irradiance.view(self._hit.shape) * self._hit)[:, :-1]
-                kept = lamp.signature(), irradiance + 1e-3 * irradiance.mean() + 1e-12
-                self._irradiance[i] = kept
-            weight = kept[1]
-            share = fog.transmittance(position, *lamp.detached().toward(position))
-            share = share.view(self._hit.shape)[:, :-1]
-            total = weight.sum(1, keepdim=True)
-            light_transmittance.append((weight * share).sum(1, keepdim=True) / total)
-            path_transmittance.append((weight * share * passing).sum(1, keepdim=True) / total)
-        return torch.cat(light_transmittance, 1), torch.cat(path_transmittance, 1)
+        share = fog.transmittance(position, *lamp.detached().toward(position)).view(self._hit.shape)[:, :-1]
+        total = weight.sum(1, keepdim=True)
+        light = (weight * share).sum(1, keepdim=True) / total
+        return light, (weight * share * passing[:, :-1]).sum(1, keepdim=True) / total
+
+    @torch.no_grad()
+    def _hit_irradiance(self, lamp: LightSource) -> Tensor:
+        """A light's irradiance (P, rays) where the diffuse rays end, never 0: it is divided by."""
+        irradiance = shadowed_irradiance(self._geometry, lamp, self._surface)
+        irradiance = (irradiance.view(self._hit.shape) * self._hit)[:, :-1]
+        return irradiance + 1e-3 * irradiance.mean() + 1e-12
 
     def _light(self, fog: FogMedium, lamps: Sequence[LightSource], sky: Sky, passing: Tensor) -> Tensor:
         """Radiance (3, P, rays) that the fog sends back along the rays."""
@@ -153,7 +164,7 @@ class IndirectFogRays:
         rays = RaySegments(start, toward, cuts, (self._signature, reach))
         depth = torch.exp(-fog.density * fog.thickness(start[:, None], toward[:, None], cuts))
         light = torch.zeros((3, _SEGMENTS, points, count), device=start.device)
-        for lamp in lamps:
+        for lamp in (lamp for lamp in lamps if lamp.shines):
             light = light + self._volume.lamp_light(fog, rays, lamp, 1)
         light = (light * (depth[:-1] - depth[1:])).sum(1)
         light = light + self._world(fog, sky, passing) * (1 - passing)
@@ -161,6 +172,12 @@ class IndirectFogRays:
 
     def _world(self, fog: FogMedium, sky: Sky, passing: Tensor) -> Tensor:
         """The world's light (3, P, rays) scattered back by endless fog, from the mean depth of scattering."""
+        arriving = self._of(fog, "world", lambda: self._world_arriving(fog, passing))
+        world = (sky.color[:, None] * sky.soft(DIRECTIONS.to(passing))).expand(3, -1)
+        return torch.einsum("cd,dpr->cpr", world, arriving)
+
+    def _world_arriving(self, fog: FogMedium, passing: Tensor) -> Tensor:
+        """Shares (14, P, rays) of the world's radiance from `DIRECTIONS` that are scattered back."""
         ways = DIRECTIONS.to(self._start)
         way = fog.thickness(self._start, self._toward, self._distance.clamp_max(1e6)).detach()
         depth = (fog.density.detach() * way).clamp_min(1e-3)
@@ -170,9 +187,7 @@ class IndirectFogRays:
         reaching = fog.transmittance(place[:, None], ways[:, :, None, None], far) * self._open[:, :, None]
         lobe = phase(torch.einsum("cd,cpr->dpr", ways, self._toward), fog.anisotropy)
         lobe = lobe * WEIGHTS.to(ways)[:, None, None]
-        lobe = lobe / lobe.sum(0)
-        world = (sky.color[:, None] * sky.soft(ways)).expand(3, -1)
-        return torch.einsum("cd,dpr->cpr", world, reaching * lobe)
+        return reaching * (lobe / lobe.sum(0))
 
 
 def _diffuse(points: Surface) -> Tensor:
