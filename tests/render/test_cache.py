@@ -107,7 +107,8 @@ def test_a_light_that_changes_its_size_keeps_the_shadows_of_bounced_light(
     traced.clear()
     changed = travelled.render(larger).display
     assert 0 < sum(traced) < 0.7 * moved
-    assert torch.equal(changed, Proxy(scene, (48, 48)).render(larger).display)
+    # What a light that moved sends is added after the rest: the last bit may differ
+    torch.testing.assert_close(changed, Proxy(scene, (48, 48)).render(larger).display, rtol=1e-5, atol=1e-6)
 
 
 def test_renders_that_differ_in_one_value_share_nothing_that_it_changes() -> None:
@@ -126,7 +127,8 @@ def test_renders_that_differ_in_one_value_share_nothing_that_it_changes() -> Non
             continue
         lower, upper, value = (torch.tensor(v) for v in (instance.lower, instance.upper, instance.value))
         there = base | {key: torch.lerp(base.get(key, value), torch.where(value < upper, upper, lower), 0.25)}
-        assert torch.equal(travelled.render(there).linear, Proxy(scene, (24, 24)).render(there).linear), key
+        fresh = Proxy(scene, (24, 24)).render(there).linear
+        torch.testing.assert_close(travelled.render(there).linear, fresh, rtol=1e-5, atol=1e-6, msg=key)
 
 
 def test_values_may_be_changed_in_place() -> None:

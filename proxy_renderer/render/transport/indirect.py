@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Self
 
 import torch
@@ -93,13 +93,9 @@ class FinalGather:
         self._paths = LightPaths(surface.position, mirrored, self.mirror.distance)
         self._opening = gather_points.smooth_glossy(self.glossy.open[:, None])
         self._open_glossy = gather_points.spread(self._opening)[:, 0]
-        self._weights: tuple[Tensor, Tensor] | None = None
-        self._by_source: list[Tensor] = []
+        self._weights: tuple[_PointWeights, _PointWeights] | None = None
         self._blurred: list[Tensor] = []
-        self._shape = len(metals), 2 * (lamps + 2)
-        self._skies = len(metals) * (2 * lamps + 5)
-        first = len(metals) * 2 * (lamps + 2)
-        self._emission = slice(first, first + len(metals))
+        self._lamps = lamps
         self._glow: GlowShares | None = None
         if glowing:
             turns = near, wide, glowing, emissive
@@ -116,7 +112,7 @@ class FinalGather:
         other = self.aside()
         other.glossy = self.glossy.with_mirrors(metals, lamps)
         other.mirror = self.mirror.with_mirrors(metals, lamps)
-        other._weights, other._by_source = None, []
+        other._weights = None
         return other
 
     def light(self, index: int, lamp: LightSource, same_rays: bool) -> None:
@@ -127,7 +123,12 @@ class FinalGather:
             self._borrowed = False
         for hits in (self.diffuse, self.glossy, self.mirror):
             hits.light(index, lamp, same_rays)
-        self._weights, self._by_source = None, []
+        if self._weights is not None:
+            rows = index, self._lamps + 2 + index
+            wide, narrow = (hits.weights(rows) for hits in (self.diffuse, self.glossy))
+            diffuse, blurred = self._weights
+            moved = diffuse.with_lamp(rows, self._smooth(wide))
+            self._weights = moved, blurred.with_lamp(rows, self._smooth_glossy(narrow))
 
     def spread_to(self, hits: SecondaryHits) -> SparseWeights:
         """Interpolation of irradiance from the gather points to hits that the picture shows, or nearly shows."""
@@ -139,8 +140,8 @@ class FinalGather:
     def gather(self, table: RadianceTable) -> IndirectLight:
         """The indirect light of one render, without fog."""
         wide, narrow = self._weighed()
-        low = (wide @ table.radiances).clamp_min(0.0)
-        glossy, glow = narrow @ table.radiances[: self._skies], self._glow_at_points(table)
+        low = (wide.scattered(table) + wide.emitted(table) + wide.open_sky(table)).clamp_min(0.0)
+        glossy, glow = narrow.scattered(table) + narrow.emitted(table), self._glow_at_points(table)
         full = self._gather_points.spread(torch.cat((low, glossy, *glow), 1)).T
         mirror = self.mirror.image(self._dark(table), self._mirror_ambient(low).T)
         shown = self._shown_glow(table, full[6:])
@@ -151,13 +152,12 @@ class FinalGather:
     ) -> IndirectLight:
         """The indirect light of one render: transmitted by fog, and in-scattered by it."""
         wide, narrow = self._weighed()
-        sky = wide[:, self._skies :] @ table.radiances[self._skies :]
-        diffuse, blurred = self._weighed_by_source(wide, narrow)
-        low = self._dimmed(diffuse, table, indirect_fog.path_transmittance)
-        low = low + self._emitted(wide, table) * indirect_fog.passing[:, None]
-        low = (low + sky * indirect_fog.ambient[:, None]).clamp_min(0.0) + indirect_fog.scattered
+        low = wide.scattered(table, indirect_fog.path_transmittance)
+        low = low + wide.emitted(table) * indirect_fog.passing[:, None]
+        low = low + wide.open_sky(table) * indirect_fog.ambient[:, None]
+        low = low.clamp_min(0.0) + indirect_fog.scattered
         through = indirect_fog.mirrored[:, None]
-        glossy = self._dimmed(blurred, table, indirect_fog.light_transmittance) + self._emitted(narrow, table)
+        glossy = narrow.scattered(table, indirect_fog.light_transmittance) + narrow.emitted(table)
         glossy = glossy * through + indirect_fog.haze * (1 - through)
         opening = self._opening * through
         glow = [light * through for light in self._glow_at_points(table)]
@@ -193,23 +193,29 @@ class FinalGather:
             gather_points=gathered.gather_points + low,
         )
 
-    def _weighed(self) -> tuple[Tensor, Tensor]:
+    def _weighed(self) -> tuple[_PointWeights, _PointWeights]:
+        """Weights of diffuse light and of blurred reflections, which lack the world's."""
         if self._weights is None:
-            wide, narrow = self.diffuse.weights(), self.glossy.weights()
+            wide, narrow = self._smooth(self.diffuse.weights()), self._smooth_glossy(self.glossy.weights())
             if self._glow is not None:
-                wide[:, self._emission], narrow[:, self._emission] = self._glow.wide, 0.0
-            low = self._gather_points.smooth(wide) * math.pi
-            glossy = self._gather_points.smooth_glossy(narrow)
-            if self._glow is not None:
+                wide[:, -1], narrow[:, -1] = self._gather_points.smooth(self._glow.wide) * math.pi, 0.0
                 # Averages would blur the edges of what glows; rays of the widest lobe alone need them.
                 *narrower, widest = self._glow.blurred
                 self._blurred = [*narrower, self._gather_points.smooth_glossy(widest)]
-            self._weights = low, glossy[:, : self._skies]
+            sky = self._gather_points.smooth(self.diffuse.harmonics.T) * math.pi
+            self._weights = _PointWeights.of(wide, sky), _PointWeights.of(narrow, torch.zeros_like(sky))
         return self._weights
+
+    def _smooth(self, weights: Tensor) -> Tensor:
+        """Weights of diffuse radiance (A, n, M) averaged against noise, as those of irradiance."""
+        return self._gather_points.smooth(weights.flatten(1)).view_as(weights) * math.pi
+
+    def _smooth_glossy(self, weights: Tensor) -> Tensor:
+        return self._gather_points.smooth_glossy(weights.flatten(1)).view_as(weights)
 
     def _glow_at_points(self, table: RadianceTable) -> list[Tensor]:
         """Blurred reflections (A, 3) of what glows at the gather points."""
-        return [share @ table.radiances[self._emission] for share in self._blurred]
+        return [share @ table.emission for share in self._blurred]
 
     def _shown_glow(
         self, table: RadianceTable, blurred: Tensor, passing: Tensor | float = 1.0
@@ -217,29 +223,55 @@ class FinalGather:
         """Glow at the samples: its mirror image, of which a share `passing` arrives, and blurred (3 K, N)."""
         if self._glow is None:
             return ()
-        return self.mirror.emitted(table.radiances[self._emission]) * passing, *blurred.split(3)
+        return self.mirror.emitted(table.emission) * passing, *blurred.split(3)
 
     def _dark(self, table: RadianceTable) -> RadianceTable:
         """The table without emission, where that is looked for on its own."""
-        return table if self._glow is None else table.without(self._emission)
+        return table if self._glow is None else table.without_emission()
 
-    def _weighed_by_source(self, *weights: Tensor) -> list[Tensor]:
-        """Weights (A, K) over what surfaces scatter, source by source (S, A, M), for fog dims each source on its own."""
-        if not self._by_source:
-            materials, sources = self._shape
-            parts = (each[:, : materials * sources].view(-1, materials, sources) for each in weights)
-            self._by_source = [part.permute(2, 0, 1).contiguous() for part in parts]
-        return self._by_source
 
-    def _dimmed(self, by_source: Tensor, table: RadianceTable, shares: Tensor) -> Tensor:
-        """Scattered light (A, 3) at the gather points, behind fog that lets shares (A, S) of each source through."""
-        materials, sources = self._shape
-        rows = table.radiances[: materials * sources].view(materials, sources, 3).transpose(0, 1)
-        return torch.einsum("sac,as->ac", torch.bmm(by_source, rows), shares)
+@dataclass(frozen=True)
+class _PointWeights:
+    """How much of each radiance of a `RadianceTable` arrives at A points.
 
-    def _emitted(self, weights: Tensor, table: RadianceTable) -> Tensor:
-        """Light (A, 3) of glowing surfaces at the gather points, from weights (A, K) over the rows of the table."""
-        return weights[:, self._emission] @ table.radiances[self._emission]
+    Most of it is scattered: with many lights these are millions of numbers, so those of lights that have moved are kept apart.
+    """
+
+    _all: Tensor  # (A, S, M) of what materials scatter of each source
+    _emission: Tensor  # (A, M)
+    _sky: Tensor  # (A, 9)
+    _moved: Mapping[int, Tensor] = field(default_factory=dict)  # source -> (A, M) in its place
+
+    @staticmethod
+    def of(weights: Tensor, sky: Tensor) -> _PointWeights:
+        """From weights (A, S + 1, M), of which the last are those of emission, and of the sky's harmonics (A, 9)."""
+        return _PointWeights(weights[:, :-1].contiguous(), weights[:, -1].clone(), sky)
+
+    def with_lamp(self, sources: Sequence[int], weights: Tensor) -> _PointWeights:
+        """The same with other weights (A, n, M) of n sources."""
+        return replace(self, _moved={**self._moved, **dict(zip(sources, weights.unbind(1), strict=True))})
+
+    def scattered(self, table: RadianceTable, shares: Tensor | None = None) -> Tensor:
+        """Scattered light (A, 3); fog lets shares (A, S) of each source through."""
+        rows = table.scattered
+        if self._moved:
+            rows = rows.index_fill(0, torch.tensor([*self._moved], device=rows.device), 0.0)
+        if shares is None:
+            light = self._all.flatten(1) @ rows.flatten(0, 1)
+        else:
+            light = torch.einsum("sac,as->ac", torch.bmm(self._all.transpose(0, 1), rows), shares)
+        for source, weights in self._moved.items():
+            there = weights @ table.scattered[source]
+            light = light + (there if shares is None else there * shares[:, source, None])
+        return light
+
+    def emitted(self, table: RadianceTable) -> Tensor:
+        """Light (A, 3) of surfaces that glow."""
+        return self._emission @ table.emission
+
+    def open_sky(self, table: RadianceTable) -> Tensor:
+        """Light (A, 3) of the world."""
+        return self._sky @ table.sky
 
 
 def _secondary_hits(

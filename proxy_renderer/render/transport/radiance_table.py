@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
@@ -15,12 +15,13 @@ from torch import Tensor
 class RadianceTable:
     """Radiance of all that secondary rays can meet, in one render.
 
-    There are L + 2 sources of light: the lights, the upper and the lower hemisphere of the world. The rows are, for
-    each of the M materials, the light of every source scattered once, then scattered twice and more; after those the
-    M materials' emission, and the 9 spherical harmonics of the world.
+    There are S = 2 (L + 2) sources: the L lights, the upper and the lower hemisphere of the world, and the same for light that
+    is scattered twice and more.
     """
 
-    radiances: Tensor  # (K, 3), K = 2 M (L + 2) + M + 9
+    scattered: Tensor  # (S, M, 3) what each material scatters of each source
+    emission: Tensor  # (M, 3)
+    sky: Tensor  # (9, 3) spherical harmonics of the world
     albedo: Tensor  # (M, 3) share of light that each material scatters
 
     @staticmethod
@@ -48,20 +49,16 @@ class RadianceTable:
         plain = (1 - metallic)[:, None] + 1e-6
         common = (albedo * plain).sum(0) / plain.sum(0)
         again = torch.lerp(again, albedo * common / (1 - common / 2), metallic[:, None])
-        scattered = torch.cat((albedo[:, None] * sources, again[:, None] * sources), 1).flatten(0, 1)
-        return RadianceTable(torch.cat((scattered, emission, sky)), albedo)
+        scattered = torch.cat((sources[:, None] * albedo, sources[:, None] * again))
+        return RadianceTable(scattered, emission, sky, albedo)
 
-    def without(self, rows: slice) -> RadianceTable:
-        """The table with some of its rows dark."""
-        dark = torch.zeros_like(self.radiances[rows])
-        rest = self.radiances[: rows.start], dark, self.radiances[rows.stop :]
-        return RadianceTable(torch.cat(rest), self.albedo)
+    def without_emission(self) -> RadianceTable:
+        """The table of surfaces that do not glow."""
+        return replace(self, emission=torch.zeros_like(self.emission))
 
     def dimmed(self, shares: Tensor) -> RadianceTable:
-        """The table behind fog: transmittance (S,) of the L + 2 sources, and again for light scattered twice."""
-        split = len(self.albedo) * len(shares)
-        scattered = self.radiances[:split].view(len(self.albedo), -1, 3) * shares[:, None]
-        return RadianceTable(torch.cat((scattered.flatten(0, 1), self.radiances[split:])), self.albedo)
+        """The table behind fog that lets shares (S,) of the sources through."""
+        return replace(self, scattered=self.scattered * shares[:, None, None])
 
 
 def hit_radiance(
@@ -73,47 +70,43 @@ def hit_radiance(
 ) -> Tensor:
     """Radiance (3, N) of single hits; 0 where they leave the scene.
 
-    `ambient` (3, N) is irradiance that is not the table's, `incoming` (2 (L + 2), N) how much of each source a hit gets, once and
-    twice scattered; `members` has the hits of each material, whose mean color textures (3, N) are relative to.
+    `ambient` (3, N) is irradiance that is not the table's, `incoming` (S, N) how much of each source a hit gets; `members` has the hits of each material, whose mean color textures (3, N) are relative to.
     """
-    given = table.radiances, table.albedo / math.pi, ambient, incoming, members, relative_base_color
-    radiance: Tensor = _HitRadiance.apply(*given)
+    given = table.scattered, table.emission, table.albedo / math.pi
+    radiance: Tensor = _HitRadiance.apply(*given, ambient, incoming, members, relative_base_color)
     return radiance
 
 
 class _HitRadiance(torch.autograd.Function):
-    """Radiance (3, N) of single hits: `SecondaryHits.weights() @ radiances` without its mostly empty matrix."""
+    """Radiance (3, N) of single hits: a product with a mostly empty matrix, without that matrix."""
 
     @staticmethod
-    def forward(ctx, radiances, albedo, ambient, sources, members, relative_base_color):
+    def forward(ctx, scattered, emission, albedo, ambient, incoming, members, relative_base_color):
         ctx.save_for_backward(albedo, ambient)
         ctx.relative_base_color = relative_base_color
-        ctx.members, ctx.sources, ctx.rows = members, sources, len(radiances)
-        count, materials = len(sources), len(members)
-        out = torch.zeros((3, sources.shape[1]), device=sources.device)
+        ctx.members, ctx.incoming = members, incoming
+        out = torch.zeros((3, incoming.shape[1]), device=incoming.device)
         for m, chosen in enumerate(members):
             if len(chosen):
-                rows, emission = radiances[m * count : (m + 1) * count], radiances[materials * count + m]
-                light = rows.T @ sources.index_select(1, chosen)
+                light = scattered[:, m].T @ incoming.index_select(1, chosen)
                 light += ambient.index_select(1, chosen) * albedo[m][:, None]
                 if relative_base_color is not None:
                     light *= relative_base_color.index_select(1, chosen)
-                out.index_copy_(1, chosen, light + emission[:, None])
+                out.index_copy_(1, chosen, light + emission[m][:, None])
         return out
 
     @staticmethod
     def backward(ctx, gradient):
         albedo, ambient = ctx.saved_tensors
-        count, materials = len(ctx.sources), len(ctx.members)
-        radiances, albedos = gradient.new_zeros((ctx.rows, 3)), torch.zeros_like(albedo)
-        ambients = torch.zeros_like(ambient)
+        scattered = gradient.new_zeros((len(ctx.incoming), len(albedo), 3))
+        emission, albedos, ambients = (torch.zeros_like(each) for each in (albedo, albedo, ambient))
         for m, chosen in enumerate(ctx.members):
             if len(chosen):
                 part = gradient.index_select(1, chosen)
-                radiances[materials * count + m] = part.sum(1)
+                emission[m] = part.sum(1)
                 if ctx.relative_base_color is not None:
                     part = part * ctx.relative_base_color.index_select(1, chosen)
-                radiances[m * count : (m + 1) * count] = ctx.sources.index_select(1, chosen) @ part.T
+                scattered[:, m] = ctx.incoming.index_select(1, chosen) @ part.T
                 albedos[m] = (part * ambient.index_select(1, chosen)).sum(1)
                 ambients.index_copy_(1, chosen, part * albedo[m][:, None])
-        return radiances, albedos, ambients, None, None, None
+        return scattered, emission, albedos, ambients, None, None, None

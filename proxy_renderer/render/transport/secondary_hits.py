@@ -8,7 +8,7 @@ of radiances.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import copy
 
 import torch
@@ -176,8 +176,7 @@ class SecondaryHits:
 
         The irradiance of the hits is differentiated, their shadows are not.
         """
-        rows = table.radiances[: self.materials * len(self.incoming)].detach()
-        rows = torch.cat((rows.view(self.materials, -1, 3), rows.new_zeros((1, len(self.incoming), 3))))
+        rows = torch.nn.functional.pad(table.scattered.detach(), (0, 0, 0, 1))  # dark outside the scene
         total = torch.zeros((len(self.owner) // self.count, 3), device=rows.device)
         for row, rays, surface, _ in self._bounces(index):
             clear = self._clear[row, rays]
@@ -185,7 +184,7 @@ class SecondaryHits:
             rays, clear = rays[reached], clear[reached]
             irradiance = lamp.irradiance(surface.position[:, reached], surface.normal[:, reached]).irradiance
             light = (irradiance - irradiance.detach()) * clear
-            total = total.index_add(0, rays // self.count, rows[self.owner[rays], row] * light[:, None])
+            total = total.index_add(0, rays // self.count, rows[row, self.owner[rays]] * light[:, None])
         return total / self.count
 
     def image(self, table: RadianceTable, ambient: Tensor) -> Tensor:
@@ -199,16 +198,16 @@ class SecondaryHits:
         """Radiance (3, A) that the hits of single rays emit themselves, of materials that emit (M, 3)."""
         return torch.cat((emission, emission.new_zeros((1, 3)))).T.index_select(1, self.owner)
 
-    def weights(self) -> Tensor:
-        """(A, K) average over each point's rays: weights over the rows of `RadianceTable.radiances`."""
-        rays = -1, self.count
-        slots = torch.cat((self.incoming, torch.ones_like(self.hit)[None]))
-        slots = slots.view(len(slots), *rays).permute(1, 2, 0)
-        owner = self.owner.view(rays)
+    def weights(self, sources: Sequence[int] | None = None) -> Tensor:
+        """(A, S + 1, M) averages over each point's rays: of each source that materials scatter, and of what they emit.
+
+        With `sources`, only of those.
+        """
+        slots = torch.cat((self.incoming, self.hit[None])) if sources is None else self.incoming[[*sources]]
+        slots = slots.view(len(slots), -1, self.count).transpose(0, 1)
+        owner = self.owner.view(-1, self.count)
         one_hot = torch.nn.functional.one_hot(owner, self.materials + 1)[..., :-1].to(slots.dtype)
-        summed = torch.einsum("arm,ars->ams", one_hot, slots) / self.count
-        scattered, emission = summed[..., :-1].flatten(1), summed[..., -1]
-        return torch.cat((scattered, emission, self.harmonics.T), 1)
+        return torch.bmm(slots, one_hot) / self.count
 
 
 def shadowed_irradiance(geometry: RayGeometry, lamp: LightSource, surface: Surface) -> Tensor:
