@@ -36,12 +36,7 @@ class GBuffer:
 
 
 def gbuffer_of(
-    scene: SceneData,
-    geometry: RayGeometry,
-    view: View,
-    cache: ViewCache,
-    transmittance: Tensor,
-    gray: Tensor,
+    scene: SceneData, geometry: RayGeometry, view: View, cache: ViewCache, transmittance: Tensor, gray: Tensor
 ) -> GBuffer:
     """The G-buffer of a traced view, with the transmittance (H, W) of the fog before what is seen, and gray (H, W, 3) there."""
     hits, shape = cache.samples.center_hits, cache.depth.shape

@@ -14,18 +14,7 @@ from .mentions import mentions
 from .own_nouns import OwnNouns
 from .passage import Passage, PromptLook, passage, with_changes
 from .scene import Named, NounMention, SceneIndex, fit_rank
-from .targets import (
-    LAMPS,
-    MATTER,
-    SURFACE,
-    TINGE,
-    PromptPairs,
-    Sense,
-    Target,
-    TargetPair,
-    sense_at,
-    targets,
-)
+from .targets import LAMPS, MATTER, SURFACE, TINGE, PromptPairs, Sense, Target, TargetPair, sense_at, targets
 from .types import SceneDescription
 
 _FAR = 4  # items from which a distance says no more

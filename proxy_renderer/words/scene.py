@@ -14,17 +14,7 @@ from ..schema import Values
 from ..schema.material_copies import copied
 from .lexer import Token
 from .lexicon.vocabulary import Vocabulary
-from .names import (
-    FITS,
-    best,
-    fit,
-    is_detail,
-    limbs,
-    name_words,
-    parts,
-    plain_name,
-    things_shaped,
-)
+from .names import FITS, best, fit, is_detail, limbs, name_words, parts, plain_name, things_shaped
 from .passage import STRUCTURES
 from .types import GLOW, MaterialLook, SceneDescription
 

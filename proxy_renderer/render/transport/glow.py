@@ -127,10 +127,7 @@ class _Search:
         self._seen *= self._geometry.stopping(surface, self._toward)
 
     def shares(
-        self,
-        materials: int,
-        directions: Callable[[Tensor], Tensor],
-        density: Callable[[Tensor], Tensor],
+        self, materials: int, directions: Callable[[Tensor], Tensor], density: Callable[[Tensor], Tensor]
     ) -> Tensor:
         """Shares (A, M) of a lobe that the materials' glow fills.
 

@@ -46,8 +46,7 @@ def prompt(text: str, like: str = "", goals: str = "", then: Sequence[str] = ())
         )
     if (length := max(map(len, (text, *then)))) > LONGEST_PROMPT:
         raise VibeError(
-            f"The prompt has {length} characters, more than {LONGEST_PROMPT}.",
-            "A sentence or two is best.",
+            f"The prompt has {length} characters, more than {LONGEST_PROMPT}.", "A sentence or two is best."
         )
     return text
 
