@@ -29,8 +29,7 @@ _AIR = ("haze", "air_lightness", "tint")
 _NEARLY = 1.0
 """Changes from the interval, from where a change is enough: what was very blue is not warm for being a little less so."""
 
-HOLDS = 1.0
-"""A claim that is missed by no more noticeable steps holds."""
+HOLDS = 1.0  # a claim that is missed by no more noticeable steps holds
 
 _INSIDE, _INSIDE_COLOR = 0.5, 0.85
 """Share of half an interval's width that is left at its ends when values are sought; the latter for colors: what only just

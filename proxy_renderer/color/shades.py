@@ -10,8 +10,7 @@ from itertools import pairwise
 from ..schema import Values
 from .floats import chroma, lab_from_srgb, oklab_from_srgb, srgb_from_hex, srgb_from_oklab
 
-WARM = (0.5, 1.0)
-"""Weights of a* and b* in warmth, see `claims.measures.color.warmth`."""
+WARM = (0.5, 1.0)  # weights of a* and b* in warmth, see `claims.measures.color.warmth`
 
 _GRAYISH_LAB = 20.0  # chroma below which a hue says little
 
@@ -32,8 +31,7 @@ _SHADES = {
 }
 _UNIQUE = ("#c40233", "#ffd300", "#009f6b", "#0087bd")
 """Red, yellow, green and blue that have nothing of each other: the elementary colors of the Natural Color System."""
-_GRAYISH_OKLAB = 0.04
-"""OKLab chroma below which a color has no hue to give or to keep."""
+_GRAYISH_OKLAB = 0.04  # OKLab chroma below which a color has no hue to give or to keep
 _WIDEST, _MOST = 124.0, 1.5
 """Degrees, and steps between elementary colors, by which two hues differ at most that mix: green and blue do, by 122 and 1.45."""
 _TO_GRAY, _FROM_GRAY = 0.75, 0.2

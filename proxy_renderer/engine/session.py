@@ -33,8 +33,7 @@ from ..vlm.endpoint import find_endpoint
 from . import pictures, report
 from .report import word_verdicts
 
-_FURTHER = 2
-"""The most rounds of a further sentence: it begins where its image is nearly as wanted."""
+_FURTHER = 2  # the most rounds of a further sentence: it begins where its image is nearly as wanted
 
 
 def pick_device(name: str) -> str:

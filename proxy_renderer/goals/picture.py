@@ -14,10 +14,8 @@ from .contradictions import CASTS
 from .resolve import Goals
 from .wish import Wish
 
-Axis = tuple[str, str]
-"""A part of the image, and a measure of it."""
-_WARMER = (0.4, 0.8)
-"""In a* and b*, one step of warmth, see `claims.measures.color.warmth`."""
+Axis = tuple[str, str]  # a part of the image, and a measure of it
+_WARMER = (0.4, 0.8)  # in a* and b*, one step of warmth, see `claims.measures.color.warmth`
 _LIGHTER = {
     "black_point": (0.2,),
     "lower_quartile": (0.8,),

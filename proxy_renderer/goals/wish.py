@@ -23,12 +23,9 @@ _OWN: Mapping[str, tuple[str, ...]] = {
 }
 """Slots of words that say only what is usual of other quantities than these: a rainy day is gray, but not if it is said to be golden,
 and gold is shiny, but not if it is matte."""
-PAINTED = ("color", "surroundings_color")
-"""Quantities of which a class is a basic color."""
-_CHANGES = ("times", "plus", "near", "shade")
-"""Modes of effects that only change what is there."""
-_MAIN = 1
-"""Priority of what a word is mainly about."""
+PAINTED = ("color", "surroundings_color")  # quantities of which a class is a basic color
+_CHANGES = ("times", "plus", "near", "shade")  # modes of effects that only change what is there
+_MAIN = 1  # priority of what a word is mainly about
 
 
 @dataclass(frozen=True)
@@ -121,8 +118,7 @@ def breadth_of(wishes: Iterable[Wish]) -> int:
     return len({(claim.measure, claim.part) for wish in wishes for claim in wish.claims})
 
 
-_SOFT = 0.8
-"""Strength below which a word is said softly."""
+_SOFT = 0.8  # strength below which a word is said softly
 _NOT = 0.6  # "not glossy" asks for a mild "matte"
 _OF_COLORS = {
     "surroundings": "surroundings_color",
@@ -135,8 +131,7 @@ _OF_COLORS = {
 _OF_LIGHT = ("direction", "hardness", "light_color")
 """Quantities whose classes speak of the key light, or of light as a whole."""
 _OF_MATTER = ("color", "finish", "substance")
-_NO_MATTER = ("light", "fog", "tone", "shadow")
-"""Kinds of things of which a word says nothing of a surface."""
+_NO_MATTER = ("light", "fog", "tone", "shadow")  # kinds of things of which a word says nothing of a surface
 
 
 def wishes_of(attributes: Iterable[Attribute], vocabulary: Vocabulary) -> list[Wish]:

@@ -19,8 +19,7 @@ from ..schema.errors import VibeError
 
 PATCH = 4
 _DARK = 0.03  # added before logarithms are taken: black noise says nothing
-GRID = 5
-"""Cells along one side of the last grid of features."""
+GRID = 5  # cells along one side of the last grid of features
 
 _REMEDY = "Use the embedded encoder (leave --encoder out), or a tag such as ViT-B-32-256/datacomp_s34b_b86k."
 _PATIENCE = 8.0  # seconds to wait for the hub's answer
@@ -114,10 +113,8 @@ def vibe_resnet(pretrained: bool = False, num_classes: int = 128, **unused: Any)
     return Tower(num_classes, Stem, (32, 64, 96, 160), (2, 2, 2, 2), (1, 2, 2, 1))
 
 
-EMBEDDED = Path(__file__).with_name("embedded")
-"""The encoder that guides by default."""
-MERGES = "merges.txt.gz"
-"""The merges of a folder's own, smaller vocabulary, read by open_clip's tokenizer."""
+EMBEDDED = Path(__file__).with_name("embedded")  # the encoder that guides by default
+MERGES = "merges.txt.gz"  # the merges of a folder's own, smaller vocabulary, read by open_clip's tokenizer
 
 
 class Encoder:

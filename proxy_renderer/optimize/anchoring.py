@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from ..render.cycles import Correction
 
 SAMPLES = 16
-LONGEST = 30.0
-"""Seconds that a picture may take; after a slower one no more are asked for."""
+LONGEST = 30.0  # seconds that a picture may take; after a slower one no more are asked for
 _FAILURES = 2  # in a row, after which no more pictures are asked for
 
 AnchorRequest = Callable[[messages.Anchor], messages.Anchored | None]

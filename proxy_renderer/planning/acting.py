@@ -26,10 +26,8 @@ _LIT = ("direction", "hardness", "light_color", "key_to_rest", "brightness")
 _SHEDS = ("light/", "world/", "volume/", "film/vignette", "film/exposure")
 """Families of parameters that a rig sets itself."""
 _BESIDE_LIGHT = 0.5  # strength of a mood's grade where a rig gives it its light
-STAGES = 3
-"""How many there are, see `stage_of`."""
-Act = tuple[Wish, Effect]
-"""An effect, with the wish that it serves and with what that describes in the scene."""
+STAGES = 3  # how many there are, see `stage_of`
+Act = tuple[Wish, Effect]  # an effect, with the wish that it serves and with what that describes in the scene
 
 
 def acts(goals: Goals, vocabulary: Vocabulary, owners: Owners) -> list[Act]:

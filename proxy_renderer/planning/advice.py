@@ -14,8 +14,7 @@ from .captions import Prompts, compose
 from .planner import plan
 from .types import LightPlan, Plan
 
-NO_PROMPTS = Prompts("", "", "")
-"""Nothing to ask an encoder."""
+NO_PROMPTS = Prompts("", "", "")  # nothing to ask an encoder
 
 
 @dataclass(frozen=True)

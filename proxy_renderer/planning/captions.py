@@ -24,8 +24,7 @@ _OF_MATTER = ("color", "finish", "material", "setting")
 _OF_ALL = ("lighting", "atmosphere", "grade", "mood")
 _KINDS = {"subject": ("subject", "highlight", "glow"), "surroundings": ("surroundings", "sky")}
 """Region -> kinds of things whose matter is seen there."""
-_ALL = {"subject": "silhouette", "surroundings": "fog"}
-"""Region -> what is all that is seen of it."""
+_ALL = {"subject": "silhouette", "surroundings": "fog"}  # region -> what is all that is seen of it
 _UNNAMED = {"subject": "object", "surroundings": "background"}
 """Region -> what it is called where the prompt does not say."""
 _COLORED = ("light", "fill", "rim", "shadow", "highlight", "glow", "ambience")

@@ -22,14 +22,12 @@ _LESS, _MORE = (0.65, -0.1), (1.35, 0.15)
 what looks as named under the scene's light and view."""
 _SHOWN = (0.5, 3.0)
 """Multiples of a color's brightest component that a backdrop may have, for the same reason."""
-_GLOW = (0.8, 0.0), (1.0, 0.1)
-"""The same of a glow: how bright it is, its strength says."""
+_GLOW = (0.8, 0.0), (1.0, 0.1)  # the same of a glow: how bright it is, its strength says
 _CAST, _EVEN = (0.6, 1.5), 0.01
 """Shares of a film's usual tint that claims may choose between, and what a component may lie beside that."""
 _DARKER, _LIGHTER = {"darker"}, {"lighter", "paler"}
 _STEP = 0.6  # luminance of a color that is clearly darker than another, as a share of the other's
-OWN_COLOR = ("base_color", "tint")
-"""Parameters that hold a material's color."""
+OWN_COLOR = ("base_color", "tint")  # parameters that hold a material's color
 _NEUTRAL_BOX = 0.02  # the same for white and gray: a little tint makes them another color
 
 

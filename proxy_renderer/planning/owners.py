@@ -76,8 +76,7 @@ class SceneMaterials:
         return tuple(tuple(round(v, 2) for v in i.value) if i else () for i in values)
 
 
-BACKDROP = "world/backdrop_strength"
-"""There, if what the camera sees of the world is not what lights."""
+BACKDROP = "world/backdrop_strength"  # there, if what the camera sees of the world is not what lights
 _OF_BACKDROP = {"color": "backdrop_color", "tint": "backdrop_tint", "strength": "backdrop_strength"}
 """What the world's parameters are of its backdrop."""
 SEEN, _SHED = ("surroundings", "sky"), ("share", "times", "gel")

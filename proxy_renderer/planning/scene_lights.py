@@ -101,8 +101,7 @@ _SHARE = 0.15  # of the light on the subject from which a glow counts as a light
 _OF_GLOWS = {"power": "emission", "color": "emission_color", "temperature": "emission_color"}
 """What the parameters of lights are of glowing materials; they have neither place nor size to change."""
 _PLACES = ("azimuth", "elevation", "distance", "size", "angle")
-_NAMED = ("light", "subject", "surroundings")
-"""Kinds of things by whose name a prompt may call a light."""
+_NAMED = ("light", "subject", "surroundings")  # kinds of things by whose name a prompt may call a light
 _BEHIND = 180.0
 
 

@@ -59,8 +59,7 @@ class LightPlan:
     shown: tuple[Wish, ...] = ()  # what an image has to show of it
 
 
-LEFT_ALONE = "Left alone, though the words ask for it"
-"""How the note on locked values begins."""
+LEFT_ALONE = "Left alone, though the words ask for it"  # how the note on locked values begins
 
 
 class Plan(dict[str, PlanEntry]):

@@ -14,10 +14,8 @@ from ..schema import VibeError
 from .encoded_files import read_encoded
 from .linear_files import read_exr, read_radiance
 
-_SEAM = 2.5
-"""How many times as much as neighbors the first and the last column of a panorama may differ."""
-_POLE = 0.06
-"""Greatest deviation along the first and the last row of a panorama, each of which is one point."""
+_SEAM = 2.5  # how many times as much as neighbors the first and the last column of a panorama may differ
+_POLE = 0.06  # greatest deviation along the first and the last row of a panorama, each of which is one point
 _LEAST_PANORAMA = 64
 
 

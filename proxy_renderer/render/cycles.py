@@ -30,8 +30,7 @@ from .geometry.samples import Samples
 from .geometry.visibility import Hits, RayGeometry
 from .surface.view_cache import ViewCache
 
-REST = "rest"
-"""Owner of the light that belongs to no light: glowing surfaces, and what cannot be grouped."""
+REST = "rest"  # owner of the light that belongs to no light: glowing surfaces, and what cannot be grouped
 _RATIO = 4.0
 _DARK = 0.02  # of the mean radiance: darker pixels are equally dark
 _FAINT = 2e-3  # of the mean radiance: ratios between darker pixels say nothing
@@ -45,8 +44,7 @@ _ALIKE = 0.5  # stops
 _LEAST_WEIGHT = 1e-3  # weight of all pixels together, of which one at the place itself has 4
 _OUTLINE = 0.2  # weight of pixels next to an outline, which show two surfaces
 _BRIGHTEST = 1e4
-_ROUNDING = 1e-3
-"""Share of a pixel below which what no group accounts for is taken for rounding."""
+_ROUNDING = 1e-3  # share of a pixel below which what no group accounts for is taken for rounding
 
 
 @dataclass

@@ -144,8 +144,7 @@ _STYLED = {
     "time": ("style", "film"),
 }
 """Kind of a setup -> kinds whose darkness and development it takes on: strip lights in a black studio."""
-_LIT = (*LIGHTS, "ambience")
-"""Kinds of things whose colors are gels where a rig stands."""
+_LIT = (*LIGHTS, "ambience")  # kinds of things whose colors are gels where a rig stands
 _OF_LIGHT = (*_LIT, "tone", "whole", "shadow")
 _NEON = "neon "  # what names of colors begin with that are colors of signs where a rig has signs
 _PARTS = {"rim": EDGES, "fill": FILLS, "key": ("key",)}

@@ -14,10 +14,8 @@ from ..words.lexicon.vocabulary import Vocabulary
 from ..words.passage import LIGHTS
 from ..words.types import Attribute
 
-EDGES = ("rim", "kicker")
-"""Parts that draw an edge from behind."""
-FILLS = ("fill", "bounce")
-"""Parts that open the shadows."""
+EDGES = ("rim", "kicker")  # parts that draw an edge from behind
+FILLS = ("fill", "bounce")  # parts that open the shadows
 _FREE = ("key", "accent", "practical", "top")
 """Parts for lights of which the prompt does not say what they are for, in its order."""
 _TEMPLATES = {

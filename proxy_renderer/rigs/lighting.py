@@ -31,8 +31,7 @@ OFF = 2e-3  # W per squared meter of distance: an added light before it is lit
 _DRIFT = {"power": 1.5, "strength": 1.5, "size": 1.25, "temperature": 1.06}
 _TURN = {"azimuth": 5.0, "elevation": 4.0}
 """How far a search may go from what the rig gives: factors, and degrees."""
-_FIRST, _LATER = 1, 4
-"""Priorities of brightness, and of what else a light has."""
+_FIRST, _LATER = 1, 4  # priorities of brightness, and of what else a light has
 _POOL_MARGIN, _WIDEST = 1.5, 140.0
 _GLOWS, _OF_GLOWS = 0.15, 0.5
 """Share of the key's light from which a surface that glows counts as a light, and how far it follows the scene's own lights."""

@@ -21,8 +21,7 @@ _ASIDE, _BEHIND, _BEFORE = 0.6, -0.5, 0.85
 _SEEN = 0.2  # what a measure of direction has, at least, where the side of the light is seen
 _RATIO = 0.45  # share of the stops between key and fill that is left on a subject with bounce and highlights
 _LARGE = 3.0  # stops from which key and fill are told apart
-_NIGHT = 40.0
-"""Most mean L* of a picture under a dark sky: a white room that a lamp fills is no night."""
+_NIGHT = 40.0  # most mean L* of a picture under a dark sky: a white room that a lamp fills is no night
 _COLD = 7400.0
 _GRAYISH = 12.0  # C* from which a light has a color
 

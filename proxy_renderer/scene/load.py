@@ -28,8 +28,7 @@ from .data import (
 )
 
 FORMAT = 1
-_FARTHEST = 1e9
-"""Meters from the origin beyond which squares of areas leave the range of 32-bit floats."""
+_FARTHEST = 1e9  # meters from the origin beyond which squares of areas leave the range of 32-bit floats
 _EXPORT_AGAIN = "Export the scene again with the add-on that belongs to this engine."
 _ROWS = {(p.group, p.name): p for p in PARAMETERS}
 _MESH_SHAPES = {

@@ -15,8 +15,7 @@ GENERAL = {
 OFFERED = ("lights", "key light", "world", "image", "not used")  # names that every word's menu offers
 NOT_USED = "not used"
 NAME_OF = {kind: name for name, kind in reversed(GENERAL.items())}  # kind of target -> its name
-NUMBER = "#"
-"""Between a word and its number, where the prompt says it several times: "red#2"."""
+NUMBER = "#"  # between a word and its number, where the prompt says it several times: "red#2"
 _AND = " + "
 
 

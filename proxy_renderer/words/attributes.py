@@ -21,8 +21,7 @@ from .lexicon.vocabulary import Vocabulary
 from .passage import LIGHTS, Passage
 from .types import Attribute, Parsed, PromptObject
 
-NamedThing = tuple[str, Region, tuple[str, ...]]
-"""Name, region and materials."""
+NamedThing = tuple[str, Region, tuple[str, ...]]  # name, region and materials
 _DARKEST = 12.0  # L* of a color below which no light has it
 _COLORED = dict.fromkeys(LIGHTS, "lighting") | {"fog": "atmosphere", "glow": "material"}
 """Kind of thing -> slot that a color word about it counts for."""

@@ -28,8 +28,7 @@ _MARKS = {"、": ",", "。": ".", "・": " ", "「": '"', "」": '"'}
 _TIGHT = re.compile(r"\s+([,.;:!?])")
 _LOOKS, _NOUNS = ("looks", "shades", "phrase"), ("things", "name", "unknown")
 """Kinds of pieces that are look words, and that these stand beside."""
-_GENITIVE = "'s"
-"""English of what ties a thing to what it belongs to; it is left out."""
+_GENITIVE = "'s"  # english of what ties a thing to what it belongs to; it is left out
 _QUOTED = re.compile(r"(?<=')[^']+(?=')")
 
 

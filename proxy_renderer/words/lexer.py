@@ -27,11 +27,9 @@ _COMPARED = ("finish", "grade", "mood", "atmosphere")
 """Slots of words of which there can be more: "glossier", "moodier", "drier"."""
 _NAME_ALIKE, _ALIKE = 0.86, 0.84  # share of characters that a mistyped name, and any other word, has right
 _BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*=+]|#(?![0-9a-f]{6}\b)|\s[-–—/]\s|/")
-_WORD = re.compile(r"#[0-9a-f]{6}\b|[^\W_]+(?:'[a-z]+)?")
-"""A word, or a color by its number: "#c8102e"."""
+_WORD = re.compile(r"#[0-9a-f]{6}\b|[^\W_]+(?:'[a-z]+)?")  # a word, or a color by its number: "#c8102e"
 _SLASHED = re.compile(r"\b[A-Za-z]+/[A-Za-z]+\b")
-ShadeArguments = tuple[float, float, float, float]
-"""Arguments of `color.shade`."""
+ShadeArguments = tuple[float, float, float, float]  # arguments of `color.shade`
 
 
 @dataclass

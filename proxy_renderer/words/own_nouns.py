@@ -17,8 +17,7 @@ from .scene import NounMention, SceneIndex, is_alike, materials_of
 from .targets import MATTER, SURFACE, PromptPairs, TargetPair
 from .types import MaterialLook, SceneDescription
 
-_NO_MATTER = ("light", "fill", "rim", "sky", "fog", "shadow")
-"""Kinds of nouns without a surface."""
+_NO_MATTER = ("light", "fill", "rim", "sky", "fog", "shadow")  # kinds of nouns without a surface
 _STOPS = ("around", "comparison", "exception")
 """Lists of words over which a look is not said of the noun before them: "a cup on red"."""
 _MAIN = 0.6  # share of the subject from which one material is what a name for the subject means

@@ -14,10 +14,8 @@ from .lexicon.vocabulary import Vocabulary
 from .types import STRONGEST, WEAKEST
 
 _WISHES = {"action", "undo"}
-_ENDS = {*_WISHES, "again"}
-"""Lists of words that end a wish."""
-LIGHTS = ("light", "fill", "rim")
-"""Kinds of nouns that are lights."""
+_ENDS = {*_WISHES, "again"}  # lists of words that end a wish
+LIGHTS = ("light", "fill", "rim")  # kinds of nouns that are lights
 STRUCTURES = ("floor", "walls", "ground", "support", "wall", "roof", "ceiling")
 """Rows of [grammar.words]: parts of a scene that its names hardly ever say."""
 _LETTERS = {
@@ -46,8 +44,7 @@ _CHANGES = [
     )
 ]
 _MOST = 4  # changes in one clause
-_SAID = "VSftwIRbOv"
-"""Letters of tokens that only make a change phrase."""
+_SAID = "VSftwIRbOv"  # letters of tokens that only make a change phrase
 
 
 @dataclass(frozen=True)

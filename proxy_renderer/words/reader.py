@@ -42,8 +42,7 @@ _KINDS = {"lights": "light", "key": "light", "air": "fog"}
 """Kind of target -> kind of thing, where they differ."""
 _OF_SLOT = {"lighting": "light", "atmosphere": "fog", "grade": "tone", "setting": "surroundings"}
 """Slot -> kind of thing that its words are about in an image as a whole."""
-_PAINTS = ("color", "material")
-"""Slots of which a surface has one each."""
+_PAINTS = ("color", "material")  # slots of which a surface has one each
 
 
 @dataclass

@@ -21,8 +21,7 @@ from .types import GLOW, MaterialLook, SceneDescription
 REGIONS = {"surroundings": "surroundings", "subject": "subject", "unknown": "subject"}
 """Kinds of nouns that mean a part of the image where nothing of the scene is called so -> the part."""
 _VAGUE = FITS.index("guessed")  # from here on a name is only guessed
-_TYPES = {"SUN": "sun", "SPOT": "spot"}
-"""Types of lights that people call by name."""
+_TYPES = {"SUN": "sun", "SPOT": "spot"}  # types of lights that people call by name
 _WORDS = 512  # words of prompts whose names are cached
 # Present looks
 _NEAR = 0.11  # OKLab distance, lightness at less than half, within which a color is called so
@@ -36,10 +35,8 @@ _PALER, _STRONGER = 0.5, 1.6  # chroma that a color may have, in multiples of it
 _SHAPED = 0.6  # factor on the distance of a material with the shape that the noun says
 _SEEN = 0.001  # share of the image from which somebody would speak of a material
 _MAIN = 3.0  # how many times larger than others of its color a material is that one noun means
-_GUESSED = frozenset({"object guessed", "whole"})
-"""Signs of an object that is guessed by its shape or color."""
-_Found = tuple[Iterable[str], tuple[str, ...]]
-"""Names, and the signs by which they were found."""
+_GUESSED = frozenset({"object guessed", "whole"})  # signs of an object that is guessed by its shape or color
+_Found = tuple[Iterable[str], tuple[str, ...]]  # names, and the signs by which they were found
 
 
 @dataclass(frozen=True)

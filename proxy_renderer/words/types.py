@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 Part = Literal["subject", "surroundings", "sky", "picture"]
 """A part of the picture that a claim speaks of; the sky is what is seen of the world."""
-Corners = tuple[tuple[float, ...], tuple[float, ...]]
-"""The least and the greatest corner of an object."""
+Corners = tuple[tuple[float, ...], tuple[float, ...]]  # the least and the greatest corner of an object
 
 
 @dataclass(frozen=True)
@@ -74,8 +73,7 @@ class PictureStats:
 
 WEAKEST, STRONGEST = 0.05, 3.0
 """Strengths of words, however many intensities stand before them: "very, very, very dark" is as dark as it gets."""
-GLOW = "material/"
-"""How a material whose glow counts as a light is called among lights: this and its name."""
+GLOW = "material/"  # how a material whose glow counts as a light is called among lights: this and its name
 
 
 @dataclass(frozen=True)

@@ -29,15 +29,13 @@ from .confiner import Confined, RoundPlace, RoundReach, RoundStart, Start
 from .search import Missed, Search
 from .selection import Selection
 
-CONVERGED = 0.005
-"""A round, other than the first, that lowers the loss by a smaller share is the last one."""
+CONVERGED = 0.005  # a round, other than the first, that lowers the loss by a smaller share is the last one
 
 OPENING, WIDEST = 0.5, 1.0
 """Share of their ranges by which the ranges of a round are wider on either side than those of the one before, while
 claims are missed; and the most that it comes to."""
 
-PATIENCE = 2
-"""Rounds that come no nearer to the words' claims, after which one begins elsewhere, or none."""
+PATIENCE = 2  # rounds that come no nearer to the words' claims, after which one begins elsewhere, or none
 
 ALIKE = 0.05
 """A round for a reference image of the same scene that comes nearer to it by a smaller share is the last one: its places are

@@ -32,8 +32,7 @@ _MISSED = 3.0
 
 _FAINTEST = 2.0**-20
 
-_WORTH = 1.0
-"""Noticeable steps that supporting parameters have to gain, or they stay as the artist has them."""
+_WORTH = 1.0  # noticeable steps that supporting parameters have to gain, or they stay as the artist has them
 
 ALIKE = 0.9
 """Share of a parameter's effect on the claims that another one has too, from where they do the same."""

@@ -14,10 +14,8 @@ from ...scene import SceneMesh
 from .trees import TriangleClass, classes_of
 from .vectors import cross, damped, dot, unit
 
-_GRAZING = 0.3
-"""Cosine below which gradients of hits are damped."""
-_LAYERS = 8
-"""Transparent surfaces that a ray passes at most: Cycles' default of transparent bounces."""
+_GRAZING = 0.3  # cosine below which gradients of hits are damped
+_LAYERS = 8  # transparent surfaces that a ray passes at most: Cycles' default of transparent bounces
 
 
 @dataclass(frozen=True)

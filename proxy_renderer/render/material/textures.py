@@ -13,8 +13,7 @@ from ..geometry.camera import view_of
 from ..geometry.vectors import dot, length
 from ..geometry.visibility import RayGeometry, Surface
 
-_LEVELS = 7
-"""Versions of a pattern, each half as fine as the one before."""
+_LEVELS = 7  # versions of a pattern, each half as fine as the one before
 
 
 class MaterialTextures:

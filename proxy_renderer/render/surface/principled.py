@@ -21,8 +21,7 @@ from ..lights.area_specular import AreaSpecular
 from ..material import albedo
 from ..material.shading_inputs import ShadingInputs, used
 
-_FAINT = 1e-4
-"""Reflectance seen head on below which the dielectric layer fades out."""
+_FAINT = 1e-4  # reflectance seen head on below which the dielectric layer fades out
 
 
 def shade(

@@ -34,8 +34,7 @@ from .edges import Silhouettes
 _SMALL_STEP = 0.02
 """Part of a lamp's distance by which a gradient loop may move it before bounced light is traced again."""
 
-_LEAST_ALIKE = 0.1
-"""Cosine between a mapped and the true normal below which the map does not count."""
+_LEAST_ALIKE = 0.1  # cosine between a mapped and the true normal below which the map does not count
 _GEOMETRIC = ("alpha", "normal", "far")
 
 

@@ -29,12 +29,10 @@ from ..geometry.camera import RaySegments, View
 from ..geometry.vectors import length
 from ..lights.light_source import LightSource
 
-_EVERYWHERE = 1.0e3
-"""Diameter of an infinite fog in sizes of the box: farther away it counts no more."""
+_EVERYWHERE = 1.0e3  # diameter of an infinite fog in sizes of the box: farther away it counts no more
 SEGMENTS = 16
 COARSE = 8  # pixels of the picture per ray of the coarse one
-_BULK = 3.0
-"""Distance up to which segments are fine, in distances of the subject or of the farthest lamp."""
+_BULK = 3.0  # distance up to which segments are fine, in distances of the subject or of the farthest lamp
 _WORLD_COARSE = 4  # rays of the coarse picture per ray along which the world's light is summed
 
 

@@ -22,8 +22,7 @@ from ..geometry.visibility import Hits, RayGeometry, Surface, shared_points
 from ..lights.environment import GLOSSY, SATIN
 from ..material.albedo import visible_normals
 
-BLURS = (0.1, SATIN, GLOSSY)
-"""Roughness of the reflections between the mirror image and the diffuse light."""
+BLURS = (0.1, SATIN, GLOSSY)  # roughness of the reflections between the mirror image and the diffuse light
 _LOBE_RAYS = 64
 _LAMP_RAYS = 16
 _LEAST_COSINE = 0.02

@@ -28,8 +28,7 @@ _WORLD_AT_SECOND = 0.3
 
 _Bounce = tuple[int, Tensor, Surface, Tensor]
 """A row of `SecondaryHits.incoming`, the rays of it, the surfaces that they light, and the share of that which they carry."""
-_MOST_WALLS = 8
-"""Surfaces of glass that a ray is followed through; Cycles' default is twelve."""
+_MOST_WALLS = 8  # surfaces of glass that a ray is followed through; Cycles' default is twelve
 
 
 class SecondaryHits:

@@ -19,8 +19,7 @@ from .word_table import table
 
 _LETTERS = str.maketrans({"ß": "ss", "ł": "l", "ø": "o", "đ": "d", "æ": "ae", "œ": "oe"})
 """Letters that are no others with an accent -> how they are written without them."""
-_EAST_ASIAN = ("\u2e80", "\uf900")
-"""The first character of those scripts, and the one after their last."""
+_EAST_ASIAN = ("\u2e80", "\uf900")  # the first character of those scripts, and the one after their last
 _SIBILANTS = ("sses", "nses", "xes", "ches", "shes")
 TABLES = ("grammar", "behind", "looks", "things", "shades")
 """Tables of words; of a wording in several, the first counts."""

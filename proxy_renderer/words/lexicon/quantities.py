@@ -23,8 +23,7 @@ COLORS = (
     "black", "grey", "white", "brown", "red", "orange", "yellow", "green", "teal", "blue", "purple", "pink",
 )  # fmt: skip
 PARTS = ("thing", "subject", "surroundings", "picture", "sky")
-_TINTS = ("tint", "accent")
-"""Measures of which only what lies in the direction of a color counts."""
+_TINTS = ("tint", "accent")  # measures of which only what lies in the direction of a color counts
 _IN_TWO = ("off_hue", "cast", "shadow_cast", "midtone_cast", "highlight_cast")
 _NUMBERS = {"color": 3, "mean": 3, **dict.fromkeys(_IN_TWO, 2)}
 """Measure -> how many numbers it gives, of those that give several."""

@@ -21,8 +21,7 @@ SOURCES = {"point": "POINT", "spot": "SPOT", "area": "AREA", "sun": "SUN"}
 REACHES = ("subject", "pool", "background", "all")
 THROUGH = ("", "window")
 KINDS = ("source", "style", "time", "film", "season", "mood", "hour", "place")
-TIMES = ("time", "season", "hour")
-"""Kinds that have a sky."""
+TIMES = ("time", "season", "hour")  # kinds that have a sky
 _DISTANCES = {"POINT": 1.8, "SPOT": 5.0, "AREA": 3.0, "SUN": 0.0}
 _SIZES = {"POINT": 0.1, "SPOT": 0.08, "AREA": 1.2, "SUN": 0.5}
 _KELVINS = (1000.0, 20000.0)

@@ -24,8 +24,7 @@ _TINGE = 0.4  # share of the first color in "greenish blue"
 _HALF = 0.5  # in "green blue"
 _KIND = 2 / 3  # in "khaki green"
 _BASIC = frozenset([*COLORS, "gray"])
-_KINDS = _BASIC - {"white", "black"}
-"""Colors that have kinds: "navy white" is two colors."""
+_KINDS = _BASIC - {"white", "black"}  # colors that have kinds: "navy white" is two colors
 # Color temperatures
 _LEAST, _MOST, _STEP = 1300, 15500, 100  # kelvins of the entries
 _REACH = 0.03  # share by which a light may differ from what it is said to be
@@ -87,8 +86,7 @@ class Vocabulary:
         return (base, base + "e", base[:-1], base[:-1] + "y") if compares else ()
 
 
-GLOWING = "glowing"
-"""The entry of what emits light."""
+GLOWING = "glowing"  # the entry of what emits light
 
 
 @cache
