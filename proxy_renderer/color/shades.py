@@ -11,7 +11,6 @@ from ..schema import Values
 from .floats import chroma, lab_from_srgb, oklab_from_srgb, srgb_from_hex, srgb_from_oklab
 
 WARM = (0.5, 1.0)  # weights of a* and b* in warmth, see `claims.measures.color.warmth`
-
 _GRAYISH_LAB = 20.0  # chroma below which a hue says little
 
 # Several typical shades for each basic color: the nearest one decides.

@@ -27,21 +27,16 @@ AnchorRequest = Callable[[messages.Anchor], messages.Anchored | None]
 
 
 class BlenderPictures:
-    """A source of Cycles' pictures of one of a vibe's shots. Failures are noted, and the loop goes on without.
-
-    Attributes:
-        seconds: Blender's time for each picture.
-        waited: Seconds that it was busy with something else, as the artist's own image, when it was asked.
-        notes: Failures, in words for the artist.
-    """
+    """A source of Cycles' pictures of one of a vibe's shots. Failures are noted, and the loop goes on without."""
 
     def __init__(self, scene: SceneData, ask: AnchorRequest, seed: int, shot: int = 0) -> None:
         self._scene, self._ask, self._seed, self._shot = scene, ask, seed, shot
         self._number = self._failures = 0
         self._over = False
-        self.seconds: list[float] = []
+        self.seconds: list[float] = []  # Blender's time for each picture
+        # seconds that it was busy with something else, as the artist's own image, when it was asked
         self.waited = 0.0
-        self.notes: list[str] = []
+        self.notes: list[str] = []  # failures, in words for the artist
 
     def __call__(self, values: dict[str, list[float]], size: tuple[int, int]) -> CyclesPicture | None:
         """A picture of values, of a width and height; None where there is none to be had."""

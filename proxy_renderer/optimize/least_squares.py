@@ -26,7 +26,6 @@ _NOTHING = 1e-3
 """Noticeable steps of all values together, for a component's whole range: so little changes nothing."""
 
 _TELLING = 2  # values more than components that could do the same, at least, to say that they do
-
 _TAKEN = 2  # times that slopes are taken in one loop
 
 _RADIUS, _SMALLEST = 0.35, 0.01
@@ -36,7 +35,6 @@ _GOOD, _BAD = 0.7, 0.2
 """Shares of the predicted decrease beyond which the region grows, and below which it shrinks."""
 
 _TINY = 1e-12  # squared length of a move that is none
-
 _PROGRESS = 1e-3  # a predicted decrease that is not worth a picture
 
 

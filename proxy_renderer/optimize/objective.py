@@ -338,11 +338,7 @@ def forward_slopes(
 
 
 class _ForwardShot:
-    """The images of a shot near a point (N,), over the chosen components (N,).
-
-    Attributes:
-        leaves: The undeveloped image at the point, as far as parameters change it: gradients go there.
-    """
+    """The images of a shot near a point (N,), over the chosen components (N,)."""
 
     def __init__(self, shot: ShotState, u: Tensor, chosen: Tensor) -> None:
         self._shot, self._u, self._proxy = shot, u, shot.corrected
@@ -353,6 +349,7 @@ class _ForwardShot:
         with torch.no_grad():
             self._cache = self._proxy.traced(self._values)
             self._here = self._proxy.expose(self._values, self._cache)
+        # the undeveloped image at the point, as far as parameters change it: gradients go there
         self.leaves = [field.clone().requires_grad_() for field in _fields(self._here)]
 
     def picture(self, point: Tensor) -> Render:

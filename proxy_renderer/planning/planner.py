@@ -27,27 +27,20 @@ from .types import LEFT_ALONE, LightPlan, Plan, PlanEntry
 
 @dataclass(frozen=True)
 class WishedRange:
-    """A wish, projected on one parameter.
-
-    Attributes:
-        reason: For the artist; quotes the word.
-        weak: A default, which gives way silently.
-        usual: It is what a place usually has: it counts only where no other word is about the parameter.
-        aside: Words for what is seen of the world come first for this parameter.
-        start, any_hue: As in `PlanEntry`.
-    """
+    """A wish, projected on one parameter."""
 
     key: str
     lower: Values
     upper: Values
     wish: Wish
-    reason: str
-    weak: bool
+    reason: str  # for the artist; quotes the word
+    weak: bool  # a default, which gives way silently
     priority: int
+    # it is what a place usually has: it counts only where no other word is about the parameter
     usual: bool = False
-    aside: bool = False
-    start: Values | None = None
-    any_hue: bool = False
+    aside: bool = False  # words for what is seen of the world come first for this parameter
+    start: Values | None = None  # as in `PlanEntry`
+    any_hue: bool = False  # likewise
 
     @property
     def rank(self) -> tuple[bool | int, ...]:

@@ -21,7 +21,6 @@ from .ranges import clip, facing_white
 from .types import PlanEntry
 
 _LATE = 12  # priority of exposure; what words name comes first
-
 _STOPS = 1.5  # that exposure may change
 _LIGHTEST, _DARKEST = 75.0, 50.0
 """L* that the lightest twentieth of a picture may get at least, and the darkest at most: an artist's scene may be all black."""

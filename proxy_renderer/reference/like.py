@@ -37,14 +37,11 @@ from .regions import PictureRegions, regions_of
 
 
 class Reference:
-    """The picture that a look is taken from, named by its file.
-
-    Attributes:
-        same: Whether it shows the artist's scene; None before the artist's own image was seen.
-    """
+    """The picture that a look is taken from, named by its file."""
 
     def __init__(self, picture: ReferencePicture, name: str, options: Options) -> None:
         self.picture, self.name, self._only = picture, name, options.like_only
+        # whether it shows the artist's scene; None before the artist's own image was seen
         self.same: bool | None = True if options.like_same else None
 
     @classmethod

@@ -25,7 +25,6 @@ from ..schema import Values
 from ..words.types import Part
 
 SIZE = 192  # longer side at which pictures are read, pixels: about that of the pictures in the loop
-
 _TRANSPARENT = 0.5  # alpha up to which a pixel does not count
 _FEW = 16  # pixels of which nothing can be said
 _SMALL = 96  # longer side at which regions are told

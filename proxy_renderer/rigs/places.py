@@ -45,23 +45,16 @@ _OUTDOORS = 0.78  # of the sky's light, from which on a place has no windows: a 
 
 @dataclass(frozen=True)
 class Placed:
-    """A light of the rig in the scene.
-
-    Attributes:
-        own: Whether the scene has it, or else gets it.
-        azimuth, elevation: Degrees, as in `schema.orbit`.
-        distance: Meters; 0 of a sun.
-        fixed: Whether it must stay where it is: at a lamp, in a window.
-    """
+    """A light of the rig in the scene."""
 
     light: RigLight
     name: str
     type: str
-    own: bool
-    azimuth: float
+    own: bool  # whether the scene has it, or else gets it
+    azimuth: float  # with the elevation: degrees, as in `schema.orbit`
     elevation: float
-    distance: float
-    fixed: bool = False
+    distance: float  # meters; 0 of a sun
+    fixed: bool = False  # whether it must stay where it is: at a lamp, in a window
 
 
 def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True) -> list[Placed]:

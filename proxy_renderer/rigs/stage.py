@@ -48,32 +48,26 @@ class Points:
 
 
 class LightStage:
-    """What the camera of one shot sees, and where light gets to it.
-
-    Attributes:
-        subject: What is seen of the subject; of everything, where hardly any of it is.
-        around: What is seen of the rest.
-        radius: Of the subject, meters.
-        middle: (3,) of the subject.
-        front: Azimuth of the camera, degrees, as in `schema.orbit`.
-    """
+    """What the camera of one shot sees, and where light gets to it."""
 
     def __init__(self, scene: SceneData, geometry: RayGeometry) -> None:
         self.scene, self.geometry = scene, geometry
         self.pivot = torch.tensor(scene.pivot, dtype=torch.float32)
         points, mine = _seen(scene, geometry)
         enough = int(mine.sum()) >= _FEW
+        # what is seen of the subject; of everything, where hardly any of it is
         self.subject = _some(points, mine if enough else torch.ones_like(mine))
+        # what is seen of the rest
         self.around = _some(points, ~mine if int((~mine).sum()) >= _FEW else torch.ones_like(mine))
         if len(self.subject):
-            self.middle = self.subject.position.median(1).values
+            self.middle = self.subject.position.median(1).values  # (3,) of the subject
             away = (self.subject.position - self.middle[:, None]).norm(dim=0)
             radius = float(torch.quantile(away, _WIDE))
         else:
             self.middle, radius = self.pivot, 0.0
         view = float(scene.references.get("view_distance", 1.0))
-        self.radius = max(radius, _LEAST_RADIUS * view)
-        self.front = scene.value("camera/azimuth")[0]
+        self.radius = max(radius, _LEAST_RADIUS * view)  # of the subject, meters
+        self.front = scene.value("camera/azimuth")[0]  # azimuth of the camera, degrees, as in `schema.orbit`
 
     @property
     def camera_axes(self) -> tuple[orbit.Vector, orbit.Vector, orbit.Vector]:

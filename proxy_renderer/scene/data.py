@@ -127,26 +127,20 @@ class FogBounds:
 
 @dataclass(frozen=True)
 class FilmSettings:
-    """Blender's display of the picture: its OCIO configuration, display, view, look and so on.
-
-    Attributes:
-        working_space: Of linear colors; "" for the configuration's own.
-        fonts: The folder of Blender's fonts, "" if not known.
-        gain: What the renderer multiplies its light with: Cycles' film exposure.
-        white_balance: The rows of a matrix for linear colors, before the view transform; empty for none.
-        compositor: What the artist's compositor makes of colors: (S, S, S, 3) in stops, indexed by blue, green, red;
-            None where it changes none, or not each by itself.
-    """
+    """Blender's display of the picture: its OCIO configuration, display, view, look and so on."""
 
     ocio: str
     display: str
     view: str
     look: str
     transparent: bool
-    working_space: str
-    fonts: str = ""
-    gain: float = 1.0
+    working_space: str  # of linear colors; "" for the configuration's own
+    fonts: str = ""  # the folder of Blender's fonts, "" if not known
+    gain: float = 1.0  # what the renderer multiplies its light with: Cycles' film exposure
+    # the rows of a matrix for linear colors, before the view transform; empty for none
     white_balance: tuple[Vector, ...] = ()
+    # what the artist's compositor makes of colors: (S, S, S, 3) in stops, indexed by blue, green, red; None
+    # where it changes none, or not each by itself
     compositor: Array | None = None
 
 

@@ -50,27 +50,18 @@ class Named:
 
 @dataclass(frozen=True)
 class NounMention:
-    """A noun, or several that belong together ("box and cup").
+    """A noun, or several that belong together ("box and cup")."""
 
-    Attributes:
-        start, end: Places of its first and its last item.
-        noun: Kind of thing by the vocabulary's nouns; "others" for what was not named, "unknown" for a word that nobody knows.
-        role: "key", "fill" or "rim", where it names one.
-        named: What it may name in the scene.
-        members: Of several nouns, how many.
-        excepted: The prompt leaves it out: "everything but the floor".
-        picked: The object that it picks of several: "the left ball".
-    """
-
-    start: int
-    end: int
+    start: int  # place of its first item
+    end: int  # place of its last item
     text: str
+    # kind of thing by the vocabulary's nouns; "others" for what was not named, "unknown" for an unknown word
     noun: str = ""
-    role: str = ""
-    named: tuple[Named, ...] = ()
-    members: int = 1
-    excepted: bool = False
-    picked: str = ""
+    role: str = ""  # "key", "fill" or "rim", where it names one
+    named: tuple[Named, ...] = ()  # what it may name in the scene
+    members: int = 1  # of several nouns, how many
+    excepted: bool = False  # the prompt leaves it out: "everything but the floor"
+    picked: str = ""  # the object that it picks of several: "the left ball"
 
     def covers(self, index: int) -> bool:
         """Whether an item is one of its own."""

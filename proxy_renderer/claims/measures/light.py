@@ -20,10 +20,8 @@ _BEND = 0.5
 
 _EVEN = 0.15  # stops per pixel by which a texture may change: the edges of a pattern are no shadows
 _SPOT = 0.002  # the share of a region that the sharpest highlight fills at least
-
 _CLEAR = 1e-3  # weight of what no fog hides
 _END = 0.2  # share of a thing that is its foot, or its head
-
 _EVEN_FIT = 0.02  # share of the mean light by which grain makes light differ
 _STEADY = 1e-4  # of a fit: keeps it solvable where normals hardly turn
 _STEEPEST = (0.97, 0.995)  # shares of a region's slopes, in order, that its sharpest edges lie between

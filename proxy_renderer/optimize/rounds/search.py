@@ -40,11 +40,7 @@ _STRIDE = 0.05
 
 
 class ImageJudge:
-    """Says how near the images of all shots are to the words; the encoder is asked for all of them with `every_word`.
-
-    Attributes:
-        claims: Of words and reference image; none before `begin`.
-    """
+    """Says how near the images of all shots are to the words; the encoder is asked for all of them with `every_word`."""
 
     def __init__(
         self,
@@ -56,7 +52,7 @@ class ImageJudge:
     ) -> None:
         self._method, self._encoder, self._prompt, self._every_word = method, encoder, prompt, every_word
         self._claims_of = claims_of
-        self.claims: tuple[Claim, ...] = ()
+        self.claims: tuple[Claim, ...] = ()  # of words and reference image; none before `begin`
         # of each shot: the artist's image, as measured, its claims
         self._artist: list[tuple[Render, MeasuredPicture, ClaimSet]] = []
         self._asked: object = None
