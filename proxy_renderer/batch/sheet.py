@@ -21,13 +21,9 @@ FIELDS = (
     "seconds", "seconds_loop", "seconds_cycles", "memory_gb", "attempts", "frames", "shots", "variants", "final_error", "error", "remedy", "folder",
 )  # fmt: skip
 FILES = {
-    "before": "before.png",
-    "after": "after.png",
-    "compare": "compare.png",
-    "blend": "vibed.blend",
-    "preset": "preset.json",
-    "report": "report.json",
-}
+    "before": "before.png", "after": "after.png", "compare": "compare.png",
+    "blend": "vibed.blend", "preset": "preset.json", "report": "report.json",
+}  # fmt: skip
 _PAGE = Path(__file__).with_name("page")
 _SCRIPTS = ("rows.js", "card.js", "large.js", "keys.js")
 _SHARE = 0.05  # most of the time that may go into rewriting the sheet while jobs run

@@ -15,7 +15,7 @@ from ..optimize.stage import set_stage
 from ..render.proxy import Proxy
 from ..scene import SceneData, load_scene
 from ..schema import VibeError, messages
-from ..schema.targets import GENERAL, listed
+from ..schema.targets import GENERAL, NOT_USED, listed
 from ..words.lexicon.user_words import default_vocabulary
 from ..words.lexicon.word_table import Nearest
 from ..words.parser import Understood
@@ -72,7 +72,7 @@ def readings(prompt: str, scene: SceneDescription, target: Sequence[str] = ()) -
 def _reading(word: PromptWord) -> messages.WordReading:
     """A word with what it describes; one that is not used, with known words in its place."""
     names = [candidate.name for candidate in word.candidates]
-    if not word.is_used:
+    if word.target == NOT_USED:
         unknown = not word.candidates
         others = default_vocabulary().made(Nearest).choices(word.text, _OTHERS) if unknown else []
         return messages.WordReading(

@@ -30,11 +30,8 @@ _ANOTHER_HUE = 40.0
 CASTS = ("shadow_cast", "midtone_cast", "highlight_cast", "cast")
 """Measures of the color of light in a picture, all of it or a part."""
 _SETTLED = {
-    "tint": CASTS,
-    "accent": CASTS,
-    "off_hue": CASTS,
+    **dict.fromkeys(("tint", "accent", "off_hue", "brown_distance"), CASTS),
     "color": ("cast", "lightness", "mean"),
-    "brown_distance": CASTS,
     "burnt": ("white_point",),
 }
 """What words measure -> what they settle of the same part, whatever a reference image has."""

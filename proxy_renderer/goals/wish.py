@@ -121,12 +121,9 @@ def breadth_of(wishes: Iterable[Wish]) -> int:
 _SOFT = 0.8  # strength below which a word is said softly
 _NOT = 0.6  # "not glossy" asks for a mild "matte"
 _OF_COLORS = {
-    "surroundings": "surroundings_color",
-    "sky": "surroundings_color",
-    "fog": "haze_color",
-    "subject": "color",
+    "surroundings": "surroundings_color", "sky": "surroundings_color", "fog": "haze_color", "subject": "color",
     "glow": "color",
-}
+}  # fmt: skip
 """Kind of thing -> the quantity of its color; of all others it is the color of the light."""
 _OF_LIGHT = ("direction", "hardness", "light_color")
 """Quantities whose classes speak of the key light, or of light as a whole."""

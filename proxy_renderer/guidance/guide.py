@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import torch
 import torch.nn.functional as F
@@ -12,10 +12,7 @@ from torch import Tensor
 
 from ..planning.captions import Prompts
 from . import regions
-
-if TYPE_CHECKING:
-    from .encoder import Encoder
-
+from .encoder import Encoder
 
 _REGIONS = ("subject", "surroundings", "whole")
 _PLAIN = "a picture of an object"  # says nothing of its look

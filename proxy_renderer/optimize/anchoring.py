@@ -7,16 +7,12 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from ..render.cycles import CyclesPicture
+from torch import Tensor
+
+from ..render.cycles import Correction, CyclesPicture
 from ..scene import SceneData
 from ..schema import VibeError, messages
-
-if TYPE_CHECKING:
-    from torch import Tensor
-
-    from ..render.cycles import Correction
 
 SAMPLES = 16
 LONGEST = 30.0  # seconds that a picture may take; after a slower one no more are asked for

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import torch
 from torch import Tensor
@@ -19,12 +18,10 @@ from torch import Tensor
 from ..claims.measures import MEASURES
 from ..guidance.guide import Weights, border_loss, claims_loss, hue_consistency_loss, prior_loss
 from ..planning.types import Plan
+from ..render.proxy import LatentImage, Render
 from .least_squares import Assessment, Slopes, fixed_views
 from .shots import ShotState, chosen_values
 from .vector import ParameterVector, begun
-
-if TYPE_CHECKING:
-    from ..render.proxy import LatentImage, Render
 
 _PICTURES = 5  # images that take as long as a backward pass through one
 
@@ -41,7 +38,7 @@ _TOGETHER = 32  # backward passes that share their operations: each takes the me
 _NEAR = 5.0  # noticeable steps inside of an end of what is sought, from where one step does not lose it
 _STEP = 0.02  # of its range, by which a component is moved: shadows that move are traced anew, and have some grain
 
-_Judge = Callable[[Sequence["Render"], Tensor], Assessment]
+_Judge = Callable[[Sequence[Render], Tensor], Assessment]
 """Judges the images of all shots at a point (N,), differentiable in both."""
 
 

@@ -7,7 +7,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 import torch
@@ -22,15 +21,12 @@ from ..render.geometry.camera import view_of
 from ..render.geometry.visibility import Hits, RayGeometry
 from ..render.lights.light_source import LightSource
 from ..render.lights.light_types import AreaLight, light_sources, light_type
+from ..render.proxy import Proxy, Render
 from ..scene import Light, SceneData
 from ..scene.values import RenderValues
 from ..schema import Instance, Values, orbit
 from ..schema.parameters import Region
 from ..words.types import LightDescription, PictureStats, SceneDescription
-
-if TYPE_CHECKING:
-    from ..render.proxy import Proxy, Render
-
 
 _GRID = 64  # rays along each side of the picture
 _KEPT = 0.8  # share of the way to a floor, a ceiling or a wall that a light may go: it has a size

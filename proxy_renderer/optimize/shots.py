@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import torch
 from torch import Tensor
@@ -14,21 +14,19 @@ from torch import Tensor
 from ..claims.claim import Claim, ClaimSet
 from ..claims.measures.picture import MeasuredPicture
 from ..color.tensors import mean_difference
+from ..guidance.encoder import Encoder
+from ..guidance.guide import Guidance
+from ..planning.advice import Advice, Advisor
 from ..planning.types import Plan
+from ..render.gbuffer import GBuffer
+from ..render.proxy import Proxy, Render
 from ..scene import SceneData
 from ..schema import GROUPS, Instance, VibeError, labels, matches, material_copies
 from ..schema.messages import Options
+from ..words.types import SceneDescription
 from .anchoring import AnchorState, PictureSource
 from .scene_facts import described_now
 from .vector import ParameterVector
-
-if TYPE_CHECKING:
-    from ..guidance.encoder import Encoder
-    from ..guidance.guide import Guidance
-    from ..planning.advice import Advice, Advisor
-    from ..render.gbuffer import GBuffer
-    from ..render.proxy import Proxy, Render
-    from ..words.types import SceneDescription
 
 LOCKED = "locked by you"
 MOVES = "it changes from shot to shot in your scene"

@@ -131,13 +131,9 @@ _RELATIVE = ("shade", "times", "plus", "near", "lightness")
 """Modes of effects on what a thing has, or what its material gives it: fresh asphalt is a smoother dark gray."""
 _SEEN_GLOW = 0.02  # emission from which a material glows
 _GRADES = {
-    "film/contrast": (0.8, 1.3),
-    "film/saturation": (0.0, 1.45),
-    "film/vignette": (0.0, 0.5),
-    "film/lift": (0.94, 1.06),
-    "film/midtone": (0.85, 1.15),
-    "film/gain": (0.8, 1.2),
-}
+    "film/contrast": (0.8, 1.3), "film/saturation": (0.0, 1.45), "film/vignette": (0.0, 0.5),
+    "film/lift": (0.94, 1.06), "film/midtone": (0.85, 1.15), "film/gain": (0.8, 1.2),
+}  # fmt: skip
 """How far a grade goes beside a rig, which is most of a look."""
 _FAINT = 0.1  # share of its power with which a light begins that is added beside what is there
 _SECOND = 6  # how much later a mood's own words come than the prompt's

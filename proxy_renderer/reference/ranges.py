@@ -46,11 +46,9 @@ _TRAITS = {"light": "light", "world": "light", "volume": "air", "film": "grade",
 """Group of parameters -> the trait of a picture that they serve."""
 
 _BESIDE_LIGHT = _effects(
-    "film/lift 0.98..1.08 !2",
-    "film/midtone 0.85..1.2 !2",
-    "film/gain 0.8..1.25 !2",
+    "film/lift 0.98..1.08 !2", "film/midtone 0.85..1.2 !2", "film/gain 0.8..1.25 !2",
     "film/contrast 0.7..1.3 !2",
-)
+)  # fmt: skip
 """The grade where the light's color may change, too: what tints gray things is light. A grade that cancels it tints paint, and
 a lift that cuts off more colors the shadows."""
 

@@ -150,11 +150,7 @@ _VIGNETTE = 8.0  # L* by which every corner is darker before it is called a vign
 _VEILED, _DARKEST = 35.0, 20.0
 """Percent of light over everything, and L* of the darkest, from where it is haze."""
 _SIDED = 8.0  # L* between two sides of a subject from where light comes from one of them
-_THIRDS = {
-    "upper": (0.0, 0.0, 1.0, 1 / 3),
-    "middle": (0.0, 1 / 3, 1.0, 2 / 3),
-    "lower": (0.0, 2 / 3, 1.0, 1.0),
-}
+_THIRDS = {place: (0.0, n / 3, 1.0, (n + 1) / 3) for n, place in enumerate(_WORDS)}
 
 
 def statements_of(regions: PictureRegions) -> list[Statement]:

@@ -32,13 +32,8 @@ _FARTHEST = 1e9  # meters from the origin beyond which squares of areas leave th
 _EXPORT_AGAIN = "Export the scene again with the add-on that belongs to this engine."
 _ROWS = {(p.group, p.name): p for p in PARAMETERS}
 _MESH_SHAPES = {
-    "vertices": (3,),
-    "faces": (3,),
-    "normals": (3, 3),
-    "uvs": (3, 2),
-    "material": (),
-    "object": (),
-}
+    "vertices": (3,), "faces": (3,), "normals": (3, 3), "uvs": (3, 2), "material": (), "object": (),
+}  # fmt: skip
 
 T = TypeVar("T")
 

@@ -9,13 +9,9 @@ import re
 from .parameters import FAMILIES, Parameter, Values, split_key
 
 GROUP_TITLES = {
-    "camera": "Camera",
-    "light": "Lights",
-    "world": "World",
-    "material": "Materials",
-    "volume": "Fog",
+    "camera": "Camera", "light": "Lights", "world": "World", "material": "Materials", "volume": "Fog",
     "film": "Color & Grade",
-}
+}  # fmt: skip
 _NAMES = {"ior": "IOR", "fov": "Field of View"}
 _LIGHT_WORDS = re.compile(r"light|lamp|sun|spot", re.IGNORECASE)
 _CLOSE = 1e-5  # relative difference that Blender's 32-bit numbers may make

@@ -22,14 +22,9 @@ from .parameters import FAMILIES, PARAMETERS, VERSION
 FORMAT = "vibe-preset"
 
 ROLES: dict[str, str] = {
-    "subject": "material",
-    "surroundings": "material",
-    "key": "light",
-    "fill": "light",
-    "rim": "light",
-    "world": "world",
-    "volume": "volume",
-    "film": "film",
+    **dict.fromkeys(("subject", "surroundings"), "material"),
+    **dict.fromkeys(("key", "fill", "rim"), "light"),
+    **{group: group for group in ("world", "volume", "film")},
 }
 """Every role and the parameter group of its values. A camera belongs to its scene, not to a look."""
 

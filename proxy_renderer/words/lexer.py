@@ -251,7 +251,9 @@ def _shaded_material(leading: list[str], rest: list[str], v: Vocabulary) -> Toke
     """A material with its own color, lighter or darker: "dark oak", "very pale wood"."""
     name = " ".join(rest)
     entry = v.entry(name)
-    if entry is None or not (leading[-1] in v.words["lightness"] and entry.is_colored):
+    if entry is None or entry.slot != "material" or leading[-1] not in v.words["lightness"]:
+        return None
+    if all(effect.name != "base_color" for effect in entry.effects):
         return None
     return Token(" ".join([*leading, name]), entry.name, name=name, shades=_shades(leading, v))
 

@@ -228,11 +228,6 @@ class PromptWord:
     others: tuple[str, ...] = ()  # what else of the scene it can describe
     guess: str = ""  # the known word that it is taken for, where it is misspelled
 
-    @property
-    def is_used(self) -> bool:
-        """Whether it describes something."""
-        return self.target != NOT_USED
-
     def row(self) -> dict[str, Any]:
         """The word as the report and `--json` have it: everything but what else it could describe."""
         return {name: value for name, value in asdict(self).items() if name != "others"}

@@ -296,11 +296,8 @@ class SunLight(LightSource):
 
 
 LIGHT_TYPES: dict[str, type[LightSource]] = {
-    "AREA": AreaLight,
-    "POINT": PointLight,
-    "SUN": SunLight,
-    "SPOT": SpotLight,
-}
+    "AREA": AreaLight, "POINT": PointLight, "SUN": SunLight, "SPOT": SpotLight,
+}  # fmt: skip
 """Blender's name of a light type to its class."""
 
 

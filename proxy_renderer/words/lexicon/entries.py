@@ -14,18 +14,9 @@ from ...schema.parameters import MEANS, SURFACES, Parameter, may_serve
 from .quantities import ClaimText, quantities, read_claim
 
 OWNERS = {
-    "material": "material",
-    "subject": "material",
-    "surroundings": "material",
-    "light": "light",
-    "lights": "light",
-    "key": "light",
-    "fill": "light",
-    "rim": "light",
-    "others": "light",
-    "world": "world",
-    "volume": "volume",
-    "film": "film",
+    **dict.fromkeys(("material", "subject", "surroundings"), "material"),
+    **dict.fromkeys(("light", "lights", "key", "fill", "rim", "others"), "light"),
+    **{group: group for group in ("world", "volume", "film")},
 }
 """Who an effect may name -> schema group."""
 RANGE_MODES = ("", "times", "plus", "near", "shade", "camera", "sides", "lightness", "share")
@@ -41,8 +32,6 @@ _CLASS = re.compile(r"(?P<quantity>[a-z_]+) is (?P<named>[a-z_]+)")
 _EFFECT = re.compile(
     r"(?P<owner>\w+)/(?P<name>\w+)(?: (?P<mode>[a-z]+))? (?P<args>\S+)(?P<weak> \?)?(?: !(?P<priority>\d+))?"
 )
-
-
 _NUMBERS = {"plus": 1, "near": 1, "camera": 1, "sides": 1, "lightness": 1, "share": 1, "shade": 2}
 """Mode -> how many numbers an end of a range has; of other modes one, or as many as the parameter has components."""
 _LARGEST = 1e9
@@ -106,11 +95,6 @@ class VocabularyEntry:
     def classes(self) -> dict[str, str]:
         """Quantity -> the class that it asks for."""
         return {wish.quantity: wish.named for wish in self.wishes if wish.named}
-
-    @property
-    def is_colored(self) -> bool:
-        """Whether it is a material with a color of its own: oak."""
-        return self.slot == "material" and any(e.name == "base_color" for e in self.effects)
 
 
 def normalize(phrase: str) -> str:
