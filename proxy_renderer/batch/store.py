@@ -47,10 +47,8 @@ class Store:
             self._lock.acquire()
         except Timeout as error:
             owner = read_json(self.folder / TOKEN) or {}
-            raise VibeError(
-                f"Another batch works in {self.folder} ({owner.get('holder', 'unknown')}).",
-                "Wait for it, end it, or choose another --out.",
-            ) from error
+            problem = f"Another batch works in {self.folder} ({owner.get('holder', 'unknown')})."
+            raise VibeError(problem, "Wait for it, end it, or choose another --out.") from error
         self.jobs.mkdir(exist_ok=True)
         before = read_json(self.folder / TOKEN) or {}
         self.token = before.get("token") or uuid.uuid4().hex
@@ -110,10 +108,8 @@ class Store:
         """Makes sure that there is space for another job. Raises VibeError if there is less."""
         free = shutil.disk_usage(self.folder).free / 1e9
         if free < free_gb:
-            raise VibeError(
-                f"Only {free:.1f} GB are free in {self.folder}, less than {free_gb:g}.",
-                "Make room, or lower [limits] free_gb; then run the same command again: it continues.",
-            )
+            remedy = "Make room, or lower [limits] free_gb; then run the same command again: it continues."
+            raise VibeError(f"Only {free:.1f} GB are free in {self.folder}, less than {free_gb:g}.", remedy)
 
 
 def head(job: Job) -> JobRow:
@@ -146,10 +142,8 @@ def write_bytes(path: Path, content: bytes) -> None:
 def unwritable(path: Path, error: OSError) -> VibeError:
     """The error for a file that cannot be written; the caller raises it."""
     reason = "no space is left" if atomic.is_full(error) else error.strerror or type(error).__name__
-    return VibeError(
-        f"{path} cannot be written: {reason}.",
-        "Make room there; then run the same command again: it continues.",
-    )
+    remedy = "Make room there; then run the same command again: it continues."
+    return VibeError(f"{path} cannot be written: {reason}.", remedy)
 
 
 def tidy(folder: Path) -> None:

@@ -255,19 +255,16 @@ class _Watch:
         """Raises VibeError if a limit has been passed."""
         now = time.monotonic()
         if now > self._end:
-            raise VibeError(
-                f"It took longer than {self._limits.minutes:g} minutes.", "Raise [limits] minutes."
-            )
+            remedy = "Raise [limits] minutes."
+            raise VibeError(f"It took longer than {self._limits.minutes:g} minutes.", remedy)
         if now < self._next:
             return
         self._next = now + _TICK
         used = crashes.memory(pid)
         self.peak_gb = max(self.peak_gb, round(used / 1e9, 3))
         if used > self._limits.memory_gb * 1e9:
-            raise VibeError(
-                f"It used {used / 1e9:.1f} GB of memory, more than {self._limits.memory_gb:g}.",
-                "Raise [limits] memory_gb, or use a smaller size.",
-            )
+            problem = f"It used {used / 1e9:.1f} GB of memory, more than {self._limits.memory_gb:g}."
+            raise VibeError(problem, "Raise [limits] memory_gb, or use a smaller size.")
 
 
 def _read(process: subprocess.Popen[str], lines: queue.SimpleQueue[str | None]) -> None:

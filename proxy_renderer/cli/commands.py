@@ -177,9 +177,8 @@ def _revert(a: argparse.Namespace) -> int:
 
     scene = check.scene(a.scene)
     if scene.suffix.lower() != ".blend":
-        raise VibeError(
-            f"{a.scene} is not a .blend.", "Revert takes the vibed.blend that a vibe has written."
-        )
+        remedy = "Revert takes the vibed.blend that a vibe has written."
+        raise VibeError(f"{a.scene} is not a .blend.", remedy)
     return launch(["revert", str(scene)], scene)
 
 

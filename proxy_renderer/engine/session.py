@@ -43,9 +43,8 @@ def pick_device(name: str) -> str:
     try:
         torch.zeros(1, device=name)
     except (RuntimeError, AssertionError) as error:
-        raise VibeError(
-            f"There is no device {name!r} here.", "Use --device cpu, or run `vibe doctor`."
-        ) from error
+        remedy = "Use --device cpu, or run `vibe doctor`."
+        raise VibeError(f"There is no device {name!r} here.", remedy) from error
     return name
 
 

@@ -101,6 +101,5 @@ def vocabulary(name: str) -> None:
 def device(name: str) -> None:
     """Makes sure that torch could know a device. Raises VibeError if it is no name of a device."""
     if not _DEVICE.fullmatch(name):
-        raise VibeError(
-            f"Unknown device {name!r}.", "Use auto, cpu, cuda or cuda:1; `vibe doctor` lists yours."
-        )
+        remedy = "Use auto, cpu, cuda or cuda:1; `vibe doctor` lists yours."
+        raise VibeError(f"Unknown device {name!r}.", remedy)

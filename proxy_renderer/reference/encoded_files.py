@@ -127,18 +127,14 @@ def read_encoded(path: Path) -> FileContents:
             with Image.open(path, formats=FORMATS) as picture:
                 return _contents(picture, path)
         except UnidentifiedImageError as error:
-            raise VibeError(
-                f"{path.name} is not a picture that can be read.", "Save it as PNG, JPEG, TIFF or EXR."
-            ) from error
+            remedy = "Save it as PNG, JPEG, TIFF or EXR."
+            raise VibeError(f"{path.name} is not a picture that can be read.", remedy) from error
         except Image.DecompressionBombError as error:
-            raise VibeError(
-                f"{path.name} has more than {2 * (Image.MAX_IMAGE_PIXELS or 0) // 10**6} megapixels.",
-                f"Scale it down; {LONGEST} pixels are enough.",
-            ) from error
+            problem = f"{path.name} has more than {2 * (Image.MAX_IMAGE_PIXELS or 0) // 10**6} megapixels."
+            raise VibeError(problem, f"Scale it down; {LONGEST} pixels are enough.") from error
         except (*_FAULTS, struct.error, MemoryError) as error:
-            raise VibeError(
-                f"{path.name} is damaged or ends too early ({error}).", "Save or download it again."
-            ) from error
+            remedy = "Save or download it again."
+            raise VibeError(f"{path.name} is damaged or ends too early ({error}).", remedy) from error
 
 
 def _refuse_unread_kinds(path: Path) -> None:
@@ -147,10 +143,8 @@ def _refuse_unread_kinds(path: Path) -> None:
     if head[4:8] == b"ftyp" and head[8:12] in (b"heic", b"heix", b"hevc", b"heim", b"heis", b"mif1", b"msf1"):
         raise VibeError(f"{path.name} is a HEIC picture, which is not read.", "Export it as JPEG or PNG.")
     if _RAW.fullmatch(path.suffix.lower()):
-        raise VibeError(
-            f"{path.name} is a camera's raw picture, which has no look yet.",
-            "Develop it, and save it as JPEG or TIFF.",
-        )
+        remedy = "Develop it, and save it as JPEG or TIFF."
+        raise VibeError(f"{path.name} is a camera's raw picture, which has no look yet.", remedy)
 
 
 def _contents(picture: Image.Image, path: Path) -> FileContents:

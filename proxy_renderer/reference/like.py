@@ -152,10 +152,8 @@ class LikeAdvisor:
         plan = beside_words(advice.plan, goals, instances, default_vocabulary())
         moving = {key for key, entry in plan.items() if entry.priority is not None}
         if not (moving or self._words):
-            raise VibeError(
-                "Nothing that the picture speaks of may change in this scene.",
-                "Unlock something, allow more groups, or name more in --like-only.",
-            )
+            remedy = "Unlock something, allow more groups, or name more in --like-only."
+            raise VibeError("Nothing that the picture speaks of may change in this scene.", remedy)
         notes = (*plan.notes, self._found(), *ranges.kept_values(instances, moving))
         return replace(advice, goals=goals, plan=Plan(dict(plan), notes))
 

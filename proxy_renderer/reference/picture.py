@@ -38,9 +38,8 @@ def read_reference(path: Path | str) -> ReferencePicture:
     found = check.file(str(path), "picture")
     contents = _reader(found)(found)
     if contents.alpha is not None and contents.alpha.max() < 1 / 255:
-        raise VibeError(
-            f"Nothing is to be seen in {found.name}: all of it is transparent.", "Use another picture."
-        )
+        remedy = "Use another picture."
+        raise VibeError(f"Nothing is to be seen in {found.name}: all of it is transparent.", remedy)
     linear = contents.color if contents.linear else None
     display = contents.color if linear is None else srgb_from_linear(linear).clip(0.0, 1.0)
     return ReferencePicture(

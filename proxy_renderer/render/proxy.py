@@ -162,9 +162,8 @@ class Proxy:
         A proxy of another size can be given the correction as well. Raises VibeError if the picture has another size.
         """
         if picture.size != self.size:
-            raise VibeError(
-                f"Cycles' picture has {picture.size} pixels instead of {self.size}.", "Ask for that size."
-            )
+            remedy = "Ask for that size."
+            raise VibeError(f"Cycles' picture has {picture.size} pixels instead of {self.size}.", remedy)
         with torch.no_grad():
             frame = self._frame(values)
             whole, colors = self._picture(frame), frame.owners

@@ -51,9 +51,8 @@ def load_scene(folder: Path | str) -> SceneData:
         return _scene(folder, content)
     except (OSError, ValueError, KeyError, TypeError, IndexError) as error:
         reason = f"{type(error).__name__}: {error}"
-        raise VibeError(
-            f"The exported scene in {folder} cannot be read ({reason}).", _EXPORT_AGAIN
-        ) from error
+        remedy = _EXPORT_AGAIN
+        raise VibeError(f"The exported scene in {folder} cannot be read ({reason}).", remedy) from error
 
 
 def _scene(folder: Path, content: dict[str, Any]) -> SceneData:
@@ -65,9 +64,8 @@ def _scene(folder: Path, content: dict[str, Any]) -> SceneData:
         raise VibeError(f"The picture's size {width} x {height} is empty.", "Set a resolution in Blender.")
     camera = _record(Camera, content["camera"])
     if camera.type not in ("PERSP", "ORTHO"):
-        raise VibeError(
-            f"The camera's type {camera.type} is not supported.", "Use a perspective or orthographic camera."
-        )
+        remedy = "Use a perspective or orthographic camera."
+        raise VibeError(f"The camera's type {camera.type} is not supported.", remedy)
     return SceneData(
         folder=folder,
         resolution=(int(width), int(height)),
@@ -198,9 +196,8 @@ def _instance(key: str, row: dict[str, Any]) -> Instance:
     parameter = _ROWS[group, name]
     value = row["value"] if isinstance(row["value"], list) else [row["value"]]
     if len(value) != parameter.components or not all(math.isfinite(v) for v in value):
-        raise VibeError(
-            f"The value of {labels.title(key)} is not usable: {row['value']}.", "Correct it in Blender."
-        )
+        remedy = "Correct it in Blender."
+        raise VibeError(f"The value of {labels.title(key)} is not usable: {row['value']}.", remedy)
     return Instance(
         parameter=parameter,
         owner=owner,

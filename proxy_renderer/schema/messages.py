@@ -296,10 +296,8 @@ def decode(raw: bytes | str) -> Message:
         body = json.loads(text.rstrip("\0"))
         return _TYPES[body.pop("type")](**body)
     except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise VibeError(
-            f"The engine and Blender do not understand each other: {text[:80]!r}.",
-            "Install the same version of vibe-render for both.",
-        ) from error
+        problem = f"The engine and Blender do not understand each other: {text[:80]!r}."
+        raise VibeError(problem, "Install the same version of vibe-render for both.") from error
 
 
 def read(stream: BinaryIO) -> Iterator[Message]:
@@ -313,10 +311,8 @@ def read(stream: BinaryIO) -> Iterator[Message]:
 def check_schema(theirs: str, who: str) -> None:
     """Makes sure that the other process has this process's parameter table."""
     if theirs != schema_hash():
-        raise VibeError(
-            f"The {who} has another parameter table ({theirs or 'none'} instead of {schema_hash()}).",
-            "Install the same version of vibe-render for Blender and for the engine.",
-        )
+        problem = f"The {who} has another parameter table ({theirs or 'none'} instead of {schema_hash()})."
+        raise VibeError(problem, "Install the same version of vibe-render for Blender and for the engine.")
 
 
 ClaimVerdict = Mapping[str, Any]

@@ -133,32 +133,26 @@ def _check_kinds(kinds: Any, roles: Mapping[str, list[Entry]]) -> None:
             raise VibeError(f"The preset's kinds of lights for {quoted(role)} do not fit its lights.", _OURS)
         for each in types:
             if each not in LIGHT_TYPES:
-                raise VibeError(
-                    f"The preset has an unknown type of light {quoted(str(each))}.",
-                    f"Types are: {', '.join(LIGHT_TYPES)}.",
-                )
+                remedy = f"Types are: {', '.join(LIGHT_TYPES)}."
+                raise VibeError(f"The preset has an unknown type of light {quoted(str(each))}.", remedy)
 
 
 def _check_value(role: str, name: str, value: Any) -> None:
     parameter = FAMILIES.get(f"{ROLES[role]}/{name}")
     if parameter is None:
-        raise VibeError(
-            f"The preset has an unknown parameter {role}/{quoted(name)}.", "Remove it from the preset."
-        )
+        remedy = "Remove it from the preset."
+        raise VibeError(f"The preset has an unknown parameter {role}/{quoted(name)}.", remedy)
     numbers = isinstance(value, list) and all(
         isinstance(v, int | float) and not isinstance(v, bool) for v in value
     )
     if not numbers or len(value) != parameter.components:
-        raise VibeError(
-            f"The preset's {role}/{name} needs {parameter.components} numbers.", "Correct the preset."
-        )
+        remedy = "Correct the preset."
+        raise VibeError(f"The preset's {role}/{name} needs {parameter.components} numbers.", remedy)
     if any(isinstance(v, float) and not math.isfinite(v) for v in value):  # an int can be too large to ask
         raise VibeError(f"The preset's {role}/{name} is not a finite number.", "Correct the preset.")
     if not all(parameter.lower <= v <= parameter.upper for v in value):
-        raise VibeError(
-            f"The preset's {role}/{name} is out of bounds: {_short(value)}.",
-            f"Use {parameter.lower:g} to {parameter.upper:g}.",
-        )
+        remedy = f"Use {parameter.lower:g} to {parameter.upper:g}."
+        raise VibeError(f"The preset's {role}/{name} is out of bounds: {_short(value)}.", remedy)
 
 
 def _short(value: Any) -> str:

@@ -27,9 +27,8 @@ def unit_energy(light_type: str, distance: float = 1.0) -> float:
     In watts, at a distance in meters of several times the light's size; W/m² of a sun, which ignores it.
     """
     if light_type not in _UNIT_ENERGY:
-        raise VibeError(
-            f'Lights of type "{light_type}" are unknown.', f"Use one of {', '.join(_UNIT_ENERGY)}."
-        )
+        remedy = f"Use one of {', '.join(_UNIT_ENERGY)}."
+        raise VibeError(f'Lights of type "{light_type}" are unknown.', remedy)
     falloff = 1.0 if light_type in _AT_INFINITY else distance**2
     return _UNIT_ENERGY[light_type] * falloff
 

@@ -159,9 +159,8 @@ class ModelAdvisor:
                 draft = Advice(goals, prompts, confine(goals, dict(instances), context))
         if draft is None:
             assert unknown is not None
-            raise VibeError(
-                f"{unknown.message} And the model did not help: {why}", unknown.remedy
-            ) from unknown
+            remedy = unknown.remedy
+            raise VibeError(f"{unknown.message} And the model did not help: {why}", remedy) from unknown
         return replace(draft, source=f"offline planner: {why}")
 
     def _read(self, caption: str) -> Parsed:

@@ -75,14 +75,11 @@ def find_endpoint(
         env.get("OPENAI_API_KEY", "").strip() if url == theirs else ""
     )
     if url == OPENAI and not key:
-        raise VibeError(
-            f"The model {model} at OpenAI needs a key.",
-            "Set OPENAI_API_KEY, or name another place by VIBE_VLM_URL. " + _HOW,
-        )
+        remedy = "Set OPENAI_API_KEY, or name another place by VIBE_VLM_URL. " + _HOW
+        raise VibeError(f"The model {model} at OpenAI needs a key.", remedy)
     if not key.isascii() or not key.isprintable():
-        raise VibeError(
-            "The model's key holds characters that no key has.", "Copy it again, without quotes or line ends."
-        )
+        remedy = "Copy it again, without quotes or line ends."
+        raise VibeError("The model's key holds characters that no key has.", remedy)
     endpoint = Endpoint(model, url, key, _seconds(env.get("VIBE_VLM_TIMEOUT", "")), _prices(env))
     if not options.online and not endpoint.local:
         raise VibeError(
@@ -102,10 +99,8 @@ def _check(url: str) -> None:
         shown = url.rpartition("@")[2][:60]
         raise VibeError(f"{shown!r} is not an endpoint's URL.", "It starts with http:// or https://. " + _HOW)
     if parts.username or parts.password or parts.query:
-        raise VibeError(
-            f"The URL of the endpoint at {parts.hostname} holds more than an address.",
-            "Put the key into VIBE_VLM_KEY instead: URLs end up in reports.",
-        )
+        remedy = "Put the key into VIBE_VLM_KEY instead: URLs end up in reports."
+        raise VibeError(f"The URL of the endpoint at {parts.hostname} holds more than an address.", remedy)
 
 
 def _seconds(text: str) -> float:
@@ -125,8 +120,6 @@ def _prices(env: Mapping[str, str]) -> tuple[float, float] | None:
     try:
         read, written = (float(part) for part in text.split("/"))
     except ValueError as error:
-        raise VibeError(
-            f"VIBE_VLM_PRICE {text[:20]!r} is no price.",
-            'Use "2.5/10": US dollars per million tokens read and written.',
-        ) from error
+        remedy = 'Use "2.5/10": US dollars per million tokens read and written.'
+        raise VibeError(f"VIBE_VLM_PRICE {text[:20]!r} is no price.", remedy) from error
     return read, written

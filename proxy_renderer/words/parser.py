@@ -85,9 +85,8 @@ def _opened(prompt: str, scene: SceneDescription, vocabulary: Vocabulary) -> tup
     """
     text = " ".join(_TAG.sub(" ", prompt).split())
     if not text:
-        raise VibeError(
-            "The prompt is empty.", "Describe a look, for example: 'glossy teal, white studio background'."
-        )
+        remedy = "Describe a look, for example: 'glossy teal, white studio background'."
+        raise VibeError("The prompt is empty.", remedy)
     if len(text) > LONGEST_PROMPT:
         raise VibeError(f"The prompt has {len(text)} characters.", f"Say it in {LONGEST_PROMPT} or less.")
     glossed = gloss(text, scene, vocabulary)

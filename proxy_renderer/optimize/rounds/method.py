@@ -87,8 +87,6 @@ def load_method() -> Method:
     try:
         method: Method = getattr(import_module(module), its_class)()
     except (ImportError, AttributeError, ValueError) as error:
-        raise VibeError(
-            f"The method {name!r} cannot be loaded: {error}.",
-            f"Set {VARIABLE} to MODULE:CLASS, or to nothing.",
-        ) from error
+        remedy = f"Set {VARIABLE} to MODULE:CLASS, or to nothing."
+        raise VibeError(f"The method {name!r} cannot be loaded: {error}.", remedy) from error
     return method

@@ -104,10 +104,8 @@ def relevant(plan: Plan, vector: ParameterVector, wide: Tensor) -> set[str]:
     found = {k for k, e in plan.items() if e.priority is not None and wide[vector.slices[k]].any()}
     if all(plan[key].prior > 0.0 and not plan[key].any_hue for key in found):
         left_alone = [note for note in plan.notes if note.startswith(LEFT_ALONE)]
-        raise VibeError(
-            " ".join(["Nothing that the words name may change in this scene.", *left_alone]),
-            "Unlock something, allow more groups, or use other words.",
-        )
+        problem = " ".join(["Nothing that the words name may change in this scene.", *left_alone])
+        raise VibeError(problem, "Unlock something, allow more groups, or use other words.")
     return found
 
 

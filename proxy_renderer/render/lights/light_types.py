@@ -304,9 +304,8 @@ LIGHT_TYPES: dict[str, type[LightSource]] = {
 def light_type(name: str) -> type[LightSource]:
     """The class of a light type; raises VibeError if the renderer has no such type."""
     if name not in LIGHT_TYPES:
-        raise VibeError(
-            f'Lights of type "{name}" cannot be rendered.', f"Use one of {', '.join(sorted(LIGHT_TYPES))}."
-        )
+        remedy = f"Use one of {', '.join(sorted(LIGHT_TYPES))}."
+        raise VibeError(f'Lights of type "{name}" cannot be rendered.', remedy)
     return LIGHT_TYPES[name]
 
 

@@ -103,17 +103,13 @@ def read_claim(text: str) -> ClaimText:
     """
     match = _CLAIM.fullmatch(text.strip())
     if not match or (match["lower"] is None and match["upper"] is None):
-        raise VibeError(
-            f"'{text}' is not a claim.",
-            "Write 'PART MEASURE LOWER..UPPER', then 'or CHANGE' if a change is enough.",
-        )
+        remedy = "Write 'PART MEASURE LOWER..UPPER', then 'or CHANGE' if a change is enough."
+        raise VibeError(f"'{text}' is not a claim.", remedy)
     if match["part"] not in PARTS:
         raise VibeError(f"'{text}' names no part of the picture.", f"Choose from: {', '.join(PARTS)}.")
     if bool(match["color"]) != (match["measure"] in _TINTS):
-        raise VibeError(
-            f"'{text}' needs a color, or has one too many.",
-            "Write '#rrggbb' after a measure of tints, and after no other.",
-        )
+        remedy = "Write '#rrggbb' after a measure of tints, and after no other."
+        raise VibeError(f"'{text}' needs a color, or has one too many.", remedy)
     count = _NUMBERS.get(match["measure"], 1)
     lower = _numbers(match["lower"]) or (-math.inf,) * count
     upper = _numbers(match["upper"]) or (math.inf,) * count
@@ -182,10 +178,8 @@ class QuantityTable:
             if row in self.measures:
                 return self.measures[row]
         known = sorted({row.rpartition(" ")[2] for row in self.measures})
-        raise VibeError(
-            f"'{claim.part} {claim.measure}' is no measure of the picture.",
-            f"Choose from: {', '.join(known)}.",
-        )
+        remedy = f"Choose from: {', '.join(known)}."
+        raise VibeError(f"'{claim.part} {claim.measure}' is no measure of the picture.", remedy)
 
 
 @cache

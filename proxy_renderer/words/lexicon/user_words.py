@@ -55,9 +55,8 @@ def user_file() -> Path | None:
     if named := os.environ.get(VARIABLE):
         path = Path(named).expanduser()
         if not path.is_file():
-            raise VibeError(
-                f"There is no vocabulary {named}.", f"Check --vocabulary, or the variable {VARIABLE}."
-            )
+            remedy = f"Check --vocabulary, or the variable {VARIABLE}."
+            raise VibeError(f"There is no vocabulary {named}.", remedy)
         return path
     path = config_folder() / "vocabulary.toml"
     return path if path.is_file() else None
@@ -158,6 +157,5 @@ def _write(path: Path, name: str, text: str) -> None:
             except VibeError as error:
                 raise VibeError(error.message.replace(str(part), str(path)), error.remedy) from error
     except OSError as error:
-        raise VibeError(
-            f"{path} cannot be written: {error}.", "Name another file with --vocabulary."
-        ) from error
+        remedy = "Name another file with --vocabulary."
+        raise VibeError(f"{path} cannot be written: {error}.", remedy) from error
