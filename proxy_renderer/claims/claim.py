@@ -175,10 +175,9 @@ class Claim:
     def aim(
         self, value: Tensor, before: Tensor | None, ends: tuple[Tensor, Tensor] | None = None
     ) -> tuple[Tensor, Tensor, Tensor]:
-        """As `in_steps`, by weight, with ends that lie inside of what satisfies it: the interval that is sought.
+        """As `in_steps`, by weight, with ends inside of what satisfies it: the interval that is sought.
 
-        Args:
-            ends: As it has returned them before: they are the same for every value of a type.
+        Its `ends` are the same for every value of a type: those that it has returned before can be given.
         """
         if ends is None:
             _, lower, upper = self.in_steps(value.detach(), before)
@@ -318,10 +317,9 @@ class ShotClaims:
     def verdicts(self, before: Tensor, predicted: Tensor, after: Tensor) -> list[dict[str, Any]]:
         """The rows of `report.json` on every claim, of images (H, W, 3) of any one size.
 
-        Returns:
-            For each claim: word, thing, measure, says, unit, wanted, before, predicted, after, holds, miss, whether it
-            was `already` so, whether judges see that (`sure`), `also` its other words and the `reason` where there are any. `holds` is None where the target is hardly seen; `miss` is the image's distance
-            from the interval in noticeable steps.
+        Each has: word, thing, measure, says, unit, wanted, before, predicted, after, holds, miss, whether it was
+        `already` so, whether judges see that (`sure`), and, where there are any, `also` its other words, and the
+        `reason`. `holds` is None where the target is hardly seen; `miss` is in noticeable steps.
         """
         with torch.no_grad():
             # The places that a further sentence leaves as they are come last, and are no news.

@@ -51,8 +51,7 @@ def pick_device(name: str) -> str:
 class EngineSession:
     """A vibe's state between its result and its measure; images are written to the job folders of its shots.
 
-    Args:
-        vlm_key: The vision-language model's key from the preferences; "" for the environment's.
+    The vision-language model's key is that of the preferences; "" for the environment's.
     """
 
     def __init__(

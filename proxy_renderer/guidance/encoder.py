@@ -84,9 +84,7 @@ class Tower(nn.Sequential):
     A pooled feature forgets where things were, but "lit from the left" and "dark corners" are about places: the last grid goes whole
     into the projection. It costs half of what open_clip's ModifiedResNet does at the same size on a CPU.
 
-    Args:
-        stem: Makes, for a number of channels, what turns images into a grid of a fourth of their size.
-        strides: Of each stage; a 2 halves the grid.
+    The stem makes, for a number of channels, what turns images into a grid of a fourth of their size; a stride of 2 halves it.
     """
 
     def __init__(

@@ -109,9 +109,8 @@ class NoGuidance:
 class PromptGuidance:
     """The objective for one prompt.
 
-    Args:
-        start: Image (H, W, 3) and mask (H, W) of the artist's scene: hinge margins are calibrated on it, because encoders
-            differ in how alike they find everything.
+    Hinge margins are calibrated on image (H, W, 3) and mask (H, W) of the artist's scene, because encoders differ in how
+    alike they find everything.
     """
 
     def __init__(

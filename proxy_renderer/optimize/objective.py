@@ -359,11 +359,9 @@ class _ForwardShot:
         return self._proxy.develop(latent, values)
 
     def add(self, slopes: Tensor, gradients: Sequence[Tensor], move: Tensor) -> None:
-        """Adds what the scene's parameters change to slopes (M + 1, N).
+        """Adds what the scene's parameters change to slopes (M + 1, N), from gradients (M + 1, ...) of the leaves.
 
-        Args:
-            gradients: (M + 1, ...) of the leaves.
-            move: (N,) by how much components are moved; 0 for those that are not chosen.
+        Components are moved by (N,), 0 for those that are not chosen.
         """
         moved = self._shot.vector.along(self._u, move)
         for key in sorted(self._scene):

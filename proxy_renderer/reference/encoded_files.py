@@ -36,10 +36,9 @@ def small_size(width: int, height: int) -> tuple[int, int]:
 
 
 def shrunk_linear(color: np.ndarray, alpha: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Means of areas of a linear image (H, W, 3), each pixel weighted by its alpha (H, W) in [0, 1].
+    """Means of areas of a linear image (H, W, 3), each pixel weighted by its alpha (H, W) in [0, 1]: both at `small_size`.
 
-    Returns:
-        Both at `small_size`; the color is 0 where the alpha is.
+    The color is 0 where the alpha is.
     """
     size = small_size(color.shape[1], color.shape[0])
     weight = _mean(alpha, size)
@@ -61,14 +60,9 @@ _FLAGS = ImageCms.Flags.BLACKPOINTCOMPENSATION
 
 
 def to_srgb(picture: Image.Image, icc: bytes) -> tuple[np.ndarray, np.ndarray | None, list[str]]:
-    """sRGB of a picture in any mode that its profile fits.
+    """sRGB (H, W, 3) in [0, 1] of a small picture, alpha (H, W) or None, and what was done, a sentence each.
 
-    Args:
-        picture: Small already; L, RGB, CMYK, LAB, YCbCr or HSV, the first two also with alpha.
-        icc: The profile; b"" for none.
-
-    Returns:
-        Colors (H, W, 3) in [0, 1], alpha (H, W) or None, and what was done, a sentence each.
+    It may be L, RGB, CMYK, LAB, YCbCr or HSV, the first two also with alpha, as its profile (b"" for none) fits.
     """
     alpha = None
     if picture.mode in ("LA", "RGBA", "La", "RGBa"):

@@ -46,10 +46,9 @@ class Reference:
 
     @classmethod
     def of(cls, options: Options, scene: SceneData) -> Reference | None:
-        """The picture that the options name; None if they name none. Linear light is shown as the scene shows its own.
+        """The picture that the options name, or None. Linear light is shown as the scene shows its own.
 
-        Raises:
-            VibeError: It cannot be read.
+        Raises VibeError if it cannot be read.
         """
         if not options.like:
             return None

@@ -32,9 +32,7 @@ _PATIENCE = 2  # rounds in a row without an answer, after which the model is not
 class ModelAdvisor:
     """Asks a model once a round, with the current picture.
 
-    Args:
-        goals: What it asks for; why there is nothing where nothing is understood.
-        light: What a rig plans, which is part of the draft; None where the words ask for none.
+    The draft is made of the goals (why there are none, where nothing is understood) and of what a rig plans.
     """
 
     def __init__(
@@ -57,11 +55,7 @@ class ModelAdvisor:
     def advise(self, display: Any, instances: Mapping[str, Instance], context: SceneDescription) -> Advice:
         """The model's advice for a round; the offline planner's if the model fails.
 
-        Args:
-            display: The current picture as it is displayed; None before the first one.
-
-        Raises:
-            VibeError: Neither the model nor the offline planner understands the prompt.
+        The display is None before the first picture. Raises VibeError if neither understands the prompt.
         """
         try:
             draft: Advice | None = self._offline.advise(display, instances, context)

@@ -54,14 +54,10 @@ def find_endpoint(
     Options come before the environment: VIBE_VLM_MODEL, VIBE_VLM_URL (else OPENAI_BASE_URL, else
     OpenAI's), VIBE_VLM_KEY, VIBE_VLM_TIMEOUT (seconds) and VIBE_VLM_PRICE ("2.5/10", US dollars per
     million tokens read/written). OPENAI_API_KEY goes only where it belongs: to OPENAI_BASE_URL, or to
-    OpenAI if that is not set.
+    OpenAI if that is not set. A `vlm_model` of "off" means none, whatever the environment says; the key is that of the
+    add-on's preferences, "" for the environment's.
 
-    Args:
-        options: The vibe's; a `vlm_model` of "off" means none, whatever the environment says.
-        key: From the add-on's preferences; "" for the environment's.
-
-    Raises:
-        VibeError: For a URL that is none, a missing key, or a place that Blender may not reach.
+    Raises VibeError for a URL that is none, a missing key, or a place that Blender may not reach.
     """
     env = os.environ if environment is None else environment
     model = (options.vlm_model or env.get("VIBE_VLM_MODEL", "")).strip()

@@ -82,8 +82,7 @@ class Token:
 class Lexer:
     """Finds the longest known phrases; built once per prompt, as scenes bring their own names.
 
-    Args:
-        foreign: Words of another language: only long ones may be English ones with a mistake, "travertin".
+    Of `foreign` words only long ones may be English ones with a mistake, "travertin".
     """
 
     def __init__(

@@ -255,8 +255,7 @@ def with_own_materials(
 ) -> tuple[SceneDescription, dict[str, str]]:
     """The scene with a copy of each material that an object of the prompt shares with other objects.
 
-    Returns:
-        The scene, and a sentence for each material that cannot be copied and has to stay.
+    Also returned is a sentence for each material that cannot be copied and has to stay.
     """
     wearers: dict[str, list[str]] = defaultdict(list)
     for thing, worn in scene.object_materials.items():

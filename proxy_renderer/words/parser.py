@@ -80,8 +80,7 @@ def prepared(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> str:
 def _opened(prompt: str, scene: SceneDescription, vocabulary: Vocabulary) -> tuple[Gloss, bool, Normalized]:
     """A prompt in English words, whether some of it is in a language that is not understood, and as readers take it.
 
-    Raises:
-        VibeError: It is empty, too long, or in a language that is not understood.
+    Raises VibeError if it is empty, too long, or in a language that is not understood.
     """
     text = " ".join(_TAG.sub(" ", prompt).split())
     if not text:
@@ -99,10 +98,8 @@ def _opened(prompt: str, scene: SceneDescription, vocabulary: Vocabulary) -> tup
 def refuse_without_look(prompt: str) -> None:
     """Refuses a prompt that says nothing in any scene, before Blender is started.
 
-    It only looks for look words. What they describe is read later, against the scene, see `Understood`.
-
-    Raises:
-        VibeError: The prompt is empty, too long, in a language that is not understood, or has no look word.
+    What its look words describe is read later, against the scene, see `Understood`. Raises VibeError if it is empty, too
+    long, in a language that is not understood, or has no look word.
     """
     scene, vocabulary = SceneDescription(), default_vocabulary()
     glossed, mixed, normal = _opened(prompt, scene, vocabulary)
@@ -144,16 +141,10 @@ def read(
     weights: FactWeights | None = None,
     told: Mapping[str, str] | None = None,
 ) -> Parsed:
-    """Finds the look words of a prompt and binds them to subject, surroundings, lights or the film.
+    """The look words of a prompt, bound to subject, surroundings, lights or the film; `unknown` says why nothing is understood.
 
-    Args:
-        told: Word -> the target that the artist has chosen for it: a name in the scene, "lights", "not used" and so on.
-
-    Returns:
-        The result; `unknown` says why nothing is understood.
-
-    Raises:
-        VibeError: The prompt is empty, too long, or in a language that is not understood; a target cannot be.
+    The artist has `told` for words what they describe: a name in the scene, "lights", "not used" and so on. Raises VibeError
+    if the prompt is empty, too long, or in a language that is not understood, or if a target cannot be.
     """
     vocabulary = vocabulary or default_vocabulary()
     glossed, mixed, normal = _opened(prompt, scene, vocabulary)

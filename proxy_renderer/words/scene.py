@@ -86,8 +86,7 @@ def is_alike(one: Values | None, other: Values | None) -> bool:
 def surest(mention: NounMention, kind: str, first: str) -> Named | None:
     """The surest of what a mention names; None if it names nothing of a kind.
 
-    Args:
-        first: What is preferred: "material" or "object" for a source, "first" or "whole" for a part or all of a thing.
+    Preferred is what comes `first`: "material" or "object" for a source, "first" or "whole" for a part or all of a thing.
     """
 
     def rank(named: Named) -> tuple[int, bool]:

@@ -113,11 +113,7 @@ def temperature(entry: str) -> int | None:
 
 
 def at_line(path: Path, text: str, problem: str, remedy: str, *quotes: str) -> VibeError:
-    """An error that names a line of a file.
-
-    Args:
-        quotes: Texts that lead to the line: the first line that has the first, from there on the first that has the second.
-    """
+    """An error that names a line of a file: the first that has the first quote, from there on the first that has the next."""
     lines, line = text.splitlines(), 0
     for quoted in quotes:
         line = next((i for i in range(line, len(lines)) if quoted in lines[i]), line)
@@ -216,8 +212,7 @@ def read_entry(name: str, row: dict[str, Any]) -> VocabularyEntry:
 def read_wishes(texts: Iterable[str]) -> tuple[EntryWish, ...]:
     """Reads the wishes of a word, grouped by quantities in the order of their first ones. Raises VibeError for what is none.
 
-    Args:
-        texts: Classes ("finish is glossy"), effects ("film/contrast 1.1..1.3 !2") and claims ("thing gloss 12..").
+    They are classes ("finish is glossy"), effects ("film/contrast 1.1..1.3 !2") and claims ("thing gloss 12..").
     """
     found: dict[str, EntryWish] = {}
     table = quantities()

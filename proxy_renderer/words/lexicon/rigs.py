@@ -161,8 +161,7 @@ class RigTable:
 def rig_table() -> RigTable:
     """The rigs and modifiers that are shipped, and on top of them those of the user's own `rigs.toml`.
 
-    Raises:
-        VibeError: Something in a file is wrong; names the file, the line and the remedy.
+    Raises VibeError, which names file, line and remedy, if something in a file is wrong.
     """
     folder, own = Path(__file__).parent, config_folder() / "rigs.toml"
     every = read((folder / "rigs.toml").read_text("utf-8"), "rigs.toml")

@@ -65,8 +65,7 @@ def user_file() -> Path | None:
 def extend(base: Vocabulary, path: Path) -> Vocabulary:
     """A vocabulary with a user's file on top: its words win over those of the same spelling.
 
-    Raises:
-        VibeError: Something in the file is wrong; names the file, the line and the remedy.
+    Raises VibeError, which names file, line and remedy, if something in the file is wrong.
     """
     text, rows = _read(path)
     entries, synonyms, colors = dict(base.entries), dict(base.synonyms), dict(base.colors)
@@ -121,11 +120,7 @@ _COLORS = re.compile(r"^\[colors\][^\n]*\n", re.MULTILINE)
 
 
 def add_look(path: Path, name: str, rows: Mapping[str, str | Sequence[str]]) -> None:
-    """Appends an entry.
-
-    Raises:
-        VibeError: The name is taken, or the file would be wrong with it; it is as it was.
-    """
+    """Appends an entry. Raises VibeError if the name is taken, or the file would be wrong with it: it is as it was."""
     lines = [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in rows.items() if value]
     head = f"[look.{json.dumps(name, ensure_ascii=False)}]"
     _write(path, name, "\n".join([_text(path).rstrip("\n"), "", head, *lines, ""]).lstrip("\n"))
