@@ -18,6 +18,7 @@ from ..guidance import regions
 from ..planning.ranges import clip
 from ..planning.types import PlanEntry
 from ..render.geometry.camera import view_of
+from ..render.geometry.samples import pixel_centers
 from ..render.geometry.visibility import Hits, RayGeometry
 from ..render.lights.light_source import LightSource
 from ..render.lights.light_types import AreaLight, light_sources, light_type
@@ -97,9 +98,7 @@ def _coverage(proxy: Proxy, values: dict[str, Values]) -> tuple[float | None, di
     view = view_of(scene, RenderValues(scene, cameras, geometry.device), (_GRID, _GRID))
 
     # Materials and subjects that a coarse grid of rays meets
-    y, x = torch.meshgrid(torch.arange(_GRID), torch.arange(_GRID), indexing="ij")
-    pixels = torch.stack((x.flatten(), y.flatten())).to(geometry.device) + 0.5
-    hits = geometry.first_hits(*view.rays(pixels), "camera")
+    hits = geometry.first_hits(*view.rays(pixel_centers(view.size).to(geometry.device)), "camera")
     triangle, hit = hits.triangle.cpu().clamp_min(0), hits.hit.cpu()
     material = torch.where(hit, geometry.material.cpu()[triangle].long(), -1)
     subjects = torch.tensor([o.subject for o in scene.objects])

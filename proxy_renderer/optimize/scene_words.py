@@ -14,6 +14,7 @@ from ..color import arrays
 from ..color.floats import srgb_from_linear
 from ..planning.glow import glowing, glows
 from ..render.geometry.camera import view_of
+from ..render.geometry.samples import pixel_centers
 from ..render.material.textures import geometry_of
 from ..scene import SceneData, SceneMesh
 from ..scene.data import Material
@@ -164,8 +165,7 @@ def _rays(scene: SceneData) -> _Rays:
 def _traced(scene: SceneData) -> _Rays:
     mesh = scene.mesh
     view = view_of(scene, RenderValues(scene, {}, "cpu"), (_SIDE, _SIDE)).detached()
-    y, x = torch.meshgrid(torch.arange(_SIDE), torch.arange(_SIDE), indexing="ij")
-    origin, toward = view.rays(torch.stack((x.flatten(), y.flatten())) + 0.5)
+    origin, toward = view.rays(pixel_centers(view.size))
     hits = geometry_of(scene, torch.device("cpu")).first_hits(origin, toward, "camera")
     met = hits.hit.numpy()
     triangle = hits.triangle.numpy()[met]

@@ -16,8 +16,9 @@ from torch import Tensor
 from ..color import arrays
 from ..color.floats import luminance
 from ..render.geometry.camera import view_of
+from ..render.geometry.samples import pixel_centers
 from ..render.geometry.visibility import RayGeometry
-from ..scene import SceneData
+from ..scene import Material, SceneData
 from ..scene.values import RenderValues
 from ..schema import orbit
 from ..words.names import plain_name
@@ -158,15 +159,15 @@ def _seen(scene: SceneData, geometry: RayGeometry) -> tuple[Points, Tensor]:
     """What a grid of camera rays meets, and (N,) whether that is the subject."""
     device = geometry.device
     view = view_of(scene, RenderValues(scene, {}, device), (_GRID, _GRID))
-    y, x = torch.meshgrid(torch.arange(_GRID), torch.arange(_GRID), indexing="ij")
-    origin, toward = view.rays(torch.stack((x.flatten(), y.flatten())).to(device) + 0.5)
+    origin, toward = view.rays(pixel_centers(view.size).to(device))
     hits = geometry.first_hits(origin, toward, "camera")
     kept = hits.hit
     surface = geometry.surface(hits.pick(kept), toward[:, kept])
     subjects = torch.tensor([o.subject for o in scene.objects], device=device)
-    numbers, material = range(len(scene.materials)), surface.material.cpu()
-    albedo = torch.tensor([_albedo(scene, number) for number in numbers])
-    smooth = torch.tensor([_is_smooth(scene, number) for number in numbers])
+    material = surface.material.cpu()
+    albedo = torch.tensor([_albedo(scene, each) for each in scene.materials])
+    rough = [scene.value(f"material/{each.name}/roughness", (1.0,))[0] for each in scene.materials]
+    smooth = torch.tensor([roughness < _SMOOTH for roughness in rough])
     normal, seen = surface.normal.cpu(), toward[:, kept].cpu()
     mirrored = seen - 2.0 * (seen * normal).sum(0) * normal
     polished = smooth[material] & (normal[2] > _LEVEL)
@@ -181,12 +182,7 @@ def _some(points: Points, mine: Tensor) -> Points:
     return Points(*(values[..., index].contiguous() for values in vars(points).values()))
 
 
-def _is_smooth(scene: SceneData, number: int) -> bool:
-    return scene.value(f"material/{scene.materials[number].name}/roughness", (1.0,))[0] < _SMOOTH
-
-
-def _albedo(scene: SceneData, number: int) -> float:
-    material = scene.materials[number]
+def _albedo(scene: SceneData, material: Material) -> float:
     key = f"material/{material.name}/"
     if material.texture is not None:
         tint = luminance(scene.value(key + "tint", (1.0, 1.0, 1.0)))

@@ -25,7 +25,7 @@ from ..least_squares import Descent
 from ..shots import ShotState
 from ..vector import ParameterVector
 from . import starts
-from .confiner import Confined, RoundPlace, RoundReach, RoundStart, Start
+from .confiner import Confined, RoundPlace, RoundStart, Start
 from .search import Missed, Search
 from .selection import Selection
 
@@ -122,7 +122,7 @@ def nearest(ends: Sequence[RoundEnd]) -> RoundEnd:
 def next_round(search: Search, ends: Sequence[RoundEnd]) -> RoundStart | None:
     """The round that follows the last one; None where that was the last."""
     last, best = ends[-1], nearest(ends)
-    start, reach = last.start.start, last.start.reach
+    start, share, opening = last.start.start, last.start.share, last.start.opening
     has_claims = claims_words(last.shots)
     if len(ends) == search.rounds or not last.record["parameters"] or search.clock.stopped:
         return None
@@ -131,8 +131,7 @@ def next_round(search: Search, ends: Sequence[RoundEnd]) -> RoundStart | None:
 
     # Ranges open while claims are missed; those of a round that went astray in wider ones are the plan's again.
     astray = best is not last
-    too_wide = astray and reach.opening > 0.0
-    share, opening = reach.share, reach.opening
+    too_wide = astray and opening > 0.0
     if has_claims and start.drawn is None:
         opening = 0.0 if too_wide else min(opening + OPENING, WIDEST)
     if astray and not too_wide:
@@ -146,7 +145,7 @@ def next_round(search: Search, ends: Sequence[RoundEnd]) -> RoundStart | None:
             return None
         place, share = RoundPlace.MIDDLE, 1.0
     number, earlier = last.start.number + 1, last.confined.plan
-    return RoundStart(start, place, best.u, best.shots, number, earlier, RoundReach(share, opening))
+    return RoundStart(start, place, best.u, best.shots, number, earlier, share, opening)
 
 
 def is_stuck(search: Search, ends: Sequence[RoundEnd]) -> bool:
