@@ -119,8 +119,7 @@ class Setup:
     """Limits, environment and program of workers."""
 
     limits: Limits = field(default_factory=Limits)  # of each job
-    # of the environment, besides those that are there
-    variables: dict[str, str] = field(default_factory=dict)
+    variables: dict[str, str] = field(default_factory=dict)  # of the environment, besides those that it has
     command: tuple[str, ...] = ()  # the program that carries out jobs; empty for Blender
 
 

@@ -69,14 +69,12 @@ class Claim:
     # along the hue and how far across; none for the measure's own numbers
     direction: Values = ()
     color: Values | None = None  # the color that is asked for, sRGB; None for other claims
-    # left, upper, right and lower end of the part in the frame, as shares of its width and height; () for all of it
-    box: Values = ()
+    box: Values = ()  # left, upper, right, lower end in the frame, as shares of its sides; () for all of it
     reason: str = ""  # why it is claimed; "" where the word says it
     # Parts, each with its materials, that are left out: those that words color, in a claim about light
     apart: tuple[tuple[Part, tuple[str, ...]], ...] = ()
     weight: float = 1.0  # of a step while values are sought: less, where a mood only usually stands for it
-    # whether a change is enough near the interval only; for words that only compare it is enough anywhere
-    near: bool = True
+    near: bool = True  # whether a change is enough near the interval only; of words that compare, anywhere
     also: tuple[str, ...] = ()  # more words that stand or fall with it: they ask for the same of a light rig
     by: bool = False  # whether both ends are noticeable steps from what the artist's image has
 
@@ -224,10 +222,8 @@ class ClaimSet:
     """The claims of a prompt about a scene."""
 
     claims: tuple[Claim, ...]  # in the order of the words
-    # of each, the artist's image's value; None where the target is hardly seen
-    before: tuple[Tensor | None, ...]
-    # of each, its pixels (H, W) bool in the images that are measured; None likewise
-    regions: tuple[Tensor | None, ...]
+    before: tuple[Tensor | None, ...]  # of each, the artist's image's value; None where it is hardly seen
+    regions: tuple[Tensor | None, ...]  # of each, its pixels (H, W) bool in the images that are measured
 
     @classmethod
     def about(cls, claims: tuple[Claim, ...], picture: MeasuredPicture) -> ClaimSet:

@@ -36,13 +36,11 @@ class Wish:
     quantity: str  # name in `quantities.toml`
     named: str = ""  # the class that it asks for: "glossy"; "" where it names none, or is a color
     toward: str = ""  # the same where it is said too softly to ask for all of it: "slightly muted"
-    # what it does to parameters; of a color word, what colors do to such a thing
-    effects: tuple[Effect, ...] = ()
+    effects: tuple[Effect, ...] = ()  # what it does to parameters; of a color, what colors do to such a thing
     claims: tuple[ClaimText, ...] = ()  # what the image has to look like, those of the class last
     strength: float = 1.0  # 1 as named; less for "slightly" and for what is only denied, more for "very"
     breadth: int = 0  # how many things its word claims: what is about nothing else counts more
-    # whether its word is about the light or the image as a whole, as a time of day and a style are
-    vague: bool = False
+    vague: bool = False  # whether its word is about the light or the image as a whole: a time of day, a style
 
     @property
     def word(self) -> str:

@@ -209,8 +209,7 @@ class WrittenGoals:
     objects: tuple[PromptObject, ...]  # that the prompt names; the scene's subject for none
     stays: tuple[str, ...]  # owners of parameters that stay as they are
     wishes: tuple[Wish, ...]
-    # all words, also those that wish for nothing themselves, as names of rigs do
-    attributes: tuple[Attribute, ...]
+    attributes: tuple[Attribute, ...]  # all words, also those that wish for nothing themselves: names of rigs
     holds: bool = False  # whether the rest of the image stays
 
     def within(self, words: SceneDescription) -> Goals:

@@ -86,8 +86,7 @@ class AnchorState:
     # (N,) the values of the picture, where the correction is exact; None where there is no picture of the current
     # ones
     u: Tensor | None = None
-    # the correction before this one, to see what a prediction was worth without the last picture
-    earlier: Correction | None = None
+    earlier: Correction | None = None  # the one before: what was a prediction worth without the last picture?
 
     def distance(self, u: Tensor) -> float:
         """Distance of u (N,) from the picture, in its worst component's whole range; infinite without one."""

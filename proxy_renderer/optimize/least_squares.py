@@ -48,8 +48,7 @@ class Assessment:
     claim: Tensor  # (M,) number of the claim that each belongs to, from 0
     rest: Tensor  # () the loss's other terms
     picture: Any  # the first shot's
-    # (M,) bool: values of claims about the finish of a surface; None if nobody asks
-    finish: Tensor | None = None
+    finish: Tensor | None = None  # (M,) bool: values of claims about a surface's finish; None if nobody asks
 
     def misses(self, values: Tensor) -> Tensor:
         """(claims,) noticeable steps by which values (M,) miss each claim."""

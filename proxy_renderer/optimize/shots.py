@@ -62,13 +62,10 @@ class ShotState:
     # one per picture of Cycles, for all states: the number of the round, and the mean CIEDE2000 between what the
     # proxy had predicted and what it says with the picture
     records: list[dict[str, Any]] = field(default_factory=list)
-    # judges the images as the round's advice says; calibrated on the artist's image
-    guidance: Guidance | None = None
-    # what the words say that its images have to look like; None before the loop
-    claims: ClaimSet | None = None
+    guidance: Guidance | None = None  # judges images by the round's advice; calibrated on the artist's image
+    claims: ClaimSet | None = None  # what the words say that its images look like; None before the loop
     seen: GBuffer | None = None  # what its camera sees where the claims are measured
-    # the artist's image, with which the loop began, and what its camera saw
-    before: MeasuredPicture | None = None
+    before: MeasuredPicture | None = None  # the artist's image, and what its camera saw
     _last: tuple[Tensor, Render] | None = None  # where the last image was drawn, and it
 
     @property

@@ -38,8 +38,7 @@ class Prompts:
     subject: str  # short caption of the subject alone
     surroundings: str  # short caption of the surroundings alone; "" when the words leave them open
     whole: str  # caption of the whole picture
-    # what the subject must not look like: swaps and antonyms, positively worded
-    subject_negatives: tuple[str, ...] = ()
+    subject_negatives: tuple[str, ...] = ()  # what it must not look like: swaps, antonyms, positively worded
     surroundings_negatives: tuple[str, ...] = ()  # likewise for the surroundings
     whole_negatives: tuple[str, ...] = ()  # likewise for the whole picture: "thick fog" for "no fog"
 

@@ -57,8 +57,7 @@ class Sources:
     world: WorldLook = WorldLook()  # what the plan settles on for the world
     backdrop: WorldLook = WorldLook()  # the same for what the camera sees of it
     own_color: Values = (1.0, 1.0, 1.0)  # sRGB of the color that the material gets or has, for glows
-    # Radiance, before exposure, of a white surface that faces the key lights; 0 if there are none
-    key: float = 0.0
+    key: float = 0.0  # radiance, before exposure, of a white surface that faces the key; 0 without one
 
 
 _MIRED = (0.0029, -0.0009, -0.0072)

@@ -36,8 +36,7 @@ class WishedRange:
     reason: str  # for the artist; quotes the word
     weak: bool  # a default, which gives way silently
     priority: int
-    # it is what a place usually has: it counts only where no other word is about the parameter
-    usual: bool = False
+    usual: bool = False  # what a place usually has: it counts only where no other word is about the parameter
     aside: bool = False  # words for what is seen of the world come first for this parameter
     start: Values | None = None  # as in `PlanEntry`
     any_hue: bool = False  # likewise

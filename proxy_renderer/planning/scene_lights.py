@@ -23,8 +23,7 @@ class KnownLight:
 
     name: str  # the artist's name of a light, or "material/NAME" of what glows
     role: str
-    # what it may be called: its own name and its type, or its material's and those of its objects
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # what it may be called: its own name and type, or its material's and its objects'
     turn: float  # azimuth relative to the camera, degrees
     added: bool = False
 

@@ -20,10 +20,8 @@ class PlanEntry:
     priority: int | None  # the smaller the more important; None is never optimized (but still projected)
     reason: str  # for the artist; quotes the word that caused it
     prior: float = 1.0  # weight in [0, 1] of the pull to the artist's value: 0 where words named the value
-    # words only have it so as a rule, as nights are blue: it gives way to other words, but not to claims
-    usual: bool = False
-    # whether a color may take any hue within its range, which is then no box around a named color
-    any_hue: bool = False
+    usual: bool = False  # only so as a rule, as nights are blue: it gives way to other words, not to claims
+    any_hue: bool = False  # whether a color may take any hue in its range: it is no box around a named color
     # where the search begins, within the range: the color that words name, well inside of a lamp's sizes.
     # None for the artist's value, projected.
     start: Values | None = None
@@ -47,8 +45,7 @@ class LightPlan:
 
     entries: dict[str, PlanEntry] = field(default_factory=dict)  # for every parameter that it sets, by key
     served: tuple[Attribute, ...] = ()  # the words that it stands for; they ask for nothing else
-    # what belongs to it of the film: effects, with the word that asks for them
-    grade: tuple[tuple[Attribute, Effect], ...] = ()
+    grade: tuple[tuple[Attribute, Effect], ...] = ()  # what belongs to it of the film, with the word
     shown: tuple[Wish, ...] = ()  # what an image has to show of it
 
 

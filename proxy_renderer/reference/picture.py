@@ -26,8 +26,7 @@ class ReferencePicture:
     # (H, W, 3) float32, sRGB-encoded, in [0, 1]. Of linear light it is the plain sRGB curve, cut off at white, until
     # a scene is known, whose view shows `linear`
     display: np.ndarray
-    # (H, W, 3) float32 linear Rec.709, at least 0; None if the file holds display colors
-    linear: np.ndarray | None = None
+    linear: np.ndarray | None = None  # (H, W, 3) float32 linear Rec.709, at least 0; None for display colors
     alpha: np.ndarray | None = None  # (H, W) in [0, 1], how much each pixel counts; None if all count
     panorama: bool = False  # whether it shows all directions, the longitude from left to right
     note: str = ""  # what was done to it, in sentences; "" if nothing

@@ -57,8 +57,7 @@ class Correction:
     values: Mapping[str, Tensor]  # θ₀
     dark: float  # radiance below which all is equally dark
     stops: Tensor  # (P,) brightness of the proxy's picture at θ₀, in stops
-    # (3 (2 + G), P): c, the least share of P that must remain, and the residuals of the owners
-    fields: Tensor
+    fields: Tensor  # (3 (2 + G), P): c, the least share of P that must remain, and the owners' residuals
     owners: tuple[str, ...]  # the G owners, `REST` among them
     _kept: tuple[ViewCache, Tensor] | None = field(default=None, repr=False)
 
@@ -251,8 +250,7 @@ class CyclesPicture:
     """A picture, and whose light it is made of."""
 
     whole: Tensor  # (H, W, 3) linear Rec.709, finite, at least 0
-    # owner, "light/NAME" or "world", to the noisy picture (H, W, 3) of its light alone
-    parts: Mapping[str, Tensor]
+    parts: Mapping[str, Tensor]  # "light/NAME" or "world" to the noisy picture (H, W, 3) of its light alone
     rest: Tensor  # (H, W, 3) noisy, the light that no part holds
     denoised: bool = True  # whether the whole is free of noise
 

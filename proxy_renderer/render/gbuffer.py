@@ -22,11 +22,9 @@ class GBuffer:
     subject: Tensor  # (H, W) share of each pixel that the subject covers
     material: Tensor  # (H, W) int64, number of the material in the pixel's middle; -1 for the world
     materials: tuple[str, ...]  # names of the materials by number
-    # (H, W, 3) unit normals in the camera's space: x to the right, y up, z towards it; zero for the world
-    normal: Tensor
+    normal: Tensor  # (H, W, 3) unit normals, x to the right, y up, z towards the camera; zero for the world
     transmittance: Tensor  # (H, W) share of light that fog lets through from what is seen
-    # (H, W) luminance of textured base colors relative to their material's mean; 1 where none is linked
-    pattern: Tensor
+    pattern: Tensor  # (H, W) luminance of textured base colors relative to their material's mean; else 1
     # names of the materials of the surroundings, which the subject may wear too: words for it do not paint
     # them
     surrounding: tuple[str, ...] = ()

@@ -44,8 +44,7 @@ class LatentImage:
     mask: Tensor  # (H, W) share of each pixel that the subject covers
     depth: Tensor  # (H, W) distance along the rays in meters; infinite where nothing is hit
     transmittance: Tensor  # (H, W) share of light that fog lets through from what is seen
-    # (H, W) coverage where the film is transparent, else None; `linear` is multiplied with it
-    alpha: Tensor | None = None
+    alpha: Tensor | None = None  # (H, W) coverage of a transparent film, times which `linear` is; else None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -88,8 +88,7 @@ _BARELY = 1e-7
 class Levels:
     """What a rig's lights are to give."""
 
-    # light -> what its power in the trial values is multiplied by; 0 of a light that reaches nothing
-    factors: Mapping[str, float]
+    factors: Mapping[str, float]  # light -> factor on its power in the trial values; 0 if it reaches nothing
     key: float  # irradiance of the key on the subject's lit side
     world: float  # what a white world of strength 1 gives to the subject
 

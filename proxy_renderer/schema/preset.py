@@ -47,8 +47,7 @@ class Preset:
 
     name: str  # its title
     roles: dict[str, list[Entry]]  # role to its entries, the most visible or brightest first
-    # of every light entry, its type ("AREA", …), by role
-    kinds: dict[str, list[str]] = field(default_factory=dict)
+    kinds: dict[str, list[str]] = field(default_factory=dict)  # type of each light ("AREA", …), by role
     prompt: str = ""  # what the artist typed
     # what it was searched for by, see docs/reference/goals.md: `vibe run --goals` searches it again; {} for none
     goals: dict[str, Any] = field(default_factory=dict)

@@ -26,8 +26,7 @@ class Endpoint:
     url: str  # the base URL, without a slash at its end
     key: str = field(default="", repr=False)  # never written anywhere, not even by `repr`
     seconds: float = _SECONDS  # time limit of a question, repetitions included
-    # US dollars per million tokens, (read, written); None if unknown
-    prices: tuple[float, float] | None = None
+    prices: tuple[float, float] | None = None  # US dollars per million tokens, (read, written); None: unknown
 
     @property
     def local(self) -> bool:

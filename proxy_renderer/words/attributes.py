@@ -234,8 +234,7 @@ class LightPhrases:
     # place of an item -> the numbers, from 1, of the lights that it belongs to; items that belong to none are left
     # out
     of: dict[int, tuple[int, ...]] = field(default_factory=dict)
-    # number of a light -> "fill" or "rim", where its name says so
-    roles: dict[int, str] = field(default_factory=dict)
+    roles: dict[int, str] = field(default_factory=dict)  # number of a light -> "fill" or "rim", if named so
     gone: set[int] = field(default_factory=set)  # places of items that describe what is to be replaced
 
     def role(self, place: int) -> str:

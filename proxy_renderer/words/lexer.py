@@ -43,20 +43,15 @@ class Token:
     noun: str = ""  # kind of thing that it names
     scene: bool = False  # it names a thing in the scene
     strength: float | None = None  # factor on the next look word, if it is an intensity
-    # names of the grammar lists that it is in: "negation", "link", ...
-    lists: frozenset[str] = field(default_factory=frozenset)
+    lists: frozenset[str] = field(default_factory=frozenset)  # the grammar lists that it is in: "link", ...
     name: str = ""  # the spelling that the vocabulary knows
     guess: str = ""  # the known word that is meant, if it is misspelled
-    # not known, but near to looks that are: it is not used, names no thing, and known words are offered for it
-    unsure: bool = False
-    # changes of a material's color by shade words before it, see `types.Attribute`
-    shades: tuple[ShadeArguments, ...] = ()
+    unsure: bool = False  # not known, but near to looks: it is not used; known words are offered for it
+    shades: tuple[ShadeArguments, ...] = ()  # by shade words before it, see `types.Attribute`
     clause: int = 0  # number of its clause
     wished: bool = False  # it is part of a wish that values cannot fulfill: "remove the chair"
-    # of an object in a change phrase, its looks at present: red of "the roof from red to grey"
-    presents: tuple[Token, ...] = ()
-    # number of the change phrase that it is in, as its object or as a look that is wished of it; 0 for none
-    change: int = 0
+    presents: tuple[Token, ...] = ()  # in a change phrase, present looks: red of "the roof from red to grey"
+    change: int = 0  # number of the change phrase that it is in, as object or as a look wished of it; 0: none
 
     @property
     def known(self) -> bool:

@@ -42,8 +42,7 @@ class Understood:
     told: InitVar[Iterable[str]] = ()  # "copper=Cup": targets that the artist has chosen for words
     # the look words of the prompt and the words that are left out, in its order
     words: tuple[PromptWord, ...] = field(default=(), init=False)
-    # why nothing in the prompt is understood; None where something is
-    unknown: VibeError | None = field(default=None, init=False)
+    unknown: VibeError | None = field(default=None, init=False)  # why nothing is understood, if so
     _parsed: Parsed = field(default_factory=lambda: Parsed(""), init=False, repr=False)
 
     def __post_init__(self, told: Iterable[str]) -> None:

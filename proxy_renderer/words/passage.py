@@ -70,10 +70,8 @@ class Passage:
 
     items: list[Token]  # all tokens, with the numbers of their clauses
     looks: list[PromptLook] = field(default_factory=list)  # the look words, in order
-    # places of the items that begin a clause as it is written, those of a list too
-    starts: set[int] = field(default_factory=set)
-    # wishes that only a modeler can fulfill, as the prompt says them
-    wishes: list[list[str]] = field(default_factory=list)
+    starts: set[int] = field(default_factory=set)  # places of items that begin a clause as written
+    wishes: list[list[str]] = field(default_factory=list)  # that only a modeler can fulfill, as said
     beyond: list[str] = field(default_factory=list)  # words that no value can give
 
     def tinged(self, look: PromptLook) -> PromptLook | None:

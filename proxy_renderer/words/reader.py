@@ -56,11 +56,9 @@ class PromptReading:
     chosen: list[TargetPair]  # the pair of each look word
     phrases: LightPhrases  # the lights that the prompt describes one by one
     subject: str  # its name for the subject, or that of the scene
-    # id of a pair -> its part of the materials, where several looks deal them out
-    parts: dict[int, tuple[str, ...]]
+    parts: dict[int, tuple[str, ...]]  # id of a pair -> its materials, where several looks deal them out
     parsed: Parsed  # the result, without what `attributes.complete` adds
-    # the nouns with a surface: name, region and materials
-    mentioned: list[NamedThing] = field(default_factory=list)
+    mentioned: list[NamedThing] = field(default_factory=list)  # nouns with a surface
     absent: set[int] = field(default_factory=set)  # numbers of the look words whose object the scene lacks
     unused: set[int] = field(default_factory=set)  # numbers of the look words that are left out
     lacking: list[str] = field(default_factory=list)  # says which words describe objects that the scene lacks

@@ -55,8 +55,7 @@ class NounMention:
     start: int  # place of its first item
     end: int  # place of its last item
     text: str
-    # kind of thing by the vocabulary's nouns; "others" for what was not named, "unknown" for an unknown word
-    noun: str = ""
+    noun: str = ""  # kind by the vocabulary's nouns; "others" for what was not named, "unknown" if unknown
     role: str = ""  # "key", "fill" or "rim", where it names one
     named: tuple[Named, ...] = ()  # what it may name in the scene
     members: int = 1  # of several nouns, how many

@@ -68,15 +68,13 @@ class Confined:
 
     advice: Advice  # objects and attributes O, prompts p and negative prompts p⁻
     plan: Plan  # range and priority π_i of every parameter, by key
-    # key -> (l_i, u_i) in schema units, azimuths turned to where the values are
-    ranges: dict[str, tuple[Values, Values]]
+    ranges: dict[str, tuple[Values, Values]]  # key -> (l_i, u_i) in schema units, azimuths turned to values
     lower: Tensor  # (N,) lower corner of the feasible box in u
     upper: Tensor  # (N,) upper corner
     u: Tensor  # (N,) the point, projected into the box
     shots: Sequence[ShotState]  # they draw and judge; all of them are corrected near the point
     number: int = 0  # of the round, over all starts
-    # by how much ranges are wider than the plan's, because claims are missed; 0 in the first round
-    opening: float = 0.0
+    opening: float = 0.0  # by how much ranges are wider than the plan's; 0 in the first round
 
 
 class Confiner:

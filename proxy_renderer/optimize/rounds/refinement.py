@@ -54,8 +54,7 @@ class Outcome:
     vector: ParameterVector  # the parameters of u
     u: Tensor  # (N,) the best point that a round ended at; see `ParameterVector.values`
     plan: Plan  # that round's plan
-    # key -> that round's (lower, upper) in schema units, azimuths turned as the values are
-    ranges: dict[str, tuple[Values, Values]]
+    ranges: dict[str, tuple[Values, Values]]  # key -> that round's (lower, upper), as in `Confined`
     optimized: set[str]  # keys that some round optimized
     goals: Goals  # the words' wishes
     prompts: Prompts  # the encoder's captions
@@ -68,8 +67,7 @@ class Outcome:
     descent: Descent | None = None  # of the round that ended at u
     reference: Reference | None = None  # the image that replaces words, or adds to them
     stopped: bool = False  # whether the observer ended the loop
-    # all variants, if several were asked for; the one of least loss first
-    variants: list[Outcome] = field(default_factory=list)
+    variants: list[Outcome] = field(default_factory=list)  # all, if several were asked for; least loss first
 
 
 @dataclass(frozen=True)

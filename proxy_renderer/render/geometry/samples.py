@@ -30,8 +30,7 @@ class Samples:
     place: Tensor  # (2, N) picture position in pixels
     layer: Tensor  # (N,) how many surfaces their rays have passed before, at least
     hits: Hits  # what the samples' rays meet
-    # material index, first and last-plus-one sample of every material in view
-    slices: tuple[tuple[int, int, int], ...]
+    slices: tuple[tuple[int, int, int], ...]  # of every material in view: index, first, last-plus-one sample
     surfaces: int  # how many samples meet a surface; the others see the background
     first: Tensor  # (P,) a sample of every pixel
     others: Tensor  # (E,) the samples that are no pixel's `first`

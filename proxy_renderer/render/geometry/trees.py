@@ -103,8 +103,7 @@ class TriangleClass:
     tree: TriangleTree  # the triangles
     hidden: frozenset[str]  # kinds of rays that pass them, of `RAYS`
     clear: bool  # whether they may let light through
-    # the glowing material of which they all are, which casts no shadow in its own light; -1 for others
-    material: int
+    material: int  # the glowing material of them all, which casts no shadow in its own light; -1 for others
 
 
 def classes_of(

@@ -39,8 +39,7 @@ _ROUND = 0.6
 class EmitterLight(PointLight):
     """A part of a glowing surface, in place of a point light."""
 
-    # (3, 3) symmetric: the root of w.form.w is how brightly it shines to the unit vector w and to -w
-    form: Tensor
+    form: Tensor  # (3, 3) symmetric: the root of w.form.w is how bright it is to unit vectors w and -w
     lean: Tensor  # (3,) what it shines more to w than to -w, as a factor of w
     material: int  # of the surface
 

@@ -87,8 +87,7 @@ class Sky:
     turn: Tensor  # () rotation of the picture around the vertical, radians
     backdrop_color: Tensor  # (3,) the same as `color` for what the camera sees
     backdrop_turn: Tensor  # () likewise
-    # (3,) tint of that at the horizon, which fades towards the top of the image; None for none
-    horizon: Tensor | None = None
+    horizon: Tensor | None = None  # (3,) tint at the horizon, which fades towards the top; None for none
 
     @property
     def plain(self) -> bool:

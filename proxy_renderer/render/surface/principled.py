@@ -204,8 +204,7 @@ class IncidentLight:
     highlights: Sequence[AreaSpecular]  # one per lamp, shadowed
     view: Float[Tensor, "7 n"]  # (7, N) albedo basis at the viewing cosine
     reflected: ReflectedRadiance  # radiance around the mirror direction
-    # (3, N) radiance seen through the surface, None where nothing is transparent
-    behind: Float[Tensor, "3 n"] | None
+    behind: Float[Tensor, "3 n"] | None  # (3, N) radiance seen through the surface; None if it is opaque
 
 
 @dataclass(frozen=True)

@@ -35,8 +35,7 @@ class GlowShares:
     # (A, M) of their hemisphere, weighed by the cosine, that each material's glow fills; 0 for what lamps
     # stand for
     wide: Tensor
-    # for each of `BLURS`, (A, M) of the reflection of a surface of that roughness
-    blurred: tuple[Tensor, ...]
+    blurred: tuple[Tensor, ...]  # for each of `BLURS`, (A, M) of the reflection of such a surface
 
 
 def glow_of(

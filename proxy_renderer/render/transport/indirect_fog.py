@@ -40,8 +40,7 @@ class IndirectFog:
 
     ambient: Tensor  # (A,) transmittance of the world's light
     passing: Tensor  # (A,) transmittance between the point and the surfaces that light it diffusely
-    # (A, S) transmittance of the whole path from a source over such a surface to the point
-    path_transmittance: Tensor
+    path_transmittance: Tensor  # (A, S) transmittance from a source over such a surface to the point
     light_transmittance: Tensor  # (A, S) transmittance from a source to those surfaces
     scattered: Tensor  # (A, 3) irradiance from light that the fog scatters
     haze: Tensor  # (A, 3) in-scattered radiance in the mirror direction, as if the fog were endless there

@@ -45,13 +45,11 @@ class ClaimText:
     measure: str  # a key of `claims.measures.registry.MEASURES`
     lower: Values = (-math.inf,)  # of the interval, a number for each that the measure gives
     upper: Values = (math.inf,)  # likewise
-    # what is enough of a change since the artist's picture; None if only the interval counts
-    change: float | None = None
+    change: float | None = None  # that is enough since the artist's picture; None if only the interval counts
     near: bool = True  # whether a change is enough near the interval only
     color: str = ""  # "#rrggbb" in whose direction a tint counts; "" for measures that need none
     box: Values = ()  # left, upper, right and lower end in the frame, as shares of its width and height; () for all of it
-    # of a step while values are sought; 0 of what is not sought, but what a picture has, from where "colder" goes
-    weight: float = 1.0
+    weight: float = 1.0  # of a step while values are sought; 0 of what is only stated, for "colder"
     reason: str = ""  # why it is claimed; "" where the word says it
     by: bool = False  # whether both ends are noticeable steps from what the artist's picture has
 
@@ -144,11 +142,9 @@ class Quantity:
 
     name: str  # its key in the table
     says: str  # what it is called in sentences
-    # whether of two words one has its way, though they name it by different parameters or measures
-    exclusive: bool = False
+    exclusive: bool = False  # whether of two words one has its way, even if they name different parameters
     softly: bool = False  # whether its classes are meant under "slightly" too
-    # name of a class -> what it claims of the image
-    classes: Mapping[str, tuple[ClaimText, ...]] = field(default_factory=dict)
+    classes: Mapping[str, tuple[ClaimText, ...]] = field(default_factory=dict)  # class -> what it claims
     softer: Mapping[str, str] = field(default_factory=dict)  # class -> class under "slightly"
 
 
@@ -157,11 +153,9 @@ class QuantityTable:
     """All quantities, and what belongs to each."""
 
     by_name: Mapping[str, Quantity]  # name -> quantity, in the order of the table
-    # "OWNER/PARAMETER MODE", "OWNER/PARAMETER" or a family of parameters -> name of its quantity
-    parameters: Mapping[str, str]
+    parameters: Mapping[str, str]  # "OWNER/PARAMETER MODE", "OWNER/PARAMETER" or a family -> its quantity
     measures: Mapping[str, str]  # "PART MEASURE" or "MEASURE" -> name of its quantity
-    # MEASURE -> noticeable steps of change from which judges saw it; infinite where no change told them
-    seen: Mapping[str, float]
+    seen: Mapping[str, float]  # MEASURE -> noticeable steps from which judges saw it; inf if none told them
 
     def of_parameter(self, owner: str, family: str, mode: str) -> str:
         """The quantity that an effect of the "key" on "light/power" serves, by the most specific row. Raises VibeError for none."""

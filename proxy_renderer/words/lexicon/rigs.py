@@ -49,8 +49,7 @@ class RigLight:
     own: str = ""  # the light of the scene that it is, where a prompt names it; "" otherwise
     through: str = ""
     pattern: str = ""
-    # materials of the lamp of the picture in which it burns, where a prompt names one
-    worn: frozenset[str] = frozenset()
+    worn: frozenset[str] = frozenset()  # materials of the lamp in which it burns, where a prompt names one
 
     @property
     def is_warm(self) -> bool:
@@ -134,8 +133,7 @@ class RigTable:
 
     rigs: Mapping[str, Rig]  # vocabulary entry -> the rig that it stands for
     modifiers: Mapping[str, Modifier]  # vocabulary entry -> what it changes
-    # words in the names of times and hours that are lights themselves
-    luminaries: frozenset[str] = frozenset()
+    luminaries: frozenset[str] = frozenset()  # words in names of times and hours that are lights
 
     def modifier(self, entry: str) -> Modifier | None:
         """What a word changes about lights, a color temperature in kelvins too; None if it changes nothing."""

@@ -48,8 +48,7 @@ class Vocabulary:
     adjectives: dict[str, dict[str, str]]  # word -> kind of thing (or "otherwise") -> entry name
     absent: dict[str, str]  # kind of thing -> entry that the lack of it means: "no shadows"
     picks: dict[str, str]  # word -> which one of several it picks out, see `mentions.with_picks`
-    # "lightness", "off", "leave", ... -> words that are looked for by themselves
-    words: dict[str, frozenset[str]]
+    words: dict[str, frozenset[str]]  # "lightness", "off", ... -> words that are looked for by themselves
     roles: dict[str, str]  # word of a light's name -> the role of that light
     typed: dict[str, str]  # word that is typed in a hurry -> the word that is meant
     # kind of thing -> entry or adjective -> entry, where words say nothing of it themselves: "a calm lamp"
