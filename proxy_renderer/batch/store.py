@@ -29,8 +29,7 @@ from .manifest import Job, Jobs, Take
 JobRow = dict[str, Any]
 DONE, FAILED, LOG = "done.json", "failed.json", "log.txt"
 FINAL, FRAMES = "final.json", "frames"
-TOKEN = "batch.json"
-"""Names this results folder, so that other machines can tell whether they see the same one."""
+TOKEN = "batch.json"  # names this results folder: do two machines see the same one?
 
 
 class Store:

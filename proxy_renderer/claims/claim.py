@@ -23,12 +23,9 @@ from .measures.picture import MeasuredPicture, is_black, region_of
 
 _FEW = 16  # pixels of which nothing can be said
 _SEEN = 0.05  # share of a region that is left, at least, when what words color is left out
-_AIR = ("haze", "air_lightness", "tint")
-"""Measures of the air before what lies around: before the subject, if nothing else is seen."""
+_AIR = ("haze", "air_lightness", "tint")  # before what lies around; before the subject, if it is alone
 
-_NEARLY = 1.0
-"""Changes from the interval, from where a change is enough: what was very blue is not warm for being a little less so."""
-
+_NEARLY = 1.0  # changes from the interval, from where a change is enough: what was very blue is not warm yet
 HOLDS = 1.0  # a claim that is missed by no more noticeable steps holds
 
 _INSIDE, _INSIDE_COLOR = 0.5, 0.85

@@ -48,8 +48,7 @@ _PLACES = (6, 4)  # of the image, across and down, that stay as they are each by
 # OKLab, times 100, by which a place may change; the same if words say that it stays
 _STILL, _EXACT = (1.0, 0.4, 0.4), (0.5, 0.2, 0.2)
 _HELD = 0.3  # weight of a place
-_COLORED = ("light_color", "cast", "saturation", "color")
-"""Quantities of the whole image that leave its lightness as it is."""
+_COLORED = ("light_color", "cast", "saturation", "color")  # of the whole image, and they leave its lightness
 
 
 def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:

@@ -20,8 +20,7 @@ from ..schema.options.table import named
 from ..schema.sentences import about_steps, plain
 
 DEMO_PROMPT = "Glossy teal on a pale sand background, warm soft light, slight vignette"
-_HOW = ("picture", "budget", "reach", "engine", "render")
-"""Headings of the options that say how a vibe is carried out, whatever the scene."""
+_HOW = ("picture", "budget", "reach", "engine", "render")  # headings of options for whatever scene
 
 
 def _add_scene(parser: argparse.ArgumentParser, optional: bool = False) -> None:

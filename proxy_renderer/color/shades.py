@@ -28,13 +28,11 @@ _SHADES = {
     "purple": ("#7e1e9c", "#9a0eea", "#c8a0f0", "#40085a", "#580f41"),
     "pink": ("#ff7eb6", "#e6007e", "#ffc0d0", "#fc8eac"),
 }
-_UNIQUE = ("#c40233", "#ffd300", "#009f6b", "#0087bd")
-"""Red, yellow, green and blue that have nothing of each other: the elementary colors of the Natural Color System."""
+_UNIQUE = ("#c40233", "#ffd300", "#009f6b", "#0087bd")  # the elementary colors of the Natural Color System
 _GRAYISH_OKLAB = 0.04  # OKLab chroma below which a color has no hue to give or to keep
 _WIDEST, _MOST = 124.0, 1.5
 """Degrees, and steps between elementary colors, by which two hues differ at most that mix: green and blue do, by 122 and 1.45."""
-_TO_GRAY, _FROM_GRAY = 0.75, 0.2
-"""Share of its chroma that a color loses to a gray tinge, and that a gray takes from its tinge."""
+_TO_GRAY, _FROM_GRAY = 0.75, 0.2  # share of its chroma lost to a gray tinge, and taken on by a gray
 
 
 def shade(

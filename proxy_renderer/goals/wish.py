@@ -123,8 +123,7 @@ _OF_COLORS = {
     "glow": "color",
 }  # fmt: skip
 """Kind of thing -> the quantity of its color; of all others it is the color of the light."""
-_OF_LIGHT = ("direction", "hardness", "light_color")
-"""Quantities whose classes speak of the key light, or of light as a whole."""
+_OF_LIGHT = ("direction", "hardness", "light_color")  # their classes speak of the key, or of all light
 _OF_MATTER = ("color", "finish", "substance")
 _NO_MATTER = ("light", "fog", "tone", "shadow")  # kinds of things of which a word says nothing of a surface
 

@@ -17,8 +17,7 @@ from . import regions
 _CORNERS = torch.tensor([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 _TRIES = 8
 
-_EVERY_PLAIN = 2
-"""Step between the views of a subject that stand on the mean color of its surroundings; the first one does."""
+_EVERY_PLAIN = 2  # step between the views of a subject that stand on its surroundings' mean color
 
 
 def quads(

@@ -18,8 +18,7 @@ SAMPLES = 16
 LONGEST = 30.0  # seconds that a picture may take; after a slower one no more are asked for
 _FAILURES = 2  # in a row, after which no more pictures are asked for
 
-AnchorRequest = Callable[[messages.Anchor], messages.Anchored | None]
-"""Sends a request to Blender; None if the loop is to end instead."""
+AnchorRequest = Callable[[messages.Anchor], messages.Anchored | None]  # to Blender; None to end the loop
 
 
 class BlenderPictures:

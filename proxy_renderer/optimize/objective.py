@@ -38,8 +38,7 @@ _TOGETHER = 32  # backward passes that share their operations: each takes the me
 _NEAR = 5.0  # noticeable steps inside of an end of what is sought, from where one step does not lose it
 _STEP = 0.02  # of its range, by which a component is moved: shadows that move are traced anew, and have some grain
 
-_Judge = Callable[[Sequence[Render], Tensor], Assessment]
-"""Judges the images of all shots at a point (N,), differentiable in both."""
+_Judge = Callable[[Sequence[Render], Tensor], Assessment]  # of all shots at a point (N,), differentiable
 
 
 class RoundObjective:

@@ -37,8 +37,7 @@ _CLEAR = 2.0  # how many times larger than the second a structure has to be
 _ALONE = 0.9  # share of the level surfaces around the subject that are its only ground
 _NEAR = 0.08  # of the scene's height: two levels within it are one
 _WALL = 0.4  # least share of a wall among several, of the largest one's
-_STEP, _NEAR_GROUND = 0.02, 0.25
-"""How far a floor lies above the ground that its room stands on, of the scene's height."""
+_STEP, _NEAR_GROUND = 0.02, 0.25  # of the scene's height: a floor lies so far above its ground
 _TALL, _HIGH = 0.4, 0.6  # of the scene's height: least height of walls, and where roofs begin
 _PLACE_SIDE = 100  # pixels of the square image that places are measured in
 

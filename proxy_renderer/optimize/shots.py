@@ -29,8 +29,7 @@ from .scene_facts import described_now
 from .vector import ParameterVector
 
 LOCKED = "locked by you"
-MOVES = "it changes from shot to shot in your scene"
-"""Why a value is locked that differs between shots of one .blend."""
+MOVES = "it changes from shot to shot in your scene"  # why a value is locked that differs in one .blend
 
 _HERE = 0.01  # of a component's whole range: so near to an anchor, its correction is as good as a new one
 _NEAR = 0.25  # of a component's whole range: so far an old correction is better than none

@@ -14,8 +14,7 @@ from ..planning.types import Plan
 from ..schema import Instance, Values
 
 _FLATTEST = 0.05
-_STRIDE, _FLAT_STRIDE = 0.01, 0.15
-"""Moves of u at which a picture changes enough for a slope: usually, and near the lower end of a scale that is flat there."""
+_STRIDE, _FLAT_STRIDE = 0.01, 0.15  # moves of u for a slope: usual, and near the flat end of a scale
 _FLAT_FROM, _FLAT_BELOW = 2.5, 0.25  # exponent of such a scale, and where that end ends
 _TURN = 360.0
 _NARROW = 0.15  # of a whole scale: how wide a range counts at least where it opens

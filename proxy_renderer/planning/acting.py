@@ -21,10 +21,8 @@ from .types import LightPlan
 _PALE, _WHITE = 80.0, 93.0  # L* of pale and of white surroundings
 _HIDDEN = 60.0  # degrees of hue between a thing and its light from which neither looks as named
 _MAIN = 1  # priority of what a word is mainly about
-_LIT = ("direction", "hardness", "light_color", "key_to_rest", "brightness")
-"""Quantities of the light that a rig gives."""
-_SHEDS = ("light/", "world/", "volume/", "film/vignette", "film/exposure")
-"""Families of parameters that a rig sets itself."""
+_LIT = ("direction", "hardness", "light_color", "key_to_rest", "brightness")  # of light: a rig gives them
+_SHEDS = ("light/", "world/", "volume/", "film/vignette", "film/exposure")  # families that a rig sets itself
 _BESIDE_LIGHT = 0.5  # strength of a mood's grade where a rig gives it its light
 STAGES = 3  # how many there are, see `stage_of`
 Act = tuple[Wish, Effect]  # an effect, with the wish that it serves and with what that describes in the scene

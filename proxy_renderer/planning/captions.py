@@ -18,15 +18,13 @@ from ..words.lexicon.vocabulary import Vocabulary
 from ..words.types import Attribute, Parsed
 
 _MOST = 5  # words per caption: short ones are understood better
-_BEFORE = {"finish": 1, "color": 2, "material": 3}
-"""Slot -> place of its words before a noun; others come first."""
+_BEFORE = {"finish": 1, "color": 2, "material": 3}  # slot -> place before a noun; others come first
 _OF_MATTER = ("color", "finish", "material", "setting")
 _OF_ALL = ("lighting", "atmosphere", "grade", "mood")
 _KINDS = {"subject": ("subject", "highlight", "glow"), "surroundings": ("surroundings", "sky")}
 """Region -> kinds of things whose matter is seen there."""
 _ALL = {"subject": "silhouette", "surroundings": "fog"}  # region -> what is all that is seen of it
-_UNNAMED = {"subject": "object", "surroundings": "background"}
-"""Region -> what it is called where the prompt does not say."""
+_UNNAMED = {"subject": "object", "surroundings": "background"}  # region -> what it is called otherwise
 _COLORED = ("light", "fill", "rim", "shadow", "highlight", "glow", "ambience")
 """Kinds of things that a color needs beside it to be understood: "blue shadows"."""
 

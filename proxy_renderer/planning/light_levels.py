@@ -60,8 +60,7 @@ class Sources:
     key: float = 0.0  # radiance, before exposure, of a white surface that faces the key; 0 without one
 
 
-_MIRED = (0.0029, -0.0009, -0.0072)
-"""By how much the logarithms of warm light's red, green and blue grow per mired (1e6 / K): about `color.blackbody`."""
+_MIRED = (0.0029, -0.0009, -0.0072)  # growth of the logarithms of warm light's RGB per mired (1e6 / K)
 _WHITE: Values = (1.0, 1.0, 1.0)
 
 Value = Callable[[Instance], Values]

@@ -122,12 +122,9 @@ def reason_of(attribute: Attribute, phrase: str) -> str:
     return f"'{attribute.word}'{what}" + (f" ({phrase})" if plain else "")
 
 
-_OF_SHADOWS = ("size", "angle")
-"""Parameters that begin well inside of their ranges: edges of shadows have slopes that say little of where hardness is found."""
-_WELL_INSIDE = 0.75
-"""Where, from the end that is nearer to the artist's value: the sun's shadows are hard, not just harder."""
-_RELATIVE = ("shade", "times", "plus", "near", "lightness")
-"""Modes of effects on what a thing has, or what its material gives it: fresh asphalt is a smoother dark gray."""
+_OF_SHADOWS = ("size", "angle")  # they begin well inside: edges of shadows have slopes that say little
+_WELL_INSIDE = 0.75  # from the end nearer to the artist's value: a sun's shadows are hard, not just harder
+_RELATIVE = ("shade", "times", "plus", "near", "lightness")  # on what a thing has, also by its material
 _SEEN_GLOW = 0.02  # emission from which a material glows
 _GRADES = {
     "film/contrast": (0.8, 1.3), "film/saturation": (0.0, 1.45), "film/vignette": (0.0, 0.5),

@@ -28,8 +28,7 @@ _RISES = (0.0, 12.0, -10.0, 24.0)
 _NEARER = (1.0, 0.75, 0.55, 0.4)
 _ASIDE, _OFF, _CLOSE, _OTHER_SIDE = 110.0, 80.0, 0.25, 0.03
 """Degrees of azimuth and of elevation, share of the distance, and the other side: what each costs, in shares of the subject."""
-_SHOWN, _GLARE = 0.003, 0.2
-"""Share of the picture from which water or a polished floor shows a lamp, and what that costs, in shares of the subject."""
+_SHOWN, _GLARE = 0.003, 0.2  # of the picture in which water or a polished floor shows a lamp, and its cost
 _ENOUGH = 0.04  # share of the light without anything in the way from which a place will do
 _LIKE, _AS_HIGH = 30.0, 20.0  # degrees within which a light of the scene stands where a rig wants one
 _NEAR = 9.0  # radii from the subject within which a lamp of the scene lights it

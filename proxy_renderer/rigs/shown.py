@@ -16,8 +16,7 @@ from .chosen import ChosenRig
 from .places import Placed
 from .stage import LightStage
 
-_ASIDE, _BEHIND, _BEFORE = 0.6, -0.5, 0.85
-"""Cosines with the camera's axes from which light comes from a side, from behind, and from the camera."""
+_ASIDE, _BEHIND, _BEFORE = 0.6, -0.5, 0.85  # with the camera's axes: from a side, from behind, from it
 _SEEN = 0.2  # what a measure of direction has, at least, where the side of the light is seen
 _RATIO = 0.45  # share of the stops between key and fill that is left on a subject with bounce and highlights
 _LARGE = 3.0  # stops from which key and fill are told apart

@@ -29,8 +29,7 @@ _FEW = 8
 _WIDE = 0.85  # share of the subject's points within its radius
 _LEAST_RADIUS = 0.02  # of the distance of the camera
 _SKY = tuple(itertools.product(range(-180, 180, 45), (14.0, 32.0, 60.0)))  # azimuths and elevations
-_LEVEL, _SMOOTH = 0.95, 0.25
-"""Height of a normal, and roughness, from and below which a surface mirrors lights as water does."""
+_LEVEL, _SMOOTH = 0.95, 0.25  # of a normal's height, and roughness below which a surface mirrors as water
 _PLAIN = 0.5  # albedo of what is not known
 
 

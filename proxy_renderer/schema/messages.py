@@ -307,8 +307,7 @@ def check_schema(theirs: str, who: str) -> None:
         raise VibeError(problem, "Install the same version of vibe-render for Blender and for the engine.")
 
 
-ClaimVerdict = Mapping[str, Any]
-"""A row of the report's `claims`; `proxy_renderer.claims.claim` says what is in it."""
+ClaimVerdict = Mapping[str, Any]  # a row of the report's `claims`, see `proxy_renderer.claims.claim`
 
 
 def word_states(rows: Sequence[ClaimVerdict]) -> dict[str, str]:

@@ -28,8 +28,7 @@ ROLES: dict[str, str] = {
 }
 """Every role and the parameter group of its values. A camera belongs to its scene, not to a look."""
 
-Entry = dict[str, list[float]]
-"""Values of one material, light, …: parameter name to components, in multiples of its reference."""
+Entry = dict[str, list[float]]  # of one material, light, …: name to components, in references
 
 LIGHT_TYPES: tuple[str, ...] = tuple(
     dict.fromkeys(t for p in PARAMETERS if p.group == "light" for t in p.only)

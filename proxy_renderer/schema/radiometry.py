@@ -16,8 +16,7 @@ _UNIT_ENERGY = {
     "AREA": math.pi**2,
     "SUN": math.pi,
 }
-TABLE_TOE, TABLE_STOPS = 2.0**-10, 16.0
-"""The compositor's table has scene-linear colors at TOE · (2 ** s - 1), s evenly from 0 to STOPS."""
+TABLE_TOE, TABLE_STOPS = 2.0**-10, 16.0  # the compositor's table: TOE · (2 ** s - 1), s from 0 to STOPS
 _AT_INFINITY = ("SUN",)  # their energy is an irradiance, which no distance changes
 
 

@@ -100,8 +100,7 @@ def _is_direction(instance: Instance) -> bool:
     return instance.parameter.family == "light/azimuth"
 
 
-SLOTS = ("color", "material", "lighting", "style", "mood", "shape")
-"""Attributes of an object (section 3.5 of the paper)."""
+SLOTS = ("color", "material", "lighting", "style", "mood", "shape")  # of an object (the paper's section 3.5)
 
 REGIONS = ("subject", "surroundings")
 _DIGITS = 4

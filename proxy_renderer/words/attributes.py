@@ -25,14 +25,12 @@ NamedThing = tuple[str, Region, tuple[str, ...]]  # name, region and materials
 _DARKEST = 12.0  # L* of a color below which no light has it
 _COLORED = dict.fromkeys(LIGHTS, "lighting") | {"fog": "atmosphere", "glow": "material"}
 """Kind of thing -> slot that a color word about it counts for."""
-_OUTER = {"surroundings", "atmosphere", "setting", "fog"}
-"""Regions, slots and kinds of what is not the subject's."""
+_OUTER = {"surroundings", "atmosphere", "setting", "fog"}  # slots and kinds around the subject
 _BLACK = 12.0  # L* of a black thing whose form can be seen
 _DARKEST, _LIGHTEST = 14.0, 78.0  # L* of lit things of a strong color, navy and yellow
 _STRONG = 30.0  # C* that lit things show in full
 _KEPT = 0.7  # share of the chroma beyond that
-_WARM_LIGHT, _COOL_LIGHT = (1.0, 0.7, 0.35), (0.5, 0.7, 1.0)
-"""sRGB that stands for light below and above the temperatures that count as white."""
+_WARM_LIGHT, _COOL_LIGHT = (1.0, 0.7, 0.35), (0.5, 0.7, 1.0)  # sRGB of light below and above white
 _WHITE = (5000.0, 7000.0)  # kelvins
 _APART = 60.0  # degrees of hue from which one light cannot have both colors
 

@@ -19,12 +19,10 @@ from .lexicon.word_table import Nearest, table
 from .names import scene_names
 from .types import SceneDescription
 
-TIES = ("link", "around", "joiner", "comparison", "exception")
-"""Lists of words that only say how their neighbors belong together."""
+TIES = ("link", "around", "joiner", "comparison", "exception")  # they say how neighbors belong together
 _LONGEST = 5  # words in a phrase
 _SHORTEST, _SHORTEST_FOREIGN = 4, 6  # characters of a word that may be mistyped
-_COMPARED = ("finish", "grade", "mood", "atmosphere")
-"""Slots of words of which there can be more: "glossier", "moodier", "drier"."""
+_COMPARED = ("finish", "grade", "mood", "atmosphere")  # slots of "glossier", "moodier", "drier"
 _NAME_ALIKE, _ALIKE = 0.86, 0.84  # share of characters that a mistyped name, and any other word, has right
 _BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*=+]|#(?![0-9a-f]{6}\b)|\s[-–—/]\s|/")
 _WORD = re.compile(r"#[0-9a-f]{6}\b|[^\W_]+(?:'[a-z]+)?")  # a word, or a color by its number: "#c8102e"

@@ -25,8 +25,7 @@ _IS = "the {} is "
 _MOST = 4  # words of a value; more are a sentence of their own
 _AND = re.compile(r"\s*(?:,|\band\b|\bor\b)\s*")
 
-KeyedSpan = tuple[str, int, int]
-"""Name in the scene, and start and end of the passage after it and a colon: "Cup: copper"."""
+KeyedSpan = tuple[str, int, int]  # name in the scene, start and end of what follows: "Cup: copper"
 Protection = tuple[str, tuple[str, ...]]
 """A passage that says that something stays, "leave the cup alone", and the owners that stay; none if it names nothing."""
 

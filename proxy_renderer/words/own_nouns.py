@@ -18,8 +18,7 @@ from .targets import MATTER, SURFACE, PromptPairs, TargetPair
 from .types import MaterialLook, SceneDescription
 
 _NO_MATTER = ("light", "fill", "rim", "sky", "fog", "shadow")  # kinds of nouns without a surface
-_STOPS = ("around", "comparison", "exception")
-"""Lists of words over which a look is not said of the noun before them: "a cup on red"."""
+_STOPS = ("around", "comparison", "exception")  # no look crosses them to the noun: "a cup on red"
 _MAIN = 0.6  # share of the subject from which one material is what a name for the subject means
 _ALL = 0.95  # the same of a name for what things wear: a snowman is no scarf
 _WIDE = 0.5  # share of the image's width from which something upright or level may be a part of a room

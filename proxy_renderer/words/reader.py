@@ -38,8 +38,7 @@ _PLAIN = "Use plain look words that the vocabulary knows."
 _UNSURE = 0.35
 """Probability that a word is no look from which it is not used; chosen on a half of tests/words/ordinary_words.toml."""
 _LESS = 0.7  # share of the opposite that "less" asks for
-_KINDS = {"lights": "light", "key": "light", "air": "fog"}
-"""Kind of target -> kind of thing, where they differ."""
+_KINDS = {"lights": "light", "key": "light", "air": "fog"}  # of target -> of thing, where they differ
 _OF_SLOT = {"lighting": "light", "atmosphere": "fog", "grade": "tone", "setting": "surroundings"}
 """Slot -> kind of thing that its words are about in an image as a whole."""
 _PAINTS = ("color", "material")  # slots of which a surface has one each

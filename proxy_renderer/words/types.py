@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from .lexicon.vocabulary import Vocabulary
 
 T = TypeVar("T")
-Part = Literal["subject", "surroundings", "sky", "picture"]
-"""A part of the picture that a claim speaks of; the sky is what is seen of the world."""
+Part = Literal["subject", "surroundings", "sky", "picture"]  # of a claim; the sky is what is seen of it
 Corners = tuple[tuple[float, ...], tuple[float, ...]]  # the least and the greatest corner of an object
 
 
@@ -66,8 +65,7 @@ class PictureStats:
     percentiles: tuple[float, float, float] | None = None  # L* of the image at 5, 50 and 95 percent
 
 
-WEAKEST, STRONGEST = 0.05, 3.0
-"""Strengths of words, however many intensities stand before them: "very, very, very dark" is as dark as it gets."""
+WEAKEST, STRONGEST = 0.05, 3.0  # of words: "very, very, very dark" is as dark as it gets
 GLOW = "material/"  # how a material whose glow counts as a light is called among lights: this and its name
 
 

@@ -14,10 +14,7 @@ from .picture import FEW, GRAIN, MeasuredPicture, largest_around
 
 _FLOOR = 0.004  # linear luminance below which differences are not seen on a display in a lit room
 _HIGHLIGHTS = (0.03, 0.06)  # how far the sides of a highlight are, in roots of a region's area
-
-_BEND = 0.5
-"""Cosine between normals beyond which two places do not lie on one surface, but on both sides of an edge."""
-
+_BEND = 0.5  # cosine between normals beyond which two places lie on both sides of an edge
 _EVEN = 0.15  # stops per pixel by which a texture may change: the edges of a pattern are no shadows
 _SPOT = 0.002  # the share of a region that the sharpest highlight fills at least
 _CLEAR = 1e-3  # weight of what no fog hides

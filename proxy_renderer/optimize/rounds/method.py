@@ -24,8 +24,7 @@ from ..vector import ParameterVector
 from .confiner import Confined
 from .selection import Selection, select
 
-VARIABLE = "VIBE_METHOD"
-"""Environment variable with a plug-in, MODULE:CLASS, that the engine uses in place of the product's method."""
+VARIABLE = "VIBE_METHOD"  # a plug-in, MODULE:CLASS, that the engine uses in place of the product's method
 
 
 class Method:

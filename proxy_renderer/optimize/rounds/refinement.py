@@ -42,8 +42,7 @@ ALIKE = 0.05
 many, and some that paint keeps from the image's color are missed to the end."""
 
 _FAR = 0.05  # of a component's whole range: what has moved less is not worth a picture of Cycles
-_KEPT = (0.0, 0.25, 0.5, 0.75)
-"""Shares of its way from the artist's value that a support may keep, the least first."""
+_KEPT = (0.0, 0.25, 0.5, 0.75)  # shares of its way that a support may keep, the least first
 _SAME = 0.1  # noticeable steps by which a claim may be farther from what is sought
 
 

@@ -34,9 +34,7 @@ from .method import Method
 from .selection import Selection
 
 _VALUES = 48  # that a round for a reference image may refine, at least
-
-_STRIDE = 0.05
-"""A projection that moves no value by more than this share of its whole range is not worth another anchor."""
+_STRIDE = 0.05  # of a value's whole range: a projection that moves none by more needs no new anchor
 
 
 class ImageJudge:

@@ -33,9 +33,7 @@ _MISSED = 3.0
 _FAINTEST = 2.0**-20
 
 _WORTH = 1.0  # noticeable steps that supporting parameters have to gain, or they stay as the artist has them
-
-ALIKE = 0.9
-"""Share of a parameter's effect on the claims that another one has too, from where they do the same."""
+ALIKE = 0.9  # share of a parameter's effect on the claims that another has too: they do the same
 _NOTHING_NEW = 0.1  # share of its gain that is left to it then, up to which it is held
 
 

@@ -13,8 +13,7 @@ from .vectors import dot
 from .visibility import Hits, RayGeometry, Surface
 
 EDGE_SAMPLES = 5
-_NEIGHBOR = 0.084
-"""Share that a pixel of one sample takes from each neighbor along an axis: the filter's variance of 0.17 square pixels."""
+_NEIGHBOR = 0.084  # a pixel's share of each neighbor along an axis: a variance of 0.17 square pixels
 _FILTER_WIDTH = 3.0  # pixels: twice what Blender says (1.5 by default), for Cycles takes it for a radius
 _FAINT = 0.004  # share of a ray below which it is not followed, and a hit does not count
 _MOST_LAYERS = 8

@@ -17,8 +17,7 @@ from embreex.mesh_construction import TriangleMesh
 
 from ...scene import SceneMesh
 
-RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
-"""Kinds of rays that an object may be hidden from, by Blender's names."""
+RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")  # an object may be hidden from them
 
 _SHARE = 8192  # rays that are worth a thread
 

@@ -25,13 +25,10 @@ from .clusters import k_means
 from .light_source import clipped_sphere
 from .light_types import PointLight
 
-_LEAST = 0.25
-"""Radiance from which a surface counts as a lamp: less is no brighter than what other lamps light."""
+_LEAST = 0.25  # radiance from which a surface counts as a lamp; less is no brighter than what lamps light
 _POINTS = 4096
-_COUNTS, _MORE = tuple(range(1, 13)), (16, 24, 32, 48, 64)
-"""Numbers of clusters: more for what is scattered, such as fairy lights."""
-_FINE, _COARSE = 1 / 30, 1 / 10
-"""Radii of clusters in distances of the view: fine ones need no further cut, larger ones than coarse are no points."""
+_COUNTS, _MORE = tuple(range(1, 13)), (16, 24, 32, 48, 64)  # of clusters: more for scattered fairy lights
+_FINE, _COARSE = 1 / 30, 1 / 10  # radii in distances of the view: finer needs no cut, coarser is no point
 _ROUND = 0.6
 
 
@@ -74,8 +71,7 @@ class EmitterLight(PointLight):
         return clipped_sphere(cosine, sine2)
 
 
-EmitterCluster = tuple[EmitterLight, float]
-"""A part of a glowing surface: as a light of color 1, and the power of one of radiance 1."""
+EmitterCluster = tuple[EmitterLight, float]  # as a light of color 1; the power of one of radiance 1
 
 
 class Emitters:

@@ -29,14 +29,12 @@ from .environment_suns import EnvironmentSun, EnvironmentSunLight, split
 _ROUGH_HEIGHT = 48
 _SHARP_HEIGHT = 512
 _SOFT = 0.5  # roughness that the world is blurred by where a few directions stand for all
-SATIN, GLOSSY = 0.2, 0.4
-"""Roughness of the blurred reflections between the mirror image and the diffuse light."""
+SATIN, GLOSSY = 0.2, 0.4  # roughness of reflections between the mirror image and the diffuse light
 _FIRST_BLUR, _BLUR_STEP, _BLURS = 0.1, 0.1, 6  # roughness of the blurred pictures
 _BLURRED_HEIGHT = 96
 _ROUGH = 0.3  # roughness from which lobes are so long that they need more parts
 _TAP_SIDE = 64
-_NARROWEST = 0.25
-"""Least width of a round lobe relative to the length of what it is a part of: narrower ones would show singly."""
+_NARROWEST = 0.25  # least width of a round lobe relative to the whole's length: narrower ones show singly
 
 
 class Environment:

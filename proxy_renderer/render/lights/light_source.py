@@ -25,8 +25,7 @@ from ..geometry.vectors import dot, tangents, within
 
 Vectors = Float[Tensor, "3 n"]
 Numbers = Float[Tensor, " n"]
-POINT_RADIUS = 1e-3
-"""Least angular radius of a light in radians: a true point would have no highlight in a mirror."""
+POINT_RADIUS = 1e-3  # radians, least of a light: a true point would have no highlight in a mirror
 
 
 @dataclass(frozen=True)

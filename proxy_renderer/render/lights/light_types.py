@@ -30,8 +30,7 @@ from .light_source import (
     offsets,
 )
 
-_SOFT_RIM = 0.01
-"""Radius of a spot, seen from a point, above which the rim of its cone is averaged over the light."""
+_SOFT_RIM = 0.01  # radius of a spot, seen from a point, above which its cone's rim is averaged
 _RIM_POINTS = 9
 _CORNERS = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
 _GAUSS = ((-0.861136, 0.173927), (-0.339981, 0.326073), (0.339981, 0.326073), (0.861136, 0.173927))

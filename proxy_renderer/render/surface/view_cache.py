@@ -31,9 +31,7 @@ from .defocus import Defocus
 from .direct_lights import DirectLight, DirectLights, ViewSamples
 from .edges import Silhouettes
 
-_SMALL_STEP = 0.02
-"""Part of a lamp's distance by which a gradient loop may move it before bounced light is traced again."""
-
+_SMALL_STEP = 0.02  # of a lamp's distance: a loop may move it so far before bounced light is traced again
 _LEAST_ALIKE = 0.1  # cosine between a mapped and the true normal below which the map does not count
 _GEOMETRIC = ("alpha", "normal", "far")
 

@@ -163,8 +163,7 @@ def _lebedev() -> Tensor:
     return around_x @ around_z @ axes
 
 
-DIRECTIONS = _lebedev()
-"""(3, 14) unit vectors over which the world's light is summed; the rule is exact to the fifth degree."""
+DIRECTIONS = _lebedev()  # (3, 14) unit vectors for the world's light; exact to the fifth degree
 WEIGHTS = torch.tensor([1 / 15] * 6 + [3 / 40] * 8)
 
 VisibilityTest = Callable[..., Tensor]

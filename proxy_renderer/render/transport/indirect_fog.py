@@ -27,8 +27,7 @@ from .secondary_hits import shadowed_irradiance
 _ACROSS = 24
 _DIFFUSE_RAYS = 6
 _SEGMENTS = 5
-_NEAR = 0.1
-"""First cut of a ray as a part of the view's distance: light scattered close by counts most in thick fog."""
+_NEAR = 0.1  # first cut of a ray, of the view's distance: in thick fog, light scattered close counts most
 
 
 @dataclass(frozen=True)

@@ -22,8 +22,7 @@ from ..lights.light_source import DirectIrradiance, LightSource
 from ..material.textures import MaterialTextures
 from .radiance_table import RadianceTable, hit_radiance
 
-_WORLD_AT_SECOND = 0.3
-"""Most of the world that surfaces of second bounces are taken to see; in rooms, which rays rarely leave, less."""
+_WORLD_AT_SECOND = 0.3  # most of the world that second bounces see; in rooms, which rays rarely leave, less
 
 
 _Bounce = tuple[int, Tensor, Surface, Tensor]
