@@ -154,10 +154,7 @@ def tidy(folder: Path) -> None:
 
 
 class Finals:
-    """A job for the final frames of every finished result.
-
-    Frames that have been rendered stay when a job is tried again, so that a time limit costs one frame at most.
-    """
+    """A job for the final frames of every finished result; rendered frames stay when a job is tried again."""
 
     def __init__(self, plan: Jobs, store: Store, frames: str) -> None:
         # frames: "1-24"; or "" for those that the look was made for, else the scene's own

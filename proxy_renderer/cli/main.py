@@ -31,10 +31,7 @@ class Help(argparse.HelpFormatter):
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Runs the command and returns its exit code.
-
-    It is 0, or 2 with one clear line for what the user can mend, or 1 with a line that names a log.
-    """
+    """Runs the command; returns 0, or 2 with a line for what the user can mend, or 1 with one that names a log."""
     arguments = _arguments(argv)
     try:
         return arguments.act(arguments)

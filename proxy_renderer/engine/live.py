@@ -88,10 +88,7 @@ def _reading(word: PromptWord) -> messages.WordReading:
 
 
 class Glances:
-    """Answers glances at one job after another.
-
-    A scene is loaded once, and its proxies stay: one for each set of lights and backdrops that words have asked for.
-    """
+    """Answers glances at one job after another; a scene stays loaded, with a proxy for each set of lights and backdrops."""
 
     def __init__(self) -> None:
         self._job = ""

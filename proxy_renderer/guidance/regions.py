@@ -72,10 +72,7 @@ def whole(pictures: Tensor, size: int) -> Tensor:
 
 
 def _homographies(corners: Tensor) -> Tensor:
-    """(B, 3, 3) maps of the square [-1, 1]² onto quadrilaterals (B, 4, 2).
-
-    The eight equations of the direct linear transform, with the ninth entry fixed to 1.
-    """
+    """(B, 3, 3) maps of [-1, 1]² onto quadrilaterals (B, 4, 2), by the direct linear transform with the ninth entry 1."""
     source = _CORNERS.to(corners).expand(len(corners), -1, -1)
     x, y = source.unbind(-1)
     u, v = corners.unbind(-1)

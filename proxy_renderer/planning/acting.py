@@ -130,10 +130,7 @@ def is_usual(wish: Wish, effect: Effect) -> bool:
 
 
 def stage_of(effect: Effect) -> int:
-    """What has to wait for what; the least comes first.
-
-    The world's strength for its color and for the key, glows for surfaces.
-    """
+    """What has to wait for what, the least first: the world's strength for its color and for the key, glows for surfaces."""
     if effect.color == "own":
         return 2
     return 1 if effect.mode == "share" or effect.family == "world/strength" else 0

@@ -82,10 +82,7 @@ def facing_radiance(
     value: Value,
     lights: Collection[str] | None = None,
 ) -> float:
-    """Radiance, before exposure, of a white surface that faces these lights, or all of them.
-
-    A glowing material is the light "material/NAME".
-    """
+    """Radiance, before exposure, of a white surface that faces these lights (a glow is "material/NAME"), or all of them."""
     found = {}
     for instance in instances.values():
         if instance.parameter.group == "light" and instance.parameter.name in ("power", "strength"):

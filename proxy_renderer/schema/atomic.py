@@ -13,10 +13,7 @@ from pathlib import Path
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A path in the same folder to write to; it takes the file's place at the end of the block.
-
-    If the block raises, the file is as it was, and nothing unfinished stays.
-    """
+    """A path to write to, in the file's folder, which takes its place at the end; if the block raises, nothing stays of it."""
     part = path.with_name(f"{part_prefix()}{uuid.uuid4().hex[:8]}-{path.name}")
     try:
         yield part

@@ -31,10 +31,7 @@ def angles(vector: Sequence[float]) -> tuple[float, float]:
 
 
 def frame(azimuth: float, elevation: float) -> Matrix:
-    """Rotation (rows of a 3x3 matrix) whose columns are right, up, and the direction to the viewer.
-
-    It is the orientation of a camera that stands at these angles and looks at the subject.
-    """
+    """Rotation (rows of a 3x3 matrix) with columns right, up and to the viewer, of a camera that looks at the subject."""
     a = math.radians(azimuth)
     zx, zy, zz = direction(azimuth, elevation)
     xx, xy = math.cos(a), math.sin(a)

@@ -252,10 +252,7 @@ _STUCK = "'{text}' is not changed: other objects have its material '{material}' 
 def with_own_materials(
     passage: Passage, scene: SceneDescription, vocabulary: Vocabulary
 ) -> tuple[SceneDescription, dict[str, str]]:
-    """The scene with a copy of each material that an object of the prompt shares with other objects.
-
-    Also returned is a sentence for each material that cannot be copied and has to stay.
-    """
+    """The scene with copies of materials that objects of the prompt share, and a sentence on each that has to stay."""
     wearers: dict[str, list[str]] = defaultdict(list)
     for thing, worn in scene.object_materials.items():
         for material in worn:

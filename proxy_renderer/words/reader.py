@@ -171,10 +171,7 @@ def _is_a_sun(entry: str) -> bool:
 
 
 def _deal_materials(read: PromptReading) -> None:
-    """Deals the materials of one noun out to its colors: "red, green and blue balls"; a note says so.
-
-    The first color gets the material of the largest object, and so on in turn.
-    """
+    """Deals a noun's materials out to its colors, the largest object's first: "red, green and blue balls"; a note says so."""
     described: dict[int, list[list[TargetPair]]] = defaultdict(list)
     for pair in read.chosen:
         if pair.target.kind == "things" and "several" in pair.target.signs and pair.sense.slot in _PAINTS:

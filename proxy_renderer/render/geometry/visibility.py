@@ -279,10 +279,7 @@ def facing(normal: Tensor, toward: Tensor) -> Tensor:
 
 
 def sphere_points(count: int, copies: int, generator: torch.Generator) -> Tensor:
-    """Stratified points in [0, 1)^2: (2, copies, count), each copy shifted at random.
-
-    The additive R2 sequence (Roberts 2018) spreads well for any count.
-    """
+    """Stratified points in [0, 1)^2: (2, copies, count), each copy shifted at random (R2 sequence, Roberts 2018)."""
     index = torch.arange(1, count + 1, dtype=torch.float64)
     base = torch.stack((index * 0.7548776662466927, index * 0.5698402909980532))
     shift = torch.rand((2, copies, 1), generator=generator, dtype=torch.float64)

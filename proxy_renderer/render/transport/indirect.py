@@ -170,10 +170,7 @@ class FinalGather:
     def following(
         self, gathered: IndirectLight, table: RadianceTable, lamps: Sequence[LightSource]
     ) -> IndirectLight:
-        """The same light with gradients with respect to the positions of lights that are learned.
-
-        These gradients, and nothing else, ignore fog between surfaces.
-        """
+        """The same light with gradients by the positions of lights that are learned; these ignore fog between surfaces."""
         moving = [(index, lamp) for index, lamp in enumerate(lamps) if lamp.moving]
         if not moving:
             return gathered

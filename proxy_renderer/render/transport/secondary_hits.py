@@ -170,10 +170,7 @@ class SecondaryHits:
         return [first, *((second, rays, surface, self._share[rays]) for rays, surface in self._seconds)]
 
     def moved(self, index: int, lamp: LightSource, table: RadianceTable) -> Tensor:
-        """Zeros (A, 3) with the gradient of the points' radiance with respect to a light's position.
-
-        The irradiance of the hits is differentiated, their shadows are not.
-        """
+        """Zeros (A, 3) with the gradient of the points' radiance by a light's position, shadows aside."""
         rows = table.radiances[: self.materials * len(self.incoming)].detach()
         rows = torch.cat((rows.view(self.materials, -1, 3), rows.new_zeros((1, len(self.incoming), 3))))
         total = torch.zeros((len(self.owner) // self.count, 3), device=rows.device)

@@ -157,10 +157,7 @@ class RigTable:
 
 @cache
 def rig_table() -> RigTable:
-    """The rigs and modifiers that are shipped, and on top of them those of the user's own `rigs.toml`.
-
-    Raises VibeError, which names file, line and remedy, if something in a file is wrong.
-    """
+    """The shipped rigs and modifiers, and the user's `rigs.toml` on top. Raises VibeError with file, line and remedy."""
     folder, own = Path(__file__).parent, config_folder() / "rigs.toml"
     every = read((folder / "rigs.toml").read_text("utf-8"), "rigs.toml")
     if own.is_file():

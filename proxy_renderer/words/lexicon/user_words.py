@@ -63,10 +63,7 @@ def user_file() -> Path | None:
 
 
 def extend(base: Vocabulary, path: Path) -> Vocabulary:
-    """A vocabulary with a user's file on top: its words win over those of the same spelling.
-
-    Raises VibeError, which names file, line and remedy, if something in the file is wrong.
-    """
+    """A vocabulary with a user's file on top, whose words win. Raises VibeError with file, line and remedy."""
     text, rows = _read(path)
     entries, synonyms, colors = dict(base.entries), dict(base.synonyms), dict(base.colors)
     looks = rows.get("look", {})
