@@ -23,7 +23,7 @@ from ..schema import FAMILIES
 from ..schema.radiometry import TABLE_STOPS, TABLE_TOE
 
 Picture = Float[Tensor, "*pixels 3"]
-Color = Float[Tensor, "#3"]
+Channels = Float[Tensor, "#3"]
 Amount = Float[Tensor, "*one"]
 _CLEAR = 1e-3  # coverage below which colors are too uncertain to be divided by it
 MIDDLE_GRAY = 0.18
@@ -123,7 +123,7 @@ def power(picture: Picture, exponent: Amount) -> Picture:
     return torch.where(picture > _BLACK, picture.clamp_min(_BLACK) ** exponent, picture)
 
 
-def lift_gamma_gain(picture: Picture, lift: Color, midtone: Color, gain: Color) -> Picture:
+def lift_gamma_gain(picture: Picture, lift: Channels, midtone: Channels, gain: Channels) -> Picture:
     """Blender's Color Balance node, type Lift/Gamma/Gain; each color (3,), 1 for no change."""
     lifted = (picture - 1) * (2 - lift) + 1
     scaled = lifted * gain

@@ -13,7 +13,7 @@ from pathlib import Path
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A path to write to, in the file's folder, which takes its place at the end; if the block raises, nothing stays of it."""
+    """A path beside a file, to be written, which takes its place at the end; if the block raises, nothing stays of it."""
     part = path.with_name(f"{part_prefix()}{uuid.uuid4().hex[:8]}-{path.name}")
     try:
         yield part

@@ -75,7 +75,7 @@ EmitterCluster = tuple[EmitterLight, float]  # as a light of color 1; the power 
 
 
 class Emitters:
-    """Lights the scene with small bright surfaces, even if they fade; `near` is a typical distance of what is seen, meters."""
+    """Lights the scene with small bright surfaces, even if they fade; `near` is a typical distance in view, meters."""
 
     def __init__(self, geometry: RayGeometry, near: float) -> None:
         self._geometry, self._near = geometry, near
