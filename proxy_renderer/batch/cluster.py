@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Workers on a Ray cluster: the same `Worker` as on one machine, as an actor on every node that has room for it."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import socket

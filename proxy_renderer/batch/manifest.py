@@ -29,8 +29,6 @@ frames = [1, 50, 100]
 grade_each = true                                   # an exposure and a grade for each; and all that a scene may have
 """
 
-from __future__ import annotations
-
 import fnmatch
 import glob
 import hashlib

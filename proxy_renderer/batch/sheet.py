@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The results of a batch: a contact sheet for people, tables for programs; all rewritten as jobs end."""
 
-from __future__ import annotations
-
 import csv
 import html
 import json

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Claims of color words, and of materials that have a color. Colors are OKLab times 100, tints a* and b* of CIE Lab."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace

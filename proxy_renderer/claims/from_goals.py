@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """From goals to claims about the image: those of single wishes, how they limit each other, and those of every image."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace

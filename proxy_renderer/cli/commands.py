@@ -4,8 +4,6 @@
 Everything heavy is imported inside the functions, after the arguments have been found good.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command `vibe`. Nothing heavy is imported before the arguments have been found good."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Sequence

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The numbers of sRGB, Rec.709, CIE Lab and OKLab, each written once. Standard library only: every module may import it."""
 
-from __future__ import annotations
-
 Lab = tuple[float, float, float]  # CIE L*a*b* under D65: L in [0, 100]
 ColorMatrix = tuple[Lab, Lab, Lab]  # three rows
 

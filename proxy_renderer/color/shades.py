@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Colors as people speak of them: shades, tinges and mixtures of a color, and the basic color that it belongs to."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from itertools import pairwise

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The scene's own view transform (AgX, Filmic, Standard, …), baked from its OCIO config and sampled differentiably."""
 
-from __future__ import annotations
-
 import functools
 import math
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Answers while the artist types: how words are read, and a first look at them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Images of a vibe: predictions, image files, and sheets of labeled panels."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The fields of `report.json` that the engine knows, and the verdict on every word."""
 
-from __future__ import annotations
-
 import os
 import platform
 from collections.abc import Mapping, Sequence

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """One vibe in the engine: from job folders to values, and the measure of what Cycles made of them."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace

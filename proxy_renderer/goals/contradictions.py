@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which wishes cannot be had together."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 

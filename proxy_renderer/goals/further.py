@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A further sentence: its words that compare are measured from the image as it is, and the rest of that stays."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator

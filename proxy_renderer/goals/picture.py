@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A reference image beside words: relative words, as "colder", are relative to it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A wish: what one word wants of one quantity. Ranges of parameters and claims about the image are computed from it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property

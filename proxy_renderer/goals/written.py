@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Goals as JSON, written and read: the format of docs/reference/goals.md."""
 
-from __future__ import annotations
-
 import json
 import math
 import sys

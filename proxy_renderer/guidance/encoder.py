@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The encoder: open_clip's models, and the image tower of the embedded one."""
 
-from __future__ import annotations
-
 import logging
 import urllib.error
 import urllib.request

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The paper's objective: similarities of regions to the words (equation 9), and the other terms of the loss."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Protocol
 

@@ -4,8 +4,6 @@
 text2mesh and CLIPasso do the same. Colors are never touched, because they are the signal.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import torch

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks of what a command is given, before anything is started. A mistake raises VibeError."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import re

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Looks that are shown before the end: what the plan alone gives, at once, and then what the rounds find."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -7,8 +7,6 @@ of one color stays light of that color until it is developed, so the components 
 on their own, and one image serves all three (Curtis, Powell and Reid 1974).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 

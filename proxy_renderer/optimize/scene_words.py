@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The scene as words may mean it: its names, where objects stand in the image, and how materials look before any wish."""
 
-from __future__ import annotations
-
 import weakref
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which effects of wishes act in a scene: on what, in which order, and what is left of them beside a rig."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A round's understanding of a prompt and its plan, and a readable account of both."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Protocol

@@ -5,8 +5,6 @@ Contrastive encoders mix up attributes of two things in one sentence, and do not
 a caption of its own, negatives are positive descriptions of the mistake, and negated words are left out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import groupby

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Color words as ranges: of surfaces, lights, fog, worlds and grades."""
 
-from __future__ import annotations
-
 from ..color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from_hex
 from ..color.shades import shade
 from ..schema import Instance, Values

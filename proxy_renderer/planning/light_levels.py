@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Light on a surface that faces it, as values give it and as the view displays it."""
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_left
 from collections.abc import Callable, Collection

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Materials, lights and the world, as words mean them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

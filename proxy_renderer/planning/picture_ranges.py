@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """How far the values of a scene may go to look like a reference image: ranges from its wishes, beside those of words."""
 
-from __future__ import annotations
-
 import math
 import operator
 from collections.abc import Mapping, Sequence

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The confiner without a model: from wishes to ranges, starts and priorities of a scene's parameters."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace

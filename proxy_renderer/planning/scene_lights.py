@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The lights of a scene that a word means: those that it names, those with a role, the key, or all."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -6,8 +6,6 @@ only say how far from the artist's values the search may look; whether and where
 and grade support the words; no material does (`schema/means.py`).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures as cameras, browsers and paint programs write them: JPEG, PNG, WebP, TIFF and their like."""
 
-from __future__ import annotations
-
 import io
 import re
 import struct

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A panorama of light, as an HDRI is: where most of it comes from, in what color, and how much more than from all around."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The picture that an artist gives as the words, whatever file it is in."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What may change in a scene to look like a picture: the effects of its wishes."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 
 from ..schema import Instance

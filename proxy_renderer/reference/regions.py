@@ -6,8 +6,6 @@ background priors (Wei et al. 2012, Geodesic saliency using background priors); 
 upper border. Where that is not clear, nothing is said of them, and the picture is read by places in the frame.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

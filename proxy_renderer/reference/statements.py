@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a picture says, as claims: of any scene its tones, casts, light, palette and haze; of the same scene every place and material."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

@@ -6,8 +6,6 @@ nodes Color Balance, Gamma, Hue/Saturation/Value and Glare (high quality), whose
 and adds them up on the way back (Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

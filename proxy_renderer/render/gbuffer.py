@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The G-buffer: what the camera sees in every pixel, whoever rendered the picture."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import torch

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The proxy renderer: an exported scene and a set of values in, pictures out, gradients back."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The rig that a prompt asks for: a setup, changed by the other words."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

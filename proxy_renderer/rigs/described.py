@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The lights that a prompt describes one by one, each as a light of a rig: what it is, where it comes from, its color and strength."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace

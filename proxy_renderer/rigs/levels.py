@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """How strong the lights of a rig are, so that the scene is exposed and lit in its ratios."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The lighting of a scene by a rig: added lights, a plan for all that sheds light, and what the picture has to show of it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -5,8 +5,6 @@ Candidates around the place that the rig names are tried with rays: what is in t
 subject can be reached. A sun that comes in through a window is looked for over the whole sky.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterable, Iterator

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What pictures have to show of a rig: the structure of its light, not averages of the image."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The stage: where the subject is, what the camera sees of it and of what is around, and what light from a place reaches."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Collection, Iterator

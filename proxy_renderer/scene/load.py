@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reads a job folder (`scene.json`, `meshes.npz`, pictures) that the add-on has written, and checks it."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import fields, replace

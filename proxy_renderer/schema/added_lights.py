@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The lights that a vibe may add to a scene: one for each part that a light can play and each of Blender's types."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Files that appear whole or not at all, whatever happens while they are written."""
 
-from __future__ import annotations
-
 import errno
 import os
 import uuid

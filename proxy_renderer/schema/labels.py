@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Parameters and values as people read them: "Key light: Power", "120 W". Keys are for programs."""
 
-from __future__ import annotations
-
 import math
 import re
 

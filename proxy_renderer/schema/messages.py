@@ -5,8 +5,6 @@ Every class below is one message; its wire form is its fields plus "type". The e
 carry the hash of the parameter table: versions that disagree about it refuse to work together.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field

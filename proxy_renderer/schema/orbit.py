@@ -5,8 +5,6 @@ An azimuth of 0 is in front of the subject (-Y), 90 is at +X, which is the right
 picture taken from the front; an elevation of 90 is straight above. Angles are in degrees.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

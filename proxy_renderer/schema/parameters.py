@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The table: every value that a vibe may change, in Blender's own terms, and the words that may change it."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

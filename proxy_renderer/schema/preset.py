@@ -6,8 +6,6 @@ subject, to the key light, and so on; they are multiples of the scene's referenc
 directions are counted from the camera.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping, Sequence

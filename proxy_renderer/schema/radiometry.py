@@ -4,8 +4,6 @@
 Checked against Cycles renders by blender_tests/scene/test_key_light.py.
 """
 
-from __future__ import annotations
-
 import math
 
 from .errors import VibeError

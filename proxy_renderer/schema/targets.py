@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Names of what a word may describe: those that every scene has, and how several names are written as one."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 

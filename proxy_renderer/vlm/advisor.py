@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The model as parser and confiner: it improves on the offline planner's draft, which stands in where it fails."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The model that is asked, where it is, and its key."""
 
-from __future__ import annotations
-
 import ipaddress
 import os
 from collections.abc import Mapping

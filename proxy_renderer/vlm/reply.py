@@ -4,8 +4,6 @@
 Nothing of an answer is ever run, opened or looked up: it is numbers, classes of ours, and short texts.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable

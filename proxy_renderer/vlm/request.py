@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The question of a round: the parameters that a model may plan, under short names, and the JSON schema of its answer."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """One request through the `openai` package, bounded in time and size, and what is read in its answer; every failure is a ModelError."""
 
-from __future__ import annotations
-
 import json
 import queue
 import re

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The sum of bound look words: objects with their attributes, colors with shades, and the lights that a prompt tells apart."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import permutations, product

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """All pairs of look words and targets of a prompt, each with the facts that the model weighs."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Collection, Iterator
 from enum import StrEnum

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Prompts in other languages: English wordings of a lexicon in place of the artist's, and back again for the report."""
 
-from __future__ import annotations
-
 import re
 import unicodedata
 from collections.abc import Iterator

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A prompt as its reader takes it: numbers and keys as sentences say them, without what is to stay as it is."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass

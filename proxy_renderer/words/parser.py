@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Understands a prompt: which look words there are, what each of them describes, and why."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A prompt as a row of tokens, with the look words that are in it; present looks of change phrases are no look words."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace

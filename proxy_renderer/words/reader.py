@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Binds the look words of a prompt by fitted weights, and says what they are bound to in the planner's terms."""
 
-from __future__ import annotations
-
 import math
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping

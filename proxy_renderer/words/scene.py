@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sets of materials and lights of a scene that nouns may name, by name ("lamp") or by present look ("the navy surface")."""
 
-from __future__ import annotations
-
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Targets: what look words may describe in a scene, what a word is there ("gold" is a metal on a bowl), and the artist's own choices."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 

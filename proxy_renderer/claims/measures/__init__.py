@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """All measures by name, with their units and the differences that people notice."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import dataclass

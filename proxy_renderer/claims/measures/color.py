@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measures of color: of things, of the light, and of a picture's tones."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 import torch

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measures of shading: where light comes from, shadows, highlights, what surfaces do with light, and how much the air hides."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The method of a search: the product has one, others are plug-ins that override its hooks (`lab/methods`)."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module

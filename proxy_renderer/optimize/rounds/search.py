@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A vibe's scene, words and method, and the lines of Algorithm 1 that a round consists of."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial

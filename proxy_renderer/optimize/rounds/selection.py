@@ -7,8 +7,6 @@ each can still add to those before it, as in orthogonal matching pursuit (Pati, 
 that does the same as one of them, and can add nothing to it, is held for the round.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

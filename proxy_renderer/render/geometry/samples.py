@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The points of the picture that are shaded, found through transparent surfaces, and how they add up to pixels."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import torch

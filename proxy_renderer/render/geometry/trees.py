@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Triangles in Embree's trees. Building one takes longer than many rays through it: each is built once, when needed."""
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import weakref

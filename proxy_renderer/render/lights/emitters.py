@@ -7,8 +7,6 @@ can be seen from one side. The second sum is linear in w. The first is close to 
 same mean: exactly so for planes, spheres and cylinders.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

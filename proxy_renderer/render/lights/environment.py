@@ -7,8 +7,6 @@ on the horizon draws an upright streak in a floor. A few round lobes one above t
 filtered importance sampling (Krivanek and Colbert 2008), here with directions that stay the same.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 from dataclasses import dataclass

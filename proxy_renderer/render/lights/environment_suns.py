@@ -5,8 +5,6 @@ Cycles samples an environment by importance. Visible shadows come from small bri
 sun. The rest stays smooth light from all around.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

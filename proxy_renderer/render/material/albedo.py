@@ -8,8 +8,6 @@ a sample costs one small dot product forwards and backwards. Integrated once by 
 viewer sees it along the x-z plane.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 

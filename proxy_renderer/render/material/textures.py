@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Material inputs that vary over a surface: textures over UVs, and node networks baked from the exported camera."""
 
-from __future__ import annotations
-
 import torch
 from torch import Tensor
 from torch.nn.functional import grid_sample, interpolate

@@ -10,8 +10,6 @@ subject does not mix with fog in front of the background. Cycles, too, scatters 
 bounces. Vectors are planar, (3, …), as in all shading code.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Callable, Hashable, Sequence

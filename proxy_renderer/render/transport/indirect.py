@@ -5,8 +5,6 @@ Diffuse light and blurred reflections vary slowly: they are gathered at few poin
 weighs all rays, and interpolated to the samples (an irradiance cache). Mirror images are traced per sample.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from copy import copy

@@ -5,8 +5,6 @@ All of it varies slowly: it is integrated along a few rays from a very coarse gr
 gather points of indirect light. As on camera rays, light scatters once: Cycles' default of no volume bounces.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks of the options of a vibe, whichever side reads them. A mistake raises VibeError."""
 
-from __future__ import annotations
-
 import argparse
 import re
 import tempfile

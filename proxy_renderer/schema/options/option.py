@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A row of the table of options, and its property in Blender."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 

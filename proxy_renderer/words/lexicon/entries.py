@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Entries of the vocabulary: look words with their wishes, read from tables and checked against the schema."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Spelling, names of things in all languages (things.toml), and the lexicons of languages; the head of german.toml explains the format."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 import unicodedata

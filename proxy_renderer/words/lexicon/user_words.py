@@ -13,8 +13,6 @@ Read from the file that $VIBE_VOCABULARY names (`vibe --vocabulary FILE` sets it
 user's configuration folder.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re
