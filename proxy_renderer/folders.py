@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where the engine keeps a user's files: settings, and what can be made again."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Workers on a Ray cluster: the same `Worker` as on one machine, as an actor on every node that has room for it."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import socket
@@ -144,10 +142,8 @@ class RayPool:
             except OSError:
                 time.sleep(_LOOK)
         self._lost = True
-        raise VibeError(
-            "The cluster's head is lost.",
-            "Bring it back, then run the same command again: it continues with what is done.",
-        )
+        remedy = "Bring it back, then run the same command again: it continues with what is done."
+        raise VibeError("The cluster's head is lost.", remedy)
 
     def _start(self, node: str, resources: dict[str, float]) -> Any:
         from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
@@ -206,10 +202,8 @@ def cluster_pool(address: str, store: Store, setup: Setup, most: int = 0) -> Ray
     try:
         ray.init(address=address, log_to_driver=False, logging_level="error", ignore_reinit_error=True)
     except (ConnectionError, RuntimeError, ValueError) as error:
-        raise VibeError(
-            f"There is no Ray cluster at {address}.",
-            "Start one with `ray start --head`, and join it with `ray start --address HOST:6379`.",
-        ) from error
+        remedy = "Start one with `ray start --head`, and join it with `ray start --address HOST:6379`."
+        raise VibeError(f"There is no Ray cluster at {address}.", remedy) from error
     return RayPool(ray, store, setup, most)
 
 

@@ -173,7 +173,7 @@ def run(a: argparse.Namespace) -> int:
         workers = a.workers or fitting(content.limits)
         print(account(plan, a.out, 0 if a.ray else workers))
         return 0
-    with Store(a.out) as store, _handling(_interrupt, signal.SIGTERM):
+    with Store(a.out) as store, _handling(signal.default_int_handler, signal.SIGTERM):
         store.check_space(content.limits.free_gb)
         return _carry_out(a, plan, store, content.limits)
 
@@ -232,10 +232,6 @@ def _handling(handler: Any, *numbers: int) -> Iterator[None]:
     finally:
         for number, before in old.items():
             signal.signal(number, before)
-
-
-def _interrupt(number: int, frame: Any) -> None:
-    raise KeyboardInterrupt
 
 
 NAME = "vibe-render.js"

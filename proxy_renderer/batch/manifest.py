@@ -29,8 +29,6 @@ frames = [1, 50, 100]
 grade_each = true                                   # an exposure and a grade for each; and all that a scene may have
 """
 
-from __future__ import annotations
-
 import fnmatch
 import glob
 import hashlib
@@ -67,8 +65,7 @@ class Limits:
     minutes: float = 60.0  # of wall time; it is ended after that
     # of Blender and the engine together; it is ended above that. As many workers are started as fit
     memory_gb: float = 6.0
-    # threads of the engine. The same number gives the same values, bit for bit, on any machine
-    cores: int = 2
+    cores: int = 2  # threads of the engine: the same number gives the same values, bit for bit, everywhere
     retries: int = 1  # times that a failed job is tried again
     free_gb: float = 1.0  # of disk space; no job is started below that
 

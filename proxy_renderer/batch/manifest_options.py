@@ -4,8 +4,6 @@
 A mistake raises VibeError, which names its line.
 """
 
-from __future__ import annotations
-
 import argparse
 import re
 import tomllib

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Workers on this machine, and the jobs handed out to them until all are done or given up."""
 
-from __future__ import annotations
-
 import os
 import queue
 import shutil

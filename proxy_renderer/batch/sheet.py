@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The results of a batch: a contact sheet for people, tables for programs; all rewritten as jobs end."""
 
-from __future__ import annotations
-
 import csv
 import html
 import json
@@ -21,13 +19,9 @@ FIELDS = (
     "seconds", "seconds_loop", "seconds_cycles", "memory_gb", "attempts", "frames", "shots", "variants", "final_error", "error", "remedy", "folder",
 )  # fmt: skip
 FILES = {
-    "before": "before.png",
-    "after": "after.png",
-    "compare": "compare.png",
-    "blend": "vibed.blend",
-    "preset": "preset.json",
-    "report": "report.json",
-}
+    "before": "before.png", "after": "after.png", "compare": "compare.png",
+    "blend": "vibed.blend", "preset": "preset.json", "report": "report.json",
+}  # fmt: skip
 _PAGE = Path(__file__).with_name("page")
 _SCRIPTS = ("rows.js", "card.js", "large.js", "keys.js")
 _SHARE = 0.05  # most of the time that may go into rewriting the sheet while jobs run

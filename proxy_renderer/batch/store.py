@@ -29,8 +29,7 @@ from .manifest import Job, Jobs, Take
 JobRow = dict[str, Any]
 DONE, FAILED, LOG = "done.json", "failed.json", "log.txt"
 FINAL, FRAMES = "final.json", "frames"
-TOKEN = "batch.json"
-"""Names this results folder, so that other machines can tell whether they see the same one."""
+TOKEN = "batch.json"  # names this results folder: do two machines see the same one?
 
 
 class Store:
@@ -47,10 +46,8 @@ class Store:
             self._lock.acquire()
         except Timeout as error:
             owner = read_json(self.folder / TOKEN) or {}
-            raise VibeError(
-                f"Another batch works in {self.folder} ({owner.get('holder', 'unknown')}).",
-                "Wait for it, end it, or choose another --out.",
-            ) from error
+            problem = f"Another batch works in {self.folder} ({owner.get('holder', 'unknown')})."
+            raise VibeError(problem, "Wait for it, end it, or choose another --out.") from error
         self.jobs.mkdir(exist_ok=True)
         before = read_json(self.folder / TOKEN) or {}
         self.token = before.get("token") or uuid.uuid4().hex
@@ -110,10 +107,8 @@ class Store:
         """Makes sure that there is space for another job. Raises VibeError if there is less."""
         free = shutil.disk_usage(self.folder).free / 1e9
         if free < free_gb:
-            raise VibeError(
-                f"Only {free:.1f} GB are free in {self.folder}, less than {free_gb:g}.",
-                "Make room, or lower [limits] free_gb; then run the same command again: it continues.",
-            )
+            remedy = "Make room, or lower [limits] free_gb; then run the same command again: it continues."
+            raise VibeError(f"Only {free:.1f} GB are free in {self.folder}, less than {free_gb:g}.", remedy)
 
 
 def head(job: Job) -> JobRow:
@@ -146,10 +141,8 @@ def write_bytes(path: Path, content: bytes) -> None:
 def unwritable(path: Path, error: OSError) -> VibeError:
     """The error for a file that cannot be written; the caller raises it."""
     reason = "no space is left" if atomic.is_full(error) else error.strerror or type(error).__name__
-    return VibeError(
-        f"{path} cannot be written: {reason}.",
-        "Make room there; then run the same command again: it continues.",
-    )
+    remedy = "Make room there; then run the same command again: it continues."
+    return VibeError(f"{path} cannot be written: {reason}.", remedy)
 
 
 def tidy(folder: Path) -> None:
@@ -161,10 +154,7 @@ def tidy(folder: Path) -> None:
 
 
 class Finals:
-    """A job for the final frames of every finished result.
-
-    Frames that have been rendered stay when a job is tried again, so that a time limit costs one frame at most.
-    """
+    """A job for the final frames of every finished result; rendered frames stay when a job is tried again."""
 
     def __init__(self, plan: Jobs, store: Store, frames: str) -> None:
         # frames: "1-24"; or "" for those that the look was made for, else the scene's own

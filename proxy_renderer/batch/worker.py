@@ -119,8 +119,7 @@ class Setup:
     """Limits, environment and program of workers."""
 
     limits: Limits = field(default_factory=Limits)  # of each job
-    # of the environment, besides those that are there
-    variables: dict[str, str] = field(default_factory=dict)
+    variables: dict[str, str] = field(default_factory=dict)  # of the environment, besides those that it has
     command: tuple[str, ...] = ()  # the program that carries out jobs; empty for Blender
 
 
@@ -255,19 +254,16 @@ class _Watch:
         """Raises VibeError if a limit has been passed."""
         now = time.monotonic()
         if now > self._end:
-            raise VibeError(
-                f"It took longer than {self._limits.minutes:g} minutes.", "Raise [limits] minutes."
-            )
+            remedy = "Raise [limits] minutes."
+            raise VibeError(f"It took longer than {self._limits.minutes:g} minutes.", remedy)
         if now < self._next:
             return
         self._next = now + _TICK
         used = crashes.memory(pid)
         self.peak_gb = max(self.peak_gb, round(used / 1e9, 3))
         if used > self._limits.memory_gb * 1e9:
-            raise VibeError(
-                f"It used {used / 1e9:.1f} GB of memory, more than {self._limits.memory_gb:g}.",
-                "Raise [limits] memory_gb, or use a smaller size.",
-            )
+            problem = f"It used {used / 1e9:.1f} GB of memory, more than {self._limits.memory_gb:g}."
+            raise VibeError(problem, "Raise [limits] memory_gb, or use a smaller size.")
 
 
 def _read(process: subprocess.Popen[str], lines: queue.SimpleQueue[str | None]) -> None:

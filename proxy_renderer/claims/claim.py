@@ -23,14 +23,10 @@ from .measures.picture import MeasuredPicture, is_black, region_of
 
 _FEW = 16  # pixels of which nothing can be said
 _SEEN = 0.05  # share of a region that is left, at least, when what words color is left out
-_AIR = ("haze", "air_lightness", "tint")
-"""Measures of the air before what lies around: before the subject, if nothing else is seen."""
+_AIR = ("haze", "air_lightness", "tint")  # before what lies around; before the subject, if it is alone
 
-_NEARLY = 1.0
-"""Changes from the interval, from where a change is enough: what was very blue is not warm for being a little less so."""
-
-HOLDS = 1.0
-"""A claim that is missed by no more noticeable steps holds."""
+_NEARLY = 1.0  # changes from the interval, from where a change is enough: what was very blue is not warm yet
+HOLDS = 1.0  # a claim that is missed by no more noticeable steps holds
 
 _INSIDE, _INSIDE_COLOR = 0.5, 0.85
 """Share of half an interval's width that is left at its ends when values are sought; the latter for colors: what only just
@@ -70,14 +66,12 @@ class Claim:
     # along the hue and how far across; none for the measure's own numbers
     direction: Values = ()
     color: Values | None = None  # the color that is asked for, sRGB; None for other claims
-    # left, upper, right and lower end of the part in the frame, as shares of its width and height; () for all of it
-    box: Values = ()
+    box: Values = ()  # left, upper, right, lower end in the frame, as shares of its sides; () for all of it
     reason: str = ""  # why it is claimed; "" where the word says it
     # Parts, each with its materials, that are left out: those that words color, in a claim about light
     apart: tuple[tuple[Part, tuple[str, ...]], ...] = ()
     weight: float = 1.0  # of a step while values are sought: less, where a mood only usually stands for it
-    # whether a change is enough near the interval only; for words that only compare it is enough anywhere
-    near: bool = True
+    near: bool = True  # whether a change is enough near the interval only; of words that compare, anywhere
     also: tuple[str, ...] = ()  # more words that stand or fall with it: they ask for the same of a light rig
     by: bool = False  # whether both ends are noticeable steps from what the artist's image has
 
@@ -176,10 +170,9 @@ class Claim:
     def aim(
         self, value: Tensor, before: Tensor | None, ends: tuple[Tensor, Tensor] | None = None
     ) -> tuple[Tensor, Tensor, Tensor]:
-        """As `in_steps`, by weight, with ends that lie inside of what satisfies it: the interval that is sought.
+        """As `in_steps`, by weight, with ends inside of what satisfies it: the interval that is sought.
 
-        Args:
-            ends: As it has returned them before: they are the same for every value of a type.
+        Its `ends` are the same for every value of a type: those that it has returned before can be given.
         """
         if ends is None:
             _, lower, upper = self.in_steps(value.detach(), before)
@@ -226,10 +219,8 @@ class ClaimSet:
     """The claims of a prompt about a scene."""
 
     claims: tuple[Claim, ...]  # in the order of the words
-    # of each, the artist's image's value; None where the target is hardly seen
-    before: tuple[Tensor | None, ...]
-    # of each, its pixels (H, W) bool in the images that are measured; None likewise
-    regions: tuple[Tensor | None, ...]
+    before: tuple[Tensor | None, ...]  # of each, the artist's image's value; None where it is hardly seen
+    regions: tuple[Tensor | None, ...]  # of each, its pixels (H, W) bool in the images that are measured
 
     @classmethod
     def about(cls, claims: tuple[Claim, ...], picture: MeasuredPicture) -> ClaimSet:
@@ -319,10 +310,9 @@ class ShotClaims:
     def verdicts(self, before: Tensor, predicted: Tensor, after: Tensor) -> list[dict[str, Any]]:
         """The rows of `report.json` on every claim, of images (H, W, 3) of any one size.
 
-        Returns:
-            For each claim: word, thing, measure, says, unit, wanted, before, predicted, after, holds, miss, whether it
-            was `already` so, whether judges see that (`sure`), `also` its other words and the `reason` where there are any. `holds` is None where the target is hardly seen; `miss` is the image's distance
-            from the interval in noticeable steps.
+        Each has: word, thing, measure, says, unit, wanted, before, predicted, after, holds, miss, whether it was
+        `already` so, whether judges see that (`sure`), and, where there are any, `also` its other words, and the
+        `reason`. `holds` is None where the target is hardly seen; `miss` is in noticeable steps.
         """
         with torch.no_grad():
             # The places that a further sentence leaves as they are come last, and are no news.

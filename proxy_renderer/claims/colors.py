@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Claims of color words, and of materials that have a color. Colors are OKLab times 100, tints a* and b* of CIE Lab."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -87,11 +85,8 @@ def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
 def _interval(shown: Values, named: float) -> tuple[Values, Values, Values]:
     """The interval of a color, and its hue: a unit vector in a and b; none for gray.
 
-    Its numbers are lightness, then chroma and what lies across the hue, or, of gray, a and b.
-
-    Args:
-        shown: The sRGB color that an image can show of it.
-        named: Lightness of the color itself: yellow is shown darker, but not as dark as mustard.
+    Its numbers are lightness, then chroma and what lies across the hue, or, of gray, a and b. An image can show the sRGB
+    color `shown` of it, whose own lightness is `named`: yellow is shown darker, but not as dark as mustard.
     """
     light, a, b = (100 * v for v in oklab_from_srgb(shown))
     strength = math.hypot(a, b)
@@ -140,8 +135,7 @@ def _of_all_light(attribute: Attribute, tint: Claim, srgb: Values) -> Iterator[C
 def of_material(attribute: Attribute, others: Iterable[Attribute], vocabulary: Vocabulary) -> Iterator[Claim]:
     """Claims of a material with a color of its own: gold tints the object, coal is as dark as coal is.
 
-    Args:
-        others: All attributes of the prompt: a named color replaces that of a material that may have any, as leather.
+    A color that `others`, all attributes of the prompt, name replaces that of a material that may have any, as leather.
     """
     entry, part = vocabulary.entries.get(attribute.entry), attribute.part
     if entry is None or entry.slot != "material" or part == "picture":
@@ -176,10 +170,8 @@ def _colors(color: Attribute, material: Attribute) -> bool:
 def darkened(claim: Claim, darkest: float) -> Claim:
     """A claim about an object's color or lightness, eased for an image that is to be dark; other claims stay.
 
-    Blue nights are no light blue, but no gray either: chroma is what a color is known by.
-
-    Args:
-        darkest: L* that the whole image has at most.
+    The whole image has at most L* `darkest`. Blue nights are no light blue, but no gray either: chroma is what a color is
+    known by.
     """
     if darkest >= _DIM:
         return claim

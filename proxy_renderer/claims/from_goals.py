@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """From goals to claims about the image: those of single wishes, how they limit each other, and those of every image."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -48,8 +46,7 @@ _PLACES = (6, 4)  # of the image, across and down, that stay as they are each by
 # OKLab, times 100, by which a place may change; the same if words say that it stays
 _STILL, _EXACT = (1.0, 0.4, 0.4), (0.5, 0.2, 0.2)
 _HELD = 0.3  # weight of a place
-_COLORED = ("light_color", "cast", "saturation", "color")
-"""Quantities of the whole image that leave its lightness as it is."""
+_COLORED = ("light_color", "cast", "saturation", "color")  # of the whole image, and they leave its lightness
 
 
 def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:

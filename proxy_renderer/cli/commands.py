@@ -4,8 +4,6 @@
 Everything heavy is imported inside the functions, after the arguments have been found good.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -20,8 +18,7 @@ from ..schema.options.table import named
 from ..schema.sentences import about_steps, plain
 
 DEMO_PROMPT = "Glossy teal on a pale sand background, warm soft light, slight vignette"
-_HOW = ("picture", "budget", "reach", "engine", "render")
-"""Headings of the options that say how a vibe is carried out, whatever the scene."""
+_HOW = ("picture", "budget", "reach", "engine", "render")  # headings of options for whatever scene
 
 
 def _add_scene(parser: argparse.ArgumentParser, optional: bool = False) -> None:
@@ -30,6 +27,12 @@ def _add_scene(parser: argparse.ArgumentParser, optional: bool = False) -> None:
     meshes = " ".join(MESH_FORMATS)
     parser.add_argument("scene", metavar="SCENE", help=f"a .blend, or a mesh: {meshes}", **count)
     command_line.add_option(parser, named("subject"))
+
+
+def _add_out(parser: argparse.ArgumentParser, help: str, default: str = "") -> None:
+    """Adds `--out`, which a command needs where there is no default."""
+    given = Path(default) if default else None
+    parser.add_argument("--out", required=not default, default=given, type=Path, metavar="DIR", help=help)
 
 
 # --- run, demo ---
@@ -42,9 +45,7 @@ def _run_options(parser: argparse.ArgumentParser) -> None:
     )
     command_line.add_option(parser, named("prompt"))
     command_line.add_option(parser, named("then"))
-    parser.add_argument(
-        "--out", required=True, type=Path, metavar="DIR", help="folder for pictures, .blend and report"
-    )
+    _add_out(parser, "folder for pictures, .blend and report")
     command_line.add_option(parser, named("stage"), default="")
     command_line.add_options(parser, ("shots", *_HOW))
 
@@ -61,9 +62,7 @@ def _demo_options(parser: argparse.ArgumentParser) -> None:
     shown = f"the look (default: {DEMO_PROMPT}; with a picture: none)"
     command_line.add_option(parser, named("prompt"), default=None, help=shown)
     command_line.add_option(parser, named("then"))
-    parser.add_argument(
-        "--out", type=Path, default=Path("demo"), metavar="DIR", help="folder (default: %(default)s)"
-    )
+    _add_out(parser, "folder (default: %(default)s)", "demo")
     command_line.add_options(parser, _HOW)
 
 
@@ -103,38 +102,21 @@ def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> 
 
 
 def _batch_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
+    add = parser.add_argument
+    add(
         "manifest",
         type=Path,
         metavar="MANIFEST.toml",
         help="scenes, shots that share a look, prompts, seeds and options",
     )
-    parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for all results")
-    parser.add_argument(
-        "--dry-run", action="store_true", help="only say what would be done, and how long it takes"
-    )
-    parser.add_argument(
-        "--final",
-        nargs="?",
-        const="",
-        metavar="A-B",
-        help="then render these frames of every result with Cycles (without A-B: the scene's own frames)",
-    )
-    parser.add_argument(
-        "--workers",
-        type=int,
-        default=0,
-        metavar="N",
-        help="jobs at a time (default: as many as cores, memory and graphics cards hold)",
-    )
-    parser.add_argument(
-        "--ray",
-        nargs="?",
-        const="auto",
-        default="",
-        metavar="ADDRESS",
-        help="on the Ray cluster at this address; without one, on the cluster that this machine belongs to",
-    )
+    _add_out(parser, "folder for all results")
+    add("--dry-run", action="store_true", help="only say what would be done, and how long it takes")
+    final = "then render these frames of every result with Cycles (without A-B: the scene's own frames)"
+    add("--final", nargs="?", const="", metavar="A-B", help=final)
+    workers = "jobs at a time (default: as many as cores, memory and graphics cards hold)"
+    add("--workers", type=int, default=0, metavar="N", help=workers)
+    ray = "on the Ray cluster at this address; without one, on the cluster that this machine belongs to"
+    add("--ray", nargs="?", const="auto", default="", metavar="ADDRESS", help=ray)
 
 
 def _batch(a: argparse.Namespace) -> int:
@@ -144,20 +126,17 @@ def _batch(a: argparse.Namespace) -> int:
 
 
 def _flamenco_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "action", choices=("install",), metavar="install", help="the only thing to do with it"
-    )
-    parser.add_argument(
-        "--scripts", required=True, type=Path, metavar="DIR", help="folder `scripts` of your Flamenco Manager"
-    )
+    add = parser.add_argument
+    add("action", choices=("install",), metavar="install", help="the only thing to do with it")
+    scripts = "folder `scripts` of your Flamenco Manager"
+    add("--scripts", required=True, type=Path, metavar="DIR", help=scripts)
 
 
 def _flamenco(a: argparse.Namespace) -> int:
     from ..batch.command import install_job_type
 
-    print(
-        f"Written: {install_job_type(a.scripts)}. Restart the Manager, then refresh the job types in Blender."
-    )
+    written = install_job_type(a.scripts)
+    print(f"Written: {written}. Restart the Manager, then refresh the job types in Blender.")
     return 0
 
 
@@ -165,13 +144,10 @@ def _flamenco(a: argparse.Namespace) -> int:
 
 
 def _apply_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "preset", metavar="PRESET", help="a preset.json that `vibe run` has written, or a name: noir"
-    )
+    preset = "a preset.json that `vibe run` has written, or a name: noir"
+    parser.add_argument("preset", metavar="PRESET", help=preset)
     _add_scene(parser)
-    parser.add_argument(
-        "--out", required=True, type=Path, metavar="DIR", help="folder for pictures and .blend"
-    )
+    _add_out(parser, "folder for pictures and .blend")
     render = parser.add_argument_group("render")
     command_line.add_option(render, named("size"), default=limits.STANDARD.size)
     command_line.add_option(render, named("samples"))
@@ -189,9 +165,8 @@ def _apply(a: argparse.Namespace) -> int:
 
 
 def _revert_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "scene", metavar="FILE.blend", help="a file that `vibe run` has written; it is changed in place"
-    )
+    scene = "a file that `vibe run` has written; it is changed in place"
+    parser.add_argument("scene", metavar="FILE.blend", help=scene)
 
 
 def _revert(a: argparse.Namespace) -> int:
@@ -199,9 +174,8 @@ def _revert(a: argparse.Namespace) -> int:
 
     scene = check.scene(a.scene)
     if scene.suffix.lower() != ".blend":
-        raise VibeError(
-            f"{a.scene} is not a .blend.", "Revert takes the vibed.blend that a vibe has written."
-        )
+        remedy = "Revert takes the vibed.blend that a vibe has written."
+        raise VibeError(f"{a.scene} is not a .blend.", remedy)
     return launch(["revert", str(scene)], scene)
 
 
@@ -213,14 +187,10 @@ def _explain_options(parser: argparse.ArgumentParser) -> None:
     _add_scene(parser, optional=True)
     command_line.add_option(parser, named("vocabulary"))
     command_line.add_option(parser, named("target"))
-    parser.add_argument(
-        "--why",
-        action="store_true",
-        help="what each look word may be bound to, with scores and the facts that decided",
-    )
-    parser.add_argument(
-        "--goals", action="store_true", help="what the words wish for, as JSON that `vibe run --goals` reads"
-    )
+    why = "what each look word may be bound to, with scores and the facts that decided"
+    parser.add_argument("--why", action="store_true", help=why)
+    goals = "what the words wish for, as JSON that `vibe run --goals` reads"
+    parser.add_argument("--goals", action="store_true", help=goals)
     parser.add_argument("--json", action="store_true", help="for programs")
 
 
@@ -243,13 +213,8 @@ def _vocabulary_options(parser: argparse.ArgumentParser) -> None:
     add.add_argument("--color", metavar="#RRGGBB", default="", help="it is a color, and this is it")
     add.add_argument("--slot", default="material", help="kind of look word (default: material)")
     add.add_argument("--words", default="", help="other ways to say it, comma separated")
-    add.add_argument(
-        "--wish",
-        action="append",
-        default=[],
-        metavar="TEXT",
-        help='what it wishes for: a class ("finish is glossy"), an effect or a claim; may be repeated',
-    )
+    wish = 'what it wishes for: a class ("finish is glossy"), an effect or a claim; may be repeated'
+    add.add_argument("--wish", action="append", default=[], metavar="TEXT", help=wish)
     add.add_argument("--means", default="", help="the same said in plain look words")
     test = actions.add_parser("test", help="say how a prompt is read with it")
     test.add_argument("text", metavar="TEXT", help="the look")
@@ -309,9 +274,7 @@ def _extension_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "action", choices=("build", "install"), help="make a .zip to install from disk, or install it at once"
     )
-    parser.add_argument(
-        "--out", type=Path, default=Path("dist"), metavar="DIR", help="build: folder (default: %(default)s)"
-    )
+    _add_out(parser, "build: folder (default: %(default)s)", "dist")
     parser.add_argument(
         "--blender", default="", metavar="PATH", help="install: into this Blender (default: the PATH's)"
     )

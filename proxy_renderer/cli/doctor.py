@@ -63,10 +63,8 @@ def examine() -> int:
 def _python() -> str:
     version = sys.version_info[:2]
     if version not in ((3, 11), (3, 13)):
-        raise VibeError(
-            f"Python {platform.python_version()} has no Blender module.",
-            "Use Python 3.13 (Blender 5.2 LTS) or 3.11 (Blender 4.5 LTS).",
-        )
+        remedy = "Use Python 3.13 (Blender 5.2 LTS) or 3.11 (Blender 4.5 LTS)."
+        raise VibeError(f"Python {platform.python_version()} has no Blender module.", remedy)
     return f"{platform.python_version()}, {platform.system()} {platform.machine()}"
 
 
@@ -165,8 +163,6 @@ def _folders() -> str:
             with tempfile.TemporaryFile(dir=folder):
                 pass
         except OSError as error:
-            raise VibeError(
-                f"{folder} cannot be written ({error.strerror}).",
-                "Change to a folder of yours, or set TMPDIR.",
-            ) from error
+            remedy = "Change to a folder of yours, or set TMPDIR."
+            raise VibeError(f"{folder} cannot be written ({error.strerror}).", remedy) from error
     return "the temporary and the current folder can be written"

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command `vibe`. Nothing heavy is imported before the arguments have been found good."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Sequence
@@ -31,10 +29,7 @@ class Help(argparse.HelpFormatter):
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Runs the command and returns its exit code.
-
-    It is 0, or 2 with one clear line for what the user can mend, or 1 with a line that names a log.
-    """
+    """Runs the command; returns 0, or 2 with a line for what the user can mend, or 1 with one that names a log."""
     arguments = _arguments(argv)
     try:
         return arguments.act(arguments)

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Color spaces of numpy arrays (..., 3): `floats` for many colors at once, without torch."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from . import constants as c

@@ -1,20 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The numbers of sRGB, Rec.709, CIE Lab and OKLab, each written once. Standard library only: every module may import it."""
 
-from __future__ import annotations
+Lab = tuple[float, float, float]  # CIE L*a*b* under D65: L in [0, 100]
+ColorMatrix = tuple[Lab, Lab, Lab]  # three rows
 
-Lab = tuple[float, float, float]
-"""CIE L*a*b* under D65: L in [0, 100]."""
-ColorMatrix = tuple[Lab, Lab, Lab]
-"""Three rows."""
-
-LUMINANCE_WEIGHTS = (0.2126, 0.7152, 0.0722)
-"""Luminance of the linear Rec.709 primaries."""
+LUMINANCE_WEIGHTS = (0.2126, 0.7152, 0.0722)  # luminance of the linear Rec.709 primaries
 
 # The sRGB curve (IEC 61966-2-1): a line near black, a power above.
 SRGB_SLOPE = 12.92
-SRGB_LINEAR_END, SRGB_ENCODED_END = 0.0031308, 0.04045
-"""End of the line, in linear light and encoded."""
+SRGB_LINEAR_END, SRGB_ENCODED_END = 0.0031308, 0.04045  # end of the line, in linear light and encoded
 SRGB_SCALE, SRGB_OFFSET, SRGB_EXPONENT = 1.055, 0.055, 2.4
 
 XYZ_FROM_REC709: ColorMatrix = (
@@ -27,12 +21,10 @@ REC709_FROM_XYZ: ColorMatrix = (
     (-0.9692660, 1.8760108, 0.0415560),
     (0.0556434, -0.2040259, 1.0572252),
 )
-WHITE: Lab = (0.95047, 1.0, 1.08883)
-"""XYZ of D65."""
+WHITE: Lab = (0.95047, 1.0, 1.08883)  # XYZ of D65
 
 # The curve of CIE Lab: a line near black, a cube root above.
-LAB_DELTA = 6 / 29
-"""End of the line on the curve; in relative XYZ its third power."""
+LAB_DELTA = 6 / 29  # end of the line on the curve; in relative XYZ its third power
 LAB_RISE, LAB_RUN = 841, 108
 """The line's slope 1 / (3 δ²), as a fraction: multiplied first, divided then, it rounds as it always has."""
 LAB_OFFSET = 4 / 29

@@ -4,8 +4,6 @@
 `arrays` has the same functions for numpy arrays, `tensors` for torch tensors.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Sequence

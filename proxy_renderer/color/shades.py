@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Colors as people speak of them: shades, tinges and mixtures of a color, and the basic color that it belongs to."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from itertools import pairwise
@@ -10,9 +8,7 @@ from itertools import pairwise
 from ..schema import Values
 from .floats import chroma, lab_from_srgb, oklab_from_srgb, srgb_from_hex, srgb_from_oklab
 
-WARM = (0.5, 1.0)
-"""Weights of a* and b* in warmth, see `claims.measures.color.warmth`."""
-
+WARM = (0.5, 1.0)  # weights of a* and b* in warmth, see `claims.measures.color.warmth`
 _GRAYISH_LAB = 20.0  # chroma below which a hue says little
 
 # Several typical shades for each basic color: the nearest one decides.
@@ -30,14 +26,11 @@ _SHADES = {
     "purple": ("#7e1e9c", "#9a0eea", "#c8a0f0", "#40085a", "#580f41"),
     "pink": ("#ff7eb6", "#e6007e", "#ffc0d0", "#fc8eac"),
 }
-_UNIQUE = ("#c40233", "#ffd300", "#009f6b", "#0087bd")
-"""Red, yellow, green and blue that have nothing of each other: the elementary colors of the Natural Color System."""
-_GRAYISH_OKLAB = 0.04
-"""OKLab chroma below which a color has no hue to give or to keep."""
+_UNIQUE = ("#c40233", "#ffd300", "#009f6b", "#0087bd")  # the elementary colors of the Natural Color System
+_GRAYISH_OKLAB = 0.04  # OKLab chroma below which a color has no hue to give or to keep
 _WIDEST, _MOST = 124.0, 1.5
 """Degrees, and steps between elementary colors, by which two hues differ at most that mix: green and blue do, by 122 and 1.45."""
-_TO_GRAY, _FROM_GRAY = 0.75, 0.2
-"""Share of its chroma that a color loses to a gray tinge, and that a gray takes from its tinge."""
+_TO_GRAY, _FROM_GRAY = 0.75, 0.2  # share of its chroma lost to a gray tinge, and taken on by a gray
 
 
 def shade(

@@ -4,8 +4,6 @@
 Every conversion and difference is differentiable, and its gradient is finite everywhere.
 """
 
-from __future__ import annotations
-
 import math
 
 import torch

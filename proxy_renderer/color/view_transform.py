@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The scene's own view transform (AgX, Filmic, Standard, …), baked from its OCIO config and sampled differentiably."""
 
-from __future__ import annotations
-
 import functools
 import math
 from pathlib import Path
@@ -27,9 +25,7 @@ class ViewTransform:
 
     The OCIO transform is sampled once, at 65³ colors that reach from black to 2⁶, about evenly spaced in stops;
     brighter light looks like 2⁶. Against OCIO itself the mean error is below 0.2/255 for every view that Blender has.
-
-    Args:
-        balance: The white balance before it: the rows of a matrix for linear colors; empty for none.
+    The white `balance` before it is the rows of a matrix for linear colors; empty for none.
     """
 
     def __init__(

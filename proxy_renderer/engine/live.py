@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Answers while the artist types: how words are read, and a first look at them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -15,7 +13,7 @@ from ..optimize.stage import set_stage
 from ..render.proxy import Proxy
 from ..scene import SceneData, load_scene
 from ..schema import VibeError, messages
-from ..schema.targets import GENERAL, listed
+from ..schema.targets import GENERAL, NOT_USED, listed
 from ..words.lexicon.user_words import default_vocabulary
 from ..words.lexicon.word_table import Nearest
 from ..words.parser import Understood
@@ -72,7 +70,7 @@ def readings(prompt: str, scene: SceneDescription, target: Sequence[str] = ()) -
 def _reading(word: PromptWord) -> messages.WordReading:
     """A word with what it describes; one that is not used, with known words in its place."""
     names = [candidate.name for candidate in word.candidates]
-    if not word.is_used:
+    if word.target == NOT_USED:
         unknown = not word.candidates
         others = default_vocabulary().made(Nearest).choices(word.text, _OTHERS) if unknown else []
         return messages.WordReading(
@@ -88,10 +86,7 @@ def _reading(word: PromptWord) -> messages.WordReading:
 
 
 class Glances:
-    """Answers glances at one job after another.
-
-    A scene is loaded once, and its proxies stay: one for each set of lights and backdrops that words have asked for.
-    """
+    """Answers glances at one job after another; a scene stays loaded, with a proxy for each set of lights and backdrops."""
 
     def __init__(self) -> None:
         self._job = ""

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Images of a vibe: predictions, image files, and sheets of labeled panels."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -49,9 +47,7 @@ def predict(
     """Draws a shot (from 0) of the values found by its proxy of full size, into its job folder.
 
     With `figures` also what would have been predicted without the last anchor, where there is one, and without any.
-
-    Returns:
-        The names of `PICTURES` that there are, and the share of each pixel that the subject covers, as an image.
+    Returns the names of `PICTURES` that there are, and the share of each pixel that the subject covers, as an image.
     """
     anchor = outcome.shots[number].anchor
     corrections = {"shown": anchor.correction}

@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The fields of `report.json` that the engine knows, and the verdict on every word."""
 
-from __future__ import annotations
-
 import os
 import platform
 from collections.abc import Mapping, Sequence
 from importlib import metadata
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import torch
 
@@ -16,23 +14,16 @@ from ..claims.claim import Claim, ShotClaims
 from ..claims.measures import MEASURES
 from ..color.tensors import linear_from_srgb
 from ..goals.written import as_json
+from ..optimize.anchoring import BlenderPictures
+from ..optimize.pipeline import Outcome
 from ..optimize.rounds.method import VARIABLE
-from ..optimize.shots import LOCKED
+from ..optimize.shots import LOCKED, ShotState
+from ..render.gbuffer import GBuffer
 from ..schema import Values, labels
 from ..schema.messages import word_states, words_of
 from ..words.lexicon.quantities import quantities
 from ..words.lexicon.user_words import default_vocabulary
-
-if TYPE_CHECKING:
-    from ..optimize.pipeline import Outcome
-    from ..render.gbuffer import GBuffer
-
-
-if TYPE_CHECKING:
-    from ..optimize.anchoring import BlenderPictures
-    from ..optimize.pipeline import Outcome
-    from ..optimize.shots import ShotState
-    from ..words.types import PromptWord
+from ..words.types import PromptWord
 
 _PACKAGES = ("torch", "open_clip_torch", "numpy", "opencolorio", "trimesh")
 

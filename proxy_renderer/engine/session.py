@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """One vibe in the engine: from job folders to values, and the measure of what Cycles made of them."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
@@ -33,8 +31,7 @@ from ..vlm.endpoint import find_endpoint
 from . import pictures, report
 from .report import word_verdicts
 
-_FURTHER = 2
-"""The most rounds of a further sentence: it begins where its image is nearly as wanted."""
+_FURTHER = 2  # the most rounds of a further sentence: it begins where its image is nearly as wanted
 
 
 def pick_device(name: str) -> str:
@@ -44,17 +41,15 @@ def pick_device(name: str) -> str:
     try:
         torch.zeros(1, device=name)
     except (RuntimeError, AssertionError) as error:
-        raise VibeError(
-            f"There is no device {name!r} here.", "Use --device cpu, or run `vibe doctor`."
-        ) from error
+        remedy = "Use --device cpu, or run `vibe doctor`."
+        raise VibeError(f"There is no device {name!r} here.", remedy) from error
     return name
 
 
 class EngineSession:
     """A vibe's state between its result and its measure; images are written to the job folders of its shots.
 
-    Args:
-        vlm_key: The vision-language model's key from the preferences; "" for the environment's.
+    The vision-language model's key is that of the preferences; "" for the environment's.
     """
 
     def __init__(

@@ -90,10 +90,7 @@ def _file_trouble(request: object, error: OSError) -> messages.Error:
 
 
 def _vibe(wire: Wire, request: messages.Vibe) -> EngineSession:
-    """Carries out one vibe and sends its result.
-
-    Its images are drawn before that if they are waited for, as in the panel. Otherwise Blender renders meanwhile.
-    """
+    """Carries out one vibe and sends its result; its images are drawn before that if the panel waits for them."""
     check_schema(request.schema, "add-on")
     options = messages.Options.from_dict(request.options)
     job = Path(request.job)

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which wishes cannot be had together."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 
@@ -14,37 +12,24 @@ from ..words.lexicon.entries import Effect
 from ..words.lexicon.quantities import ClaimText, warmth_asked
 from .wish import PAINTED, Wish
 
-_DARK, _LIGHT = 38.0, 72.0
-"""L* of surroundings that leave no bright image, and no dark one."""
+_DARK, _LIGHT = 38.0, 72.0  # L* of surroundings that leave no bright image, and no dark one
 _COLORED, _VIVID, _GRAY = 12.0, 35.0, 8.0
 """C* from which light has a color, and a color is vivid, and below which it is none."""
-_WARMTH = 0.3
-"""Cosine with warm or cool light from which vivid surroundings are of the other kind."""
-_OPPOSED = 0.5
-"""Cosine between a tint and the other direction, from where an image cannot have both."""
-_WHITE_LIGHT = (5500.0, 7500.0)
-"""Kelvins between which light is neither warm nor cool."""
-_AIR = ("light", "fog", "tone", "ambience", "sky")
-"""Kinds of targets whose color everything in the image takes on."""
-_FIXED = ("warmth", "tint", "accent", "chroma")
-"""Measures of the surroundings that a color word for them fixes."""
-_ALL_LIGHT = ("light", "tone", "ambience")
-"""Kinds of targets whose color is that of the light as a whole."""
-_ANOTHER_HUE = 40.0
-"""Degrees between the hues of a named color and of a material from which an object cannot have both."""
-CASTS = ("shadow_cast", "midtone_cast", "highlight_cast", "cast")
-"""Measures of the color of light in a picture, all of it or a part."""
+_WARMTH = 0.3  # cosine with warm or cool light from which vivid surroundings are of the other kind
+_OPPOSED = 0.5  # cosine between a tint and the other direction, from where an image cannot have both
+_WHITE_LIGHT = (5500.0, 7500.0)  # kelvins between which light is neither warm nor cool
+_AIR = ("light", "fog", "tone", "ambience", "sky")  # their color is on everything in the image
+_FIXED = ("warmth", "tint", "accent", "chroma")  # measures that a color word for the surroundings fixes
+_ALL_LIGHT = ("light", "tone", "ambience")  # kinds of targets whose color is that of the light as a whole
+_ANOTHER_HUE = 40.0  # degrees between hues of a named color and of a material that exclude each other
+CASTS = ("shadow_cast", "midtone_cast", "highlight_cast", "cast")  # measures of the color of light
 _SETTLED = {
-    "tint": CASTS,
-    "accent": CASTS,
-    "off_hue": CASTS,
+    **dict.fromkeys(("tint", "accent", "off_hue", "brown_distance"), CASTS),
     "color": ("cast", "lightness", "mean"),
-    "brown_distance": CASTS,
     "burnt": ("white_point",),
 }
 """What words measure -> what they settle of the same part, whatever a reference image has."""
-_NONE = "none"
-"""The class of an image that has nothing of a quantity."""
+_NONE = "none"  # the class of an image that has nothing of a quantity
 _MATTER = ("color", "finish", "substance", "glow")
 
 

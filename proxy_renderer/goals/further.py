@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A further sentence: its words that compare are measured from the image as it is, and the rest of that stays."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator
@@ -27,11 +25,7 @@ _EXACT = 0.01  # share by which "twice as much" may be missed
 
 
 def further(goals: Goals, vocabulary: Vocabulary, factor: float = 0.0) -> Goals:
-    """Goals of a sentence that goes on from an image.
-
-    Args:
-        factor: Of what its words compare: 2 for "twice as much fog"; 0 if it says none.
-    """
+    """Goals of a sentence that goes on from an image; the factor of "twice as much fog" is 2, and 0 if it says none."""
     said, wishes = list[Attribute](), list[Wish]()
     every = (*goals.wishes, *(each.wish for each in goals.lost))
     for attribute in goals.parsed.attributes:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A reference image beside words: relative words, as "colder", are relative to it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -14,18 +12,12 @@ from .contradictions import CASTS
 from .resolve import Goals
 from .wish import Wish
 
-Axis = tuple[str, str]
-"""A part of the image, and a measure of it."""
-_WARMER = (0.4, 0.8)
-"""In a* and b*, one step of warmth, see `claims.measures.color.warmth`."""
+Axis = tuple[str, str]  # a part of the image, and a measure of it
+_WARMER = (0.4, 0.8)  # in a* and b*, one step of warmth, see `claims.measures.color.warmth`
 _LIGHTER = {
-    "black_point": (0.2,),
-    "lower_quartile": (0.8,),
-    "median": (1.0,),
-    "upper_quartile": (0.8,),
-    "white_point": (0.2,),
-    "lightness": (1.0,),
-}
+    "black_point": (0.2,), "lower_quartile": (0.8,), "median": (1.0,), "upper_quartile": (0.8,),
+    "white_point": (0.2,), "lightness": (1.0,),
+}  # fmt: skip
 """The ends move less: a picture that is lighter has black in it all the same."""
 _MOVED: Mapping[str, Mapping[str, tuple[float, ...]]] = {
     "lightness": _LIGHTER,
@@ -33,12 +25,9 @@ _MOVED: Mapping[str, Mapping[str, tuple[float, ...]]] = {
     "shadow_warmth": {"shadow_cast": _WARMER},
     "highlight_warmth": {"highlight_cast": _WARMER},
     "contrast": {
-        "black_point": (-0.5,),
-        "lower_quartile": (-0.25,),
-        "upper_quartile": (0.25,),
-        "white_point": (0.5,),
+        "black_point": (-0.5,), "lower_quartile": (-0.25,), "upper_quartile": (0.25,), "white_point": (0.5,),
     },
-}
+}  # fmt: skip
 """What words measure -> what a picture measures of the same, and how far each of its numbers moves for one of the word's.
 The picture's own pattern stays: lights that are warmer than shadows are so in a colder picture, too."""
 FACTS = (*_MOVED, "chroma", "vignette")

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A wish: what one word wants of one quantity. Ranges of parameters and claims about the image are computed from it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -23,12 +21,9 @@ _OWN: Mapping[str, tuple[str, ...]] = {
 }
 """Slots of words that say only what is usual of other quantities than these: a rainy day is gray, but not if it is said to be golden,
 and gold is shiny, but not if it is matte."""
-PAINTED = ("color", "surroundings_color")
-"""Quantities of which a class is a basic color."""
-_CHANGES = ("times", "plus", "near", "shade")
-"""Modes of effects that only change what is there."""
-_MAIN = 1
-"""Priority of what a word is mainly about."""
+PAINTED = ("color", "surroundings_color")  # quantities of which a class is a basic color
+_CHANGES = ("times", "plus", "near", "shade")  # modes of effects that only change what is there
+_MAIN = 1  # priority of what a word is mainly about
 
 
 @dataclass(frozen=True)
@@ -39,13 +34,11 @@ class Wish:
     quantity: str  # name in `quantities.toml`
     named: str = ""  # the class that it asks for: "glossy"; "" where it names none, or is a color
     toward: str = ""  # the same where it is said too softly to ask for all of it: "slightly muted"
-    # what it does to parameters; of a color word, what colors do to such a thing
-    effects: tuple[Effect, ...] = ()
+    effects: tuple[Effect, ...] = ()  # what it does to parameters; of a color, what colors do to such a thing
     claims: tuple[ClaimText, ...] = ()  # what the image has to look like, those of the class last
     strength: float = 1.0  # 1 as named; less for "slightly" and for what is only denied, more for "very"
     breadth: int = 0  # how many things its word claims: what is about nothing else counts more
-    # whether its word is about the light or the image as a whole, as a time of day and a style are
-    vague: bool = False
+    vague: bool = False  # whether its word is about the light or the image as a whole: a time of day, a style
 
     @property
     def word(self) -> str:
@@ -121,22 +114,16 @@ def breadth_of(wishes: Iterable[Wish]) -> int:
     return len({(claim.measure, claim.part) for wish in wishes for claim in wish.claims})
 
 
-_SOFT = 0.8
-"""Strength below which a word is said softly."""
+_SOFT = 0.8  # strength below which a word is said softly
 _NOT = 0.6  # "not glossy" asks for a mild "matte"
 _OF_COLORS = {
-    "surroundings": "surroundings_color",
-    "sky": "surroundings_color",
-    "fog": "haze_color",
-    "subject": "color",
+    "surroundings": "surroundings_color", "sky": "surroundings_color", "fog": "haze_color", "subject": "color",
     "glow": "color",
-}
+}  # fmt: skip
 """Kind of thing -> the quantity of its color; of all others it is the color of the light."""
-_OF_LIGHT = ("direction", "hardness", "light_color")
-"""Quantities whose classes speak of the key light, or of light as a whole."""
+_OF_LIGHT = ("direction", "hardness", "light_color")  # their classes speak of the key, or of all light
 _OF_MATTER = ("color", "finish", "substance")
-_NO_MATTER = ("light", "fog", "tone", "shadow")
-"""Kinds of things of which a word says nothing of a surface."""
+_NO_MATTER = ("light", "fog", "tone", "shadow")  # kinds of things of which a word says nothing of a surface
 
 
 def wishes_of(attributes: Iterable[Attribute], vocabulary: Vocabulary) -> list[Wish]:

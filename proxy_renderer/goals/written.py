@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Goals as JSON, written and read: the format of docs/reference/goals.md."""
 
-from __future__ import annotations
-
 import json
 import math
 import sys
@@ -132,14 +130,12 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
 
 
-VERSION = 1
-"""Of the format."""
+VERSION = 1  # of the format
 _LARGEST, _MOST = 2_000_000, 500  # bytes of a file, and words in it
 _REGIONS: tuple[str, ...] = get_args(Region)
 KINDS = (*(kind for kind in shipped_vocabulary().painted if not kind.startswith("hidden")), "whole")
 """What a word may describe: all that a color may be said of, and the image as a whole."""
-ROLES = ("", *NAMED_ROLES, "others")
-"""Lights that may be meant."""
+ROLES = ("", *NAMED_ROLES, "others")  # lights that may be meant
 _PICTURED = ("", "times", "plus")  # modes of effects that a reference image may have
 _HELP = "Write a new file with `vibe explain PROMPT --goals`, and change that; docs/reference/goals.md has all fields."
 
@@ -211,8 +207,7 @@ class WrittenGoals:
     objects: tuple[PromptObject, ...]  # that the prompt names; the scene's subject for none
     stays: tuple[str, ...]  # owners of parameters that stay as they are
     wishes: tuple[Wish, ...]
-    # all words, also those that wish for nothing themselves, as names of rigs do
-    attributes: tuple[Attribute, ...]
+    attributes: tuple[Attribute, ...]  # all words, also those that wish for nothing themselves: names of rigs
     holds: bool = False  # whether the rest of the image stays
 
     def within(self, words: SceneDescription) -> Goals:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The encoder: open_clip's models, and the image tower of the embedded one."""
 
-from __future__ import annotations
-
 import logging
 import urllib.error
 import urllib.request
@@ -19,8 +17,7 @@ from ..schema.errors import VibeError
 
 PATCH = 4
 _DARK = 0.03  # added before logarithms are taken: black noise says nothing
-GRID = 5
-"""Cells along one side of the last grid of features."""
+GRID = 5  # cells along one side of the last grid of features
 
 _REMEDY = "Use the embedded encoder (leave --encoder out), or a tag such as ViT-B-32-256/datacomp_s34b_b86k."
 _PATIENCE = 8.0  # seconds to wait for the hub's answer
@@ -85,9 +82,7 @@ class Tower(nn.Sequential):
     A pooled feature forgets where things were, but "lit from the left" and "dark corners" are about places: the last grid goes whole
     into the projection. It costs half of what open_clip's ModifiedResNet does at the same size on a CPU.
 
-    Args:
-        stem: Makes, for a number of channels, what turns images into a grid of a fourth of their size.
-        strides: Of each stage; a 2 halves the grid.
+    The stem makes, for a number of channels, what turns images into a grid of a fourth of their size; a stride of 2 halves it.
     """
 
     def __init__(
@@ -114,10 +109,8 @@ def vibe_resnet(pretrained: bool = False, num_classes: int = 128, **unused: Any)
     return Tower(num_classes, Stem, (32, 64, 96, 160), (2, 2, 2, 2), (1, 2, 2, 1))
 
 
-EMBEDDED = Path(__file__).with_name("embedded")
-"""The encoder that guides by default."""
-MERGES = "merges.txt.gz"
-"""The merges of a folder's own, smaller vocabulary, read by open_clip's tokenizer."""
+EMBEDDED = Path(__file__).with_name("embedded")  # the encoder that guides by default
+MERGES = "merges.txt.gz"  # the merges of a folder's own, smaller vocabulary, read by open_clip's tokenizer
 
 
 class Encoder:

@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The paper's objective: similarities of regions to the words (equation 9), and the other terms of the loss."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import torch
 import torch.nn.functional as F
@@ -12,10 +10,7 @@ from torch import Tensor
 
 from ..planning.captions import Prompts
 from . import regions
-
-if TYPE_CHECKING:
-    from .encoder import Encoder
-
+from .encoder import Encoder
 
 _REGIONS = ("subject", "surroundings", "whole")
 _PLAIN = "a picture of an object"  # says nothing of its look
@@ -112,9 +107,8 @@ class NoGuidance:
 class PromptGuidance:
     """The objective for one prompt.
 
-    Args:
-        start: Image (H, W, 3) and mask (H, W) of the artist's scene: hinge margins are calibrated on it, because encoders
-            differ in how alike they find everything.
+    Hinge margins are calibrated on image (H, W, 3) and mask (H, W) of the artist's scene, because encoders differ in how
+    alike they find everything.
     """
 
     def __init__(

@@ -4,8 +4,6 @@
 text2mesh and CLIPasso do the same. Colors are never touched, because they are the signal.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import torch
@@ -17,8 +15,7 @@ from . import regions
 _CORNERS = torch.tensor([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 _TRIES = 8
 
-_EVERY_PLAIN = 2
-"""Step between the views of a subject that stand on the mean color of its surroundings; the first one does."""
+_EVERY_PLAIN = 2  # step between the views of a subject that stand on its surroundings' mean color
 
 
 def quads(
@@ -73,10 +70,7 @@ def whole(pictures: Tensor, size: int) -> Tensor:
 
 
 def _homographies(corners: Tensor) -> Tensor:
-    """(B, 3, 3) maps of the square [-1, 1]² onto quadrilaterals (B, 4, 2).
-
-    The eight equations of the direct linear transform, with the ninth entry fixed to 1.
-    """
+    """(B, 3, 3) maps of [-1, 1]² onto quadrilaterals (B, 4, 2), by the direct linear transform with the ninth entry 1."""
     source = _CORNERS.to(corners).expand(len(corners), -1, -1)
     x, y = source.unbind(-1)
     u, v = corners.unbind(-1)

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks of what a command is given, before anything is started. A mistake raises VibeError."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import re
@@ -101,6 +99,5 @@ def vocabulary(name: str) -> None:
 def device(name: str) -> None:
     """Makes sure that torch could know a device. Raises VibeError if it is no name of a device."""
     if not _DEVICE.fullmatch(name):
-        raise VibeError(
-            f"Unknown device {name!r}.", "Use auto, cpu, cuda or cuda:1; `vibe doctor` lists yours."
-        )
+        remedy = "Use auto, cpu, cuda or cuda:1; `vibe doctor` lists yours."
+        raise VibeError(f"Unknown device {name!r}.", remedy)

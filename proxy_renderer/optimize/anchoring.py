@@ -1,48 +1,35 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures of Cycles that keep the loop's proxy near it, and the corrections that come of them."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from ..render.cycles import CyclesPicture
+from torch import Tensor
+
+from ..render.cycles import Correction, CyclesPicture
 from ..scene import SceneData
 from ..schema import VibeError, messages
 
-if TYPE_CHECKING:
-    from torch import Tensor
-
-    from ..render.cycles import Correction
-
 SAMPLES = 16
-LONGEST = 30.0
-"""Seconds that a picture may take; after a slower one no more are asked for."""
+LONGEST = 30.0  # seconds that a picture may take; after a slower one no more are asked for
 _FAILURES = 2  # in a row, after which no more pictures are asked for
 
-AnchorRequest = Callable[[messages.Anchor], messages.Anchored | None]
-"""Sends a request to Blender; None if the loop is to end instead."""
+AnchorRequest = Callable[[messages.Anchor], messages.Anchored | None]  # to Blender; None to end the loop
 
 
 class BlenderPictures:
-    """A source of Cycles' pictures of one of a vibe's shots. Failures are noted, and the loop goes on without.
-
-    Attributes:
-        seconds: Blender's time for each picture.
-        waited: Seconds that it was busy with something else, as the artist's own image, when it was asked.
-        notes: Failures, in words for the artist.
-    """
+    """A source of Cycles' pictures of one of a vibe's shots. Failures are noted, and the loop goes on without."""
 
     def __init__(self, scene: SceneData, ask: AnchorRequest, seed: int, shot: int = 0) -> None:
         self._scene, self._ask, self._seed, self._shot = scene, ask, seed, shot
         self._number = self._failures = 0
         self._over = False
-        self.seconds: list[float] = []
+        self.seconds: list[float] = []  # Blender's time for each picture
+        # seconds that it was busy with something else, as the artist's own image, when it was asked
         self.waited = 0.0
-        self.notes: list[str] = []
+        self.notes: list[str] = []  # failures, in words for the artist
 
     def __call__(self, values: dict[str, list[float]], size: tuple[int, int]) -> CyclesPicture | None:
         """A picture of values, of a width and height; None where there is none to be had."""
@@ -96,8 +83,7 @@ class AnchorState:
     # (N,) the values of the picture, where the correction is exact; None where there is no picture of the current
     # ones
     u: Tensor | None = None
-    # the correction before this one, to see what a prediction was worth without the last picture
-    earlier: Correction | None = None
+    earlier: Correction | None = None  # the one before: what was a prediction worth without the last picture?
 
     def distance(self, u: Tensor) -> float:
         """Distance of u (N,) from the picture, in its worst component's whole range; infinite without one."""

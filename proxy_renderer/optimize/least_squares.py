@@ -16,27 +16,14 @@ from torch import Tensor
 from ..claims.claim import outside
 from .vector import project
 
-_DAMPING = 1e-3
-"""Curvature that every component gets: of two moves that do the same, the shorter one (Levenberg 1944)."""
-
-_ITERATIONS, _STILL = 200, 1e-5
-"""Of a step's search, at most, and the share of all ranges below which one no longer moves anything."""
-
-_NOTHING = 1e-3
-"""Noticeable steps of all values together, for a component's whole range: so little changes nothing."""
-
+_DAMPING = 1e-3  # curvature of every component: of two equal moves, the shorter one (Levenberg 1944)
+_ITERATIONS, _STILL = 200, 1e-5  # most of a step's search, and the share of all ranges that is no move
+_NOTHING = 1e-3  # noticeable steps of all values together, for a component's whole range, that change nothing
 _TELLING = 2  # values more than components that could do the same, at least, to say that they do
-
 _TAKEN = 2  # times that slopes are taken in one loop
-
-_RADIUS, _SMALLEST = 0.35, 0.01
-"""Of the region, as shares of each component's feasible range: at first, and where the loop ends."""
-
-_GOOD, _BAD = 0.7, 0.2
-"""Shares of the predicted decrease beyond which the region grows, and below which it shrinks."""
-
+_RADIUS, _SMALLEST = 0.35, 0.01  # of the region, as shares of feasible ranges: at first, and at the end
+_GOOD, _BAD = 0.7, 0.2  # shares of the predicted decrease beyond which it grows, and below which it shrinks
 _TINY = 1e-12  # squared length of a move that is none
-
 _PROGRESS = 1e-3  # a predicted decrease that is not worth a picture
 
 
@@ -50,8 +37,7 @@ class Assessment:
     claim: Tensor  # (M,) number of the claim that each belongs to, from 0
     rest: Tensor  # () the loss's other terms
     picture: Any  # the first shot's
-    # (M,) bool: values of claims about the finish of a surface; None if nobody asks
-    finish: Tensor | None = None
+    finish: Tensor | None = None  # (M,) bool: values of claims about a surface's finish; None if nobody asks
 
     def misses(self, values: Tensor) -> Tensor:
         """(claims,) noticeable steps by which values (M,) miss each claim."""

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Looks that are shown before the end: what the plan alone gives, at once, and then what the rounds find."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -23,8 +21,7 @@ class EarlyLook:
 
     values: Mapping[str, tuple[float, ...]]  # key to components, of what differs from the artist's scene
     display: Tensor | None  # (H, W, 3) their image in [0, 1]; None where it has not been drawn yet
-    # word to whether the image shows it; words that claim nothing measurable are left out
-    words: Mapping[str, bool]
+    words: Mapping[str, bool]  # word to whether the image shows it, of those that claim something measurable
 
 
 class Looks:

@@ -7,11 +7,8 @@ of one color stays light of that color until it is developed, so the components 
 on their own, and one image serves all three (Curtis, Powell and Reid 1974).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import torch
 from torch import Tensor
@@ -19,12 +16,10 @@ from torch import Tensor
 from ..claims.measures import MEASURES
 from ..guidance.guide import Weights, border_loss, claims_loss, hue_consistency_loss, prior_loss
 from ..planning.types import Plan
+from ..render.proxy import LatentImage, Render
 from .least_squares import Assessment, Slopes, fixed_views
 from .shots import ShotState, chosen_values
 from .vector import ParameterVector, begun
-
-if TYPE_CHECKING:
-    from ..render.proxy import LatentImage, Render
 
 _PICTURES = 5  # images that take as long as a backward pass through one
 
@@ -41,8 +36,7 @@ _TOGETHER = 32  # backward passes that share their operations: each takes the me
 _NEAR = 5.0  # noticeable steps inside of an end of what is sought, from where one step does not lose it
 _STEP = 0.02  # of its range, by which a component is moved: shadows that move are traced anew, and have some grain
 
-_Judge = Callable[[Sequence["Render"], Tensor], Assessment]
-"""Judges the images of all shots at a point (N,), differentiable in both."""
+_Judge = Callable[[Sequence[Render], Tensor], Assessment]  # of all shots at a point (N,), differentiable
 
 
 class RoundObjective:
@@ -338,11 +332,7 @@ def forward_slopes(
 
 
 class _ForwardShot:
-    """The images of a shot near a point (N,), over the chosen components (N,).
-
-    Attributes:
-        leaves: The undeveloped image at the point, as far as parameters change it: gradients go there.
-    """
+    """The images of a shot near a point (N,), over the chosen components (N,)."""
 
     def __init__(self, shot: ShotState, u: Tensor, chosen: Tensor) -> None:
         self._shot, self._u, self._proxy = shot, u, shot.corrected
@@ -353,6 +343,7 @@ class _ForwardShot:
         with torch.no_grad():
             self._cache = self._proxy.traced(self._values)
             self._here = self._proxy.expose(self._values, self._cache)
+        # the undeveloped image at the point, as far as parameters change it: gradients go there
         self.leaves = [field.clone().requires_grad_() for field in _fields(self._here)]
 
     def picture(self, point: Tensor) -> Render:
@@ -365,11 +356,9 @@ class _ForwardShot:
         return self._proxy.develop(latent, values)
 
     def add(self, slopes: Tensor, gradients: Sequence[Tensor], move: Tensor) -> None:
-        """Adds what the scene's parameters change to slopes (M + 1, N).
+        """Adds what the scene's parameters change to slopes (M + 1, N), from gradients (M + 1, ...) of the leaves.
 
-        Args:
-            gradients: (M + 1, ...) of the leaves.
-            move: (N,) by how much components are moved; 0 for those that are not chosen.
+        Components are moved by (N,), 0 for those that are not chosen.
         """
         moved = self._shot.vector.along(self._u, move)
         for key in sorted(self._scene):

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a prompt and exported scenes to values: Algorithm 1 of the paper, from each start. Comments name its lines; its θ is u."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Sequence
 from dataclasses import replace

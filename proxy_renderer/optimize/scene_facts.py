@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Facts of a scene that plans need: what it looks like, what the camera sees of it, and how much room its lights have."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 import torch
@@ -19,18 +16,16 @@ from ..guidance import regions
 from ..planning.ranges import clip
 from ..planning.types import PlanEntry
 from ..render.geometry.camera import view_of
+from ..render.geometry.samples import pixel_centers
 from ..render.geometry.visibility import Hits, RayGeometry
 from ..render.lights.light_source import LightSource
 from ..render.lights.light_types import AreaLight, light_sources, light_type
+from ..render.proxy import Proxy, Render
 from ..scene import Light, SceneData
 from ..scene.values import RenderValues
 from ..schema import Instance, Values, orbit
 from ..schema.parameters import Region
 from ..words.types import LightDescription, PictureStats, SceneDescription
-
-if TYPE_CHECKING:
-    from ..render.proxy import Proxy, Render
-
 
 _GRID = 64  # rays along each side of the picture
 _KEPT = 0.8  # share of the way to a floor, a ceiling or a wall that a light may go: it has a size
@@ -101,9 +96,7 @@ def _coverage(proxy: Proxy, values: dict[str, Values]) -> tuple[float | None, di
     view = view_of(scene, RenderValues(scene, cameras, geometry.device), (_GRID, _GRID))
 
     # Materials and subjects that a coarse grid of rays meets
-    y, x = torch.meshgrid(torch.arange(_GRID), torch.arange(_GRID), indexing="ij")
-    pixels = torch.stack((x.flatten(), y.flatten())).to(geometry.device) + 0.5
-    hits = geometry.first_hits(*view.rays(pixels), "camera")
+    hits = geometry.first_hits(*view.rays(pixel_centers(view.size).to(geometry.device)), "camera")
     triangle, hit = hits.triangle.cpu().clamp_min(0), hits.hit.cpu()
     material = torch.where(hit, geometry.material.cpu()[triangle].long(), -1)
     subjects = torch.tensor([o.subject for o in scene.objects])

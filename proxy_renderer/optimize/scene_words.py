@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The scene as words may mean it: its names, where objects stand in the image, and how materials look before any wish."""
 
-from __future__ import annotations
-
 import weakref
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,6 +12,7 @@ from ..color import arrays
 from ..color.floats import srgb_from_linear
 from ..planning.glow import glowing, glows
 from ..render.geometry.camera import view_of
+from ..render.geometry.samples import pixel_centers
 from ..render.material.textures import geometry_of
 from ..scene import SceneData, SceneMesh
 from ..scene.data import Material
@@ -36,8 +35,7 @@ _CLEAR = 2.0  # how many times larger than the second a structure has to be
 _ALONE = 0.9  # share of the level surfaces around the subject that are its only ground
 _NEAR = 0.08  # of the scene's height: two levels within it are one
 _WALL = 0.4  # least share of a wall among several, of the largest one's
-_STEP, _NEAR_GROUND = 0.02, 0.25
-"""How far a floor lies above the ground that its room stands on, of the scene's height."""
+_STEP, _NEAR_GROUND = 0.02, 0.25  # of the scene's height: a floor lies so far above its ground
 _TALL, _HIGH = 0.4, 0.6  # of the scene's height: least height of walls, and where roofs begin
 _PLACE_SIDE = 100  # pixels of the square image that places are measured in
 
@@ -161,8 +159,7 @@ def _rays(scene: SceneData) -> _Rays:
 def _traced(scene: SceneData) -> _Rays:
     mesh = scene.mesh
     view = view_of(scene, RenderValues(scene, {}, "cpu"), (_SIDE, _SIDE)).detached()
-    y, x = torch.meshgrid(torch.arange(_SIDE), torch.arange(_SIDE), indexing="ij")
-    origin, toward = view.rays(torch.stack((x.flatten(), y.flatten())) + 0.5)
+    origin, toward = view.rays(pixel_centers(view.size))
     hits = geometry_of(scene, torch.device("cpu")).first_hits(origin, toward, "camera")
     met = hits.hit.numpy()
     triangle = hits.triangle.numpy()[met]

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import torch
 from torch import Tensor
@@ -14,25 +14,22 @@ from torch import Tensor
 from ..claims.claim import Claim, ClaimSet
 from ..claims.measures.picture import MeasuredPicture
 from ..color.tensors import mean_difference
+from ..guidance.encoder import Encoder
+from ..guidance.guide import Guidance
+from ..planning.advice import Advice, Advisor
 from ..planning.types import Plan
+from ..render.gbuffer import GBuffer
+from ..render.proxy import Proxy, Render
 from ..scene import SceneData
 from ..schema import GROUPS, Instance, VibeError, labels, matches, material_copies
 from ..schema.messages import Options
+from ..words.types import SceneDescription
 from .anchoring import AnchorState, PictureSource
 from .scene_facts import described_now
 from .vector import ParameterVector
 
-if TYPE_CHECKING:
-    from ..guidance.encoder import Encoder
-    from ..guidance.guide import Guidance
-    from ..planning.advice import Advice, Advisor
-    from ..render.gbuffer import GBuffer
-    from ..render.proxy import Proxy, Render
-    from ..words.types import SceneDescription
-
 LOCKED = "locked by you"
-MOVES = "it changes from shot to shot in your scene"
-"""Why a value is locked that differs between shots of one .blend."""
+MOVES = "it changes from shot to shot in your scene"  # why a value is locked that differs in one .blend
 
 _HERE = 0.01  # of a component's whole range: so near to an anchor, its correction is as good as a new one
 _NEAR = 0.25  # of a component's whole range: so far an old correction is better than none
@@ -64,13 +61,10 @@ class ShotState:
     # one per picture of Cycles, for all states: the number of the round, and the mean CIEDE2000 between what the
     # proxy had predicted and what it says with the picture
     records: list[dict[str, Any]] = field(default_factory=list)
-    # judges the images as the round's advice says; calibrated on the artist's image
-    guidance: Guidance | None = None
-    # what the words say that its images have to look like; None before the loop
-    claims: ClaimSet | None = None
+    guidance: Guidance | None = None  # judges images by the round's advice; calibrated on the artist's image
+    claims: ClaimSet | None = None  # what the words say that its images look like; None before the loop
     seen: GBuffer | None = None  # what its camera sees where the claims are measured
-    # the artist's image, with which the loop began, and what its camera saw
-    before: MeasuredPicture | None = None
+    before: MeasuredPicture | None = None  # the artist's image, and what its camera saw
     _last: tuple[Tensor, Render] | None = None  # where the last image was drawn, and it
 
     @property

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a vibe begins with: the words, read against the scene once, and the scene, lit as they ask for."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 

@@ -14,8 +14,7 @@ from ..planning.types import Plan
 from ..schema import Instance, Values
 
 _FLATTEST = 0.05
-_STRIDE, _FLAT_STRIDE = 0.01, 0.15
-"""Moves of u at which a picture changes enough for a slope: usually, and near the lower end of a scale that is flat there."""
+_STRIDE, _FLAT_STRIDE = 0.01, 0.15  # moves of u for a slope: usual, and near the flat end of a scale
 _FLAT_FROM, _FLAT_BELOW = 2.5, 0.25  # exponent of such a scale, and where that end ends
 _TURN = 360.0
 _NARROW = 0.15  # of a whole scale: how wide a range counts at least where it opens
@@ -26,19 +25,12 @@ class ParameterVector:
 
     u is float64, so that a value that nothing moved survives the round trip; decoded values are
     float32, as the renderer wants them.
-
-    Attributes:
-        instances: The instances by key, in the order of the vector.
-        slices: Where each key's components are.
-        size: N.
-        taken: Keys whose values are written though nothing has moved them: lights that are added, and in a further shot values
-            that the words name and the first shot has already.
     """
 
     def __init__(self, instances: Mapping[str, Instance]) -> None:
-        self.instances = dict(instances)
-        self.slices: dict[str, slice] = {}
-        self.size = 0
+        self.instances = dict(instances)  # the instances by key, in the order of the vector
+        self.slices: dict[str, slice] = {}  # where each key's components are
+        self.size = 0  # N
         for key, instance in self.instances.items():
             self.slices[key] = slice(self.size, self.size + instance.parameter.components)
             self.size += instance.parameter.components
@@ -47,6 +39,8 @@ class ParameterVector:
         self._upper = _stack(i.upper for i in self.instances.values())
         self._log = torch.tensor([i.parameter.scale.name == "log" for i in each])
         self._exponent = torch.tensor([i.parameter.scale.exponent for i in each], dtype=torch.float64)
+        # keys whose values are written though nothing has moved them: lights that are added, and in a further
+        # shot values that the words name and the first shot has already
         self.taken: frozenset[str] = frozenset()
         self._home = torch.zeros(self.size, dtype=torch.float64)
         self._home = self.encode({key: instance.value for key, instance in self.instances.items()})

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which effects of wishes act in a scene: on what, in which order, and what is left of them beside a rig."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -21,15 +19,11 @@ from .types import LightPlan
 _PALE, _WHITE = 80.0, 93.0  # L* of pale and of white surroundings
 _HIDDEN = 60.0  # degrees of hue between a thing and its light from which neither looks as named
 _MAIN = 1  # priority of what a word is mainly about
-_LIT = ("direction", "hardness", "light_color", "key_to_rest", "brightness")
-"""Quantities of the light that a rig gives."""
-_SHEDS = ("light/", "world/", "volume/", "film/vignette", "film/exposure")
-"""Families of parameters that a rig sets itself."""
+_LIT = ("direction", "hardness", "light_color", "key_to_rest", "brightness")  # of light: a rig gives them
+_SHEDS = ("light/", "world/", "volume/", "film/vignette", "film/exposure")  # families that a rig sets itself
 _BESIDE_LIGHT = 0.5  # strength of a mood's grade where a rig gives it its light
-STAGES = 3
-"""How many there are, see `stage_of`."""
-Act = tuple[Wish, Effect]
-"""An effect, with the wish that it serves and with what that describes in the scene."""
+STAGES = 3  # how many there are, see `stage_of`
+Act = tuple[Wish, Effect]  # an effect, with the wish that it serves and with what that describes in the scene
 
 
 def acts(goals: Goals, vocabulary: Vocabulary, owners: Owners) -> list[Act]:
@@ -134,10 +128,7 @@ def is_usual(wish: Wish, effect: Effect) -> bool:
 
 
 def stage_of(effect: Effect) -> int:
-    """What has to wait for what; the least comes first.
-
-    The world's strength for its color and for the key, glows for surfaces.
-    """
+    """What has to wait for what, the least first: the world's strength for its color and for the key, glows for surfaces."""
     if effect.color == "own":
         return 2
     return 1 if effect.mode == "share" or effect.family == "world/strength" else 0

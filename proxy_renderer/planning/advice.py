@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A round's understanding of a prompt and its plan, and a readable account of both."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
@@ -14,8 +12,7 @@ from .captions import Prompts, compose
 from .planner import plan
 from .types import LightPlan, Plan
 
-NO_PROMPTS = Prompts("", "", "")
-"""Nothing to ask an encoder."""
+NO_PROMPTS = Prompts("", "", "")  # nothing to ask an encoder
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,6 @@ Contrastive encoders mix up attributes of two things in one sentence, and do not
 a caption of its own, negatives are positive descriptions of the mistake, and negated words are left out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import groupby
@@ -18,16 +16,13 @@ from ..words.lexicon.vocabulary import Vocabulary
 from ..words.types import Attribute, Parsed
 
 _MOST = 5  # words per caption: short ones are understood better
-_BEFORE = {"finish": 1, "color": 2, "material": 3}
-"""Slot -> place of its words before a noun; others come first."""
+_BEFORE = {"finish": 1, "color": 2, "material": 3}  # slot -> place before a noun; others come first
 _OF_MATTER = ("color", "finish", "material", "setting")
 _OF_ALL = ("lighting", "atmosphere", "grade", "mood")
 _KINDS = {"subject": ("subject", "highlight", "glow"), "surroundings": ("surroundings", "sky")}
 """Region -> kinds of things whose matter is seen there."""
-_ALL = {"subject": "silhouette", "surroundings": "fog"}
-"""Region -> what is all that is seen of it."""
-_UNNAMED = {"subject": "object", "surroundings": "background"}
-"""Region -> what it is called where the prompt does not say."""
+_ALL = {"subject": "silhouette", "surroundings": "fog"}  # region -> what is all that is seen of it
+_UNNAMED = {"subject": "object", "surroundings": "background"}  # region -> what it is called otherwise
 _COLORED = ("light", "fill", "rim", "shadow", "highlight", "glow", "ambience")
 """Kinds of things that a color needs beside it to be understood: "blue shadows"."""
 
@@ -39,8 +34,7 @@ class Prompts:
     subject: str  # short caption of the subject alone
     surroundings: str  # short caption of the surroundings alone; "" when the words leave them open
     whole: str  # caption of the whole picture
-    # what the subject must not look like: swaps and antonyms, positively worded
-    subject_negatives: tuple[str, ...] = ()
+    subject_negatives: tuple[str, ...] = ()  # what it must not look like: swaps, antonyms, positively worded
     surroundings_negatives: tuple[str, ...] = ()  # likewise for the surroundings
     whole_negatives: tuple[str, ...] = ()  # likewise for the whole picture: "thick fog" for "no fog"
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Color words as ranges: of surfaces, lights, fog, worlds and grades."""
 
-from __future__ import annotations
-
 from ..color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from_hex
 from ..color.shades import shade
 from ..schema import Instance, Values
@@ -20,16 +18,12 @@ _BOX = 0.06  # half the width of a color's box, in steps that look even
 _LESS, _MORE = (0.65, -0.1), (1.35, 0.15)
 """Ends of a surface's components, on the same scale: a share of the named color's, and what is added to that. Claims find
 what looks as named under the scene's light and view."""
-_SHOWN = (0.5, 3.0)
-"""Multiples of a color's brightest component that a backdrop may have, for the same reason."""
-_GLOW = (0.8, 0.0), (1.0, 0.1)
-"""The same of a glow: how bright it is, its strength says."""
-_CAST, _EVEN = (0.6, 1.5), 0.01
-"""Shares of a film's usual tint that claims may choose between, and what a component may lie beside that."""
+_SHOWN = (0.5, 3.0)  # multiples of a color's brightest component that a backdrop may have
+_GLOW = (0.8, 0.0), (1.0, 0.1)  # the same of a glow: how bright it is, its strength says
+_CAST, _EVEN = (0.6, 1.5), 0.01  # shares of a film's usual tint for claims, and a component's leeway
 _DARKER, _LIGHTER = {"darker"}, {"lighter", "paler"}
 _STEP = 0.6  # luminance of a color that is clearly darker than another, as a share of the other's
-OWN_COLOR = ("base_color", "tint")
-"""Parameters that hold a material's color."""
+OWN_COLOR = ("base_color", "tint")  # parameters that hold a material's color
 _NEUTRAL_BOX = 0.02  # the same for white and gray: a little tint makes them another color
 
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Light of surfaces that emit."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Light on a surface that faces it, as values give it and as the view displays it."""
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_left
 from collections.abc import Callable, Collection
@@ -57,12 +55,10 @@ class Sources:
     world: WorldLook = WorldLook()  # what the plan settles on for the world
     backdrop: WorldLook = WorldLook()  # the same for what the camera sees of it
     own_color: Values = (1.0, 1.0, 1.0)  # sRGB of the color that the material gets or has, for glows
-    # Radiance, before exposure, of a white surface that faces the key lights; 0 if there are none
-    key: float = 0.0
+    key: float = 0.0  # radiance, before exposure, of a white surface that faces the key; 0 without one
 
 
-_MIRED = (0.0029, -0.0009, -0.0072)
-"""By how much the logarithms of warm light's red, green and blue grow per mired (1e6 / K): about `color.blackbody`."""
+_MIRED = (0.0029, -0.0009, -0.0072)  # growth of the logarithms of warm light's RGB per mired (1e6 / K)
 _WHITE: Values = (1.0, 1.0, 1.0)
 
 Value = Callable[[Instance], Values]
@@ -84,10 +80,7 @@ def facing_radiance(
     value: Value,
     lights: Collection[str] | None = None,
 ) -> float:
-    """Radiance, before exposure, of a white surface that faces these lights, or all of them.
-
-    A glowing material is the light "material/NAME".
-    """
+    """Radiance, before exposure, of a white surface that faces these lights (a glow is "material/NAME"), or all of them."""
     found = {}
     for instance in instances.values():
         if instance.parameter.group == "light" and instance.parameter.name in ("power", "strength"):

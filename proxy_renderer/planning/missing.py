@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lights and a backdrop that words ask for and that the scene lacks."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from ..color.floats import chroma, lab_from_srgb

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Materials, lights and the world, as words mean them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -16,8 +14,7 @@ from .scene_lights import SceneLights
 _PART = 0.12  # materials on less of their region are parts: tyres, eyes, screws
 _LIKE = 0.25  # where all are parts, share of the largest that those have which make it up: a shelf of a hundred books
 _STAYS = "the prompt says that it stays"
-_LOOK = ("base_color", "metallic", "roughness", "transmission")
-"""Values of a material by which small parts are told from large ones."""
+_LOOK = ("base_color", "metallic", "roughness", "transmission")  # they tell small parts from large ones
 
 
 class SceneMaterials:
@@ -76,12 +73,10 @@ class SceneMaterials:
         return tuple(tuple(round(v, 2) for v in i.value) if i else () for i in values)
 
 
-BACKDROP = "world/backdrop_strength"
-"""There, if what the camera sees of the world is not what lights."""
+BACKDROP = "world/backdrop_strength"  # there, if what the camera sees of the world is not what lights
 _OF_BACKDROP = {"color": "backdrop_color", "tint": "backdrop_tint", "strength": "backdrop_strength"}
 """What the world's parameters are of its backdrop."""
-SEEN, _SHED = ("surroundings", "sky"), ("share", "times", "gel")
-"""Kinds of words that are about what is seen of the world, and modes of effects that are about its light."""
+SEEN, _SHED = ("surroundings", "sky"), ("share", "times", "gel")  # kinds: seen of it; modes: its light
 SLIVER = 0.05  # of the surroundings: so little world counts as none
 
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """How far the values of a scene may go to look like a reference image: ranges from its wishes, beside those of words."""
 
-from __future__ import annotations
-
 import math
 import operator
 from collections.abc import Mapping, Sequence
@@ -26,13 +24,10 @@ _STRONGER, _WEAKER = 1.6, 0.5
 """How much stronger than the strongest cast a light's color may be, since other light lies over it, and how much weaker than
 any. A range up to white would hold hues that are in no cast: pink and yellow beside orange."""
 _FEW_HUES = 0.0  # cosine between the hues of two casts from where each has a light of its own
-_PALE, _COLORFUL = 6.0, 16.0
-"""Mean C* up to which a picture is as good as gray, and how much more it has where all paint keeps its saturation."""
+_PALE, _COLORFUL = 6.0, 16.0  # mean C* of a gray picture, and how much more keeps all paint's saturation
 _STRONG = 6.0  # C* of a cast whose hue counts
-HELD_LIGHTLY = 0.05
-"""Pull of what a picture lets move to the artist's value: of two ways that look the same, the nearer one."""
-_LIT = ("light/color", "world/color")
-"""Families of what colors light: they take the hues of the picture's casts."""
+HELD_LIGHTLY = 0.05  # pull of what a picture lets move to the artist's value: of two ways, the nearer
+_LIT = ("light/color", "world/color")  # families that take the hues of the picture's casts
 UNTOUCHED = "the picture does not speak of it: keeps the artist's value"
 
 

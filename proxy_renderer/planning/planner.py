@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The confiner without a model: from wishes to ranges, starts and priorities of a scene's parameters."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -27,27 +25,19 @@ from .types import LEFT_ALONE, LightPlan, Plan, PlanEntry
 
 @dataclass(frozen=True)
 class WishedRange:
-    """A wish, projected on one parameter.
-
-    Attributes:
-        reason: For the artist; quotes the word.
-        weak: A default, which gives way silently.
-        usual: It is what a place usually has: it counts only where no other word is about the parameter.
-        aside: Words for what is seen of the world come first for this parameter.
-        start, any_hue: As in `PlanEntry`.
-    """
+    """A wish, projected on one parameter."""
 
     key: str
     lower: Values
     upper: Values
     wish: Wish
-    reason: str
-    weak: bool
+    reason: str  # for the artist; quotes the word
+    weak: bool  # a default, which gives way silently
     priority: int
-    usual: bool = False
-    aside: bool = False
-    start: Values | None = None
-    any_hue: bool = False
+    usual: bool = False  # what a place usually has: it counts only where no other word is about the parameter
+    aside: bool = False  # words for what is seen of the world come first for this parameter
+    start: Values | None = None  # as in `PlanEntry`
+    any_hue: bool = False  # likewise
 
     @property
     def rank(self) -> tuple[bool | int, ...]:
@@ -130,21 +120,14 @@ def reason_of(attribute: Attribute, phrase: str) -> str:
     return f"'{attribute.word}'{what}" + (f" ({phrase})" if plain else "")
 
 
-_OF_SHADOWS = ("size", "angle")
-"""Parameters that begin well inside of their ranges: edges of shadows have slopes that say little of where hardness is found."""
-_WELL_INSIDE = 0.75
-"""Where, from the end that is nearer to the artist's value: the sun's shadows are hard, not just harder."""
-_RELATIVE = ("shade", "times", "plus", "near", "lightness")
-"""Modes of effects on what a thing has, or what its material gives it: fresh asphalt is a smoother dark gray."""
+_OF_SHADOWS = ("size", "angle")  # they begin well inside: edges of shadows have slopes that say little
+_WELL_INSIDE = 0.75  # from the end nearer to the artist's value: a sun's shadows are hard, not just harder
+_RELATIVE = ("shade", "times", "plus", "near", "lightness")  # on what a thing has, also by its material
 _SEEN_GLOW = 0.02  # emission from which a material glows
 _GRADES = {
-    "film/contrast": (0.8, 1.3),
-    "film/saturation": (0.0, 1.45),
-    "film/vignette": (0.0, 0.5),
-    "film/lift": (0.94, 1.06),
-    "film/midtone": (0.85, 1.15),
-    "film/gain": (0.8, 1.2),
-}
+    "film/contrast": (0.8, 1.3), "film/saturation": (0.0, 1.45), "film/vignette": (0.0, 0.5),
+    "film/lift": (0.94, 1.06), "film/midtone": (0.85, 1.15), "film/gain": (0.8, 1.2),
+}  # fmt: skip
 """How far a grade goes beside a rig, which is most of a look."""
 _FAINT = 0.1  # share of its power with which a light begins that is added beside what is there
 _SECOND = 6  # how much later a mood's own words come than the prompt's

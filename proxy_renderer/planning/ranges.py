@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """From one effect of a word to a range of one parameter instance, in the parameter's unit."""
 
-from __future__ import annotations
-
 import math
 
 from ..color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from_lab, srgb_from_linear

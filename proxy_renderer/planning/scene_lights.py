@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The lights of a scene that a word means: those that it names, those with a role, the key, or all."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -23,8 +21,7 @@ class KnownLight:
 
     name: str  # the artist's name of a light, or "material/NAME" of what glows
     role: str
-    # what it may be called: its own name and its type, or its material's and those of its objects
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # what it may be called: its own name and type, or its material's and its objects'
     turn: float  # azimuth relative to the camera, degrees
     added: bool = False
 
@@ -101,8 +98,7 @@ _SHARE = 0.15  # of the light on the subject from which a glow counts as a light
 _OF_GLOWS = {"power": "emission", "color": "emission_color", "temperature": "emission_color"}
 """What the parameters of lights are of glowing materials; they have neither place nor size to change."""
 _PLACES = ("azimuth", "elevation", "distance", "size", "angle")
-_NAMED = ("light", "subject", "surroundings")
-"""Kinds of things by whose name a prompt may call a light."""
+_NAMED = ("light", "subject", "surroundings")  # kinds of things by whose name a prompt may call a light
 _BEHIND = 180.0
 
 

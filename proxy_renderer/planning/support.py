@@ -6,8 +6,6 @@ only say how far from the artist's values the search may look; whether and where
 and grade support the words; no material does (`schema/means.py`).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 
@@ -20,17 +18,14 @@ from .owners import BACKDROP, Owners
 from .ranges import clip, facing_white
 from .types import PlanEntry
 
-_LATE = 12
-"""Priority of exposure; what words name comes first."""
-
+_LATE = 12  # priority of exposure; what words name comes first
 _STOPS = 1.5  # that exposure may change
 _LIGHTEST, _DARKEST = 75.0, 50.0
 """L* that the lightest twentieth of a picture may get at least, and the darkest at most: an artist's scene may be all black."""
 _KEY = (0.35, 4.0)  # multiples of the key's power; black things need much light
 _WORLD = (0.5, 2.0)  # multiples of the strength of the world, and of what is seen of it
 _FAINT = 0.1  # the least multiple of the world's strength where light has a color: what the world sheds has another
-_SEEN = ("subject", "surroundings", "sky", "fog")
-"""Kinds of things that have a color of their own."""
+_SEEN = ("subject", "surroundings", "sky", "fog")  # kinds of things that have a color of their own
 _AMBIENT = ("world/color", "world/tint")
 _SATURATION = 1.4  # the most that named colors are strengthened: reflections and the view bleach them
 _ADDED = (64.0, 80.0)  # L* of a white surface that faces a light that is added

@@ -13,26 +13,17 @@ from ..words.types import Attribute
 
 @dataclass(frozen=True)
 class PlanEntry:
-    """What may happen to one parameter instance.
+    """What may happen to one parameter instance."""
 
-    Attributes:
-        lower, upper: Component-wise, within the instance's hard bounds.
-        priority: The smaller the more important; None is never optimized (but still projected).
-        reason: For the artist; quotes the word that caused it.
-        prior: Weight in [0, 1] of the pull to the artist's value: 0 where words named the value.
-        usual: Whether words only have it so as a rule, as nights are blue: it gives way to other words, but not to claims.
-        any_hue: Whether a color may take any hue within its range, which is then no box around a named color.
-        start: Where the search begins, within the range: the color that words name, well inside of a lamp's sizes. None for
-            the artist's value, projected.
-    """
-
-    lower: Values
-    upper: Values
-    priority: int | None
-    reason: str
-    prior: float = 1.0
-    usual: bool = False
-    any_hue: bool = False
+    lower: Values  # component-wise, within the instance's hard bounds
+    upper: Values  # likewise
+    priority: int | None  # the smaller the more important; None is never optimized (but still projected)
+    reason: str  # for the artist; quotes the word that caused it
+    prior: float = 1.0  # weight in [0, 1] of the pull to the artist's value: 0 where words named the value
+    usual: bool = False  # only so as a rule, as nights are blue: it gives way to other words, not to claims
+    any_hue: bool = False  # whether a color may take any hue in its range: it is no box around a named color
+    # where the search begins, within the range: the color that words name, well inside of a lamp's sizes.
+    # None for the artist's value, projected.
     start: Values | None = None
 
     @classmethod
@@ -54,22 +45,16 @@ class LightPlan:
 
     entries: dict[str, PlanEntry] = field(default_factory=dict)  # for every parameter that it sets, by key
     served: tuple[Attribute, ...] = ()  # the words that it stands for; they ask for nothing else
-    # what belongs to it of the film: effects, with the word that asks for them
-    grade: tuple[tuple[Attribute, Effect], ...] = ()
+    grade: tuple[tuple[Attribute, Effect], ...] = ()  # what belongs to it of the film, with the word
     shown: tuple[Wish, ...] = ()  # what an image has to show of it
 
 
-LEFT_ALONE = "Left alone, though the words ask for it"
-"""How the note on locked values begins."""
+LEFT_ALONE = "Left alone, though the words ask for it"  # how the note on locked values begins
 
 
 class Plan(dict[str, PlanEntry]):
-    """An entry for every instance of the scene, by key.
-
-    Attributes:
-        notes: Contradictions resolved and bounds that stood in the way, one sentence each.
-    """
+    """An entry for every instance of the scene, by key."""
 
     def __init__(self, entries: dict[str, PlanEntry] | None = None, notes: tuple[str, ...] = ()) -> None:
         super().__init__(entries or {})
-        self.notes = notes
+        self.notes = notes  # contradictions resolved and bounds that stood in the way, one sentence each

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures as cameras, browsers and paint programs write them: JPEG, PNG, WebP, TIFF and their like."""
 
-from __future__ import annotations
-
 import io
 import re
 import struct
@@ -36,10 +34,9 @@ def small_size(width: int, height: int) -> tuple[int, int]:
 
 
 def shrunk_linear(color: np.ndarray, alpha: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Means of areas of a linear image (H, W, 3), each pixel weighted by its alpha (H, W) in [0, 1].
+    """Means of areas of a linear image (H, W, 3), each pixel weighted by its alpha (H, W) in [0, 1]: both at `small_size`.
 
-    Returns:
-        Both at `small_size`; the color is 0 where the alpha is.
+    The color is 0 where the alpha is.
     """
     size = small_size(color.shape[1], color.shape[0])
     weight = _mean(alpha, size)
@@ -61,14 +58,9 @@ _FLAGS = ImageCms.Flags.BLACKPOINTCOMPENSATION
 
 
 def to_srgb(picture: Image.Image, icc: bytes) -> tuple[np.ndarray, np.ndarray | None, list[str]]:
-    """sRGB of a picture in any mode that its profile fits.
+    """sRGB (H, W, 3) in [0, 1] of a small picture, alpha (H, W) or None, and what was done, a sentence each.
 
-    Args:
-        picture: Small already; L, RGB, CMYK, LAB, YCbCr or HSV, the first two also with alpha.
-        icc: The profile; b"" for none.
-
-    Returns:
-        Colors (H, W, 3) in [0, 1], alpha (H, W) or None, and what was done, a sentence each.
+    It may be L, RGB, CMYK, LAB, YCbCr or HSV, the first two also with alpha, as its profile (b"" for none) fits.
     """
     alpha = None
     if picture.mode in ("LA", "RGBA", "La", "RGBa"):
@@ -127,18 +119,14 @@ def read_encoded(path: Path) -> FileContents:
             with Image.open(path, formats=FORMATS) as picture:
                 return _contents(picture, path)
         except UnidentifiedImageError as error:
-            raise VibeError(
-                f"{path.name} is not a picture that can be read.", "Save it as PNG, JPEG, TIFF or EXR."
-            ) from error
+            remedy = "Save it as PNG, JPEG, TIFF or EXR."
+            raise VibeError(f"{path.name} is not a picture that can be read.", remedy) from error
         except Image.DecompressionBombError as error:
-            raise VibeError(
-                f"{path.name} has more than {2 * (Image.MAX_IMAGE_PIXELS or 0) // 10**6} megapixels.",
-                f"Scale it down; {LONGEST} pixels are enough.",
-            ) from error
+            problem = f"{path.name} has more than {2 * (Image.MAX_IMAGE_PIXELS or 0) // 10**6} megapixels."
+            raise VibeError(problem, f"Scale it down; {LONGEST} pixels are enough.") from error
         except (*_FAULTS, struct.error, MemoryError) as error:
-            raise VibeError(
-                f"{path.name} is damaged or ends too early ({error}).", "Save or download it again."
-            ) from error
+            remedy = "Save or download it again."
+            raise VibeError(f"{path.name} is damaged or ends too early ({error}).", remedy) from error
 
 
 def _refuse_unread_kinds(path: Path) -> None:
@@ -147,10 +135,8 @@ def _refuse_unread_kinds(path: Path) -> None:
     if head[4:8] == b"ftyp" and head[8:12] in (b"heic", b"heix", b"hevc", b"heim", b"heis", b"mif1", b"msf1"):
         raise VibeError(f"{path.name} is a HEIC picture, which is not read.", "Export it as JPEG or PNG.")
     if _RAW.fullmatch(path.suffix.lower()):
-        raise VibeError(
-            f"{path.name} is a camera's raw picture, which has no look yet.",
-            "Develop it, and save it as JPEG or TIFF.",
-        )
+        remedy = "Develop it, and save it as JPEG or TIFF."
+        raise VibeError(f"{path.name} is a camera's raw picture, which has no look yet.", remedy)
 
 
 def _contents(picture: Image.Image, path: Path) -> FileContents:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A panorama of light, as an HDRI is: where most of it comes from, in what color, and how much more than from all around."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -19,19 +17,15 @@ _SAME_COLOR = 0.03  # by which components of its color may be off
 
 @dataclass(frozen=True)
 class LightProbe:
-    """The light of a panorama, if it were the world's.
+    """The light of a panorama, if it were the world's."""
 
-    Attributes:
-        azimuth, elevation: Of the key, degrees as in `schema.orbit`; None if no part stands out.
-        key, around: Colors of the key and of the rest, linear, the greatest component 1.
-        ratio: Light of the key on a surface that faces it, in parts of what the rest gives.
-    """
-
-    azimuth: float | None
+    azimuth: (
+        float | None
+    )  # of the key, with the elevation: degrees as in `schema.orbit`; None if no part stands out
     elevation: float | None
-    key: Values
+    key: Values  # colors of the key and of the rest, linear, the greatest component 1
     around: Values
-    ratio: float
+    ratio: float  # light of the key on a surface that faces it, in parts of what the rest gives
 
 
 def probe(linear: np.ndarray) -> LightProbe:

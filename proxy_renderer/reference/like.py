@@ -37,22 +37,18 @@ from .regions import PictureRegions, regions_of
 
 
 class Reference:
-    """The picture that a look is taken from, named by its file.
-
-    Attributes:
-        same: Whether it shows the artist's scene; None before the artist's own image was seen.
-    """
+    """The picture that a look is taken from, named by its file."""
 
     def __init__(self, picture: ReferencePicture, name: str, options: Options) -> None:
         self.picture, self.name, self._only = picture, name, options.like_only
+        # whether it shows the artist's scene; None before the artist's own image was seen
         self.same: bool | None = True if options.like_same else None
 
     @classmethod
     def of(cls, options: Options, scene: SceneData) -> Reference | None:
-        """The picture that the options name; None if they name none. Linear light is shown as the scene shows its own.
+        """The picture that the options name, or None. Linear light is shown as the scene shows its own.
 
-        Raises:
-            VibeError: It cannot be read.
+        Raises VibeError if it cannot be read.
         """
         if not options.like:
             return None
@@ -155,10 +151,8 @@ class LikeAdvisor:
         plan = beside_words(advice.plan, goals, instances, default_vocabulary())
         moving = {key for key, entry in plan.items() if entry.priority is not None}
         if not (moving or self._words):
-            raise VibeError(
-                "Nothing that the picture speaks of may change in this scene.",
-                "Unlock something, allow more groups, or name more in --like-only.",
-            )
+            remedy = "Unlock something, allow more groups, or name more in --like-only."
+            raise VibeError("Nothing that the picture speaks of may change in this scene.", remedy)
         notes = (*plan.notes, self._found(), *ranges.kept_values(instances, moving))
         return replace(advice, goals=goals, plan=Plan(dict(plan), notes))
 

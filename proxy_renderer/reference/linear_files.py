@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures of linear light: OpenEXR, and Radiance (.hdr), which nothing that is installed with the product reads."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -73,14 +71,12 @@ def _picture(path: Path) -> tuple[str, np.ndarray, Mapping[str, Any]]:
                 for name, channel in part.channels.items()
             }
     except (OSError, RuntimeError, ValueError, TypeError, MemoryError) as error:
-        raise VibeError(
-            f"{path.name} is no EXR that can be read, or is damaged.", "Save it again."
-        ) from error
+        remedy = "Save it again."
+        raise VibeError(f"{path.name} is no EXR that can be read, or is damaged.", remedy) from error
     name = _best(layers)
     if name is None:
-        raise VibeError(
-            f"{path.name} holds no layer with colors.", "Save the render itself, the layer Combined."
-        )
+        remedy = "Save the render itself, the layer Combined."
+        raise VibeError(f"{path.name} holds no layer with colors.", remedy)
     return name, *layers[name]
 
 
@@ -90,10 +86,8 @@ def _refuse_large(path: Path, headers: Sequence[Mapping[str, Any]]) -> None:
         low, high = header["dataWindow"]
         size += 4 * len(header["channels"]) * int(high[0] - low[0] + 1) * int(high[1] - low[1] + 1)
     if size > _LARGEST:
-        raise VibeError(
-            f"{path.name} would fill {size / 1e9:.0f} GB of memory.",
-            "Save only its layer Combined, or a smaller picture.",
-        )
+        remedy = "Save only its layer Combined, or a smaller picture."
+        raise VibeError(f"{path.name} would fill {size / 1e9:.0f} GB of memory.", remedy)
 
 
 def _best(layers: Mapping[str, tuple[np.ndarray, Mapping[str, Any]]]) -> str | None:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The picture that an artist gives as the words, whatever file it is in."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,10 +12,8 @@ from ..schema import VibeError
 from .encoded_files import read_encoded
 from .linear_files import read_exr, read_radiance
 
-_SEAM = 2.5
-"""How many times as much as neighbors the first and the last column of a panorama may differ."""
-_POLE = 0.06
-"""Greatest deviation along the first and the last row of a panorama, each of which is one point."""
+_SEAM = 2.5  # how many times as much as neighbors the first and the last column of a panorama may differ
+_POLE = 0.06  # greatest deviation along the first and the last row of a panorama, each of which is one point
 _LEAST_PANORAMA = 64
 
 
@@ -28,8 +24,7 @@ class ReferencePicture:
     # (H, W, 3) float32, sRGB-encoded, in [0, 1]. Of linear light it is the plain sRGB curve, cut off at white, until
     # a scene is known, whose view shows `linear`
     display: np.ndarray
-    # (H, W, 3) float32 linear Rec.709, at least 0; None if the file holds display colors
-    linear: np.ndarray | None = None
+    linear: np.ndarray | None = None  # (H, W, 3) float32 linear Rec.709, at least 0; None for display colors
     alpha: np.ndarray | None = None  # (H, W) in [0, 1], how much each pixel counts; None if all count
     panorama: bool = False  # whether it shows all directions, the longitude from left to right
     note: str = ""  # what was done to it, in sentences; "" if nothing
@@ -40,9 +35,8 @@ def read_reference(path: Path | str) -> ReferencePicture:
     found = check.file(str(path), "picture")
     contents = _reader(found)(found)
     if contents.alpha is not None and contents.alpha.max() < 1 / 255:
-        raise VibeError(
-            f"Nothing is to be seen in {found.name}: all of it is transparent.", "Use another picture."
-        )
+        remedy = "Use another picture."
+        raise VibeError(f"Nothing is to be seen in {found.name}: all of it is transparent.", remedy)
     linear = contents.color if contents.linear else None
     display = contents.color if linear is None else srgb_from_linear(linear).clip(0.0, 1.0)
     return ReferencePicture(

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What may change in a scene to look like a picture: the effects of its wishes."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 
 from ..schema import Instance
@@ -46,11 +44,9 @@ _TRAITS = {"light": "light", "world": "light", "volume": "air", "film": "grade",
 """Group of parameters -> the trait of a picture that they serve."""
 
 _BESIDE_LIGHT = _effects(
-    "film/lift 0.98..1.08 !2",
-    "film/midtone 0.85..1.2 !2",
-    "film/gain 0.8..1.25 !2",
+    "film/lift 0.98..1.08 !2", "film/midtone 0.85..1.2 !2", "film/gain 0.8..1.25 !2",
     "film/contrast 0.7..1.3 !2",
-)
+)  # fmt: skip
 """The grade where the light's color may change, too: what tints gray things is light. A grade that cancels it tints paint, and
 a lift that cuts off more colors the shadows."""
 

@@ -6,8 +6,6 @@ background priors (Wei et al. 2012, Geodesic saliency using background priors); 
 upper border. Where that is not clear, nothing is said of them, and the picture is read by places in the frame.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,14 +22,11 @@ from ..render.gbuffer import GBuffer
 from ..schema import Values
 from ..words.types import Part
 
-SIZE = 192
-"""Longer side at which pictures are read, pixels: about that of the pictures in the loop."""
-
+SIZE = 192  # longer side at which pictures are read, pixels: about that of the pictures in the loop
 _TRANSPARENT = 0.5  # alpha up to which a pixel does not count
 _FEW = 16  # pixels of which nothing can be said
 _SMALL = 96  # longer side at which regions are told
-_BORDER, _GROUNDS = 0.06, 5
-"""Width of the border, as a share of the shorter side, and how many colors it is taken to have."""
+_BORDER, _GROUNDS = 0.06, 5  # width of the border, of the shorter side, and how many colors it may have
 _MIDDLE = 0.6  # of half a diagonal: how far from the middle a subject is looked for
 _SUBJECT = (0.04, 0.5)  # share of the picture that a subject covers
 _ON_BORDER = 0.22  # share of the border that a subject may touch

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a picture says, as claims: of any scene its tones, casts, light, palette and haze; of the same scene every place and material."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -127,11 +125,8 @@ def hue(a: float, b: float) -> str:
     return f"slightly {name}" if strength < _SLIGHT else name
 
 
-CLOSE, LOOSE = 1.5, 2.5
-"""Noticeable steps on either side that a measure may have: of the whole picture, and of a part of it."""
-
-_MIXED = 0.35
-"""Share of the deviation of a*, b* in a part by which its cast may be off: of many colors it says little of light."""
+CLOSE, LOOSE = 1.5, 2.5  # noticeable steps on either side: of the whole picture, and of a part
+_MIXED = 0.35  # share of a part's deviation in a*, b* by which its cast may be off: mixed colors say little
 
 _PAINTED, _GRAYEST = 18.0, 0.3
 """Mean chroma that is asked for at most, and the share of the grayest pixels that may be without it: color that a third of a
@@ -147,14 +142,9 @@ press its shadows."""
 _TONES = ("black_point", "lower_quartile", "median", "upper_quartile", "white_point")
 _CASTS = {"shadow_cast": "shadows", "midtone_cast": "midtones", "highlight_cast": "lights"}
 _VIGNETTE = 8.0  # L* by which every corner is darker before it is called a vignette
-_VEILED, _DARKEST = 35.0, 20.0
-"""Percent of light over everything, and L* of the darkest, from where it is haze."""
+_VEILED, _DARKEST = 35.0, 20.0  # percent of light over everything, and L* of the darkest, of haze
 _SIDED = 8.0  # L* between two sides of a subject from where light comes from one of them
-_THIRDS = {
-    "upper": (0.0, 0.0, 1.0, 1 / 3),
-    "middle": (0.0, 1 / 3, 1.0, 2 / 3),
-    "lower": (0.0, 2 / 3, 1.0, 1.0),
-}
+_THIRDS = {place: (0.0, n / 3, 1.0, (n + 1) / 3) for n, place in enumerate(_WORDS)}
 
 
 def statements_of(regions: PictureRegions) -> list[Statement]:

@@ -30,8 +30,7 @@ from .geometry.samples import Samples
 from .geometry.visibility import Hits, RayGeometry
 from .surface.view_cache import ViewCache
 
-REST = "rest"
-"""Owner of the light that belongs to no light: glowing surfaces, and what cannot be grouped."""
+REST = "rest"  # owner of the light that belongs to no light: glowing surfaces, and what cannot be grouped
 _RATIO = 4.0
 _DARK = 0.02  # of the mean radiance: darker pixels are equally dark
 _FAINT = 2e-3  # of the mean radiance: ratios between darker pixels say nothing
@@ -45,8 +44,7 @@ _ALIKE = 0.5  # stops
 _LEAST_WEIGHT = 1e-3  # weight of all pixels together, of which one at the place itself has 4
 _OUTLINE = 0.2  # weight of pixels next to an outline, which show two surfaces
 _BRIGHTEST = 1e4
-_ROUNDING = 1e-3
-"""Share of a pixel below which what no group accounts for is taken for rounding."""
+_ROUNDING = 1e-3  # share of a pixel below which what no group accounts for is taken for rounding
 
 
 @dataclass
@@ -59,8 +57,7 @@ class Correction:
     values: Mapping[str, Tensor]  # θ₀
     dark: float  # radiance below which all is equally dark
     stops: Tensor  # (P,) brightness of the proxy's picture at θ₀, in stops
-    # (3 (2 + G), P): c, the least share of P that must remain, and the residuals of the owners
-    fields: Tensor
+    fields: Tensor  # (3 (2 + G), P): c, the least share of P that must remain, and the owners' residuals
     owners: tuple[str, ...]  # the G owners, `REST` among them
     _kept: tuple[ViewCache, Tensor] | None = field(default=None, repr=False)
 
@@ -253,8 +250,7 @@ class CyclesPicture:
     """A picture, and whose light it is made of."""
 
     whole: Tensor  # (H, W, 3) linear Rec.709, finite, at least 0
-    # owner, "light/NAME" or "world", to the noisy picture (H, W, 3) of its light alone
-    parts: Mapping[str, Tensor]
+    parts: Mapping[str, Tensor]  # "light/NAME" or "world" to the noisy picture (H, W, 3) of its light alone
     rest: Tensor  # (H, W, 3) noisy, the light that no part holds
     denoised: bool = True  # whether the whole is free of noise
 

@@ -6,8 +6,6 @@ nodes Color Balance, Gamma, Hue/Saturation/Value and Glare (high quality), whose
 and adds them up on the way back (Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 
@@ -22,6 +20,9 @@ from ..scene import FilmSettings
 from ..schema import FAMILIES
 from ..schema.radiometry import TABLE_STOPS, TABLE_TOE
 
+Picture = Float[Tensor, "*pixels 3"]
+Channels = Float[Tensor, "#3"]
+Amount = Float[Tensor, "*one"]
 _CLEAR = 1e-3  # coverage below which colors are too uncertain to be divided by it
 MIDDLE_GRAY = 0.18
 _BLACK = 1e-6  # stands in for 0 under a power, whose gradient there may be infinite
@@ -91,7 +92,7 @@ class Film:
         return display
 
 
-def looked_up(table: Tensor, picture: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels 3"]:
+def looked_up(table: Tensor, picture: Picture) -> Picture:
     """Colors by the compositor's table (1, 3, S, S, S), whose values are in stops, too."""
     values = by_stops(table, picture.clamp_min(0), TABLE_TOE, TABLE_STOPS)
     return values.sign() * TABLE_TOE * (torch.exp2(values.abs()) - 1)
@@ -115,41 +116,30 @@ class _Settings:
         )
 
 
-def power(picture: Float[Tensor, "*pixels 3"], exponent: Float[Tensor, "*one"]) -> Float[Tensor, "*pixels 3"]:
+def power(picture: Picture, exponent: Amount) -> Picture:
     """Blender's Gamma node: picture ** exponent where it is positive; the rest stays as it is."""
     return torch.where(picture > _BLACK, picture.clamp_min(_BLACK) ** exponent, picture)
 
 
-def lift_gamma_gain(
-    picture: Float[Tensor, "*pixels 3"],
-    lift: Float[Tensor, "#3"],
-    midtone: Float[Tensor, "#3"],
-    gain: Float[Tensor, "#3"],
-) -> Float[Tensor, "*pixels 3"]:
+def lift_gamma_gain(picture: Picture, lift: Channels, midtone: Channels, gain: Channels) -> Picture:
     """Blender's Color Balance node, type Lift/Gamma/Gain; each color (3,), 1 for no change."""
     lifted = (picture - 1) * (2 - lift) + 1
     scaled = lifted * gain
     return scaled.clamp_min(_BLACK) ** (1 / midtone.clamp_min(_BLACK)) * (scaled > 0)
 
 
-def contrast(
-    picture: Float[Tensor, "*pixels 3"], amount: Float[Tensor, "*one"]
-) -> Float[Tensor, "*pixels 3"]:
+def contrast(picture: Picture, amount: Amount) -> Picture:
     """A power around middle gray, which stays: 0.18 · (c / 0.18) ** amount."""
     return MIDDLE_GRAY * power(picture / MIDDLE_GRAY, amount)
 
 
-def saturation(
-    picture: Float[Tensor, "*pixels 3"], amount: Float[Tensor, "*one"]
-) -> Float[Tensor, "*pixels 3"]:
+def saturation(picture: Picture, amount: Amount) -> Picture:
     """Between gray of the same luminance (0), the picture (1) and beyond; never negative."""
     gray = luminance(picture)
     return (gray + (picture - gray) * amount).clamp_min(0)
 
 
-def turn_hue(
-    picture: Float[Tensor, "*pixels 3"], degrees: Float[Tensor, "*one"]
-) -> Float[Tensor, "*pixels 3"]:
+def turn_hue(picture: Picture, degrees: Amount) -> Picture:
     """Blender's Hue/Saturation/Value node with only the hue turned; picture ≥ 0."""
     brightest, darkest = picture.amax(-1, keepdim=True), picture.amin(-1, keepdim=True)
     chroma = brightest - darkest

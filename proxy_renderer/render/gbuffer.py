@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The G-buffer: what the camera sees in every pixel, whoever rendered the picture."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import torch
@@ -22,11 +20,9 @@ class GBuffer:
     subject: Tensor  # (H, W) share of each pixel that the subject covers
     material: Tensor  # (H, W) int64, number of the material in the pixel's middle; -1 for the world
     materials: tuple[str, ...]  # names of the materials by number
-    # (H, W, 3) unit normals in the camera's space: x to the right, y up, z towards it; zero for the world
-    normal: Tensor
+    normal: Tensor  # (H, W, 3) unit normals, x to the right, y up, z towards the camera; zero for the world
     transmittance: Tensor  # (H, W) share of light that fog lets through from what is seen
-    # (H, W) luminance of textured base colors relative to their material's mean; 1 where none is linked
-    pattern: Tensor
+    pattern: Tensor  # (H, W) luminance of textured base colors relative to their material's mean; else 1
     # names of the materials of the surroundings, which the subject may wear too: words for it do not paint
     # them
     surrounding: tuple[str, ...] = ()
@@ -36,12 +32,7 @@ class GBuffer:
 
 
 def gbuffer_of(
-    scene: SceneData,
-    geometry: RayGeometry,
-    view: View,
-    cache: ViewCache,
-    transmittance: Tensor,
-    gray: Tensor,
+    scene: SceneData, geometry: RayGeometry, view: View, cache: ViewCache, transmittance: Tensor, gray: Tensor
 ) -> GBuffer:
     """The G-buffer of a traced view, with the transmittance (H, W) of the fog before what is seen, and gray (H, W, 3) there."""
     hits, shape = cache.samples.center_hits, cache.depth.shape

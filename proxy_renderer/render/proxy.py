@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The proxy renderer: an exported scene and a set of values in, pictures out, gradients back."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -27,14 +25,7 @@ from .lights.light_types import light_sources
 from .material.shading_inputs import ShadingInputs, shading_inputs_of
 from .material.textures import geometry_of
 from .surface import surfaces
-from .surface.surfaces import (
-    RenderState,
-    direct_lights_of,
-    glass_transmittance,
-    mirror_weight,
-    sharp,
-    table_of,
-)
+from .surface.surfaces import RenderState
 from .surface.view_cache import ViewCache
 from .transport.fog import DIRECTIONS, FogMedium, SingleScattering
 from .transport.indirect import IndirectLight
@@ -51,8 +42,7 @@ class LatentImage:
     mask: Tensor  # (H, W) share of each pixel that the subject covers
     depth: Tensor  # (H, W) distance along the rays in meters; infinite where nothing is hit
     transmittance: Tensor  # (H, W) share of light that fog lets through from what is seen
-    # (H, W) coverage where the film is transparent, else None; `linear` is multiplied with it
-    alpha: Tensor | None = None
+    alpha: Tensor | None = None  # (H, W) coverage of a transparent film, times which `linear` is; else None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,7 +142,7 @@ class Proxy:
 
     def _gray(self, frame: RenderState) -> Tensor:
         """Radiance (3, N) of all samples if every surface scattered half of all light, whatever its color; black for the world."""
-        direct_lights, table = direct_lights_of(frame), table_of(frame)
+        direct_lights, table = surfaces.direct_lights_of(frame), surfaces.table_of(frame)
         light = surfaces.irradiance(frame, direct_lights, self._gather(frame, table)) / (2 * math.pi)
         return functional.pad(light, (0, frame.cache.samples.place.shape[1] - light.shape[1]))
 
@@ -162,9 +152,8 @@ class Proxy:
         A proxy of another size can be given the correction as well. Raises VibeError if the picture has another size.
         """
         if picture.size != self.size:
-            raise VibeError(
-                f"Cycles' picture has {picture.size} pixels instead of {self.size}.", "Ask for that size."
-            )
+            remedy = "Ask for that size."
+            raise VibeError(f"Cycles' picture has {picture.size} pixels instead of {self.size}.", remedy)
         with torch.no_grad():
             frame = self._frame(values)
             whole, colors = self._picture(frame), frame.owners
@@ -187,7 +176,9 @@ class Proxy:
         shading_inputs = [self._inputs(m, settings) for m in self.scene.materials]
         if cache is None:
             # What was traced is forgotten if a glass has changed, or a surface glows for the first time.
-            if self.geometry.let_through(torch.stack([glass_transmittance(p) for p in shading_inputs])):
+            if self.geometry.let_through(
+                torch.stack([surfaces.glass_transmittance(p) for p in shading_inputs])
+            ):
                 self._cache, self.volume = None, SingleScattering(self.geometry.clear)
             if self.emitters.notice(shading_inputs):
                 self._cache = None
@@ -218,7 +209,7 @@ class Proxy:
         self, view: View, shading_inputs: list[ShadingInputs], lamps: list[LightSource]
     ) -> ViewCache:
         """The traced view; traced again if the view or a mirror has changed, or a light of a cluster begins to move."""
-        metals = torch.stack([mirror_weight(p) for p in shading_inputs])
+        metals = torch.stack([surfaces.mirror_weight(p) for p in shading_inputs])
         kept = self._cache
         if kept is not None and kept.signature == view.signature() and kept.clusters.hold(lamps):
             if torch.equal(kept.metals, metals):
@@ -226,7 +217,7 @@ class Proxy:
             if not self.fine:
                 self._cache = kept.with_mirrors(metals)
                 return self._cache
-        smooth = torch.stack([sharp(p) & self.fine for p in shading_inputs])
+        smooth = torch.stack([surfaces.sharp(p) & self.fine for p in shading_inputs])
         shape = metals, smooth, lamps, self.emitters.materials, self.emitters.glowing
         self._cache = ViewCache(self.scene, self.geometry, view, *shape, self.seed)
         return self._cache
@@ -237,7 +228,7 @@ class Proxy:
 
     def _light(self, frame: RenderState) -> tuple[Tensor, Tensor | None]:
         """Radiance of all samples as the camera gets it, (3 or, with a transparent film, 4, N), and fog's transmittance (N,)."""
-        direct_lights, table = direct_lights_of(frame), table_of(frame)
+        direct_lights, table = surfaces.direct_lights_of(frame), surfaces.table_of(frame)
         gathered = self._gather(frame, table)
         radiance = surfaces.radiance(frame, direct_lights, table, gathered, self.scene.film.transparent)
         if not frame.fog.active:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The rig that a prompt asks for: a setup, changed by the other words."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -41,8 +39,7 @@ _SECOND = -1.0  # stops of another setup's key against the first one's
 _DARK_STYLE = -2.0  # stops of a world or a sky below which a style is dark
 _BLACK = 1e-7  # luminance of a sky that is as dark as can be
 _DIMMED = 0.6  # stops that an hour may darken a setup of another kind
-_MOOD, _MOST = 0.6, 0.8
-"""How much of a mood's sky, fill and exposure an hour takes on, and by how many stops at most."""
+_MOOD, _MOST = 0.6, 0.8  # how much of a mood's sky, fill and exposure an hour takes on, and most stops
 
 
 def with_source(rig: Rig, other: Rig) -> Rig:
@@ -144,14 +141,11 @@ _STYLED = {
     "time": ("style", "film"),
 }
 """Kind of a setup -> kinds whose darkness and development it takes on: strip lights in a black studio."""
-_LIT = (*LIGHTS, "ambience")
-"""Kinds of things whose colors are gels where a rig stands."""
+_LIT = (*LIGHTS, "ambience")  # kinds of things whose colors are gels where a rig stands
 _OF_LIGHT = (*_LIT, "tone", "whole", "shadow")
 _NEON = "neon "  # what names of colors begin with that are colors of signs where a rig has signs
-_PARTS = {"rim": EDGES, "fill": FILLS, "key": ("key",)}
-"""Role of a light that words speak of -> parts of a rig."""
-_COLORED = ("key", "accent", "rim")
-"""Parts that take the colors of light which are said of no light in particular, in their order."""
+_PARTS = {"rim": EDGES, "fill": FILLS, "key": ("key",)}  # role of a light in words -> parts of a rig
+_COLORED = ("key", "accent", "rim")  # they take the colors of no light in particular, in their order
 _DARKER, _DIMMER = "darker surface", 1.3  # the entry of what is only to be darker, and by how many stops
 _DARK_WORDS = (_DARKER, "dark surface", "black surface", "dark surroundings", "dark")
 _HUED = 14.0  # C* from which a dark color is not black: "dark burgundy"

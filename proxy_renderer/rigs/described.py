@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The lights that a prompt describes one by one, each as a light of a rig: what it is, where it comes from, its color and strength."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -14,12 +12,9 @@ from ..words.lexicon.vocabulary import Vocabulary
 from ..words.passage import LIGHTS
 from ..words.types import Attribute
 
-EDGES = ("rim", "kicker")
-"""Parts that draw an edge from behind."""
-FILLS = ("fill", "bounce")
-"""Parts that open the shadows."""
-_FREE = ("key", "accent", "practical", "top")
-"""Parts for lights of which the prompt does not say what they are for, in its order."""
+EDGES = ("rim", "kicker")  # parts that draw an edge from behind
+FILLS = ("fill", "bounce")  # parts that open the shadows
+_FREE = ("key", "accent", "practical", "top")  # for lights whose use the prompt does not say, in order
 _TEMPLATES = {
     "rim": "rim light", "kicker": "kicker light", "fill": "fill light", "bounce": "bounce light",
     "background": "background light",
@@ -28,8 +23,7 @@ _TEMPLATES = {
 _BEHIND = 120.0  # degrees from the camera from which a light draws an edge
 _FRONT, _EDGE = 20.0, 128.0  # an edge that is said to be on a side stands there, behind the subject
 _OPPOSITE = 100.0  # degrees of azimuth from the key at which a light stands that says nothing of its place
-_SOFTER, _OF_FREE = 1.6, -0.5
-"""How much "faint" takes of a light that is not the key, and stops of a second light against the first."""
+_SOFTER, _OF_FREE = 1.6, -0.5  # how much "faint" takes of others than the key; stops of a second light
 _WIDEST = {"SUN": 45.0, "AREA": 5.0, "SPOT": 1.0, "POINT": 0.6}
 
 

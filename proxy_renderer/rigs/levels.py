@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """How strong the lights of a rig are, so that the scene is exposed and lit in its ratios."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -30,8 +28,7 @@ _LEAST_CHANNEL, _MOST_CHANNEL = 1e-4, 0.97  # of a channel on the display
 _PUREST = 0.08  # least channel of a light, of its greatest: no view shows purer colors
 _BRIGHTEST = 16.0
 _LEAST_GAIN = 1e-3
-_PALER, _NEAR = (0.0, 0.12, 0.24, 0.36, 0.48, 0.6), 0.03
-"""How far a color goes towards gray until a view can show it, and how near is near enough."""
+_PALER, _NEAR = (0.0, 0.12, 0.24, 0.36, 0.48, 0.6), 0.03  # towards gray until a view shows it; near enough
 
 
 class Exposing:
@@ -71,11 +68,9 @@ _EDGE = (
 )
 _EDGE_SHARE = 0.2  # of an edge light's brightest light, what the whole of the subject may get of it at most
 _ALBEDOS = (0.05, 0.8)
-_KEPT_DARK, _KEPT_LIGHT = 0.42, 0.7
-"""How much of its own lightness a subject keeps, in the exponent: one that is darker, or lighter, than a gray card."""
+_KEPT_DARK, _KEPT_LIGHT = 0.42, 0.7  # of a darker, or lighter, subject's own lightness, in the exponent
 _SKY_RAYS = 48
-_FILLS, _OF_FILLS = ("fill", "bounce", "top", "accent"), 0.5
-"""Parts whose light falls on the lit side too, and how much of it does."""
+_FILLS, _OF_FILLS = ("fill", "bounce", "top", "accent"), 0.5  # they light the lit side too, so much
 _WHITE = 0.7  # luminance on the display that the lights of a normally exposed picture have
 _LIGHTEST = 0.93  # share of what the camera sees that is darker than its lights
 _LEAST = 0.35  # what is left, at least, where much would bleach
@@ -88,8 +83,7 @@ _BARELY = 1e-7
 class Levels:
     """What a rig's lights are to give."""
 
-    # light -> what its power in the trial values is multiplied by; 0 of a light that reaches nothing
-    factors: Mapping[str, float]
+    factors: Mapping[str, float]  # light -> factor on its power in the trial values; 0 if it reaches nothing
     key: float  # irradiance of the key on the subject's lit side
     world: float  # what a white world of strength 1 gives to the subject
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The lighting of a scene by a rig: added lights, a plan for all that sheds light, and what the picture has to show of it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -29,18 +27,15 @@ from .stage import LightStage
 
 OFF = 2e-3  # W per squared meter of distance: an added light before it is lit
 _DRIFT = {"power": 1.5, "strength": 1.5, "size": 1.25, "temperature": 1.06}
-_TURN = {"azimuth": 5.0, "elevation": 4.0}
-"""How far a search may go from what the rig gives: factors, and degrees."""
-_FIRST, _LATER = 1, 4
-"""Priorities of brightness, and of what else a light has."""
+_TURN = {"azimuth": 5.0, "elevation": 4.0}  # for a search from the rig: factors, and degrees
+_FIRST, _LATER = 1, 4  # priorities of brightness, and of what else a light has
 _POOL_MARGIN, _WIDEST = 1.5, 140.0
 _GLOWS, _OF_GLOWS = 0.15, 0.5
 """Share of the key's light from which a surface that glows counts as a light, and how far it follows the scene's own lights."""
 _LAMPS = 0.7  # most light of what glows at night, against the key
 _FAINT = 0.02  # of what the world should give the subject: if it gives less at full strength, it is shut out
 _FULL = 8.0  # the most strength of a world
-_HAZES, _VEIL = ("haze", "mist", "fog", "smoke"), 0.5
-"""Entries of the vocabulary for air that is not clear, and how far a sky behind it goes towards gray."""
+_HAZES, _VEIL = ("haze", "mist", "fog", "smoke"), 0.5  # air that is not clear; its sky towards gray
 _DARK_HAZE = 0.15
 """Albedo of haze at night. Thick haze is albedo / 4 as bright as a white surface in the same light: about L* 20."""
 _BARELY = 1e-7

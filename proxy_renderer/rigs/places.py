@@ -5,8 +5,6 @@ Candidates around the place that the rig names are tried with rays: what is in t
 subject can be reached. A sun that comes in through a window is looked for over the whole sky.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterable, Iterator
@@ -28,8 +26,7 @@ _RISES = (0.0, 12.0, -10.0, 24.0)
 _NEARER = (1.0, 0.75, 0.55, 0.4)
 _ASIDE, _OFF, _CLOSE, _OTHER_SIDE = 110.0, 80.0, 0.25, 0.03
 """Degrees of azimuth and of elevation, share of the distance, and the other side: what each costs, in shares of the subject."""
-_SHOWN, _GLARE = 0.003, 0.2
-"""Share of the picture from which water or a polished floor shows a lamp, and what that costs, in shares of the subject."""
+_SHOWN, _GLARE = 0.003, 0.2  # of the picture in which water or a polished floor shows a lamp, and its cost
 _ENOUGH = 0.04  # share of the light without anything in the way from which a place will do
 _LIKE, _AS_HIGH = 30.0, 20.0  # degrees within which a light of the scene stands where a rig wants one
 _NEAR = 9.0  # radii from the subject within which a lamp of the scene lights it
@@ -45,23 +42,16 @@ _OUTDOORS = 0.78  # of the sky's light, from which on a place has no windows: a 
 
 @dataclass(frozen=True)
 class Placed:
-    """A light of the rig in the scene.
-
-    Attributes:
-        own: Whether the scene has it, or else gets it.
-        azimuth, elevation: Degrees, as in `schema.orbit`.
-        distance: Meters; 0 of a sun.
-        fixed: Whether it must stay where it is: at a lamp, in a window.
-    """
+    """A light of the rig in the scene."""
 
     light: RigLight
     name: str
     type: str
-    own: bool
-    azimuth: float
+    own: bool  # whether the scene has it, or else gets it
+    azimuth: float  # with the elevation: degrees, as in `schema.orbit`
     elevation: float
-    distance: float
-    fixed: bool = False
+    distance: float  # meters; 0 of a sun
+    fixed: bool = False  # whether it must stay where it is: at a lamp, in a window
 
 
 def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True) -> list[Placed]:

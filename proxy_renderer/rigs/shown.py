@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What pictures have to show of a rig: the structure of its light, not averages of the image."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 
@@ -16,13 +14,11 @@ from .chosen import ChosenRig
 from .places import Placed
 from .stage import LightStage
 
-_ASIDE, _BEHIND, _BEFORE = 0.6, -0.5, 0.85
-"""Cosines with the camera's axes from which light comes from a side, from behind, and from the camera."""
+_ASIDE, _BEHIND, _BEFORE = 0.6, -0.5, 0.85  # with the camera's axes: from a side, from behind, from it
 _SEEN = 0.2  # what a measure of direction has, at least, where the side of the light is seen
 _RATIO = 0.45  # share of the stops between key and fill that is left on a subject with bounce and highlights
 _LARGE = 3.0  # stops from which key and fill are told apart
-_NIGHT = 40.0
-"""Most mean L* of a picture under a dark sky: a white room that a lamp fills is no night."""
+_NIGHT = 40.0  # most mean L* of a picture under a dark sky: a white room that a lamp fills is no night
 _COLD = 7400.0
 _GRAYISH = 12.0  # C* from which a light has a color
 

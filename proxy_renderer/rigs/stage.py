@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The stage: where the subject is, what the camera sees of it and of what is around, and what light from a place reaches."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Collection, Iterator
@@ -16,8 +14,9 @@ from torch import Tensor
 from ..color import arrays
 from ..color.floats import luminance
 from ..render.geometry.camera import view_of
+from ..render.geometry.samples import pixel_centers
 from ..render.geometry.visibility import RayGeometry
-from ..scene import SceneData
+from ..scene import Material, SceneData
 from ..scene.values import RenderValues
 from ..schema import orbit
 from ..words.names import plain_name
@@ -28,8 +27,7 @@ _FEW = 8
 _WIDE = 0.85  # share of the subject's points within its radius
 _LEAST_RADIUS = 0.02  # of the distance of the camera
 _SKY = tuple(itertools.product(range(-180, 180, 45), (14.0, 32.0, 60.0)))  # azimuths and elevations
-_LEVEL, _SMOOTH = 0.95, 0.25
-"""Height of a normal, and roughness, from and below which a surface mirrors lights as water does."""
+_LEVEL, _SMOOTH = 0.95, 0.25  # of a normal's height, and roughness below which a surface mirrors as water
 _PLAIN = 0.5  # albedo of what is not known
 
 
@@ -48,32 +46,26 @@ class Points:
 
 
 class LightStage:
-    """What the camera of one shot sees, and where light gets to it.
-
-    Attributes:
-        subject: What is seen of the subject; of everything, where hardly any of it is.
-        around: What is seen of the rest.
-        radius: Of the subject, meters.
-        middle: (3,) of the subject.
-        front: Azimuth of the camera, degrees, as in `schema.orbit`.
-    """
+    """What the camera of one shot sees, and where light gets to it."""
 
     def __init__(self, scene: SceneData, geometry: RayGeometry) -> None:
         self.scene, self.geometry = scene, geometry
         self.pivot = torch.tensor(scene.pivot, dtype=torch.float32)
         points, mine = _seen(scene, geometry)
         enough = int(mine.sum()) >= _FEW
+        # what is seen of the subject; of everything, where hardly any of it is
         self.subject = _some(points, mine if enough else torch.ones_like(mine))
+        # what is seen of the rest
         self.around = _some(points, ~mine if int((~mine).sum()) >= _FEW else torch.ones_like(mine))
         if len(self.subject):
-            self.middle = self.subject.position.median(1).values
+            self.middle = self.subject.position.median(1).values  # (3,) of the subject
             away = (self.subject.position - self.middle[:, None]).norm(dim=0)
             radius = float(torch.quantile(away, _WIDE))
         else:
             self.middle, radius = self.pivot, 0.0
         view = float(scene.references.get("view_distance", 1.0))
-        self.radius = max(radius, _LEAST_RADIUS * view)
-        self.front = scene.value("camera/azimuth")[0]
+        self.radius = max(radius, _LEAST_RADIUS * view)  # of the subject, meters
+        self.front = scene.value("camera/azimuth")[0]  # azimuth of the camera, degrees, as in `schema.orbit`
 
     @property
     def camera_axes(self) -> tuple[orbit.Vector, orbit.Vector, orbit.Vector]:
@@ -164,15 +156,15 @@ def _seen(scene: SceneData, geometry: RayGeometry) -> tuple[Points, Tensor]:
     """What a grid of camera rays meets, and (N,) whether that is the subject."""
     device = geometry.device
     view = view_of(scene, RenderValues(scene, {}, device), (_GRID, _GRID))
-    y, x = torch.meshgrid(torch.arange(_GRID), torch.arange(_GRID), indexing="ij")
-    origin, toward = view.rays(torch.stack((x.flatten(), y.flatten())).to(device) + 0.5)
+    origin, toward = view.rays(pixel_centers(view.size).to(device))
     hits = geometry.first_hits(origin, toward, "camera")
     kept = hits.hit
     surface = geometry.surface(hits.pick(kept), toward[:, kept])
     subjects = torch.tensor([o.subject for o in scene.objects], device=device)
-    numbers, material = range(len(scene.materials)), surface.material.cpu()
-    albedo = torch.tensor([_albedo(scene, number) for number in numbers])
-    smooth = torch.tensor([_is_smooth(scene, number) for number in numbers])
+    material = surface.material.cpu()
+    albedo = torch.tensor([_albedo(scene, each) for each in scene.materials])
+    rough = [scene.value(f"material/{each.name}/roughness", (1.0,))[0] for each in scene.materials]
+    smooth = torch.tensor([roughness < _SMOOTH for roughness in rough])
     normal, seen = surface.normal.cpu(), toward[:, kept].cpu()
     mirrored = seen - 2.0 * (seen * normal).sum(0) * normal
     polished = smooth[material] & (normal[2] > _LEVEL)
@@ -187,12 +179,7 @@ def _some(points: Points, mine: Tensor) -> Points:
     return Points(*(values[..., index].contiguous() for values in vars(points).values()))
 
 
-def _is_smooth(scene: SceneData, number: int) -> bool:
-    return scene.value(f"material/{scene.materials[number].name}/roughness", (1.0,))[0] < _SMOOTH
-
-
-def _albedo(scene: SceneData, number: int) -> float:
-    material = scene.materials[number]
+def _albedo(scene: SceneData, material: Material) -> float:
     key = f"material/{material.name}/"
     if material.texture is not None:
         tint = luminance(scene.value(key + "tint", (1.0, 1.0, 1.0)))

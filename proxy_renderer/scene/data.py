@@ -29,8 +29,7 @@ class Camera:
     clip: tuple[float, float]  # near and far distances
     aperture: float = 0.0  # radius of the lens, meters; 0 without depth of field
     focus_distance: float = 10.0  # depth that is in focus, meters
-    # what is in focus instead, wherever the camera moves; None for the distance
-    focus_point: Vector | None = None
+    focus_point: Vector | None = None  # what is in focus instead, wherever the camera moves; else None
 
 
 @dataclass(frozen=True)
@@ -55,8 +54,7 @@ class Light:
     tint: Vector = (1.0, 1.0, 1.0)  # what the light's own nodes multiply its color by
     scale: float = 1.0  # what its object's scale multiplies the width of an area light by
     added: bool = False  # whether the artist's scene lacks it, and gets it because the words ask for it
-    # size of the card with a pattern that stands before it, meters; 0 for none. Of lights on standby.
-    card: float = 0.0
+    card: float = 0.0  # size of the card with a pattern before it, meters; 0 for none. Of lights on standby
     # whether it stands at `position`, turned by `residual` alone, and has no orbit: an instance of a light.
     # Several of one name share their other values.
     fixed: bool = False
@@ -108,8 +106,7 @@ class WorldData:
     """The world."""
 
     kind: str  # "color" or "environment"
-    # (H, W, 3) equirectangular, without tint and strength: the light of an environment
-    image: Array | None = None
+    image: Array | None = None  # (H, W, 3) equirectangular light of an environment, without tint and strength
     backdrop: Array | None = None  # the same as the camera sees it, where that is another picture
     hidden: tuple[str, ...] = ()  # kinds of rays that do not meet it, of those that meet objects
     horizon: float = 0.0  # height of the horizon in the image: 0 at the bottom, 1 at the top
@@ -127,26 +124,19 @@ class FogBounds:
 
 @dataclass(frozen=True)
 class FilmSettings:
-    """Blender's display of the picture: its OCIO configuration, display, view, look and so on.
-
-    Attributes:
-        working_space: Of linear colors; "" for the configuration's own.
-        fonts: The folder of Blender's fonts, "" if not known.
-        gain: What the renderer multiplies its light with: Cycles' film exposure.
-        white_balance: The rows of a matrix for linear colors, before the view transform; empty for none.
-        compositor: What the artist's compositor makes of colors: (S, S, S, 3) in stops, indexed by blue, green, red;
-            None where it changes none, or not each by itself.
-    """
+    """Blender's display of the picture: its OCIO configuration, display, view, look and so on."""
 
     ocio: str
     display: str
     view: str
     look: str
     transparent: bool
-    working_space: str
-    fonts: str = ""
-    gain: float = 1.0
-    white_balance: tuple[Vector, ...] = ()
+    working_space: str  # of linear colors; "" for the configuration's own
+    fonts: str = ""  # the folder of Blender's fonts, "" if not known
+    gain: float = 1.0  # what the renderer multiplies its light with: Cycles' film exposure
+    white_balance: tuple[Vector, ...] = ()  # rows of a matrix for linear colors, before the view; () for none
+    # what the artist's compositor makes of colors: (S, S, S, 3) in stops, indexed by blue, green, red; None
+    # where it changes none, or not each by itself
     compositor: Array | None = None
 
 
@@ -167,8 +157,7 @@ class Standby:
     """Additions that the words may ask for: lights that the scene lacks, a backdrop of its own."""
 
     lights: tuple[Light, ...] = ()  # the lights
-    # the parameters of the lights and of the backdrop, by key
-    instances: Mapping[str, Instance] = field(default_factory=dict)
+    instances: Mapping[str, Instance] = field(default_factory=dict)  # parameters of lights and backdrop
 
 
 @dataclass(frozen=True)

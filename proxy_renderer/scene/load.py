@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reads a job folder (`scene.json`, `meshes.npz`, pictures) that the add-on has written, and checks it."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import fields, replace
@@ -12,39 +10,21 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ..schema import PARAMETERS, Instance, VibeError, labels, schema_hash, split_key
-from .data import (
-    Array,
-    Camera,
-    FilmSettings,
-    FogBounds,
-    Light,
-    Material,
-    MeshObject,
-    SceneData,
-    SceneMesh,
-    Standby,
-    Texture,
-    WorldData,
-)
+from . import data
+from .data import Array
 
 FORMAT = 1
-_FARTHEST = 1e9
-"""Meters from the origin beyond which squares of areas leave the range of 32-bit floats."""
+_FARTHEST = 1e9  # meters from the origin beyond which squares of areas leave the range of 32-bit floats
 _EXPORT_AGAIN = "Export the scene again with the add-on that belongs to this engine."
 _ROWS = {(p.group, p.name): p for p in PARAMETERS}
 _MESH_SHAPES = {
-    "vertices": (3,),
-    "faces": (3,),
-    "normals": (3, 3),
-    "uvs": (3, 2),
-    "material": (),
-    "object": (),
-}
+    "vertices": (3,), "faces": (3,), "normals": (3, 3), "uvs": (3, 2), "material": (), "object": (),
+}  # fmt: skip
 
 T = TypeVar("T")
 
 
-def load_scene(folder: Path | str) -> SceneData:
+def load_scene(folder: Path | str) -> data.SceneData:
     """Reads and validates an exported scene: arrays are float32 or int32 and finite, indices in range.
 
     Raises VibeError: a file is missing or broken, was written by another version, or holds nothing that can be rendered.
@@ -57,24 +37,22 @@ def load_scene(folder: Path | str) -> SceneData:
         return _scene(folder, content)
     except (OSError, ValueError, KeyError, TypeError, IndexError) as error:
         reason = f"{type(error).__name__}: {error}"
-        raise VibeError(
-            f"The exported scene in {folder} cannot be read ({reason}).", _EXPORT_AGAIN
-        ) from error
+        remedy = _EXPORT_AGAIN
+        raise VibeError(f"The exported scene in {folder} cannot be read ({reason}).", remedy) from error
 
 
-def _scene(folder: Path, content: dict[str, Any]) -> SceneData:
+def _scene(folder: Path, content: dict[str, Any]) -> data.SceneData:
     materials = tuple(_material(folder, m) for m in content["materials"])
-    objects = tuple(_record(MeshObject, o) for o in content["objects"])
+    objects = tuple(_record(data.MeshObject, o) for o in content["objects"])
     standby = content.get("standby", {})
     width, height = content["resolution"]
     if width < 1 or height < 1:
         raise VibeError(f"The picture's size {width} x {height} is empty.", "Set a resolution in Blender.")
-    camera = _record(Camera, content["camera"])
+    camera = _record(data.Camera, content["camera"])
     if camera.type not in ("PERSP", "ORTHO"):
-        raise VibeError(
-            f"The camera's type {camera.type} is not supported.", "Use a perspective or orthographic camera."
-        )
-    return SceneData(
+        remedy = "Use a perspective or orthographic camera."
+        raise VibeError(f"The camera's type {camera.type} is not supported.", remedy)
+    return data.SceneData(
         folder=folder,
         resolution=(int(width), int(height)),
         pixel_aspect=float(content["pixel_aspect"]),
@@ -85,11 +63,11 @@ def _scene(folder: Path, content: dict[str, Any]) -> SceneData:
         materials=materials,
         objects=objects,
         world=_world(folder, content["world"]),
-        volume=_record(FogBounds, content["volume"]),
+        volume=_record(data.FogBounds, content["volume"]),
         film=_film(folder, content["film"]),
         mesh=_mesh(folder / "meshes.npz", len(materials), len(objects)),
         instances=_instances(content["parameters"]),
-        standby=Standby(
+        standby=data.Standby(
             tuple(_light(light) for light in standby.get("lights", ())),
             _instances(standby.get("parameters", {})),
         ),
@@ -117,20 +95,20 @@ def _vector(row: list[float]) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _light(row: dict[str, Any]) -> Light:
-    return replace(_record(Light, row), unlit=tuple(map(int, row.get("unlit", ()))))
+def _light(row: dict[str, Any]) -> data.Light:
+    return replace(_record(data.Light, row), unlit=tuple(map(int, row.get("unlit", ()))))
 
 
-def _material(folder: Path, row: dict[str, Any]) -> Material:
+def _material(folder: Path, row: dict[str, Any]) -> data.Material:
     texture, maps = row.get("texture"), row.get("maps") or {}
     pictures = {name: _texture(folder, picture) for name, picture in maps.items()}
-    material = _record(Material, {**row, "texture": None, "maps": {}})
+    material = _record(data.Material, {**row, "texture": None, "maps": {}})
     return replace(material, texture=_texture(folder, texture) if texture else None, maps=pictures)
 
 
-def _texture(folder: Path, row: dict[str, Any]) -> Texture:
+def _texture(folder: Path, row: dict[str, Any]) -> data.Texture:
     window = row.get("window")
-    return Texture(
+    return data.Texture(
         _picture(folder / row["image"], (1, 3)),
         row.get("extension", "REPEAT"),
         (float(window[0]), float(window[1]), float(window[2]), float(window[3])) if window else None,
@@ -138,18 +116,18 @@ def _texture(folder: Path, row: dict[str, Any]) -> Texture:
     )
 
 
-def _world(folder: Path, row: dict[str, Any]) -> WorldData:
+def _world(folder: Path, row: dict[str, Any]) -> data.WorldData:
     image, backdrop = (
         _picture(folder / row[name]) if name in row else None for name in ("image", "backdrop")
     )
     hidden, horizon = tuple(row.get("hidden", ())), float(row.get("horizon", 0.0))
-    return WorldData(row["kind"], image, backdrop, hidden, horizon)
+    return data.WorldData(row["kind"], image, backdrop, hidden, horizon)
 
 
-def _film(folder: Path, row: dict[str, Any]) -> FilmSettings:
+def _film(folder: Path, row: dict[str, Any]) -> data.FilmSettings:
     name = row.get("compositor")
     table = np.load(folder / name, allow_pickle=False) if name else None
-    return _record(FilmSettings, {**row, "compositor": table})
+    return _record(data.FilmSettings, {**row, "compositor": table})
 
 
 def _picture(path: Path, channels: tuple[int, ...] = (3,)) -> Array:
@@ -160,7 +138,7 @@ def _picture(path: Path, channels: tuple[int, ...] = (3,)) -> Array:
     return np.nan_to_num(image, nan=0.0, posinf=0.0, neginf=0.0).clip(0.0)
 
 
-def _mesh(path: Path, materials: int, objects: int) -> SceneMesh:
+def _mesh(path: Path, materials: int, objects: int) -> data.SceneMesh:
     with np.load(path, allow_pickle=False) as stored:
         arrays = {name: stored[name] for name in _MESH_SHAPES}
     for name, tail in _MESH_SHAPES.items():
@@ -176,7 +154,7 @@ def _mesh(path: Path, materials: int, objects: int) -> SceneMesh:
     arrays = _drop_broken(arrays)
     if not len(arrays["faces"]):
         raise VibeError("The scene has no mesh that can be rendered.", "Add a mesh, or make one visible.")
-    return SceneMesh(**arrays)
+    return data.SceneMesh(**arrays)
 
 
 def _drop_broken(arrays: dict[str, Array]) -> dict[str, Array]:
@@ -204,9 +182,8 @@ def _instance(key: str, row: dict[str, Any]) -> Instance:
     parameter = _ROWS[group, name]
     value = row["value"] if isinstance(row["value"], list) else [row["value"]]
     if len(value) != parameter.components or not all(math.isfinite(v) for v in value):
-        raise VibeError(
-            f"The value of {labels.title(key)} is not usable: {row['value']}.", "Correct it in Blender."
-        )
+        remedy = "Correct it in Blender."
+        raise VibeError(f"The value of {labels.title(key)} is not usable: {row['value']}.", remedy)
     return Instance(
         parameter=parameter,
         owner=owner,

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The values of one render: the caller's, and the artist's for the rest."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Mapping
 from functools import cached_property
 from typing import Any, TypeVar

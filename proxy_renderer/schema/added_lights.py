@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The lights that a vibe may add to a scene: one for each part that a light can play and each of Blender's types."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -10,8 +8,7 @@ PARTS = ("key", "fill", "rim", "kicker", "accent", "practical", "background", "t
 """Parts that a light can play, as gaffers name them. The scene's own lights have the roles key, fill, rim and other."""
 _TYPES = {"AREA": "", "POINT": " Lamp", "SPOT": " Spot", "SUN": " Sun"}
 _ROLES = {"key": "key", "rim": "rim", "kicker": "rim"}
-PATTERNS = {"slats": " Blinds", "leaves": " Leaves"}
-"""Pattern of a card before a light -> end of the light's name."""
+PATTERNS = {"slats": " Blinds", "leaves": " Leaves"}  # of a card before a light -> its name's end
 CARD = "Vibe Card"  # the name of such a card, which only shadow rays see
 CARD_AWAY = 1.6  # how far before the subject's center it stands, in sizes of the card
 _SLATS, _OPEN, _WINDOW, _FRAME = 9, 0.5, 1.3, 14.0

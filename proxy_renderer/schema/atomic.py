@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Files that appear whole or not at all, whatever happens while they are written."""
 
-from __future__ import annotations
-
 import errno
 import os
 import uuid
@@ -13,10 +11,7 @@ from pathlib import Path
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A path in the same folder to write to; it takes the file's place at the end of the block.
-
-    If the block raises, the file is as it was, and nothing unfinished stays.
-    """
+    """A path beside a file, to be written, which takes its place at the end; if the block raises, nothing stays of it."""
     part = path.with_name(f"{part_prefix()}{uuid.uuid4().hex[:8]}-{path.name}")
     try:
         yield part

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Errors that a user is shown: what went wrong, and what to do about it. Unexpected ones name a log."""
 
-from __future__ import annotations
-
 import os
 import sys
 import tempfile

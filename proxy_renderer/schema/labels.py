@@ -1,21 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Parameters and values as people read them: "Key light: Power", "120 W". Keys are for programs."""
 
-from __future__ import annotations
-
 import math
 import re
 
 from .parameters import FAMILIES, Parameter, Values, split_key
 
 GROUP_TITLES = {
-    "camera": "Camera",
-    "light": "Lights",
-    "world": "World",
-    "material": "Materials",
-    "volume": "Fog",
+    "camera": "Camera", "light": "Lights", "world": "World", "material": "Materials", "volume": "Fog",
     "film": "Color & Grade",
-}
+}  # fmt: skip
 _NAMES = {"ior": "IOR", "fov": "Field of View"}
 _LIGHT_WORDS = re.compile(r"light|lamp|sun|spot", re.IGNORECASE)
 _CLOSE = 1e-5  # relative difference that Blender's 32-bit numbers may make

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Limits that several sides keep (command line, panel, manifest, presets, parser), and budgets: how long a vibe may take."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Names of the copies of materials that single objects get, so that all others keep theirs: "Paint (on Chair.*)"."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 

@@ -5,8 +5,6 @@ Every class below is one message; its wire form is its fields plus "type". The e
 carry the hash of the parameter table: versions that disagree about it refuse to work together.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -77,8 +75,7 @@ class AskReadings:
     type: ClassVar[str] = "ask_readings"
     schema: str  # Blender's schema hash
     prompt: str  # what the artist has typed so far
-    # the job folder, with or without surfaces and textures; "" where the scene cannot be exported
-    job: str = ""
+    job: str = ""  # the job folder, with or without surfaces and textures; "" where nothing can be exported
     # where there is no job: object that a render shows -> names of its materials
     objects: dict[str, list[str]] = field(default_factory=dict)
     lights: dict[str, str] = field(default_factory=dict)  # Likewise: light -> its type, "AREA" and so on
@@ -92,13 +89,11 @@ class WordReading:
     text: str  # as the prompt says it
     state: str  # "understood", "guessed" or "left out"
     meaning: str = ""  # what is made of it, in words for the artist: "describes Vase"
-    # known words that it could be taken for instead, the likeliest first
-    others: list[str] = field(default_factory=list)
+    others: list[str] = field(default_factory=list)  # known words that may be meant instead, likeliest first
     key: str = ""  # what a target calls it: "red#2" for the second one
     # names of what it may describe, the one that it is taken for first, then the likeliest; see `targets`
     candidates: list[str] = field(default_factory=list)
-    # what else it can describe; with no candidates, it can describe nothing
-    targets: list[str] = field(default_factory=list)
+    targets: list[str] = field(default_factory=list)  # what else it can describe
 
 
 @dataclass(frozen=True)
@@ -107,8 +102,7 @@ class Readings:
 
     type: ClassVar[str] = "readings"
     prompt: str  # the words that it is about
-    # its look words, and those that are left out, in the order of the prompt
-    words: list[WordReading] = field(default_factory=list)
+    words: list[WordReading] = field(default_factory=list)  # its look words and what is left out, in order
     note: str = ""  # why nothing is understood, in a sentence for the artist; "" where something is
 
     def __post_init__(self) -> None:
@@ -142,8 +136,7 @@ class Stage:
     # when the loop begins: the artist's own values, a file name in the job folder; else "". With looks it comes
     # twice: the second is corrected by an anchor
     picture: str = ""
-    # False if that picture is black, and would be with all that the words ask for
-    lit: bool = True
+    lit: bool = True  # False if that picture is black, and would be with all that the words ask for
 
 
 @dataclass(frozen=True)
@@ -157,8 +150,7 @@ class Progress:
     steps: int
     loss: float
     seconds_left: float
-    # a picture in the job folder, replaced atomically about once a second; "" before the first
-    preview: str = ""
+    preview: str = ""  # a picture in the job folder, replaced atomically about once a second; "" at first
 
 
 @dataclass(frozen=True)
@@ -184,8 +176,7 @@ class Anchored:
     # "Combined" (denoised), "Noisy Image" (the same, not denoised; missing in a Blender that has no denoiser, whose
     # "Combined" is noisy) and "Combined_…" of every group
     picture: str = ""
-    # name of a light group to whose light it holds: "light/NAME" or "world"
-    groups: dict[str, str] = field(default_factory=dict)
+    groups: dict[str, str] = field(default_factory=dict)  # light group -> its light: "light/NAME" or "world"
     seconds: float = 0.0  # how long it took
     error: str = ""  # why there is no picture
 
@@ -208,8 +199,7 @@ class Result:
     """Engine → Blender: the values found."""
 
     type: ClassVar[str] = "result"
-    # parameter key to its components, for every parameter whose value differs from the scene's
-    values: dict[str, list[float]]
+    values: dict[str, list[float]]  # parameter key to its components, of all that differs from the scene's
     report: dict[str, Any]  # the fields of report.json that the engine knows
     prediction: str  # the proxy's picture of the values, a file name in the job folder
     stopped: bool = False  # whether a stop message ended the loop early
@@ -296,10 +286,8 @@ def decode(raw: bytes | str) -> Message:
         body = json.loads(text.rstrip("\0"))
         return _TYPES[body.pop("type")](**body)
     except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise VibeError(
-            f"The engine and Blender do not understand each other: {text[:80]!r}.",
-            "Install the same version of vibe-render for both.",
-        ) from error
+        problem = f"The engine and Blender do not understand each other: {text[:80]!r}."
+        raise VibeError(problem, "Install the same version of vibe-render for both.") from error
 
 
 def read(stream: BinaryIO) -> Iterator[Message]:
@@ -313,14 +301,11 @@ def read(stream: BinaryIO) -> Iterator[Message]:
 def check_schema(theirs: str, who: str) -> None:
     """Makes sure that the other process has this process's parameter table."""
     if theirs != schema_hash():
-        raise VibeError(
-            f"The {who} has another parameter table ({theirs or 'none'} instead of {schema_hash()}).",
-            "Install the same version of vibe-render for Blender and for the engine.",
-        )
+        problem = f"The {who} has another parameter table ({theirs or 'none'} instead of {schema_hash()})."
+        raise VibeError(problem, "Install the same version of vibe-render for Blender and for the engine.")
 
 
-ClaimVerdict = Mapping[str, Any]
-"""A row of the report's `claims`; `proxy_renderer.claims.claim` says what is in it."""
+ClaimVerdict = Mapping[str, Any]  # a row of the report's `claims`, see `proxy_renderer.claims.claim`
 
 
 def word_states(rows: Sequence[ClaimVerdict]) -> dict[str, str]:

@@ -5,8 +5,6 @@ An azimuth of 0 is in front of the subject (-Y), 90 is at +X, which is the right
 picture taken from the front; an elevation of 90 is straight above. Angles are in degrees.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 
@@ -31,10 +29,7 @@ def angles(vector: Sequence[float]) -> tuple[float, float]:
 
 
 def frame(azimuth: float, elevation: float) -> Matrix:
-    """Rotation (rows of a 3x3 matrix) whose columns are right, up, and the direction to the viewer.
-
-    It is the orientation of a camera that stands at these angles and looks at the subject.
-    """
+    """Rotation (rows of a 3x3 matrix) with columns right, up and to the viewer, of a camera that looks at the subject."""
     a = math.radians(azimuth)
     zx, zy, zz = direction(azimuth, elevation)
     xx, xy = math.cos(a), math.sin(a)

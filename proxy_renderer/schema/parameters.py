@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The table: every value that a vibe may change, in Blender's own terms, and the words that may change it."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math
@@ -20,8 +18,7 @@ Values = tuple[float, ...]
 class Scale:
     """A monotone map between a bounded value and u in [0, 1] in which equal steps look alike."""
 
-    # "linear", "log" (needs a positive lower bound) or "power"
-    name: Literal["linear", "log", "power"] = "linear"
+    name: Literal["linear", "log", "power"] = "linear"  # "log" needs a positive lower bound
     exponent: float = 1.0  # for "power": value = lower + (upper - lower) * u ** exponent
 
     def to_unit(self, value: float, lower: float, upper: float) -> float:
@@ -63,8 +60,7 @@ class Parameter:
     region: Region  # the part of the picture that it mainly changes
     doc: str  # what it does, for help texts and tool tips
     blender: str  # the socket or property that it means, as an artist would look for it
-    # the scene length (see `REFERENCES`) that makes the bounds independent of the scene's size; "" for none
-    reference: str = ""
+    reference: str = ""  # the scene length (see `REFERENCES`) that bounds are multiples of; "" for none
     only: tuple[str, ...] = ()  # the kinds of owner that have it (light types, say); empty for all
 
     @property

@@ -6,8 +6,6 @@ subject, to the key light, and so on; they are multiples of the scene's referenc
 directions are counted from the camera.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -22,19 +20,13 @@ from .parameters import FAMILIES, PARAMETERS, VERSION
 FORMAT = "vibe-preset"
 
 ROLES: dict[str, str] = {
-    "subject": "material",
-    "surroundings": "material",
-    "key": "light",
-    "fill": "light",
-    "rim": "light",
-    "world": "world",
-    "volume": "volume",
-    "film": "film",
+    **dict.fromkeys(("subject", "surroundings"), "material"),
+    **dict.fromkeys(("key", "fill", "rim"), "light"),
+    **{group: group for group in ("world", "volume", "film")},
 }
 """Every role and the parameter group of its values. A camera belongs to its scene, not to a look."""
 
-Entry = dict[str, list[float]]
-"""Values of one material, light, …: parameter name to components, in multiples of its reference."""
+Entry = dict[str, list[float]]  # of one material, light, …: name to components, in references
 
 LIGHT_TYPES: tuple[str, ...] = tuple(
     dict.fromkeys(t for p in PARAMETERS if p.group == "light" for t in p.only)
@@ -52,8 +44,7 @@ class Preset:
 
     name: str  # its title
     roles: dict[str, list[Entry]]  # role to its entries, the most visible or brightest first
-    # of every light entry, its type ("AREA", …), by role
-    kinds: dict[str, list[str]] = field(default_factory=dict)
+    kinds: dict[str, list[str]] = field(default_factory=dict)  # type of each light ("AREA", …), by role
     prompt: str = ""  # what the artist typed
     # what it was searched for by, see docs/reference/goals.md: `vibe run --goals` searches it again; {} for none
     goals: dict[str, Any] = field(default_factory=dict)
@@ -138,32 +129,26 @@ def _check_kinds(kinds: Any, roles: Mapping[str, list[Entry]]) -> None:
             raise VibeError(f"The preset's kinds of lights for {quoted(role)} do not fit its lights.", _OURS)
         for each in types:
             if each not in LIGHT_TYPES:
-                raise VibeError(
-                    f"The preset has an unknown type of light {quoted(str(each))}.",
-                    f"Types are: {', '.join(LIGHT_TYPES)}.",
-                )
+                remedy = f"Types are: {', '.join(LIGHT_TYPES)}."
+                raise VibeError(f"The preset has an unknown type of light {quoted(str(each))}.", remedy)
 
 
 def _check_value(role: str, name: str, value: Any) -> None:
     parameter = FAMILIES.get(f"{ROLES[role]}/{name}")
     if parameter is None:
-        raise VibeError(
-            f"The preset has an unknown parameter {role}/{quoted(name)}.", "Remove it from the preset."
-        )
+        remedy = "Remove it from the preset."
+        raise VibeError(f"The preset has an unknown parameter {role}/{quoted(name)}.", remedy)
     numbers = isinstance(value, list) and all(
         isinstance(v, int | float) and not isinstance(v, bool) for v in value
     )
     if not numbers or len(value) != parameter.components:
-        raise VibeError(
-            f"The preset's {role}/{name} needs {parameter.components} numbers.", "Correct the preset."
-        )
+        remedy = "Correct the preset."
+        raise VibeError(f"The preset's {role}/{name} needs {parameter.components} numbers.", remedy)
     if any(isinstance(v, float) and not math.isfinite(v) for v in value):  # an int can be too large to ask
         raise VibeError(f"The preset's {role}/{name} is not a finite number.", "Correct the preset.")
     if not all(parameter.lower <= v <= parameter.upper for v in value):
-        raise VibeError(
-            f"The preset's {role}/{name} is out of bounds: {_short(value)}.",
-            f"Use {parameter.lower:g} to {parameter.upper:g}.",
-        )
+        remedy = f"Use {parameter.lower:g} to {parameter.upper:g}."
+        raise VibeError(f"The preset's {role}/{name} is out of bounds: {_short(value)}.", remedy)
 
 
 def _short(value: Any) -> str:

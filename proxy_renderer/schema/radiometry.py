@@ -4,8 +4,6 @@
 Checked against Cycles renders by blender_tests/scene/test_key_light.py.
 """
 
-from __future__ import annotations
-
 import math
 
 from .errors import VibeError
@@ -16,8 +14,7 @@ _UNIT_ENERGY = {
     "AREA": math.pi**2,
     "SUN": math.pi,
 }
-TABLE_TOE, TABLE_STOPS = 2.0**-10, 16.0
-"""The compositor's table has scene-linear colors at TOE · (2 ** s - 1), s evenly from 0 to STOPS."""
+TABLE_TOE, TABLE_STOPS = 2.0**-10, 16.0  # the compositor's table: TOE · (2 ** s - 1), s from 0 to STOPS
 _AT_INFINITY = ("SUN",)  # their energy is an irradiance, which no distance changes
 
 
@@ -27,9 +24,8 @@ def unit_energy(light_type: str, distance: float = 1.0) -> float:
     In watts, at a distance in meters of several times the light's size; W/m² of a sun, which ignores it.
     """
     if light_type not in _UNIT_ENERGY:
-        raise VibeError(
-            f'Lights of type "{light_type}" are unknown.', f"Use one of {', '.join(_UNIT_ENERGY)}."
-        )
+        remedy = f"Use one of {', '.join(_UNIT_ENERGY)}."
+        raise VibeError(f'Lights of type "{light_type}" are unknown.', remedy)
     falloff = 1.0 if light_type in _AT_INFINITY else distance**2
     return _UNIT_ENERGY[light_type] * falloff
 

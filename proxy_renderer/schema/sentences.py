@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The form of further sentences: those that speak of earlier steps, and what is left of others for a reader of prompts."""
 
-from __future__ import annotations
-
 import re
 from typing import Literal, NamedTuple
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Names of what a word may describe: those that every scene has, and how several names are written as one."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 
@@ -15,8 +13,7 @@ GENERAL = {
 OFFERED = ("lights", "key light", "world", "image", "not used")  # names that every word's menu offers
 NOT_USED = "not used"
 NAME_OF = {kind: name for name, kind in reversed(GENERAL.items())}  # kind of target -> its name
-NUMBER = "#"
-"""Between a word and its number, where the prompt says it several times: "red#2"."""
+NUMBER = "#"  # between a word and its number, where the prompt says it several times: "red#2"
 _AND = " + "
 
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The model as parser and confiner: it improves on the offline planner's draft, which stands in where it fails."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
@@ -32,9 +30,7 @@ _PATIENCE = 2  # rounds in a row without an answer, after which the model is not
 class ModelAdvisor:
     """Asks a model once a round, with the current picture.
 
-    Args:
-        goals: What it asks for; why there is nothing where nothing is understood.
-        light: What a rig plans, which is part of the draft; None where the words ask for none.
+    The draft is made of the goals (why there are none, where nothing is understood) and of what a rig plans.
     """
 
     def __init__(
@@ -57,11 +53,7 @@ class ModelAdvisor:
     def advise(self, display: Any, instances: Mapping[str, Instance], context: SceneDescription) -> Advice:
         """The model's advice for a round; the offline planner's if the model fails.
 
-        Args:
-            display: The current picture as it is displayed; None before the first one.
-
-        Raises:
-            VibeError: Neither the model nor the offline planner understands the prompt.
+        The display is None before the first picture. Raises VibeError if neither understands the prompt.
         """
         try:
             draft: Advice | None = self._offline.advise(display, instances, context)
@@ -159,9 +151,8 @@ class ModelAdvisor:
                 draft = Advice(goals, prompts, confine(goals, dict(instances), context))
         if draft is None:
             assert unknown is not None
-            raise VibeError(
-                f"{unknown.message} And the model did not help: {why}", unknown.remedy
-            ) from unknown
+            remedy = unknown.remedy
+            raise VibeError(f"{unknown.message} And the model did not help: {why}", remedy) from unknown
         return replace(draft, source=f"offline planner: {why}")
 
     def _read(self, caption: str) -> Parsed:

@@ -226,9 +226,8 @@ class Client:
             self.usage.cached += 1
             return cached_answer
         if question.must_see and not self.dialect.pictures:
-            raise ModelError(
-                f"The model {point.model} does not see pictures.", "Use a vision-language model."
-            )
+            remedy = "Use a vision-language model."
+            raise ModelError(f"The model {point.model} does not see pictures.", remedy)
         start = time.monotonic()
         try:
             answer = self._converse(question, check or (lambda answer: None), start + point.seconds)
@@ -246,10 +245,8 @@ class Client:
             text = scrub(answer.text, self.endpoint.key)
             try:
                 if answer.cut:
-                    raise ModelError(
-                        "The model's answer was cut off.",
-                        "Use a model with more context, or one that thinks less.",
-                    )
+                    remedy = "Use a model with more context, or one that thinks less."
+                    raise ModelError("The model's answer was cut off.", remedy)
                 reading: Any = text
                 if question.schema is not None:
                     reading = scrub(find_object(text, question.schema["properties"]), self.endpoint.key)
@@ -275,9 +272,8 @@ class Client:
                     or not self.dialect.give_up(error.complaint, question)
                 ):
                     raise
-        raise ModelError(
-            f"{self.endpoint.place} refuses everything that it is asked.", "Use another model.", lasting=True
-        )
+        remedy = "Use another model."
+        raise ModelError(f"{self.endpoint.place} refuses everything that it is asked.", remedy, lasting=True)
 
     def _send(self, body: dict[str, Any], end: float) -> Completion:
         """One request, repeated with growing pauses while that may help and there is time."""

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The model that is asked, where it is, and its key."""
 
-from __future__ import annotations
-
 import ipaddress
 import os
 from collections.abc import Mapping
@@ -26,8 +24,7 @@ class Endpoint:
     url: str  # the base URL, without a slash at its end
     key: str = field(default="", repr=False)  # never written anywhere, not even by `repr`
     seconds: float = _SECONDS  # time limit of a question, repetitions included
-    # US dollars per million tokens, (read, written); None if unknown
-    prices: tuple[float, float] | None = None
+    prices: tuple[float, float] | None = None  # US dollars per million tokens, (read, written); None: unknown
 
     @property
     def local(self) -> bool:
@@ -54,14 +51,10 @@ def find_endpoint(
     Options come before the environment: VIBE_VLM_MODEL, VIBE_VLM_URL (else OPENAI_BASE_URL, else
     OpenAI's), VIBE_VLM_KEY, VIBE_VLM_TIMEOUT (seconds) and VIBE_VLM_PRICE ("2.5/10", US dollars per
     million tokens read/written). OPENAI_API_KEY goes only where it belongs: to OPENAI_BASE_URL, or to
-    OpenAI if that is not set.
+    OpenAI if that is not set. A `vlm_model` of "off" means none, whatever the environment says; the key is that of the
+    add-on's preferences, "" for the environment's.
 
-    Args:
-        options: The vibe's; a `vlm_model` of "off" means none, whatever the environment says.
-        key: From the add-on's preferences; "" for the environment's.
-
-    Raises:
-        VibeError: For a URL that is none, a missing key, or a place that Blender may not reach.
+    Raises VibeError for a URL that is none, a missing key, or a place that Blender may not reach.
     """
     env = os.environ if environment is None else environment
     model = (options.vlm_model or env.get("VIBE_VLM_MODEL", "")).strip()
@@ -75,14 +68,11 @@ def find_endpoint(
         env.get("OPENAI_API_KEY", "").strip() if url == theirs else ""
     )
     if url == OPENAI and not key:
-        raise VibeError(
-            f"The model {model} at OpenAI needs a key.",
-            "Set OPENAI_API_KEY, or name another place by VIBE_VLM_URL. " + _HOW,
-        )
+        remedy = "Set OPENAI_API_KEY, or name another place by VIBE_VLM_URL. " + _HOW
+        raise VibeError(f"The model {model} at OpenAI needs a key.", remedy)
     if not key.isascii() or not key.isprintable():
-        raise VibeError(
-            "The model's key holds characters that no key has.", "Copy it again, without quotes or line ends."
-        )
+        remedy = "Copy it again, without quotes or line ends."
+        raise VibeError("The model's key holds characters that no key has.", remedy)
     endpoint = Endpoint(model, url, key, _seconds(env.get("VIBE_VLM_TIMEOUT", "")), _prices(env))
     if not options.online and not endpoint.local:
         raise VibeError(
@@ -102,10 +92,8 @@ def _check(url: str) -> None:
         shown = url.rpartition("@")[2][:60]
         raise VibeError(f"{shown!r} is not an endpoint's URL.", "It starts with http:// or https://. " + _HOW)
     if parts.username or parts.password or parts.query:
-        raise VibeError(
-            f"The URL of the endpoint at {parts.hostname} holds more than an address.",
-            "Put the key into VIBE_VLM_KEY instead: URLs end up in reports.",
-        )
+        remedy = "Put the key into VIBE_VLM_KEY instead: URLs end up in reports."
+        raise VibeError(f"The URL of the endpoint at {parts.hostname} holds more than an address.", remedy)
 
 
 def _seconds(text: str) -> float:
@@ -125,8 +113,6 @@ def _prices(env: Mapping[str, str]) -> tuple[float, float] | None:
     try:
         read, written = (float(part) for part in text.split("/"))
     except ValueError as error:
-        raise VibeError(
-            f"VIBE_VLM_PRICE {text[:20]!r} is no price.",
-            'Use "2.5/10": US dollars per million tokens read and written.',
-        ) from error
+        remedy = 'Use "2.5/10": US dollars per million tokens read and written.'
+        raise VibeError(f"VIBE_VLM_PRICE {text[:20]!r} is no price.", remedy) from error
     return read, written

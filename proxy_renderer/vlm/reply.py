@@ -4,8 +4,6 @@
 Nothing of an answer is ever run, opened or looked up: it is numbers, classes of ours, and short texts.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable
@@ -36,8 +34,7 @@ class Reply:
     """A model's proposals; fields are empty where its answer had nothing usable."""
 
     objects: list[PromptObject] = field(default_factory=list)  # what the look describes
-    # Captions; "" and () where there is none
-    prompts: Prompts = field(default_factory=lambda: Prompts("", "", ""))
+    prompts: Prompts = field(default_factory=lambda: Prompts("", "", ""))  # captions; "" and () for none
     targets: dict[str, str] = field(default_factory=dict)  # quantity -> class
     colors: dict[Region, Values] = field(default_factory=dict)  # region -> sRGB that it should show
     ignored: list[str] = field(default_factory=list)  # words that no parameter can express

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The question of a round: the parameters that a model may plan, under short names, and the JSON schema of its answer."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -35,13 +33,7 @@ class Alias:
 
 
 class AliasTable:
-    """The parameters that a model may plan, by short names.
-
-    Attributes:
-        rows: Name in questions and answers -> instance.
-        aliases: Lights and materials that have a row.
-        names: Key -> name in questions, the inverse of `rows`.
-    """
+    """The parameters that a model may plan, by short names."""
 
     def __init__(self, instances: Mapping[str, Instance], context: SceneDescription) -> None:
         self._camera = context.camera_azimuth
@@ -53,7 +45,7 @@ class AliasTable:
         share = context.material_share
         materials = sorted(owners["material"], key=lambda o: (o[1] != "subject", -share.get(o[0], 0.0), o))
         lights = sorted(owners["light"], key=lambda o: (o[1] != "key", o))
-        self.aliases: list[Alias] = []
+        self.aliases: list[Alias] = []  # lights and materials that have a row
         ids: dict[tuple[str, str], str] = {}
         for group, chosen in (("material", materials[:_MATERIALS]), ("light", lights[:_LIGHTS])):
             for number, (owner, role) in enumerate(chosen, 1):
@@ -61,12 +53,13 @@ class AliasTable:
                 known = share.get(owner) if group == "material" else None
                 kind = context.light(owner).type if group == "light" else ""
                 self.aliases.append(Alias(ids[group, owner], owner[:_LONGEST_NAME], role, known, kind))
-        self.rows: dict[str, Instance] = {}
+        self.rows: dict[str, Instance] = {}  # name in questions and answers -> instance
         for instance in free:
             group, owner = instance.parameter.group, instance.owner
             head = ids.get((group, owner)) if owner else group
             if head:
                 self.rows[f"{head}/{instance.parameter.name}"] = instance
+        # key -> name in questions, the inverse of `rows`
         self.names = {i.key: name for name, i in self.rows.items()}
 
     def shown(self, instance: Instance, values: Values) -> Values:
@@ -105,8 +98,7 @@ def _is_direction(instance: Instance) -> bool:
     return instance.parameter.family == "light/azimuth"
 
 
-SLOTS = ("color", "material", "lighting", "style", "mood", "shape")
-"""Attributes of an object (section 3.5 of the paper)."""
+SLOTS = ("color", "material", "lighting", "style", "mood", "shape")  # of an object (the paper's section 3.5)
 
 REGIONS = ("subject", "surroundings")
 _DIGITS = 4

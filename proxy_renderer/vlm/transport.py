@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """One request through the `openai` package, bounded in time and size, and what is read in its answer; every failure is a ModelError."""
 
-from __future__ import annotations
-
 import json
 import queue
 import re
@@ -38,10 +36,8 @@ def find_object(text: str, names: Collection[str]) -> dict[str, Any]:
             return candidate
     if not text.strip():
         raise ModelError("The model's answer is empty.", "Use another model.")
-    raise ModelError(
-        "The model's answer is not the JSON object that was asked for.",
-        "Use a larger model, or one that follows a JSON schema.",
-    )
+    remedy = "Use a larger model, or one that follows a JSON schema."
+    raise ModelError("The model's answer is not the JSON object that was asked for.", remedy)
 
 
 def clean(text: Any, longest: int) -> str:
@@ -170,9 +166,8 @@ class Transport:
             try:
                 import openai
             except ImportError as error:
-                raise ModelError(
-                    "The openai package cannot be imported.", "pip install openai", lasting=True
-                ) from error
+                remedy = "pip install openai"
+                raise ModelError("The openai package cannot be imported.", remedy, lasting=True) from error
             point = self.endpoint
             # A redirect could take the picture elsewhere; a proxy has no business on this computer.
             http = _bounded(openai.DefaultHttpxClient)(follow_redirects=False, trust_env=not point.local)
@@ -184,10 +179,8 @@ class Transport:
         return self._client
 
     def _late(self, seconds: float) -> ModelError:
-        return ModelError(
-            f"The model {self.endpoint.model} did not answer within {seconds:.0f} s.",
-            "Use a faster one, or set VIBE_VLM_TIMEOUT to more seconds.",
-        )
+        remedy = "Use a faster one, or set VIBE_VLM_TIMEOUT to more seconds."
+        return ModelError(f"The model {self.endpoint.model} did not answer within {seconds:.0f} s.", remedy)
 
     def _explain(self, error: Exception) -> ModelError:
         """The error, with its remedy, for an exception of the openai package."""
@@ -201,20 +194,14 @@ class Transport:
                 error.status_code, _complaint(error, point.key), error.response.headers, point
             )
         if isinstance(error, _TooLong) or isinstance(error.__cause__, _TooLong):
-            return ModelError(
-                f"{point.place} sent more than {LARGEST // 10**6} MB.", "Check that it is the right endpoint."
-            )
+            remedy = "Check that it is the right endpoint."
+            return ModelError(f"{point.place} sent more than {LARGEST // 10**6} MB.", remedy)
         if isinstance(error, openai.APIConnectionError):
             why = scrub(" ".join(str(error.__cause__ or "").split())[:120], point.key)
-            return ModelError(
-                f"{point.place} cannot be reached{f' ({why})' if why else ''}.",
-                "Start the server, or check VIBE_VLM_URL and the network.",
-                wait=0.0,
-            )
-        return ModelError(
-            f"{point.place} does not speak the OpenAI protocol ({type(error).__name__}).",
-            "Check the base URL: it usually ends in /v1.",
-        )
+            problem = f"{point.place} cannot be reached{f' ({why})' if why else ''}."
+            return ModelError(problem, "Start the server, or check VIBE_VLM_URL and the network.", wait=0.0)
+        problem = f"{point.place} does not speak the OpenAI protocol ({type(error).__name__})."
+        return ModelError(problem, "Check the base URL: it usually ends in /v1.")
 
 
 def read_completion(raw: bytes) -> Completion:
@@ -238,9 +225,8 @@ def read_completion(raw: bytes) -> Completion:
             cost=float(cost) if isinstance(cost, int | float) and 0 <= cost < 1e6 else None,
         )
     except (ValueError, KeyError, IndexError, TypeError, AttributeError, RecursionError) as error:
-        raise ModelError(
-            "The endpoint's answer is not a chat completion.", "Check the base URL: it usually ends in /v1."
-        ) from error
+        remedy = "Check the base URL: it usually ends in /v1."
+        raise ModelError("The endpoint's answer is not a chat completion.", remedy) from error
 
 
 def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> ModelError:

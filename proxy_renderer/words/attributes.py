@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The sum of bound look words: objects with their attributes, colors with shades, and the lights that a prompt tells apart."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import permutations, product
@@ -21,19 +19,16 @@ from .lexicon.vocabulary import Vocabulary
 from .passage import LIGHTS, Passage
 from .types import Attribute, Parsed, PromptObject
 
-NamedThing = tuple[str, Region, tuple[str, ...]]
-"""Name, region and materials."""
+NamedThing = tuple[str, Region, tuple[str, ...]]  # name, region and materials
 _DARKEST = 12.0  # L* of a color below which no light has it
 _COLORED = dict.fromkeys(LIGHTS, "lighting") | {"fog": "atmosphere", "glow": "material"}
 """Kind of thing -> slot that a color word about it counts for."""
-_OUTER = {"surroundings", "atmosphere", "setting", "fog"}
-"""Regions, slots and kinds of what is not the subject's."""
+_OUTER = {"surroundings", "atmosphere", "setting", "fog"}  # slots and kinds around the subject
 _BLACK = 12.0  # L* of a black thing whose form can be seen
 _DARKEST, _LIGHTEST = 14.0, 78.0  # L* of lit things of a strong color, navy and yellow
 _STRONG = 30.0  # C* that lit things show in full
 _KEPT = 0.7  # share of the chroma beyond that
-_WARM_LIGHT, _COOL_LIGHT = (1.0, 0.7, 0.35), (0.5, 0.7, 1.0)
-"""sRGB that stands for light below and above the temperatures that count as white."""
+_WARM_LIGHT, _COOL_LIGHT = (1.0, 0.7, 0.35), (0.5, 0.7, 1.0)  # sRGB of light below and above white
 _WHITE = (5000.0, 7000.0)  # kelvins
 _APART = 60.0  # degrees of hue from which one light cannot have both colors
 
@@ -235,8 +230,7 @@ class LightPhrases:
     # place of an item -> the numbers, from 1, of the lights that it belongs to; items that belong to none are left
     # out
     of: dict[int, tuple[int, ...]] = field(default_factory=dict)
-    # number of a light -> "fill" or "rim", where its name says so
-    roles: dict[int, str] = field(default_factory=dict)
+    roles: dict[int, str] = field(default_factory=dict)  # number of a light -> "fill" or "rim", if named so
     gone: set[int] = field(default_factory=set)  # places of items that describe what is to be replaced
 
     def role(self, place: int) -> str:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """All pairs of look words and targets of a prompt, each with the facts that the model weighs."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Collection, Iterator
 from enum import StrEnum
@@ -14,18 +12,7 @@ from .mentions import mentions
 from .own_nouns import OwnNouns
 from .passage import Passage, PromptLook, passage, with_changes
 from .scene import Named, NounMention, SceneIndex, fit_rank
-from .targets import (
-    LAMPS,
-    MATTER,
-    SURFACE,
-    TINGE,
-    PromptPairs,
-    Sense,
-    Target,
-    TargetPair,
-    sense_at,
-    targets,
-)
+from .targets import LAMPS, MATTER, SURFACE, TINGE, PromptPairs, Sense, Target, TargetPair, sense_at, targets
 from .types import SceneDescription
 
 _FAR = 4  # items from which a distance says no more

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Prompts in other languages: English wordings of a lexicon in place of the artist's, and back again for the report."""
 
-from __future__ import annotations
-
 import re
 import unicodedata
 from collections.abc import Iterator
@@ -28,8 +26,7 @@ _MARKS = {"、": ",", "。": ".", "・": " ", "「": '"', "」": '"'}
 _TIGHT = re.compile(r"\s+([,.;:!?])")
 _LOOKS, _NOUNS = ("looks", "shades", "phrase"), ("things", "name", "unknown")
 """Kinds of pieces that are look words, and that these stand beside."""
-_GENITIVE = "'s"
-"""English of what ties a thing to what it belongs to; it is left out."""
+_GENITIVE = "'s"  # english of what ties a thing to what it belongs to; it is left out
 _QUOTED = re.compile(r"(?<=')[^']+(?=')")
 
 

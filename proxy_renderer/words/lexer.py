@@ -19,19 +19,15 @@ from .lexicon.word_table import Nearest, table
 from .names import scene_names
 from .types import SceneDescription
 
-TIES = ("link", "around", "joiner", "comparison", "exception")
-"""Lists of words that only say how their neighbors belong together."""
+TIES = ("link", "around", "joiner", "comparison", "exception")  # they say how neighbors belong together
 _LONGEST = 5  # words in a phrase
 _SHORTEST, _SHORTEST_FOREIGN = 4, 6  # characters of a word that may be mistyped
-_COMPARED = ("finish", "grade", "mood", "atmosphere")
-"""Slots of words of which there can be more: "glossier", "moodier", "drier"."""
+_COMPARED = ("finish", "grade", "mood", "atmosphere")  # slots of "glossier", "moodier", "drier"
 _NAME_ALIKE, _ALIKE = 0.86, 0.84  # share of characters that a mistyped name, and any other word, has right
 _BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*=+]|#(?![0-9a-f]{6}\b)|\s[-–—/]\s|/")
-_WORD = re.compile(r"#[0-9a-f]{6}\b|[^\W_]+(?:'[a-z]+)?")
-"""A word, or a color by its number: "#c8102e"."""
+_WORD = re.compile(r"#[0-9a-f]{6}\b|[^\W_]+(?:'[a-z]+)?")  # a word, or a color by its number: "#c8102e"
 _SLASHED = re.compile(r"\b[A-Za-z]+/[A-Za-z]+\b")
-ShadeArguments = tuple[float, float, float, float]
-"""Arguments of `color.shade`."""
+ShadeArguments = tuple[float, float, float, float]  # arguments of `color.shade`
 
 
 @dataclass
@@ -45,20 +41,15 @@ class Token:
     noun: str = ""  # kind of thing that it names
     scene: bool = False  # it names a thing in the scene
     strength: float | None = None  # factor on the next look word, if it is an intensity
-    # names of the grammar lists that it is in: "negation", "link", ...
-    lists: frozenset[str] = field(default_factory=frozenset)
+    lists: frozenset[str] = field(default_factory=frozenset)  # the grammar lists that it is in: "link", ...
     name: str = ""  # the spelling that the vocabulary knows
     guess: str = ""  # the known word that is meant, if it is misspelled
-    # not known, but near to looks that are: it is not used, names no thing, and known words are offered for it
-    unsure: bool = False
-    # changes of a material's color by shade words before it, see `types.Attribute`
-    shades: tuple[ShadeArguments, ...] = ()
+    unsure: bool = False  # not known, but near to looks: it is not used; known words are offered for it
+    shades: tuple[ShadeArguments, ...] = ()  # by shade words before it, see `types.Attribute`
     clause: int = 0  # number of its clause
     wished: bool = False  # it is part of a wish that values cannot fulfill: "remove the chair"
-    # of an object in a change phrase, its looks at present: red of "the roof from red to grey"
-    presents: tuple[Token, ...] = ()
-    # number of the change phrase that it is in, as its object or as a look that is wished of it; 0 for none
-    change: int = 0
+    presents: tuple[Token, ...] = ()  # in a change phrase, present looks: red of "the roof from red to grey"
+    change: int = 0  # number of the change phrase that it is in, as object or as a look wished of it; 0: none
 
     @property
     def known(self) -> bool:
@@ -84,8 +75,7 @@ class Token:
 class Lexer:
     """Finds the longest known phrases; built once per prompt, as scenes bring their own names.
 
-    Args:
-        foreign: Words of another language: only long ones may be English ones with a mistake, "travertin".
+    Of `foreign` words only long ones may be English ones with a mistake, "travertin".
     """
 
     def __init__(
@@ -253,7 +243,9 @@ def _shaded_material(leading: list[str], rest: list[str], v: Vocabulary) -> Toke
     """A material with its own color, lighter or darker: "dark oak", "very pale wood"."""
     name = " ".join(rest)
     entry = v.entry(name)
-    if entry is None or not (leading[-1] in v.words["lightness"] and entry.is_colored):
+    if entry is None or entry.slot != "material" or leading[-1] not in v.words["lightness"]:
+        return None
+    if all(effect.name != "base_color" for effect in entry.effects):
         return None
     return Token(" ".join([*leading, name]), entry.name, name=name, shades=_shades(leading, v))
 

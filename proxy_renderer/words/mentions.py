@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The places of a prompt where things, lights and parts of the image are named: nouns, lists, exceptions, one of several."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import replace

@@ -94,10 +94,7 @@ def _viterbi(
 
 
 def probabilities(read: PromptPairs, weights: Mapping[str, float]) -> list[list[tuple[TargetPair, float]]]:
-    """The likeliest pairs of each look word with their marginal probabilities, in a prompt as a whole; the likeliest first.
-
-    Forward and backward sums over all rows of pairs (Rabiner, 1989).
-    """
+    """The likeliest pairs of each look word with marginal probabilities, best first (forward-backward, Rabiner 1989)."""
     import numpy as np
 
     if not read.pairs:

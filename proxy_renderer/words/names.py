@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Names in a scene: as somebody would say them, which are parts of others, and how well words of a prompt fit them."""
 
-from __future__ import annotations
-
 import math
 import re
 import tomllib

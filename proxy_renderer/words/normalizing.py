@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A prompt as its reader takes it: numbers and keys as sentences say them, without what is to stay as it is."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -25,8 +23,7 @@ _IS = "the {} is "
 _MOST = 4  # words of a value; more are a sentence of their own
 _AND = re.compile(r"\s*(?:,|\band\b|\bor\b)\s*")
 
-KeyedSpan = tuple[str, int, int]
-"""Name in the scene, and start and end of the passage after it and a colon: "Cup: copper"."""
+KeyedSpan = tuple[str, int, int]  # name in the scene, start and end of what follows: "Cup: copper"
 Protection = tuple[str, tuple[str, ...]]
 """A passage that says that something stays, "leave the cup alone", and the owners that stay; none if it names nothing."""
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Objects that a prompt names: the noun of a look word, objects that the scene lacks, and copies of materials that objects share."""
 
-from __future__ import annotations
-
 import itertools
 from collections import Counter, defaultdict
 from dataclasses import replace
@@ -17,10 +15,8 @@ from .scene import NounMention, SceneIndex, is_alike, materials_of
 from .targets import MATTER, SURFACE, PromptPairs, TargetPair
 from .types import MaterialLook, SceneDescription
 
-_NO_MATTER = ("light", "fill", "rim", "sky", "fog", "shadow")
-"""Kinds of nouns without a surface."""
-_STOPS = ("around", "comparison", "exception")
-"""Lists of words over which a look is not said of the noun before them: "a cup on red"."""
+_NO_MATTER = ("light", "fill", "rim", "sky", "fog", "shadow")  # kinds of nouns without a surface
+_STOPS = ("around", "comparison", "exception")  # no look crosses them to the noun: "a cup on red"
 _MAIN = 0.6  # share of the subject from which one material is what a name for the subject means
 _ALL = 0.95  # the same of a name for what things wear: a snowman is no scarf
 _WIDE = 0.5  # share of the image's width from which something upright or level may be a part of a room
@@ -254,11 +250,7 @@ _STUCK = "'{text}' is not changed: other objects have its material '{material}' 
 def with_own_materials(
     passage: Passage, scene: SceneDescription, vocabulary: Vocabulary
 ) -> tuple[SceneDescription, dict[str, str]]:
-    """The scene with a copy of each material that an object of the prompt shares with other objects.
-
-    Returns:
-        The scene, and a sentence for each material that cannot be copied and has to stay.
-    """
+    """The scene with copies of materials that objects of the prompt share, and a sentence on each that has to stay."""
     wearers: dict[str, list[str]] = defaultdict(list)
     for thing, worn in scene.object_materials.items():
         for material in worn:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Understands a prompt: which look words there are, what each of them describes, and why."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -42,8 +40,7 @@ class Understood:
     told: InitVar[Iterable[str]] = ()  # "copper=Cup": targets that the artist has chosen for words
     # the look words of the prompt and the words that are left out, in its order
     words: tuple[PromptWord, ...] = field(default=(), init=False)
-    # why nothing in the prompt is understood; None where something is
-    unknown: VibeError | None = field(default=None, init=False)
+    unknown: VibeError | None = field(default=None, init=False)  # why nothing is understood, if so
     _parsed: Parsed = field(default_factory=lambda: Parsed(""), init=False, repr=False)
 
     def __post_init__(self, told: Iterable[str]) -> None:
@@ -80,14 +77,12 @@ def prepared(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> str:
 def _opened(prompt: str, scene: SceneDescription, vocabulary: Vocabulary) -> tuple[Gloss, bool, Normalized]:
     """A prompt in English words, whether some of it is in a language that is not understood, and as readers take it.
 
-    Raises:
-        VibeError: It is empty, too long, or in a language that is not understood.
+    Raises VibeError if it is empty, too long, or in a language that is not understood.
     """
     text = " ".join(_TAG.sub(" ", prompt).split())
     if not text:
-        raise VibeError(
-            "The prompt is empty.", "Describe a look, for example: 'glossy teal, white studio background'."
-        )
+        remedy = "Describe a look, for example: 'glossy teal, white studio background'."
+        raise VibeError("The prompt is empty.", remedy)
     if len(text) > LONGEST_PROMPT:
         raise VibeError(f"The prompt has {len(text)} characters.", f"Say it in {LONGEST_PROMPT} or less.")
     glossed = gloss(text, scene, vocabulary)
@@ -100,10 +95,8 @@ def _opened(prompt: str, scene: SceneDescription, vocabulary: Vocabulary) -> tup
 def refuse_without_look(prompt: str) -> None:
     """Refuses a prompt that says nothing in any scene, before Blender is started.
 
-    It only looks for look words. What they describe is read later, against the scene, see `Understood`.
-
-    Raises:
-        VibeError: The prompt is empty, too long, in a language that is not understood, or has no look word.
+    What its look words describe is read later, against the scene, see `Understood`. Raises VibeError if it is empty, too
+    long, in a language that is not understood, or has no look word.
     """
     scene, vocabulary = SceneDescription(), default_vocabulary()
     glossed, mixed, normal = _opened(prompt, scene, vocabulary)
@@ -145,16 +138,10 @@ def read(
     weights: FactWeights | None = None,
     told: Mapping[str, str] | None = None,
 ) -> Parsed:
-    """Finds the look words of a prompt and binds them to subject, surroundings, lights or the film.
+    """The look words of a prompt, bound to subject, surroundings, lights or the film; `unknown` says why nothing is understood.
 
-    Args:
-        told: Word -> the target that the artist has chosen for it: a name in the scene, "lights", "not used" and so on.
-
-    Returns:
-        The result; `unknown` says why nothing is understood.
-
-    Raises:
-        VibeError: The prompt is empty, too long, or in a language that is not understood; a target cannot be.
+    The artist has `told` for words what they describe: a name in the scene, "lights", "not used" and so on. Raises VibeError
+    if the prompt is empty, too long, or in a language that is not understood, or if a target cannot be.
     """
     vocabulary = vocabulary or default_vocabulary()
     glossed, mixed, normal = _opened(prompt, scene, vocabulary)

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A prompt as a row of tokens, with the look words that are in it; present looks of change phrases are no look words."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
@@ -14,10 +12,8 @@ from .lexicon.vocabulary import Vocabulary
 from .types import STRONGEST, WEAKEST
 
 _WISHES = {"action", "undo"}
-_ENDS = {*_WISHES, "again"}
-"""Lists of words that end a wish."""
-LIGHTS = ("light", "fill", "rim")
-"""Kinds of nouns that are lights."""
+_ENDS = {*_WISHES, "again"}  # lists of words that end a wish
+LIGHTS = ("light", "fill", "rim")  # kinds of nouns that are lights
 STRUCTURES = ("floor", "walls", "ground", "support", "wall", "roof", "ceiling")
 """Rows of [grammar.words]: parts of a scene that its names hardly ever say."""
 _LETTERS = {
@@ -46,8 +42,7 @@ _CHANGES = [
     )
 ]
 _MOST = 4  # changes in one clause
-_SAID = "VSftwIRbOv"
-"""Letters of tokens that only make a change phrase."""
+_SAID = "VSftwIRbOv"  # letters of tokens that only make a change phrase
 
 
 @dataclass(frozen=True)
@@ -73,10 +68,8 @@ class Passage:
 
     items: list[Token]  # all tokens, with the numbers of their clauses
     looks: list[PromptLook] = field(default_factory=list)  # the look words, in order
-    # places of the items that begin a clause as it is written, those of a list too
-    starts: set[int] = field(default_factory=set)
-    # wishes that only a modeler can fulfill, as the prompt says them
-    wishes: list[list[str]] = field(default_factory=list)
+    starts: set[int] = field(default_factory=set)  # places of items that begin a clause as written
+    wishes: list[list[str]] = field(default_factory=list)  # that only a modeler can fulfill, as said
     beyond: list[str] = field(default_factory=list)  # words that no value can give
 
     def tinged(self, look: PromptLook) -> PromptLook | None:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Binds the look words of a prompt by fitted weights, and says what they are bound to in the planner's terms."""
 
-from __future__ import annotations
-
 import math
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
@@ -38,12 +36,10 @@ _PLAIN = "Use plain look words that the vocabulary knows."
 _UNSURE = 0.35
 """Probability that a word is no look from which it is not used; chosen on a half of tests/words/ordinary_words.toml."""
 _LESS = 0.7  # share of the opposite that "less" asks for
-_KINDS = {"lights": "light", "key": "light", "air": "fog"}
-"""Kind of target -> kind of thing, where they differ."""
+_KINDS = {"lights": "light", "key": "light", "air": "fog"}  # of target -> of thing, where they differ
 _OF_SLOT = {"lighting": "light", "atmosphere": "fog", "grade": "tone", "setting": "surroundings"}
 """Slot -> kind of thing that its words are about in an image as a whole."""
-_PAINTS = ("color", "material")
-"""Slots of which a surface has one each."""
+_PAINTS = ("color", "material")  # slots of which a surface has one each
 
 
 @dataclass
@@ -57,11 +53,9 @@ class PromptReading:
     chosen: list[TargetPair]  # the pair of each look word
     phrases: LightPhrases  # the lights that the prompt describes one by one
     subject: str  # its name for the subject, or that of the scene
-    # id of a pair -> its part of the materials, where several looks deal them out
-    parts: dict[int, tuple[str, ...]]
+    parts: dict[int, tuple[str, ...]]  # id of a pair -> its materials, where several looks deal them out
     parsed: Parsed  # the result, without what `attributes.complete` adds
-    # the nouns with a surface: name, region and materials
-    mentioned: list[NamedThing] = field(default_factory=list)
+    mentioned: list[NamedThing] = field(default_factory=list)  # nouns with a surface
     absent: set[int] = field(default_factory=set)  # numbers of the look words whose object the scene lacks
     unused: set[int] = field(default_factory=set)  # numbers of the look words that are left out
     lacking: list[str] = field(default_factory=list)  # says which words describe objects that the scene lacks
@@ -175,10 +169,7 @@ def _is_a_sun(entry: str) -> bool:
 
 
 def _deal_materials(read: PromptReading) -> None:
-    """Deals the materials of one noun out to its colors: "red, green and blue balls"; a note says so.
-
-    The first color gets the material of the largest object, and so on in turn.
-    """
+    """Deals a noun's materials out to its colors, the largest object's first: "red, green and blue balls"; a note says so."""
     described: dict[int, list[list[TargetPair]]] = defaultdict(list)
     for pair in read.chosen:
         if pair.target.kind == "things" and "several" in pair.target.signs and pair.sense.slot in _PAINTS:

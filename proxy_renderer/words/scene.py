@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sets of materials and lights of a scene that nouns may name, by name ("lamp") or by present look ("the navy surface")."""
 
-from __future__ import annotations
-
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
@@ -14,25 +12,14 @@ from ..schema import Values
 from ..schema.material_copies import copied
 from .lexer import Token
 from .lexicon.vocabulary import Vocabulary
-from .names import (
-    FITS,
-    best,
-    fit,
-    is_detail,
-    limbs,
-    name_words,
-    parts,
-    plain_name,
-    things_shaped,
-)
+from .names import FITS, best, fit, is_detail, limbs, name_words, parts, plain_name, things_shaped
 from .passage import STRUCTURES
 from .types import GLOW, MaterialLook, SceneDescription
 
 REGIONS = {"surroundings": "surroundings", "subject": "subject", "unknown": "subject"}
 """Kinds of nouns that mean a part of the image where nothing of the scene is called so -> the part."""
 _VAGUE = FITS.index("guessed")  # from here on a name is only guessed
-_TYPES = {"SUN": "sun", "SPOT": "spot"}
-"""Types of lights that people call by name."""
+_TYPES = {"SUN": "sun", "SPOT": "spot"}  # types of lights that people call by name
 _WORDS = 512  # words of prompts whose names are cached
 # Present looks
 _NEAR = 0.11  # OKLab distance, lightness at less than half, within which a color is called so
@@ -46,10 +33,8 @@ _PALER, _STRONGER = 0.5, 1.6  # chroma that a color may have, in multiples of it
 _SHAPED = 0.6  # factor on the distance of a material with the shape that the noun says
 _SEEN = 0.001  # share of the image from which somebody would speak of a material
 _MAIN = 3.0  # how many times larger than others of its color a material is that one noun means
-_GUESSED = frozenset({"object guessed", "whole"})
-"""Signs of an object that is guessed by its shape or color."""
-_Found = tuple[Iterable[str], tuple[str, ...]]
-"""Names, and the signs by which they were found."""
+_GUESSED = frozenset({"object guessed", "whole"})  # signs of an object that is guessed by its shape or color
+_Found = tuple[Iterable[str], tuple[str, ...]]  # names, and the signs by which they were found
 
 
 @dataclass(frozen=True)
@@ -63,27 +48,17 @@ class Named:
 
 @dataclass(frozen=True)
 class NounMention:
-    """A noun, or several that belong together ("box and cup").
+    """A noun, or several that belong together ("box and cup")."""
 
-    Attributes:
-        start, end: Places of its first and its last item.
-        noun: Kind of thing by the vocabulary's nouns; "others" for what was not named, "unknown" for a word that nobody knows.
-        role: "key", "fill" or "rim", where it names one.
-        named: What it may name in the scene.
-        members: Of several nouns, how many.
-        excepted: The prompt leaves it out: "everything but the floor".
-        picked: The object that it picks of several: "the left ball".
-    """
-
-    start: int
-    end: int
+    start: int  # place of its first item
+    end: int  # place of its last item
     text: str
-    noun: str = ""
-    role: str = ""
-    named: tuple[Named, ...] = ()
-    members: int = 1
-    excepted: bool = False
-    picked: str = ""
+    noun: str = ""  # kind by the vocabulary's nouns; "others" for what was not named, "unknown" if unknown
+    role: str = ""  # "key", "fill" or "rim", where it names one
+    named: tuple[Named, ...] = ()  # what it may name in the scene
+    members: int = 1  # of several nouns, how many
+    excepted: bool = False  # the prompt leaves it out: "everything but the floor"
+    picked: str = ""  # the object that it picks of several: "the left ball"
 
     def covers(self, index: int) -> bool:
         """Whether an item is one of its own."""
@@ -108,8 +83,7 @@ def is_alike(one: Values | None, other: Values | None) -> bool:
 def surest(mention: NounMention, kind: str, first: str) -> Named | None:
     """The surest of what a mention names; None if it names nothing of a kind.
 
-    Args:
-        first: What is preferred: "material" or "object" for a source, "first" or "whole" for a part or all of a thing.
+    Preferred is what comes `first`: "material" or "object" for a source, "first" or "whole" for a part or all of a thing.
     """
 
     def rank(named: Named) -> tuple[int, bool]:

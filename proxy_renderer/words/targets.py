@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Targets: what look words may describe in a scene, what a word is there ("gold" is a metal on a bowl), and the artist's own choices."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -16,20 +14,14 @@ from .passage import Passage, PromptLook
 from .scene import NounMention, taken
 from .types import GLOW, Attribute, SceneDescription
 
-MATTER = ("things", "subject", "surroundings", "others")
-"""Kinds of targets that have a surface."""
-ROLES = ("key", "fill", "rim")
-"""Kinds of targets that are the lights of a role."""
-LAMPS = ("lights", *ROLES)
-"""Kinds of targets that are some of the lights."""
+MATTER = ("things", "subject", "surroundings", "others")  # kinds of targets that have a surface
+ROLES = ("key", "fill", "rim")  # kinds of targets that are the lights of a role
+LAMPS = ("lights", *ROLES)  # kinds of targets that are some of the lights
 UNNAMED = ("subject", "surroundings", "light", "sky", "air", "picture", "none")
 """Kinds of targets that a prompt need not name."""
-TINGE = "tinge"
-"""Kind of target of a word that only says which shade the color after it is: "fire red"."""
-NOWHERE = ("none", TINGE)
-"""Kinds of targets that change nothing."""
-SURFACE = ("finish", "material", "color")
-"""Slots of words about a surface."""
+TINGE = "tinge"  # kind of target of a word that only says which shade the color after it is: "fire red"
+NOWHERE = ("none", TINGE)  # kinds of targets that change nothing
+SURFACE = ("finish", "material", "color")  # slots of words about a surface
 _OF_NOUNS = {
     "surroundings": "surroundings", "sky": "sky", "light": "light", "fill": "fill", "rim": "rim", "fog": "air",
     "shadow": "shadow", "highlight": "highlight", "tone": "picture", "subject": "subject", "others": "others", "unknown": "subject",

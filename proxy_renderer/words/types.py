@@ -16,10 +16,8 @@ if TYPE_CHECKING:
     from .lexicon.vocabulary import Vocabulary
 
 T = TypeVar("T")
-Part = Literal["subject", "surroundings", "sky", "picture"]
-"""A part of the picture that a claim speaks of; the sky is what is seen of the world."""
-Corners = tuple[tuple[float, ...], tuple[float, ...]]
-"""The least and the greatest corner of an object."""
+Part = Literal["subject", "surroundings", "sky", "picture"]  # of a claim; the sky is what is seen of it
+Corners = tuple[tuple[float, ...], tuple[float, ...]]  # the least and the greatest corner of an object
 
 
 @dataclass(frozen=True)
@@ -28,12 +26,10 @@ class LightDescription:
 
     type: str = ""  # "POINT", "SPOT", "AREA" or "SUN"; "" if unknown
     role: str = "other"  # "key", "fill", "rim" or "other"
-    # azimuth relative to the camera, degrees: 0 behind it, 90 on its right; None if unknown
-    turn: float | None = None
+    turn: float | None = None  # azimuth from the camera, degrees: 0 behind it, 90 on its right; None: unknown
     objects: tuple[str, ...] = ()  # names of those that it mainly lights; none where that is unknown
     stops: float = 0.0  # added to its power by Blender (its `exposure`)
-    # lowest and highest elevation that floor and ceiling leave it, degrees
-    elevations: tuple[float, float] = (-90.0, 90.0)
+    elevations: tuple[float, float] = (-90.0, 90.0)  # that floor and ceiling leave it, degrees
 
 
 @dataclass(frozen=True)
@@ -43,8 +39,7 @@ class MaterialLook:
     color: Values | None = None  # sRGB in [0, 1], that of its glow where it glows; None where nothing says it
     glows: bool = False  # whether it emits light
     share: float = 0.0  # of the image's pixels
-    # object -> the share of the image that it covers with the material
-    worn: Mapping[str, float] = field(default_factory=dict)
+    worn: Mapping[str, float] = field(default_factory=dict)  # object -> its share of the image with it
     # what it clearly is by its shape: "ground", "support" (the subject stands on it), "wall", "roof", "ceiling";
     # of a room that stands on a ground "floor", and of several walls "walls"
     structures: frozenset[str] = frozenset()
@@ -59,8 +54,7 @@ class Glow:
     objects: tuple[str, ...] = ()  # names of the objects that show it
     # mean color that nodes compute, linear; its emission color multiplies it. White where nodes compute none
     color: Values = (1.0, 1.0, 1.0)
-    # mean strength that nodes compute; its emission multiplies it. 1 where nodes compute none
-    strength: float = 1.0
+    strength: float = 1.0  # mean that nodes compute; its emission multiplies it. 1 where they compute none
 
 
 @dataclass(frozen=True)
@@ -68,14 +62,11 @@ class PictureStats:
     """Measurements of the current image."""
 
     lab: dict[Region, Lab] = field(default_factory=dict)  # "subject"/"surroundings" -> mean display color
-    # display lightness L* of the whole image at 5, 50 and 95 percent
-    percentiles: tuple[float, float, float] | None = None
+    percentiles: tuple[float, float, float] | None = None  # L* of the image at 5, 50 and 95 percent
 
 
-WEAKEST, STRONGEST = 0.05, 3.0
-"""Strengths of words, however many intensities stand before them: "very, very, very dark" is as dark as it gets."""
-GLOW = "material/"
-"""How a material whose glow counts as a light is called among lights: this and its name."""
+WEAKEST, STRONGEST = 0.05, 3.0  # of words: "very, very, very dark" is as dark as it gets
+GLOW = "material/"  # how a material whose glow counts as a light is called among lights: this and its name
 
 
 @dataclass(frozen=True)
@@ -85,16 +76,13 @@ class SceneDescription:
     subject: str = ""  # name of the subject, say the mesh file's; "" when unknown
     objects: dict[str, Region] = field(default_factory=dict)  # object name -> region
     materials: dict[str, Region] = field(default_factory=dict)  # material name -> region
-    # object name -> names of the materials on it
-    object_materials: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    object_materials: dict[str, tuple[str, ...]] = field(default_factory=dict)  # object -> its materials
     lights: dict[str, LightDescription] = field(default_factory=dict)  # light name -> its description
     glows: tuple[str, ...] = ()  # names of materials that emit light
-    # collection or parent -> names of the objects in it
-    groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    groups: dict[str, tuple[str, ...]] = field(default_factory=dict)  # collection or parent -> objects
     # object name -> x (-1 left, 1 right), y (0 near, 1 far), and size as a share of the image's width
     places: dict[str, tuple[float, float, float]] = field(default_factory=dict)
-    # object name -> least and greatest corner, world space, meters
-    boxes: Mapping[str, Corners] = field(default_factory=dict)
+    boxes: Mapping[str, Corners] = field(default_factory=dict)  # object -> least and greatest corner, m
     # material name -> its present look; empty where only names are known
     looks: Mapping[str, MaterialLook] = field(default_factory=dict)
     sky: bool = True  # whether the camera sees the sky
@@ -104,18 +92,13 @@ class SceneDescription:
     emitters: dict[str, Glow] = field(default_factory=dict)
     camera_azimuth: float = 0.0  # Degrees, as in `schema.orbit`: light directions are relative to it
     view: str = "AgX"  # view transform: "AgX", "Filmic", "Standard", ...
-    # share of the surroundings' pixels that show the world, not a surface; None if unknown
-    world_share: float | None = None
-    # material -> share of its region's pixels; empty if unknown
-    material_share: dict[str, float] = field(default_factory=dict)
+    world_share: float | None = None  # of the surroundings' pixels that show the world; None if unknown
+    material_share: dict[str, float] = field(default_factory=dict)  # of its region's pixels; {}: unknown
     environment_luminance: float = 0.5  # mean luminance of a linked environment at strength 1, untinted
     backdrop_luminance: float = 0.5  # the same of a linked backdrop that only the camera sees
-    # material -> mean luminance of its linked base color
-    texture_luminance: dict[str, float] = field(default_factory=dict)
-    # current values by key; the artist's where missing
-    values: dict[str, Values] = field(default_factory=dict)
-    # measurements of the image that these values give; None before the first one
-    picture: PictureStats | None = None
+    texture_luminance: dict[str, float] = field(default_factory=dict)  # of each material's linked base color
+    values: dict[str, Values] = field(default_factory=dict)  # current ones by key; else the artist's
+    picture: PictureStats | None = None  # of the image that these values give; None before the first one
     # copy of a material that the words need -> the objects that are to wear it, see `schema.material_copies`
     copies: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     _made: dict[Any, tuple[Vocabulary, Any]] = field(
@@ -144,8 +127,7 @@ class Attribute:
     # image says, whose file is then the entry
     slot: str
     region: Region  # of the image
-    # kind of the thing that it describes: "subject", "surroundings", "sky", "light", "fog", ...
-    kind: str = "subject"
+    kind: str = "subject"  # of what it describes: "subject", "surroundings", "sky", "light", "fog", ...
     strength: float = 1.0  # 1 as named; below for "slightly", above for "very"
     negated: bool = False  # "no", "without", "not"
     owners: tuple[str, ...] = ()  # materials that are meant; empty for all of the region
@@ -157,17 +139,12 @@ class Attribute:
     guess: bool = False  # Misspelled, and taken for the known word
     # how a material's own color is changed ("dark oak"): arguments of `color.shade`, one after the other
     shades: tuple[tuple[float, float, float, float], ...] = ()
-    # number of the light that is meant, where the prompt tells several apart by color or side; else 0
-    lamp: int = 0
-    # names of the lights that are meant, where the words single them out; of a glow "material/NAME"
-    lights: tuple[str, ...] = ()
+    lamp: int = 0  # number of the light that is meant, if several are told apart by color or side; else 0
+    lights: tuple[str, ...] = ()  # lights that the words single out; of a glow "material/NAME"
     english: str = ""  # the word in English, where the prompt says it in another language
-    # where it begins and ends in the prompt, where that is in another language; None if unknown
-    place: tuple[int, int] | None = None
-    # numbers of the lights that the prompt describes one by one, see `attributes.light_phrases`
-    phrases: tuple[int, ...] = ()
-    # number of the look word in the prompt, from 0; -1 where no reader has bound it
-    look: int = field(default=-1, compare=False)
+    place: tuple[int, int] | None = None  # in a prompt of another language; None if unknown
+    phrases: tuple[int, ...] = ()  # numbers of lights that the prompt describes one by one
+    look: int = field(default=-1, compare=False)  # its number in the prompt, from 0; -1 where none is bound
 
     @property
     def part(self) -> Part:
@@ -198,8 +175,7 @@ class PromptObject:
 
     name: str  # "teapot", "wall"; "subject" or "surroundings" where the prompt names nothing
     region: Region  # "subject" or "surroundings"
-    # slot -> words, comma separated: {"color": "teal", "finish": "very glossy"}
-    attributes: dict[str, str] = field(default_factory=dict)
+    attributes: dict[str, str] = field(default_factory=dict)  # slot -> words: {"color": "teal"}
     materials: tuple[str, ...] = ()  # materials that it is made of; empty when no name in the scene matches
 
 
@@ -223,17 +199,11 @@ class PromptWord:
     negated: bool = False  # "no", "without", "not"
     target: str = NOT_USED  # name of what it describes, see `schema.targets`; "not used" where it is left out
     thing: str = ""  # what the prompt calls that: "cube"; "" where it says only the word
-    # probability of the target; 1 where the artist says so, or the scene lacks what the prompt names
-    confidence: float = 1.0
+    confidence: float = 1.0  # probability of the target; 1 where the artist says so, or the scene lacks it
     # what it may describe, the target first, then the likeliest; empty for a word that is no look word
     candidates: tuple[Candidate, ...] = ()
     others: tuple[str, ...] = ()  # what else of the scene it can describe
     guess: str = ""  # the known word that it is taken for, where it is misspelled
-
-    @property
-    def is_used(self) -> bool:
-        """Whether it describes something."""
-        return self.target != NOT_USED
 
     def row(self) -> dict[str, Any]:
         """The word as the report and `--json` have it: everything but what else it could describe."""
@@ -246,14 +216,11 @@ class Parsed:
 
     prompt: str  # the text, white space tidied
     objects: list[PromptObject] = field(default_factory=list)  # at least one for the subject
-    # every look word found, in the order of the text
-    attributes: list[Attribute] = field(default_factory=list)
+    attributes: list[Attribute] = field(default_factory=list)  # all look words found, in order
     ignored: list[str] = field(default_factory=list)  # words that could not be used, in the order of the text
     # misspelled word -> the known word, or the name in the scene, that it was taken for
     guesses: dict[str, str] = field(default_factory=dict)
-    # what the artist should hear of how the prompt was read, one sentence each
-    notes: list[str] = field(default_factory=list)
-    # owners of parameters that the prompt says should stay: "material/Plaster", "light/Key", "world"
-    protected: tuple[str, ...] = ()
+    notes: list[str] = field(default_factory=list)  # on how the prompt was read, a sentence each
+    protected: tuple[str, ...] = ()  # owners that are to stay: "material/Plaster", "light/Key", "world"
     words: tuple[PromptWord, ...] = ()  # its look words and what is left out, in the order of the text
     unknown: VibeError | None = None  # why nothing in it is understood; None where something is

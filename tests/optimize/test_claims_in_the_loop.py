@@ -120,7 +120,7 @@ def test_a_round_that_made_it_worse_is_taken_back_first_with_narrower_ranges_the
     confine = Search.confine
 
     def confined_at(self, here):
-        began.append((here.u.clone(), here.reach))
+        began.append((here.u.clone(), here.share, here.opening))
         return confine(self, here)
 
     def seen(self, shots, u, number):
@@ -132,8 +132,8 @@ def test_a_round_that_made_it_worse_is_taken_back_first_with_narrower_ranges_the
     monkeypatch.setattr(refinement, "CONVERGED", -1.0)
     monkeypatch.setattr(refinement, "PATIENCE", 9)
     refined(begun)
-    assert [reach.share for _, reach in began] == [1.0, 1.0, 1.0, 0.5]
-    assert [reach.opening for _, reach in began] == [0.0, 0.5, 0.0, 0.5]  # a claim is missed all the time
+    assert [share for _, share, _ in began] == [1.0, 1.0, 1.0, 0.5]
+    assert [opening for _, _, opening in began] == [0.0, 0.5, 0.0, 0.5]  # a claim is missed all the time
     assert torch.equal(began[2][0], ends[0])
     assert torch.equal(began[3][0], ends[0])
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """All measures by name, with their units and the differences that people notice."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,15 +14,12 @@ from . import color, light, tone
 class Measure:
     """A way to get numbers off an image."""
 
-    # the image and a region (H, W) bool, of at least one pixel, in; (n,) numbers out
-    take: Callable[..., Tensor]
+    take: Callable[..., Tensor]  # of an image and a region (H, W) bool, of at least a pixel: (n,) numbers
     unit: str  # for the report
     notice: float  # the least difference between two images that people notice side by side
     sentence: str  # what it is of a thing, "{}"
-    # whether `take` also wants the (2,) direction in a* and b* of the color that it looks for
-    directed: bool = False
-    # whether it is about the finish of a surface, which light and film that no word names could only fake
-    of_finish: bool = False
+    directed: bool = False  # whether `take` also wants the (2,) direction in a* and b* of a color
+    of_finish: bool = False  # whether it is about a surface's finish, which light and film could only fake
 
     @property
     def says(self) -> str:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measures of color: of things, of the light, and of a picture's tones."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 import torch
@@ -12,26 +10,13 @@ from torch import Tensor
 from .picture import MeasuredPicture
 from .tone import lightness_below
 
-_REST = 0.1
-"""Share of a region's darkest pixels, and of its lightest, that say nothing of its color: shadows and highlights."""
-
-_MIRRORED = 0.4
-"""Share of its lightest pixels that say little of its hue and chroma: where it is glossy, they have those of the lights."""
-
-_PLAIN = 1.0
-"""Chroma, OKLab times 100, that pixels count for beside their own, where lightness is read: gray things have none."""
-
+_REST = 0.1  # share of a region's darkest and of its lightest pixels that say nothing of its color
+_MIRRORED = 0.4  # share of its lightest pixels that have the hue of the lights, where it is glossy
+_PLAIN = 1.0  # chroma, OKLab times 100, that pixels count for beside their own, where lightness is read
 _ACCENT = 0.1  # share of a region that one of several colors of light has to tint
-
-_ENDS = 0.3
-"""Share of the darkest, or of the lightest, pixels that tints of shadows and of lights are read from."""
-
-_GRAY = 10.0
-"""C* of CIE Lab at which a pixel counts half for a color cast: about what people call gray at a glance."""
-
-_DARKEST, _LEAST = 25.0, 0.02
-"""L* below which a pixel says less of a cast, the less the darker, and what black counts."""
-
+_ENDS = 0.3  # share of the darkest, or lightest, pixels that tints of shadows and lights are read from
+_GRAY = 10.0  # C* at which a pixel counts half for a color cast: about what people call gray
+_DARKEST, _LEAST = 25.0, 0.02  # L* below which a pixel says less of a cast, and what black counts
 _PATCH = 24  # patches of a dark channel along the longer side of a picture
 
 

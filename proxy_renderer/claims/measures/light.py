@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measures of shading: where light comes from, shadows, highlights, what surfaces do with light, and how much the air hides."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 
@@ -14,16 +12,11 @@ from .picture import FEW, GRAIN, MeasuredPicture, largest_around
 
 _FLOOR = 0.004  # linear luminance below which differences are not seen on a display in a lit room
 _HIGHLIGHTS = (0.03, 0.06)  # how far the sides of a highlight are, in roots of a region's area
-
-_BEND = 0.5
-"""Cosine between normals beyond which two places do not lie on one surface, but on both sides of an edge."""
-
+_BEND = 0.5  # cosine between normals beyond which two places lie on both sides of an edge
 _EVEN = 0.15  # stops per pixel by which a texture may change: the edges of a pattern are no shadows
 _SPOT = 0.002  # the share of a region that the sharpest highlight fills at least
-
 _CLEAR = 1e-3  # weight of what no fog hides
 _END = 0.2  # share of a thing that is its foot, or its head
-
 _EVEN_FIT = 0.02  # share of the mean light by which grain makes light differ
 _STEADY = 1e-4  # of a fit: keeps it solvable where normals hardly turn
 _STEEPEST = (0.97, 0.995)  # shares of a region's slopes, in order, that its sharpest edges lie between

@@ -16,12 +16,8 @@ from ...color.tensors import lab_from_srgb, linear_from_srgb, luminance, oklab_f
 from ...render.gbuffer import GBuffer
 from ...words.types import Part
 
-FEW = 32
-"""Pixels of which nothing is told."""
-
-GRAIN = 192
-"""Slopes are given per pixel of a picture of this size."""
-
+FEW = 32  # pixels of which nothing is told
+GRAIN = 192  # slopes are given per pixel of a picture of this size
 _BLACK = 0.02  # of white, as an image is stored: what is darker everywhere shows nothing
 _ADAPTED = 0.7  # share of the light's color that is not noticed, and of its stops, where it is dim
 _MIDDLE, _DIM = (

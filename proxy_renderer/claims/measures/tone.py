@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measures of tone: contrast, black and white, vignette, and how a subject stands out."""
 
-from __future__ import annotations
-
 import math
 
 import torch

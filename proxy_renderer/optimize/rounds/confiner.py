@@ -44,14 +44,6 @@ class RoundPlace(Enum):
 
 
 @dataclass(frozen=True)
-class RoundReach:
-    """The part of the ranges that a round may reach."""
-
-    share: float = 1.0  # from where it begins, of each component's feasible range
-    opening: float = 0.0  # by how much ranges that words name are wider than the plan's on either side
-
-
-@dataclass(frozen=True)
 class RoundStart:
     """A round before it is planned."""
 
@@ -61,7 +53,8 @@ class RoundStart:
     shots: Sequence[ShotState]  # as they are corrected at that point
     number: int  # over all starts, from 0
     earlier: Plan  # the plan of the round before; empty for the first
-    reach: RoundReach = RoundReach()  # how far from u it may go
+    share: float = 1.0  # how far from u it may go, of each component's feasible range
+    opening: float = 0.0  # by how much ranges that words name are wider than the plan's on either side
 
     @classmethod
     def at(cls, start: Start) -> RoundStart:
@@ -75,15 +68,13 @@ class Confined:
 
     advice: Advice  # objects and attributes O, prompts p and negative prompts p⁻
     plan: Plan  # range and priority π_i of every parameter, by key
-    # key -> (l_i, u_i) in schema units, azimuths turned to where the values are
-    ranges: dict[str, tuple[Values, Values]]
+    ranges: dict[str, tuple[Values, Values]]  # key -> (l_i, u_i) in schema units, azimuths turned to values
     lower: Tensor  # (N,) lower corner of the feasible box in u
     upper: Tensor  # (N,) upper corner
     u: Tensor  # (N,) the point, projected into the box
     shots: Sequence[ShotState]  # they draw and judge; all of them are corrected near the point
     number: int = 0  # of the round, over all starts
-    # by how much ranges are wider than the plan's, because claims are missed; 0 in the first round
-    opening: float = 0.0
+    opening: float = 0.0  # by how much ranges are wider than the plan's; 0 in the first round
 
 
 class Confiner:
@@ -125,15 +116,15 @@ class Confiner:
         self, advice: Advice, u: Tensor, here: RoundStart, shots: Sequence[ShotState], claims: Sequence[Claim]
     ) -> Confined:
         """The round of a plan: its ranges, their box, and u (N,) projected into it."""
-        reach, drawn = here.reach, here.start.drawn
-        ranges = self._ranges(advice.plan, u, reach.opening, claims)
+        drawn = here.start.drawn
+        ranges = self._ranges(advice.plan, u, here.opening, claims)
         lower, upper = self._vector.bounds(ranges)
         if drawn is not None:
             near = around(here.start.u, lower, upper, _NEAR)
             lower, upper = torch.where(drawn, near[0], lower), torch.where(drawn, near[1], upper)
-        lower, upper = around(u, lower, upper, reach.share)
+        lower, upper = around(u, lower, upper, here.share)
         u = project(u, lower, upper)
-        return Confined(advice, advice.plan, ranges, lower, upper, u, shots, here.number, reach.opening)
+        return Confined(advice, advice.plan, ranges, lower, upper, u, shots, here.number, here.opening)
 
     def middle(self, now: Confined) -> Tensor:
         """(N,) another start: values that words name stand in the middle of their ranges."""

@@ -6,8 +6,6 @@ light from a direction is one image, and its strength relative to the rest is tr
 is compared, for exposure and grade are not known yet.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterable
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The method of a search: the product has one, others are plug-ins that override its hooks (`lab/methods`)."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
@@ -24,8 +22,7 @@ from ..vector import ParameterVector
 from .confiner import Confined
 from .selection import Selection, select
 
-VARIABLE = "VIBE_METHOD"
-"""Environment variable with a plug-in, MODULE:CLASS, that the engine uses in place of the product's method."""
+VARIABLE = "VIBE_METHOD"  # a plug-in, MODULE:CLASS, that the engine uses in place of the product's method
 
 
 class Method:
@@ -87,8 +84,6 @@ def load_method() -> Method:
     try:
         method: Method = getattr(import_module(module), its_class)()
     except (ImportError, AttributeError, ValueError) as error:
-        raise VibeError(
-            f"The method {name!r} cannot be loaded: {error}.",
-            f"Set {VARIABLE} to MODULE:CLASS, or to nothing.",
-        ) from error
+        remedy = f"Set {VARIABLE} to MODULE:CLASS, or to nothing."
+        raise VibeError(f"The method {name!r} cannot be loaded: {error}.", remedy) from error
     return method

@@ -25,27 +25,24 @@ from ..least_squares import Descent
 from ..shots import ShotState
 from ..vector import ParameterVector
 from . import starts
-from .confiner import Confined, RoundPlace, RoundReach, RoundStart, Start
+from .confiner import Confined, RoundPlace, RoundStart, Start
 from .search import Missed, Search
 from .selection import Selection
 
-CONVERGED = 0.005
-"""A round, other than the first, that lowers the loss by a smaller share is the last one."""
+CONVERGED = 0.005  # a round, other than the first, that lowers the loss by a smaller share is the last one
 
 OPENING, WIDEST = 0.5, 1.0
 """Share of their ranges by which the ranges of a round are wider on either side than those of the one before, while
 claims are missed; and the most that it comes to."""
 
-PATIENCE = 2
-"""Rounds that come no nearer to the words' claims, after which one begins elsewhere, or none."""
+PATIENCE = 2  # rounds that come no nearer to the words' claims, after which one begins elsewhere, or none
 
 ALIKE = 0.05
 """A round for a reference image of the same scene that comes nearer to it by a smaller share is the last one: its places are
 many, and some that paint keeps from the image's color are missed to the end."""
 
 _FAR = 0.05  # of a component's whole range: what has moved less is not worth a picture of Cycles
-_KEPT = (0.0, 0.25, 0.5, 0.75)
-"""Shares of its way from the artist's value that a support may keep, the least first."""
+_KEPT = (0.0, 0.25, 0.5, 0.75)  # shares of its way that a support may keep, the least first
 _SAME = 0.1  # noticeable steps by which a claim may be farther from what is sought
 
 
@@ -56,8 +53,7 @@ class Outcome:
     vector: ParameterVector  # the parameters of u
     u: Tensor  # (N,) the best point that a round ended at; see `ParameterVector.values`
     plan: Plan  # that round's plan
-    # key -> that round's (lower, upper) in schema units, azimuths turned as the values are
-    ranges: dict[str, tuple[Values, Values]]
+    ranges: dict[str, tuple[Values, Values]]  # key -> that round's (lower, upper), as in `Confined`
     optimized: set[str]  # keys that some round optimized
     goals: Goals  # the words' wishes
     prompts: Prompts  # the encoder's captions
@@ -70,8 +66,7 @@ class Outcome:
     descent: Descent | None = None  # of the round that ended at u
     reference: Reference | None = None  # the image that replaces words, or adds to them
     stopped: bool = False  # whether the observer ended the loop
-    # all variants, if several were asked for; the one of least loss first
-    variants: list[Outcome] = field(default_factory=list)
+    variants: list[Outcome] = field(default_factory=list)  # all, if several were asked for; least loss first
 
 
 @dataclass(frozen=True)
@@ -124,7 +119,7 @@ def nearest(ends: Sequence[RoundEnd]) -> RoundEnd:
 def next_round(search: Search, ends: Sequence[RoundEnd]) -> RoundStart | None:
     """The round that follows the last one; None where that was the last."""
     last, best = ends[-1], nearest(ends)
-    start, reach = last.start.start, last.start.reach
+    start, share, opening = last.start.start, last.start.share, last.start.opening
     has_claims = claims_words(last.shots)
     if len(ends) == search.rounds or not last.record["parameters"] or search.clock.stopped:
         return None
@@ -133,8 +128,7 @@ def next_round(search: Search, ends: Sequence[RoundEnd]) -> RoundStart | None:
 
     # Ranges open while claims are missed; those of a round that went astray in wider ones are the plan's again.
     astray = best is not last
-    too_wide = astray and reach.opening > 0.0
-    share, opening = reach.share, reach.opening
+    too_wide = astray and opening > 0.0
     if has_claims and start.drawn is None:
         opening = 0.0 if too_wide else min(opening + OPENING, WIDEST)
     if astray and not too_wide:
@@ -148,7 +142,7 @@ def next_round(search: Search, ends: Sequence[RoundEnd]) -> RoundStart | None:
             return None
         place, share = RoundPlace.MIDDLE, 1.0
     number, earlier = last.start.number + 1, last.confined.plan
-    return RoundStart(start, place, best.u, best.shots, number, earlier, RoundReach(share, opening))
+    return RoundStart(start, place, best.u, best.shots, number, earlier, share, opening)
 
 
 def is_stuck(search: Search, ends: Sequence[RoundEnd]) -> bool:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A vibe's scene, words and method, and the lines of Algorithm 1 that a round consists of."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -34,17 +32,11 @@ from .method import Method
 from .selection import Selection
 
 _VALUES = 48  # that a round for a reference image may refine, at least
-
-_STRIDE = 0.05
-"""A projection that moves no value by more than this share of its whole range is not worth another anchor."""
+_STRIDE = 0.05  # of a value's whole range: a projection that moves none by more needs no new anchor
 
 
 class ImageJudge:
-    """Says how near the images of all shots are to the words; the encoder is asked for all of them with `every_word`.
-
-    Attributes:
-        claims: Of words and reference image; none before `begin`.
-    """
+    """Says how near the images of all shots are to the words; the encoder is asked for all of them with `every_word`."""
 
     def __init__(
         self,
@@ -56,7 +48,7 @@ class ImageJudge:
     ) -> None:
         self._method, self._encoder, self._prompt, self._every_word = method, encoder, prompt, every_word
         self._claims_of = claims_of
-        self.claims: tuple[Claim, ...] = ()
+        self.claims: tuple[Claim, ...] = ()  # of words and reference image; none before `begin`
         # of each shot: the artist's image, as measured, its claims
         self._artist: list[tuple[Render, MeasuredPicture, ClaimSet]] = []
         self._asked: object = None

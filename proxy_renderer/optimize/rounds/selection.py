@@ -7,8 +7,6 @@ each can still add to those before it, as in orthogonal matching pursuit (Pati, 
 that does the same as one of them, and can add nothing to it, is held for the round.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -32,11 +30,8 @@ _MISSED = 3.0
 
 _FAINTEST = 2.0**-20
 
-_WORTH = 1.0
-"""Noticeable steps that supporting parameters have to gain, or they stay as the artist has them."""
-
-ALIKE = 0.9
-"""Share of a parameter's effect on the claims that another one has too, from where they do the same."""
+_WORTH = 1.0  # noticeable steps that supporting parameters have to gain, or they stay as the artist has them
+ALIKE = 0.9  # share of a parameter's effect on the claims that another has too: they do the same
 _NOTHING_NEW = 0.1  # share of its gain that is left to it then, up to which it is held
 
 
@@ -105,10 +100,8 @@ def relevant(plan: Plan, vector: ParameterVector, wide: Tensor) -> set[str]:
     found = {k for k, e in plan.items() if e.priority is not None and wide[vector.slices[k]].any()}
     if all(plan[key].prior > 0.0 and not plan[key].any_hue for key in found):
         left_alone = [note for note in plan.notes if note.startswith(LEFT_ALONE)]
-        raise VibeError(
-            " ".join(["Nothing that the words name may change in this scene.", *left_alone]),
-            "Unlock something, allow more groups, or use other words.",
-        )
+        problem = " ".join(["Nothing that the words name may change in this scene.", *left_alone])
+        raise VibeError(problem, "Unlock something, allow more groups, or use other words.")
     return found
 
 

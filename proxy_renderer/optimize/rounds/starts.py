@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Several starts: drawn inside the plan's ranges, tried in a coarse first pass, told apart by their pictures."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from copy import copy
 from dataclasses import replace

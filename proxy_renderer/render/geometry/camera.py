@@ -39,12 +39,10 @@ class View:
 
     position: Float[Tensor, " 3"]  # (3,) in meters
     rotation: Float[Tensor, "3 3"]  # (3, 3), columns right, up, back
-    # () what one unit on the picture plane spans: at unit depth, or everywhere if orthographic
-    scale: Float[Tensor, ""]
+    scale: Float[Tensor, ""]  # () what one unit of the picture spans: at unit depth, or if orthographic
     orthographic: bool  # whether rays are parallel
     size: tuple[int, int]  # width and height in pixels
-    # width and height of the picture in units of the side that the lens angle spans
-    extent: tuple[float, float]
+    extent: tuple[float, float]  # width and height of the picture in units of the lens angle's side
     shift: tuple[float, float]  # lens shift in the same units
     clip: tuple[float, float]  # distances of the near and the far plane
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The points of the picture that are shaded, found through transparent surfaces, and how they add up to pixels."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import torch
@@ -13,11 +11,9 @@ from .vectors import dot
 from .visibility import Hits, RayGeometry, Surface
 
 EDGE_SAMPLES = 5
-_NEIGHBOR = 0.084
-"""Share that a pixel of one sample takes from each neighbor along an axis: the filter's variance of 0.17 square pixels."""
+_NEIGHBOR = 0.084  # a pixel's share of each neighbor along an axis: a variance of 0.17 square pixels
 _FILTER_WIDTH = 3.0  # pixels: twice what Blender says (1.5 by default), for Cycles takes it for a radius
-_FAINT = 0.004
-"""Share of a ray below which it is not followed, and a hit does not count."""
+_FAINT = 0.004  # share of a ray below which it is not followed, and a hit does not count
 _MOST_LAYERS = 8
 
 
@@ -31,8 +27,7 @@ class Samples:
     place: Tensor  # (2, N) picture position in pixels
     layer: Tensor  # (N,) how many surfaces their rays have passed before, at least
     hits: Hits  # what the samples' rays meet
-    # material index, first and last-plus-one sample of every material in view
-    slices: tuple[tuple[int, int, int], ...]
+    slices: tuple[tuple[int, int, int], ...]  # of every material in view: index, first, last-plus-one sample
     surfaces: int  # how many samples meet a surface; the others see the background
     first: Tensor  # (P,) a sample of every pixel
     others: Tensor  # (E,) the samples that are no pixel's `first`

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Triangles in Embree's trees. Building one takes longer than many rays through it: each is built once, when needed."""
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import weakref
@@ -17,8 +15,7 @@ from embreex.mesh_construction import TriangleMesh
 
 from ...scene import SceneMesh
 
-RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
-"""Kinds of rays that an object may be hidden from, by Blender's names."""
+RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")  # an object may be hidden from them
 
 _SHARE = 8192  # rays that are worth a thread
 
@@ -102,8 +99,7 @@ class TriangleClass:
     tree: TriangleTree  # the triangles
     hidden: frozenset[str]  # kinds of rays that pass them, of `RAYS`
     clear: bool  # whether they may let light through
-    # the glowing material of which they all are, which casts no shadow in its own light; -1 for others
-    material: int
+    material: int  # the glowing material of them all, which casts no shadow in its own light; -1 for others
 
 
 def classes_of(

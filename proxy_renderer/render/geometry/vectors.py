@@ -4,8 +4,6 @@
 Also directions of secondary rays, and two ways of limiting that keep gradients alive where `torch.clamp` would lose them.
 """
 
-from __future__ import annotations
-
 import math
 
 import torch

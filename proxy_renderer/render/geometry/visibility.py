@@ -14,10 +14,8 @@ from ...scene import SceneMesh
 from .trees import TriangleClass, classes_of
 from .vectors import cross, damped, dot, unit
 
-_GRAZING = 0.3
-"""Cosine below which gradients of hits are damped."""
-_LAYERS = 8
-"""Transparent surfaces that a ray passes at most: Cycles' default of transparent bounces."""
+_GRAZING = 0.3  # cosine below which gradients of hits are damped
+_LAYERS = 8  # transparent surfaces that a ray passes at most: Cycles' default of transparent bounces
 
 
 @dataclass(frozen=True)
@@ -281,10 +279,7 @@ def facing(normal: Tensor, toward: Tensor) -> Tensor:
 
 
 def sphere_points(count: int, copies: int, generator: torch.Generator) -> Tensor:
-    """Stratified points in [0, 1)^2: (2, copies, count), each copy shifted at random.
-
-    The additive R2 sequence (Roberts 2018) spreads well for any count.
-    """
+    """Stratified points in [0, 1)^2: (2, copies, count), each copy shifted at random (R2 sequence, Roberts 2018)."""
     index = torch.arange(1, count + 1, dtype=torch.float64)
     base = torch.stack((index * 0.7548776662466927, index * 0.5698402909980532))
     shift = torch.rand((2, copies, 1), generator=generator, dtype=torch.float64)

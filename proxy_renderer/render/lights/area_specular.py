@@ -23,8 +23,7 @@ from .light_source import DirectIrradiance, LightSource
 
 _LEAST_ALPHA = 2e-3
 _PAIRS = ((0, 0), (1, 1), (0, 1))
-_LEAST_UP = 0.08
-"""Least cosine between half vector and normal: lamps at the horizon opposite to a grazing eye go to infinite slopes."""
+_LEAST_UP = 0.08  # least cosine between half vector and normal, whose slopes go to infinity
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,7 @@ from ...color.tensors import luminance
 from ..geometry.visibility import Surface
 from .light_source import LightSource
 
-EXACT = 16
-"""So many lights are traced each: half the strongest and as many clusters, where there are more."""
+EXACT = 16  # so many lights are traced each: half the strongest and as many clusters, where there are more
 _POINTS = 256
 _K_MEANS_ROUNDS = 12
 

@@ -7,8 +7,6 @@ can be seen from one side. The second sum is linear in w. The first is close to 
 same mean: exactly so for planes, spheres and cylinders.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -25,13 +23,10 @@ from .clusters import k_means
 from .light_source import clipped_sphere
 from .light_types import PointLight
 
-_LEAST = 0.25
-"""Radiance from which a surface counts as a lamp: less is no brighter than what other lamps light."""
+_LEAST = 0.25  # radiance from which a surface counts as a lamp; less is no brighter than what lamps light
 _POINTS = 4096
-_COUNTS, _MORE = tuple(range(1, 13)), (16, 24, 32, 48, 64)
-"""Numbers of clusters: more for what is scattered, such as fairy lights."""
-_FINE, _COARSE = 1 / 30, 1 / 10
-"""Radii of clusters in distances of the view: fine ones need no further cut, larger ones than coarse are no points."""
+_COUNTS, _MORE = tuple(range(1, 13)), (16, 24, 32, 48, 64)  # of clusters: more for scattered fairy lights
+_FINE, _COARSE = 1 / 30, 1 / 10  # radii in distances of the view: finer needs no cut, coarser is no point
 _ROUND = 0.6
 
 
@@ -39,8 +34,7 @@ _ROUND = 0.6
 class EmitterLight(PointLight):
     """A part of a glowing surface, in place of a point light."""
 
-    # (3, 3) symmetric: the root of w.form.w is how brightly it shines to the unit vector w and to -w
-    form: Tensor
+    form: Tensor  # (3, 3) symmetric: the root of w.form.w is how bright it is to unit vectors w and -w
     lean: Tensor  # (3,) what it shines more to w than to -w, as a factor of w
     material: int  # of the surface
 
@@ -75,15 +69,11 @@ class EmitterLight(PointLight):
         return clipped_sphere(cosine, sine2)
 
 
-EmitterCluster = tuple[EmitterLight, float]
-"""A part of a glowing surface: as a light of color 1, and the power of one of radiance 1."""
+EmitterCluster = tuple[EmitterLight, float]  # as a light of color 1; the power of one of radiance 1
 
 
 class Emitters:
-    """Finds small bright surfaces and lights the scene with them; they stay lights even if they fade.
-
-    `near` is a typical distance of what is seen, meters.
-    """
+    """Lights the scene with small bright surfaces, even if they fade; `near` is a typical distance in view, meters."""
 
     def __init__(self, geometry: RayGeometry, near: float) -> None:
         self._geometry, self._near = geometry, near

@@ -7,8 +7,6 @@ on the horizon draws an upright streak in a floor. A few round lobes one above t
 filtered importance sampling (Krivanek and Colbert 2008), here with directions that stay the same.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 from dataclasses import dataclass
@@ -28,18 +26,13 @@ from .environment_suns import EnvironmentSun, EnvironmentSunLight, split
 
 _ROUGH_HEIGHT = 48
 _SHARP_HEIGHT = 512
-_SOFT = 0.5
-"""Roughness that the world is blurred by where a few directions stand for all."""
-SATIN, GLOSSY = 0.2, 0.4
-"""Roughness of the blurred reflections between the mirror image and the diffuse light."""
-_FIRST_BLUR, _BLUR_STEP, _BLURS = 0.1, 0.1, 6
-"""Roughness of the blurred pictures."""
+_SOFT = 0.5  # roughness that the world is blurred by where a few directions stand for all
+SATIN, GLOSSY = 0.2, 0.4  # roughness of reflections between the mirror image and the diffuse light
+_FIRST_BLUR, _BLUR_STEP, _BLURS = 0.1, 0.1, 6  # roughness of the blurred pictures
 _BLURRED_HEIGHT = 96
-_ROUGH = 0.3
-"""Roughness from which lobes are so long that they need more parts."""
+_ROUGH = 0.3  # roughness from which lobes are so long that they need more parts
 _TAP_SIDE = 64
-_NARROWEST = 0.25
-"""Least width of a round lobe relative to the length of what it is a part of: narrower ones would show singly."""
+_NARROWEST = 0.25  # least width of a round lobe relative to the whole's length: narrower ones show singly
 
 
 class Environment:
@@ -90,8 +83,7 @@ class Sky:
     turn: Tensor  # () rotation of the picture around the vertical, radians
     backdrop_color: Tensor  # (3,) the same as `color` for what the camera sees
     backdrop_turn: Tensor  # () likewise
-    # (3,) tint of that at the horizon, which fades towards the top of the image; None for none
-    horizon: Tensor | None = None
+    horizon: Tensor | None = None  # (3,) tint at the horizon, which fades towards the top; None for none
 
     @property
     def plain(self) -> bool:

@@ -5,8 +5,6 @@ Cycles samples an environment by importance. Visible shadows come from small bri
 sun. The rest stays smooth light from all around.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -20,16 +18,11 @@ from ..geometry.vectors import tangents, texels
 from .light_types import SunLight
 
 _MOST, _TRIED = 3, 6
-_REGION = 0.25
-"""Brightness of the texels that belong to a sun, relative to the brightest one that they lie around."""
-_WIDE = math.radians(12.0)
-"""Diameter from which a sun is too large to pass for a disc in a mirror."""
-_LEAST_SHARE = 0.12
-"""Least irradiance of a sun in parts of what a surface gets from the whole world on average."""
-_LEAST_CONTRAST = 3.0
-"""Least radiance of a sun, as a disc, relative to the mean of the world."""
-_RADII = (3.0, 6.0, 12.0, 20.0)
-"""Degrees around a peak within which a sun may lie."""
+_REGION = 0.25  # brightness of a sun's texels relative to the brightest one that they lie around
+_WIDE = math.radians(12.0)  # diameter from which a sun is too large to pass for a disc in a mirror
+_LEAST_SHARE = 0.12  # least irradiance of a sun in parts of a surface's from the whole world
+_LEAST_CONTRAST = 3.0  # least radiance of a sun, as a disc, relative to the mean of the world
+_RADII = (3.0, 6.0, 12.0, 20.0)  # degrees around a peak within which a sun may lie
 _MOST_OF = 0.8
 _SEARCH_HEIGHT = 128
 

@@ -23,19 +23,20 @@ from ...scene.values import RenderValues, needs_gradient
 from ..geometry.camera import RaySegments, direction, frame
 from ..geometry.vectors import dot, tangents, within
 
-POINT_RADIUS = 1e-3
-"""Least angular radius of a light in radians: a true point would have no highlight in a mirror."""
+Vectors = Float[Tensor, "3 n"]
+Numbers = Float[Tensor, " n"]
+POINT_RADIUS = 1e-3  # radians, least of a light: a true point would have no highlight in a mirror
 
 
 @dataclass(frozen=True)
 class DirectIrradiance:
     """Light that reaches N points from one light, unshadowed, per unit of its color."""
 
-    toward: Float[Tensor, "3 n"]  # (3, N) unit vectors to the light's center
-    distance: Float[Tensor, " n"]  # (N,) to the light's center in meters; infinite for suns
-    irradiance: Float[Tensor, " n"]  # (N,) on the surface, cosine included
-    frontal: Float[Tensor, " n"]  # (N,) on a surface that faces the light: radiance times solid angle
-    solid_angle: Float[Tensor, " n"]  # (N,) that the light fills, steradians
+    toward: Vectors  # (3, N) unit vectors to the light's center
+    distance: Numbers  # (N,) to the light's center in meters; infinite for suns
+    irradiance: Numbers  # (N,) on the surface, cosine included
+    frontal: Numbers  # (N,) on a surface that faces the light: radiance times solid angle
+    solid_angle: Numbers  # (N,) that the light fills, steradians
 
     def pick(self, index: Tensor) -> DirectIrradiance:
         """The points at an index."""
@@ -95,18 +96,16 @@ class LightSource(ABC):
         """Radius of a point or spot and width of an area light in meters, angular diameter of a sun in radians: ()."""
         return values.scalar(f"light/{light.name}/size") * light.scale
 
-    def toward(self, points: Float[Tensor, "3 n"]) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
+    def toward(self, points: Vectors) -> tuple[Vectors, Numbers]:
         """Unit vectors (3, N) from points (3, N) to the light's center, and distances (N,) in meters."""
         return offsets(self.position, points)[:2]
 
     @abstractmethod
-    def irradiance(self, points: Float[Tensor, "3 n"], normals: Float[Tensor, "3 n"]) -> DirectIrradiance:
+    def irradiance(self, points: Vectors, normals: Vectors) -> DirectIrradiance:
         """Unshadowed light at points (3, N) with unit normals (3, N)."""
 
     @abstractmethod
-    def shadow_targets(
-        self, direct: DirectIrradiance, uv: Float[Tensor, "2 n"]
-    ) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
+    def shadow_targets(self, direct: DirectIrradiance, uv: Float[Tensor, "2 n"]) -> tuple[Vectors, Numbers]:
         """Unit directions (3, N) and distances (N,) of shadow rays to points on the light, from uv (2, N) in [0, 1)."""
 
     @abstractmethod

@@ -21,15 +21,16 @@ from .light_source import (
     POINT_RADIUS,
     DirectIrradiance,
     LightSource,
+    Numbers,
     SegmentLight,
+    Vectors,
     clipped_sphere,
     disc_offsets,
     equiangular,
     offsets,
 )
 
-_SOFT_RIM = 0.01
-"""Radius of a spot, seen from a point, above which the rim of its cone is averaged over the light."""
+_SOFT_RIM = 0.01  # radius of a spot, seen from a point, above which its cone's rim is averaged
 _RIM_POINTS = 9
 _CORNERS = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
 _GAUSS = ((-0.861136, 0.173927), (-0.339981, 0.326073), (0.339981, 0.326073), (0.861136, 0.173927))
@@ -40,7 +41,7 @@ _GAUSS = ((-0.861136, 0.173927), (-0.339981, 0.326073), (0.339981, 0.326073), (0
 class PointLight(LightSource):
     """A sphere of some radius; its energy is its power in watts."""
 
-    def irradiance(self, points: Float[Tensor, "3 n"], normals: Float[Tensor, "3 n"]) -> DirectIrradiance:
+    def irradiance(self, points: Vectors, normals: Vectors) -> DirectIrradiance:
         """Power / (4 pi d^2), which Blender's soft falloff (its default) lowers near large lights.
 
         With it Cycles takes the light for a disc that faces the point, whose view factor is r^2 / (d^2 + r^2);
@@ -59,22 +60,18 @@ class PointLight(LightSource):
         solid = (math.pi * radius2 / squared).clamp(math.pi * POINT_RADIUS**2, 2 * math.pi)
         return DirectIrradiance(toward, distance, frontal * cosine, frontal, solid)
 
-    def directivity(
-        self, toward: Float[Tensor, "3 n"], radius: Float[Tensor, " n"] | None = None
-    ) -> Float[Tensor, " n"]:
+    def directivity(self, toward: Vectors, radius: Numbers | None = None) -> Numbers:
         """Light (N,) in directions (3, N) from points to its center, relative to a light that is the same to all sides.
 
         Its radius (N,) is seen from the points, as a tangent; None for a small one.
         """
         return torch.ones_like(toward[0])
 
-    def surface_cosine(self, cosine: Float[Tensor, " n"], sine2: Float[Tensor, " n"]) -> Float[Tensor, " n"]:
+    def surface_cosine(self, cosine: Numbers, sine2: Numbers) -> Numbers:
         """Cosine (N,) by which a surface is lit, from that of its center and its squared angular radius `sine2` (N,)."""
         return cosine
 
-    def shadow_targets(
-        self, direct: DirectIrradiance, uv: Float[Tensor, "2 n"]
-    ) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
+    def shadow_targets(self, direct: DirectIrradiance, uv: Float[Tensor, "2 n"]) -> tuple[Vectors, Numbers]:
         """See `LightSource.shadow_targets`: points of the disc that faces the shaded point."""
         offset = disc_offsets(direct.toward, direct.solid_angle, uv) * direct.distance
         target = direct.toward * direct.distance + offset
@@ -122,9 +119,7 @@ class SpotLight(PointLight):
         """See `LightSource.detached`."""
         return replace(super().detached(), cone=self.cone.detach())
 
-    def directivity(
-        self, toward: Float[Tensor, "3 n"], radius: Float[Tensor, " n"] | None = None
-    ) -> Float[Tensor, " n"]:
+    def directivity(self, toward: Vectors, radius: Numbers | None = None) -> Numbers:
         """Blender's smoothstep between the cone's rim and its blend.
 
         Cycles evaluates it at the point of the light that it has sampled: a large light has a soft rim. The mean over
@@ -182,7 +177,7 @@ class AreaLight(LightSource):
         """See `LightSource.half_sides`."""
         return None if self.round else self.half_axes()
 
-    def irradiance(self, points: Float[Tensor, "3 n"], normals: Float[Tensor, "3 n"]) -> DirectIrradiance:
+    def irradiance(self, points: Vectors, normals: Vectors) -> DirectIrradiance:
         """See `LightSource.irradiance`."""
         toward, distance, squared = offsets(self.position, points)
         facing = dot(toward, self.axes[:, 2:3]).clamp_min(0.0)
@@ -195,9 +190,7 @@ class AreaLight(LightSource):
             irradiance, frontal = irradiance * spread, frontal * spread
         return DirectIrradiance(toward, distance, irradiance, frontal, solid)
 
-    def shadow_targets(
-        self, direct: DirectIrradiance, uv: Float[Tensor, "2 n"]
-    ) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
+    def shadow_targets(self, direct: DirectIrradiance, uv: Float[Tensor, "2 n"]) -> tuple[Vectors, Numbers]:
         """See `LightSource.shadow_targets`."""
         if self.round:
             radius, angle = uv[0].sqrt(), 2 * math.pi * uv[1]
@@ -219,7 +212,7 @@ class AreaLight(LightSource):
         facing = (self.axes[:, 2] @ toward).clamp_min(0)
         return facing * self.spread(facing) * ((1.0 if self.light.normalize else self.area) / math.pi)
 
-    def spread(self, facing: Float[Tensor, " n"]) -> Float[Tensor, " n"]:
+    def spread(self, facing: Numbers) -> Numbers:
         """Cycles' attenuation (N,) of a focused light, by the cosine (N,) to a point of it."""
         if not self.focused:
             return torch.ones_like(facing)
@@ -267,11 +260,11 @@ class SunLight(LightSource):
         """Its angular diameter () in radians."""
         return torch.deg2rad(values.scalar(f"light/{light.name}/angle"))
 
-    def toward(self, points: Float[Tensor, "3 n"]) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
+    def toward(self, points: Vectors) -> tuple[Vectors, Numbers]:
         """The same direction from everywhere, at an infinite distance."""
         return self.axes[:, 2:3].expand_as(points), torch.full_like(points[0], math.inf)
 
-    def irradiance(self, points: Float[Tensor, "3 n"], normals: Float[Tensor, "3 n"]) -> DirectIrradiance:
+    def irradiance(self, points: Vectors, normals: Vectors) -> DirectIrradiance:
         """See `LightSource.irradiance`."""
         toward = self.axes[:, 2:3]
         cosine = dot(normals, toward).clamp_min(0.0)
@@ -280,9 +273,7 @@ class SunLight(LightSource):
         solid = 2 * math.pi * (1 - half.cos())
         return DirectIrradiance(toward.expand_as(normals), one * math.inf, cosine, one, one * solid)
 
-    def shadow_targets(
-        self, direct: DirectIrradiance, uv: Float[Tensor, "2 n"]
-    ) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
+    def shadow_targets(self, direct: DirectIrradiance, uv: Float[Tensor, "2 n"]) -> tuple[Vectors, Numbers]:
         """See `LightSource.shadow_targets`."""
         target = direct.toward + disc_offsets(direct.toward, direct.solid_angle, uv)
         return target / length(target), direct.distance
@@ -296,20 +287,16 @@ class SunLight(LightSource):
 
 
 LIGHT_TYPES: dict[str, type[LightSource]] = {
-    "AREA": AreaLight,
-    "POINT": PointLight,
-    "SUN": SunLight,
-    "SPOT": SpotLight,
-}
+    "AREA": AreaLight, "POINT": PointLight, "SUN": SunLight, "SPOT": SpotLight,
+}  # fmt: skip
 """Blender's name of a light type to its class."""
 
 
 def light_type(name: str) -> type[LightSource]:
     """The class of a light type; raises VibeError if the renderer has no such type."""
     if name not in LIGHT_TYPES:
-        raise VibeError(
-            f'Lights of type "{name}" cannot be rendered.', f"Use one of {', '.join(sorted(LIGHT_TYPES))}."
-        )
+        remedy = f"Use one of {', '.join(sorted(LIGHT_TYPES))}."
+        raise VibeError(f'Lights of type "{name}" cannot be rendered.', remedy)
     return LIGHT_TYPES[name]
 
 

@@ -19,8 +19,7 @@ from ..geometry.visibility import RayGeometry, Surface, sphere_points
 from .light_source import DirectIrradiance, LightSource
 
 _MOST_RAYS = 4
-_SHARP = 1e-3
-"""Solid angle below which one ray is enough."""
+_SHARP = 1e-3  # solid angle below which one ray is enough
 _CLUSTER_RAYS = 4
 
 

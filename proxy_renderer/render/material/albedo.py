@@ -8,8 +8,6 @@ a sample costs one small dot product forwards and backwards. Integrated once by 
 viewer sees it along the x-z plane.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 
@@ -17,8 +15,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-_POWERS = (0, 1, 2, 3, 5, 8, 14)
-"""Powers of (1 - cosine) that make the basis."""
+_POWERS = (0, 1, 2, 3, 5, 8, 14)  # powers of (1 - cosine) that make the basis
 _ROUGHNESS = 17
 _CONTRAST = 17
 COSINES = tuple((torch.linspace(0.0, 1.0, 24) ** 1.25 * 0.99 + 0.01).tolist())
@@ -76,8 +73,7 @@ def dielectric_curve(ior: Tensor) -> Tensor:
     return _between(_tables()[4], ((ior - 1) / (ior + 1)).clamp_min(1e-4).sqrt())
 
 
-SCHLICK_CURVE = tuple(float(p == 5) for p in _POWERS)
-"""Coefficients of (1 - c)^5."""
+SCHLICK_CURVE = tuple(float(p == 5) for p in _POWERS)  # coefficients of (1 - c)^5
 
 
 @functools.cache

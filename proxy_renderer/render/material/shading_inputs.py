@@ -17,8 +17,7 @@ from ..geometry.vectors import within
 
 T = TypeVar("T")
 
-_UNIT_INPUTS = ("metallic", "roughness", "coat", "transmission")
-"""Parameters from 0 to 1 that may vary over a surface."""
+_UNIT_INPUTS = ("metallic", "roughness", "coat", "transmission")  # from 0 to 1, may vary over a surface
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Material inputs that vary over a surface: textures over UVs, and node networks baked from the exported camera."""
 
-from __future__ import annotations
-
 import torch
 from torch import Tensor
 from torch.nn.functional import grid_sample, interpolate
@@ -13,8 +11,7 @@ from ..geometry.camera import view_of
 from ..geometry.vectors import dot, length
 from ..geometry.visibility import RayGeometry, Surface
 
-_LEVELS = 7
-"""Versions of a pattern, each half as fine as the one before."""
+_LEVELS = 7  # versions of a pattern, each half as fine as the one before
 
 
 class MaterialTextures:

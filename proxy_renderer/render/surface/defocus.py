@@ -17,12 +17,9 @@ from ..geometry.camera import View
 from ..geometry.samples import pixel_centers
 from ..geometry.vectors import dot
 
-_FIRST, _GROWTH = 0.75, 1.5
-"""Radius in pixels of the first blurred layer, and the ratio of the radii of the next ones."""
-_MOST = 0.12
-"""Largest radius, in parts of the picture's longer side."""
-_LEAST = 0.2
-"""Radius in pixels below which a whole picture counts as sharp."""
+_FIRST, _GROWTH = 0.75, 1.5  # pixels of the first blurred layer's radius, and the next ones' ratio
+_MOST = 0.12  # largest radius, in parts of the picture's longer side
+_LEAST = 0.2  # radius in pixels below which a whole picture counts as sharp
 
 
 @dataclass(frozen=True)

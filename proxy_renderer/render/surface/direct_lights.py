@@ -157,8 +157,7 @@ class DirectLight:
     """Direct light of one light at N samples, per unit of its color."""
 
     irradiance: Tensor  # (N,) shadowed
-    # the shadowed highlight; None for glowing surfaces and wide suns, which reflections show
-    area_specular: AreaSpecular | None
+    area_specular: AreaSpecular | None  # shadowed; None for glowing surfaces and wide suns
     paths: LightPaths  # from the samples to the light
     _parts: dict[int, AreaSpecular] = field(default_factory=dict, repr=False, compare=False)
     _fogged: Recent = field(default_factory=Recent, repr=False, compare=False)

@@ -27,11 +27,9 @@ from ..geometry.vectors import dot
 from ..geometry.visibility import RayGeometry, Surface
 from ..lights.light_source import LightSource
 
-_PENUMBRA = 2
-"""Pixels around one within which its shadow's share varies if a hard shadow may end there."""
+_PENUMBRA = 2  # pixels around one within which its shadow's share varies if a hard shadow may end there
 _LEAST_SHARE = 1e-3
-_GRAZING = 0.1
-"""Least cosine between light and surface: at less, shadows would race over the surface."""
+_GRAZING = 0.1  # least cosine between light and surface: at less, shadows would race over the surface
 _CONTOUR_WINDOW = 2  # pixels around a pair from which the contour's direction is estimated
 
 

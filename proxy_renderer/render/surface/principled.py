@@ -21,8 +21,7 @@ from ..lights.area_specular import AreaSpecular
 from ..material import albedo
 from ..material.shading_inputs import ShadingInputs, used
 
-_FAINT = 1e-4
-"""Reflectance seen head on below which the dielectric layer fades out."""
+_FAINT = 1e-4  # reflectance seen head on below which the dielectric layer fades out
 
 
 def shade(
@@ -72,7 +71,7 @@ class _Layer(NamedTuple):
 
     def reflected(self, light: IncidentLight, lobes: Sequence[Tensor], reflections: Tensor) -> Tensor:
         """Reflection (3, N) of the lights' lobes (N,) and of what lies around (3, N)."""
-        direct = specular(light.lamps, light.highlights, lobes, self.curve, self.f0, 1.0)
+        direct = specular(light.lamps, light.highlights, lobes, self.curve, self.f0)
         if self.edge is not None:
             curve = albedo.edge_curve().to(self.e.device)
             bent = [lobe * (curve @ h.curve) for lobe, h in zip(lobes, light.highlights, strict=True)]
@@ -132,7 +131,7 @@ def _glass(
     share = albedo.weigh(albedo.dielectric_share(inputs.roughness, ior), light.view).clamp(0.0, 1.0)
     reflectance = f0 + (1 - f0) * share
     curve = albedo.dielectric_curve(ior)
-    direct = specular(light.lamps, light.highlights, lobes, curve, f0, 1.0)
+    direct = specular(light.lamps, light.highlights, lobes, curve, f0)
     behind = light.behind if light.behind is not None else reflections
     # Rough glass blurs what is behind it. One ray shows no blur: mix towards the diffuse light instead.
     behind = torch.lerp(behind, light.reflected.images[-1], inputs.roughness)
@@ -205,8 +204,7 @@ class IncidentLight:
     highlights: Sequence[AreaSpecular]  # one per lamp, shadowed
     view: Float[Tensor, "7 n"]  # (7, N) albedo basis at the viewing cosine
     reflected: ReflectedRadiance  # radiance around the mirror direction
-    # (3, N) radiance seen through the surface, None where nothing is transparent
-    behind: Float[Tensor, "3 n"] | None
+    behind: Float[Tensor, "3 n"] | None  # (3, N) radiance seen through the surface; None if it is opaque
 
 
 @dataclass(frozen=True)
@@ -263,9 +261,8 @@ def specular(
     lobes: Sequence[Float[Tensor, " n"]],
     curve: Float[Tensor, " 7"],
     f0: Float[Tensor, "3 f0"],
-    f90: Tensor | float,
 ) -> Float[Tensor, "3 n"]:
-    """Highlights (3, N) with Fresnel mix(f0, f90, curve at the half vector); f0 is (3, 1) or (3, N)."""
+    """Highlights (3, N) with Fresnel mix(f0, 1, curve at the half vector); f0 is (3, 1) or (3, N)."""
     plain, pairs = summed(lamps, lobes), zip(lobes, highlights, strict=True)
     bent = summed(lamps, [lobe * (curve @ h.curve).clamp_min(0.0) for lobe, h in pairs])
-    return f0 * plain + (f90 - f0) * bent
+    return f0 * plain + (1.0 - f0) * bent

@@ -27,13 +27,10 @@ from .direct_lights import DirectLight, ViewSamples
 from .principled import IncidentLight, ReflectedRadiance, shade
 from .view_cache import ViewCache
 
-_BENT = 0.02
-"""Difference of IOR over which refracted pictures are compared."""
-_SMOOTH = 0.25
-"""Roughness below which reflections are sharp."""
+_BENT = 0.02  # difference of IOR over which refracted pictures are compared
+_SMOOTH = 0.25  # roughness below which reflections are sharp
 _LEAST_COAT = 0.05
-_GLASS_STEPS = 8
-"""Steps in which light through glass changes: shadows are traced again at each."""
+_GLASS_STEPS = 8  # steps in which light through glass changes: shadows are traced again at each
 
 
 def direct_lights_of(frame: RenderState) -> list[DirectLight]:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Everything that stays the same while the camera stands still: samples, surfaces, and the direct light of each light."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
@@ -31,11 +29,8 @@ from .defocus import Defocus
 from .direct_lights import DirectLight, DirectLights, ViewSamples
 from .edges import Silhouettes
 
-_SMALL_STEP = 0.02
-"""Part of a lamp's distance by which a gradient loop may move it before bounced light is traced again."""
-
-_LEAST_ALIKE = 0.1
-"""Cosine between a mapped and the true normal below which the map does not count."""
+_SMALL_STEP = 0.02  # of a lamp's distance: a loop may move it so far before bounced light is traced again
+_LEAST_ALIKE = 0.1  # cosine between a mapped and the true normal below which the map does not count
 _GEOMETRIC = ("alpha", "normal", "far")
 
 

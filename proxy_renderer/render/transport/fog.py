@@ -10,8 +10,6 @@ subject does not mix with fog in front of the background. Cycles, too, scatters 
 bounces. Vectors are planar, (3, …), as in all shading code.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Callable, Hashable, Sequence
@@ -29,12 +27,10 @@ from ..geometry.camera import RaySegments, View
 from ..geometry.vectors import length
 from ..lights.light_source import LightSource
 
-_EVERYWHERE = 1.0e3
-"""Diameter of an infinite fog in sizes of the box: farther away it counts no more."""
+_EVERYWHERE = 1.0e3  # diameter of an infinite fog in sizes of the box: farther away it counts no more
 SEGMENTS = 16
 COARSE = 8  # pixels of the picture per ray of the coarse one
-_BULK = 3.0
-"""Distance up to which segments are fine, in distances of the subject or of the farthest lamp."""
+_BULK = 3.0  # distance up to which segments are fine, in distances of the subject or of the farthest lamp
 _WORLD_COARSE = 4  # rays of the coarse picture per ray along which the world's light is summed
 
 
@@ -172,8 +168,7 @@ def _lebedev() -> Tensor:
     return around_x @ around_z @ axes
 
 
-DIRECTIONS = _lebedev()
-"""(3, 14) unit vectors over which the world's light is summed; the rule is exact to the fifth degree."""
+DIRECTIONS = _lebedev()  # (3, 14) unit vectors for the world's light; exact to the fifth degree
 WEIGHTS = torch.tensor([1 / 15] * 6 + [3 / 40] * 8)
 
 VisibilityTest = Callable[..., Tensor]

@@ -22,8 +22,7 @@ from ..geometry.visibility import Hits, RayGeometry, Surface, shared_points
 from ..lights.environment import GLOSSY, SATIN
 from ..material.albedo import visible_normals
 
-BLURS = (0.1, SATIN, GLOSSY)
-"""Roughness of the reflections between the mirror image and the diffuse light."""
+BLURS = (0.1, SATIN, GLOSSY)  # roughness of the reflections between the mirror image and the diffuse light
 _LOBE_RAYS = 64
 _LAMP_RAYS = 16
 _LEAST_COSINE = 0.02
@@ -36,8 +35,7 @@ class GlowShares:
     # (A, M) of their hemisphere, weighed by the cosine, that each material's glow fills; 0 for what lamps
     # stand for
     wide: Tensor
-    # for each of `BLURS`, (A, M) of the reflection of a surface of that roughness
-    blurred: tuple[Tensor, ...]
+    blurred: tuple[Tensor, ...]  # for each of `BLURS`, (A, M) of the reflection of such a surface
 
 
 def glow_of(
@@ -127,10 +125,7 @@ class _Search:
         self._seen *= self._geometry.stopping(surface, self._toward)
 
     def shares(
-        self,
-        materials: int,
-        directions: Callable[[Tensor], Tensor],
-        density: Callable[[Tensor], Tensor],
+        self, materials: int, directions: Callable[[Tensor], Tensor], density: Callable[[Tensor], Tensor]
     ) -> Tensor:
         """Shares (A, M) of a lobe that the materials' glow fills.
 

@@ -5,8 +5,6 @@ Diffuse light and blurred reflections vary slowly: they are gathered at few poin
 weighs all rays, and interpolated to the samples (an irradiance cache). Mirror images are traced per sample.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from copy import copy
@@ -47,6 +45,50 @@ class IndirectLight:
     # radiance (3, N) of what glows: its mirror image, then blurred as `glow.BLURS` says. The other
     # reflections lack it. Empty where nothing glows.
     glow: tuple[Tensor, ...] = ()
+
+
+@dataclass(frozen=True)
+class _PointWeights:
+    """How much of each radiance of a `RadianceTable` arrives at A points.
+
+    Most of it is scattered: with many lights these are millions of numbers, so those of lights that have moved are kept apart.
+    """
+
+    _all: Tensor  # (A, S, M) of what materials scatter of each source
+    _emission: Tensor  # (A, M)
+    _sky: Tensor  # (A, 9)
+    _moved: Mapping[int, Tensor] = field(default_factory=dict)  # source -> (A, M) in its place
+
+    @classmethod
+    def of(cls, weights: Tensor, sky: Tensor) -> Self:
+        """From weights (A, S + 1, M), of which the last are those of emission, and of the sky's harmonics (A, 9)."""
+        return cls(weights[:, :-1].contiguous(), weights[:, -1].clone(), sky)
+
+    def with_lamp(self, sources: Sequence[int], weights: Tensor) -> Self:
+        """The same with other weights (A, n, M) of n sources."""
+        return replace(self, _moved={**self._moved, **dict(zip(sources, weights.unbind(1), strict=True))})
+
+    def scattered(self, table: RadianceTable, shares: Tensor | None = None) -> Tensor:
+        """Scattered light (A, 3); fog lets shares (A, S) of each source through."""
+        rows = table.scattered
+        if self._moved:
+            rows = rows.index_fill(0, torch.tensor([*self._moved], device=rows.device), 0.0)
+        if shares is None:
+            light = self._all.flatten(1) @ rows.flatten(0, 1)
+        else:
+            light = torch.einsum("sac,as->ac", torch.bmm(self._all.transpose(0, 1), rows), shares)
+        for source, weights in self._moved.items():
+            there = weights @ table.scattered[source]
+            light = light + (there if shares is None else there * shares[:, source, None])
+        return light
+
+    def emitted(self, table: RadianceTable) -> Tensor:
+        """Light (A, 3) of surfaces that glow."""
+        return self._emission @ table.emission
+
+    def open_sky(self, table: RadianceTable) -> Tensor:
+        """Light (A, 3) of the world."""
+        return self._sky @ table.sky
 
 
 class FinalGather:
@@ -172,10 +214,7 @@ class FinalGather:
     def following(
         self, gathered: IndirectLight, table: RadianceTable, lamps: Sequence[LightSource]
     ) -> IndirectLight:
-        """The same light with gradients with respect to the positions of lights that are learned.
-
-        These gradients, and nothing else, ignore fog between surfaces.
-        """
+        """The same light with gradients by the positions of lights that are learned; these ignore fog between surfaces."""
         moving = [(index, lamp) for index, lamp in enumerate(lamps) if lamp.moving]
         if not moving:
             return gathered
@@ -228,50 +267,6 @@ class FinalGather:
     def _dark(self, table: RadianceTable) -> RadianceTable:
         """The table without emission, where that is looked for on its own."""
         return table if self._glow is None else table.without_emission()
-
-
-@dataclass(frozen=True)
-class _PointWeights:
-    """How much of each radiance of a `RadianceTable` arrives at A points.
-
-    Most of it is scattered: with many lights these are millions of numbers, so those of lights that have moved are kept apart.
-    """
-
-    _all: Tensor  # (A, S, M) of what materials scatter of each source
-    _emission: Tensor  # (A, M)
-    _sky: Tensor  # (A, 9)
-    _moved: Mapping[int, Tensor] = field(default_factory=dict)  # source -> (A, M) in its place
-
-    @staticmethod
-    def of(weights: Tensor, sky: Tensor) -> _PointWeights:
-        """From weights (A, S + 1, M), of which the last are those of emission, and of the sky's harmonics (A, 9)."""
-        return _PointWeights(weights[:, :-1].contiguous(), weights[:, -1].clone(), sky)
-
-    def with_lamp(self, sources: Sequence[int], weights: Tensor) -> _PointWeights:
-        """The same with other weights (A, n, M) of n sources."""
-        return replace(self, _moved={**self._moved, **dict(zip(sources, weights.unbind(1), strict=True))})
-
-    def scattered(self, table: RadianceTable, shares: Tensor | None = None) -> Tensor:
-        """Scattered light (A, 3); fog lets shares (A, S) of each source through."""
-        rows = table.scattered
-        if self._moved:
-            rows = rows.index_fill(0, torch.tensor([*self._moved], device=rows.device), 0.0)
-        if shares is None:
-            light = self._all.flatten(1) @ rows.flatten(0, 1)
-        else:
-            light = torch.einsum("sac,as->ac", torch.bmm(self._all.transpose(0, 1), rows), shares)
-        for source, weights in self._moved.items():
-            there = weights @ table.scattered[source]
-            light = light + (there if shares is None else there * shares[:, source, None])
-        return light
-
-    def emitted(self, table: RadianceTable) -> Tensor:
-        """Light (A, 3) of surfaces that glow."""
-        return self._emission @ table.emission
-
-    def open_sky(self, table: RadianceTable) -> Tensor:
-        """Light (A, 3) of the world."""
-        return self._sky @ table.sky
 
 
 def _secondary_hits(

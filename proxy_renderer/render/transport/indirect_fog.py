@@ -5,8 +5,6 @@ All of it varies slowly: it is integrated along a few rays from a very coarse gr
 gather points of indirect light. As on camera rays, light scatters once: Cycles' default of no volume bounces.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
@@ -32,8 +30,7 @@ T = TypeVar("T")
 _ACROSS = 24
 _DIFFUSE_RAYS = 6
 _SEGMENTS = 5
-_NEAR = 0.1
-"""First cut of a ray as a part of the view's distance: light scattered close by counts most in thick fog."""
+_NEAR = 0.1  # first cut of a ray, of the view's distance: in thick fog, light scattered close counts most
 
 
 @dataclass(frozen=True)
@@ -45,8 +42,7 @@ class IndirectFog:
 
     ambient: Tensor  # (A,) transmittance of the world's light
     passing: Tensor  # (A,) transmittance between the point and the surfaces that light it diffusely
-    # (A, S) transmittance of the whole path from a source over such a surface to the point
-    path_transmittance: Tensor
+    path_transmittance: Tensor  # (A, S) transmittance from a source over such a surface to the point
     light_transmittance: Tensor  # (A, S) transmittance from a source to those surfaces
     scattered: Tensor  # (A, 3) irradiance from light that the fog scatters
     haze: Tensor  # (A, 3) in-scattered radiance in the mirror direction, as if the fog were endless there

@@ -22,14 +22,12 @@ from ..lights.light_source import DirectIrradiance, LightSource
 from ..material.textures import MaterialTextures
 from .radiance_table import RadianceTable, hit_radiance
 
-_WORLD_AT_SECOND = 0.3
-"""Most of the world that surfaces of second bounces are taken to see; in rooms, which rays rarely leave, less."""
+_WORLD_AT_SECOND = 0.3  # most of the world that second bounces see; in rooms, which rays rarely leave, less
 
 
 _Bounce = tuple[int, Tensor, Surface, Tensor]
 """A row of `SecondaryHits.incoming`, the rays of it, the surfaces that they light, and the share of that which they carry."""
-_MOST_WALLS = 8
-"""Surfaces of glass that a ray is followed through; Cycles' default is twelve."""
+_MOST_WALLS = 8  # surfaces of glass that a ray is followed through; Cycles' default is twelve
 
 
 class SecondaryHits:
@@ -172,10 +170,7 @@ class SecondaryHits:
         return [first, *((second, rays, surface, self._share[rays]) for rays, surface in self._seconds)]
 
     def moved(self, index: int, lamp: LightSource, table: RadianceTable) -> Tensor:
-        """Zeros (A, 3) with the gradient of the points' radiance with respect to a light's position.
-
-        The irradiance of the hits is differentiated, their shadows are not.
-        """
+        """Zeros (A, 3) with the gradient of the points' radiance by a light's position, shadows aside."""
         rows = torch.nn.functional.pad(table.scattered.detach(), (0, 0, 0, 1))  # dark outside the scene
         total = torch.zeros((len(self.owner) // self.count, 3), device=rows.device)
         for row, rays, surface, _ in self._bounces(index):

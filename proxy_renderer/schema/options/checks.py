@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks of the options of a vibe, whichever side reads them. A mistake raises VibeError."""
 
-from __future__ import annotations
-
 import argparse
 import re
 import tempfile
@@ -40,15 +38,11 @@ def prompt(text: str, like: str = "", goals: str = "", then: Sequence[str] = ())
     if not all(map(str.strip, then)):
         raise VibeError("The step is empty.", 'Say what is to change: --then "a bit warmer".')
     if not text.strip() and not like and not goals and not then:
-        raise VibeError(
-            "The prompt is empty.",
-            'Describe the look: --prompt "misty, cool blue fog, vignette", or show it: --like still.jpg.',
-        )
+        remedy = 'Describe the look: --prompt "misty, cool blue fog, vignette", or show it: --like still.jpg.'
+        raise VibeError("The prompt is empty.", remedy)
     if (length := max(map(len, (text, *then)))) > LONGEST_PROMPT:
-        raise VibeError(
-            f"The prompt has {length} characters, more than {LONGEST_PROMPT}.",
-            "A sentence or two is best.",
-        )
+        remedy = "A sentence or two is best."
+        raise VibeError(f"The prompt has {length} characters, more than {LONGEST_PROMPT}.", remedy)
     return text
 
 
@@ -95,10 +89,8 @@ def locks(patterns: Sequence[str]) -> None:
     for pattern in patterns:
         head = pattern.partition("/")[0]
         if head not in GROUPS and not any(c in head for c in "*?["):
-            raise VibeError(
-                f"The lock {pattern!r} can match nothing.",
-                f"Start it with a group ({', '.join(GROUPS)}) or a *, as in light/Key or */roughness.",
-            )
+            remedy = f"Start it with a group ({', '.join(GROUPS)}) or a *, as in light/Key or */roughness."
+            raise VibeError(f"The lock {pattern!r} can match nothing.", remedy)
 
 
 def targets(pairs: Iterable[str]) -> dict[str, str]:
@@ -107,9 +99,8 @@ def targets(pairs: Iterable[str]) -> dict[str, str]:
     for pair in pairs:
         word, _, target = pair.partition("=")
         if not (word.strip() and target.strip()):
-            raise VibeError(
-                f"The target {pair!r} says nothing.", "Write WORD=TARGET, as in --target copper=Cup."
-            )
+            remedy = "Write WORD=TARGET, as in --target copper=Cup."
+            raise VibeError(f"The target {pair!r} says nothing.", remedy)
         found[word.strip()] = target.strip()
     return found
 
@@ -123,7 +114,6 @@ def folder(path: Path) -> Path:
             pass
     except OSError as error:
         reason = error.strerror or type(error).__name__
-        raise VibeError(
-            f"The folder {path} cannot be written ({reason}).", "Choose another with --out."
-        ) from error
+        remedy = "Choose another with --out."
+        raise VibeError(f"The folder {path} cannot be written ({reason}).", remedy) from error
     return path.resolve()

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Options on a command line, and back: the same for `vibe` and for Blender's side, so that the two cannot drift."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterable
 from typing import Any

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A row of the table of options, and its property in Blender."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
@@ -49,8 +47,7 @@ class Option:
     unit: str = "N"  # what a value is called in the help: N, NAME, DIR
     bounds: tuple[int, int] | None = None  # least and greatest number
     choices: tuple[str, ...] = ()  # all texts that there are; empty for any
-    # tables of a manifest where it may stand: "options", "scene", "shots"
-    manifest: tuple[str, ...] = ("options",)
+    manifest: tuple[str, ...] = ("options",)  # tables of a manifest for it: "options", "scene", "shots"
     blender: bool = True  # whether Blender's side takes it on its command line
     panel: Panel | None = None  # how it looks in Blender; None if it is not there
 

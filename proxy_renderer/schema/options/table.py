@@ -31,191 +31,92 @@ TRAITS = ("light", "grade", "palette", "air", "materials")
 class Options:
     """The options of a vibe that the engine takes."""
 
+    # fmt: off
     rounds: int = option(
-        STANDARD.rounds,
-        "times that the plan is made",
-        "budget",
-        bounds=(1, 1000),
-        panel=Panel("Rounds", "How often the plan is made anew", (1, 100)),
-    )
+        STANDARD.rounds, "times that the plan is made", "budget", bounds=(1, 1000),
+        panel=Panel("Rounds", "How often the plan is made anew", (1, 100)))
     steps: int = option(
-        STANDARD.steps,
-        "steps in each round: pictures of the proxy that the search looks at",
-        "budget",
-        bounds=(1, 10000),
-        panel=Panel("Steps", "Refinements in each round", (1, 1000)),
-    )
+        STANDARD.steps, "steps in each round: pictures of the proxy that the search looks at", "budget",
+        bounds=(1, 10000), panel=Panel("Steps", "Refinements in each round", (1, 1000)))
     starts: int = option(STANDARD.starts, "points that a coarse first pass tries", "budget", bounds=(1, 1000))
     variants: int = option(
-        1,
-        "different looks to find for the same words, as pictures to choose from",
-        "budget",
-        bounds=(1, 12),
-        panel=Panel("Variants", "Different looks for the same words, as pictures to choose from", (1, 8)),
-    )
+        1, "different looks to find for the same words, as pictures to choose from", "budget", bounds=(1, 12),
+        panel=Panel("Variants", "Different looks for the same words, as pictures to choose from", (1, 8)))
     top_k: int = option(
-        8,
-        "parameters that a round may optimize",
-        "budget",
-        bounds=(1, 10000),
-        panel=Panel("Values at Once", "How many values a round may refine", (1, 64)),
-    )
+        8, "parameters that a round may optimize", "budget", bounds=(1, 10000),
+        panel=Panel("Values at Once", "How many values a round may refine", (1, 64)))
     seed: int = option(
-        0,
-        "the same seed gives the same look",
-        "budget",
-        bounds=(0, LARGEST_SEED),
-        manifest=(),
-        panel=Panel("Seed", "Another seed finds another look"),
-    )
+        0, "the same seed gives the same look", "budget", bounds=(0, LARGEST_SEED), manifest=(),
+        panel=Panel("Seed", "Another seed finds another look"))
     grade_each: bool = option(
-        False,
-        "each shot gets an exposure and a grade of its own, and a .blend of its own",
-        "shots",
-        manifest=("shots",),
-    )
+        False, "each shot gets an exposure and a grade of its own, and a .blend of its own", "shots",
+        manifest=("shots",))
     groups: tuple[str, ...] = option(
-        (),
-        f"only these may change: {', '.join(GROUPS)} (default: all but the camera, which a bare mesh leaves free)",
-        "reach",
-        unit="A,B",
-    )
+        (), f"only these may change: {', '.join(GROUPS)} (default: all but the camera, which a bare mesh "
+        "leaves free)", "reach", unit="A,B")
     lock: tuple[str, ...] = option(
-        (),
-        "leave this alone: a group, light/Key, or */roughness; can be given several times",
-        "reach",
+        (), "leave this alone: a group, light/Key, or */roughness; can be given several times", "reach",
         unit="PATTERN",
-        panel=Panel(
-            "Lock by Name",
-            "Values that must stay, separated by commas: light/Key, material/*/metallic, film/exposure",
-        ),
-    )
+        panel=Panel("Lock by Name", "Values that must stay, separated by commas: light/Key, "
+                    "material/*/metallic, film/exposure"))
     target: tuple[str, ...] = option(
-        (),
-        'what a word describes, where it is taken for something else: copper=Cup, warm="key light", gold="not used"; can '
-        "be given several times",
-        "reach",
-        unit="WORD=TARGET",
-    )
+        (), 'what a word describes, where it is taken for something else: copper=Cup, warm="key light", '
+        'gold="not used"; can be given several times', "reach", unit="WORD=TARGET")
     new_lights: bool = option(
-        True,
-        "light the scene with its own lights alone: add none",
-        "reach",
-        panel=Panel(
-            "Add Lights",
-            "Add the lights that a lighting word needs and the scene lacks, in a collection Vibe Lights. Revert takes "
-            "them away. Off: your own lights play all parts",
-        ),
-    )
+        True, "light the scene with its own lights alone: add none", "reach",
+        panel=Panel("Add Lights", "Add the lights that a lighting word needs and the scene lacks, in a "
+                    "collection Vibe Lights. Revert takes them away. Off: your own lights play all parts"))
     encoder: str = option(
-        "",
-        "an open_clip model such as ViT-B-32-256/datacomp_s34b_b86k, or a local checkpoint "
-        "(default: the embedded one)",
-        "engine",
-        unit="TAG|PATH",
-        panel=Panel(
-            "Encoder",
-            "An open_clip model's tag or a checkpoint that guides the look. Empty: the one that comes with it",
-            preferences=True,
-        ),
-    )
+        "", "an open_clip model such as ViT-B-32-256/datacomp_s34b_b86k, or a local checkpoint (default: the "
+        "embedded one)", "engine", unit="TAG|PATH",
+        panel=Panel("Encoder", "An open_clip model's tag or a checkpoint that guides the look. Empty: the "
+                    "one that comes with it", preferences=True))
     device: str = option(
-        "auto",
-        "auto, cpu, cuda, cuda:1 (default: auto)",
-        "engine",
-        unit="NAME",
-        panel=Panel(
-            "Device",
-            "What the engine computes on: Auto (a graphics card if there is one), CPU, CUDA, CUDA:1, MPS",
-            default="Auto",
-            suggestions=("Auto", "CPU", "CUDA", "MPS"),
-            preferences=True,
-        ),
-    )
+        "auto", "auto, cpu, cuda, cuda:1 (default: auto)", "engine", unit="NAME",
+        panel=Panel("Device", "What the engine computes on: Auto (a graphics card if there is one), CPU, "
+                    "CUDA, CUDA:1, MPS", default="Auto", suggestions=("Auto", "CPU", "CUDA", "MPS"),
+                    preferences=True))
     vlm_model: str = option(
-        "",
-        "a vision-language model that plans and judges, such as qwen2.5vl:7b or gpt-5-mini; off for none "
-        "(default: VIBE_VLM_MODEL, else none)",
-        "engine",
-        unit="NAME",
-        panel=Panel(
-            "Model",
-            "A vision-language model that reads the prompt and the picture, and plans. Empty: none "
-            "(or the one that the environment variable VIBE_VLM_MODEL names)",
-            length=200,
-            preferences=True,
-        ),
-    )
+        "", "a vision-language model that plans and judges, such as qwen2.5vl:7b or gpt-5-mini; off for none "
+        "(default: VIBE_VLM_MODEL, else none)", "engine", unit="NAME",
+        panel=Panel("Model", "A vision-language model that reads the prompt and the picture, and plans. "
+                    "Empty: none (or the one that the environment variable VIBE_VLM_MODEL names)", length=200,
+                    preferences=True))
     vlm_url: str = option(
-        "",
-        "base URL of its OpenAI-compatible endpoint, such as http://localhost:11434/v1 for Ollama (default: "
-        "VIBE_VLM_URL, else OPENAI_BASE_URL, else OpenAI's); its key is read from VIBE_VLM_KEY or OPENAI_API_KEY "
-        "only",
-        "engine",
-        unit="URL",
-        panel=Panel(
-            "Endpoint",
-            "Base URL of the model's OpenAI-compatible server. Empty: OPENAI_BASE_URL, or OpenAI's",
-            length=500,
-            preferences=True,
-        ),
-    )
+        "", "base URL of its OpenAI-compatible endpoint, such as http://localhost:11434/v1 for Ollama "
+        "(default: VIBE_VLM_URL, else OPENAI_BASE_URL, else OpenAI's); its key is read from VIBE_VLM_KEY or "
+        "OPENAI_API_KEY only", "engine", unit="URL",
+        panel=Panel("Endpoint", "Base URL of the model's OpenAI-compatible server. Empty: OPENAI_BASE_URL, "
+                    "or OpenAI's", length=500, preferences=True))
     anchor: bool = option(
-        True,
-        "do not let small Cycles pictures correct the prediction meanwhile: quicker, and less exact",
+        True, "do not let small Cycles pictures correct the prediction meanwhile: quicker, and less exact",
         "engine",
-        panel=Panel(
-            "Anchor to Cycles",
-            "Between rounds, render a small picture with Cycles that corrects the prediction: closer to the "
-            "final render, but Blender pauses for about a second each time",
-        ),
-    )
+        panel=Panel("Anchor to Cycles", "Between rounds, render a small picture with Cycles that corrects "
+                    "the prediction: closer to the final render, but Blender pauses for about a second each "
+                    "time"))
     like: str = option(
-        "",
-        "a picture whose look the scene is to have: a still, a photograph, a painting, an HDRI for its light; with a "
-        "prompt, words count more",
-        "picture",
-        unit="FILE",
-        panel=Panel(
-            "Picture File",
-            "A still, a photograph, a painting, an HDRI for its light: its look is wanted",
-            path=True,
-        ),
-    )
+        "", "a picture whose look the scene is to have: a still, a photograph, a painting, an HDRI for its "
+        "light; with a prompt, words count more", "picture", unit="FILE",
+        panel=Panel("Picture File", "A still, a photograph, a painting, an HDRI for its light: its look is "
+                    "wanted", path=True))
     goals: str = option(
-        "",
-        "goals in a file, in the place of a prompt: of `vibe explain --goals`, of a report, or of a preset that has some",
-        "picture",
-        unit="FILE",
-    )
+        "", "goals in a file, in the place of a prompt: of `vibe explain --goals`, of a report, or of a "
+        "preset that has some", "picture", unit="FILE")
     like_only: tuple[str, ...] = option(
-        (),
-        f"what to take over from that picture: {', '.join(TRAITS)} (default: all; materials only of the same scene)",
-        "picture",
-        unit="A,B",
-    )
+        (), f"what to take over from that picture: {', '.join(TRAITS)} (default: all; materials only of the "
+        "same scene)", "picture", unit="A,B")
     like_same: bool = option(
-        False,
-        "the picture shows this very scene through this camera: compare it pixel by pixel (default: found by itself)",
-        "picture",
-        panel=Panel(
-            "Same Scene",
-            "The picture shows this very scene through this camera. Found by itself, if it is so",
-        ),
-    )
+        False, "the picture shows this very scene through this camera: compare it pixel by pixel (default: "
+        "found by itself)", "picture",
+        panel=Panel("Same Scene", "The picture shows this very scene through this camera. Found by itself, "
+                    "if it is so"))
     size: int = option(
-        STANDARD.size,
-        "longer side of the pictures in pixels; the loop itself works with smaller ones",
-        "render",
-        bounds=(32, 8192),
-        panel=Panel("Preview Size", "Longer side of the preview, in pixels", (64, 2048)),
-    )
+        STANDARD.size, "longer side of the pictures in pixels; the loop itself works with smaller ones",
+        "render", bounds=(32, 8192), panel=Panel("Preview Size", "Longer side of the preview, in pixels", (64, 2048)))
     figures: bool = option(
-        False,
-        "also write mask.png, where the subject is, and measure two predictions that are not shown: without the last "
-        "anchor, and without any",
-        "render",
-    )
+        False, "also write mask.png, where the subject is, and measure two predictions that are not shown: "
+        "without the last anchor, and without any", "render")
+    # fmt: on
     camera: bool = False  # whether the camera may be optimized though `groups` does not name it
     goes_on: bool = False  # whether the prompt is a further sentence, see `schema.sentences`
     online: bool = True  # whether other computers may be reached; a model on this one always may
@@ -241,86 +142,35 @@ _EFFORT = "; ".join(
     f"{name}: {b.rounds} rounds of {b.steps} steps, {b.summary}" for name, b in BUDGETS.items()
 )
 
+# fmt: off
 TASK = (
-    Option(
-        "subject",
-        (),
-        "object or collection that the picture is about; can be given several times (default: found by itself)",
-        "task",
-        unit="NAME",
-        manifest=("scene", "shots"),
-    ),
-    Option(
-        "prompt",
-        "",
-        'the look: "misty, cool blue fog, vignette"',
-        "task",
-        unit="TEXT",
-        manifest=(),
-        panel=Panel(
-            "Prompt",
-            "The mood in your own words, for example: misty tree silhouette, cool blue fog, vignette",
-            length=LONGEST_PROMPT,
-            live=True,
-        ),
-    ),
-    Option(
-        "then",
-        (),
-        'a further sentence, which goes on from the last result: "a bit warmer"; without --prompt, from the one in the '
-        ".blend; can be given several times",
-        "task",
-        unit="TEXT",
-        manifest=(),
-    ),
-    Option(
-        "stage",
-        "cyclorama",
-        "what a bare mesh is put on (default: cyclorama)",
-        "task",
-        choices=STAGES,
-        manifest=("scene",),
-    ),
-    Option(
-        "cameras", (), "names of cameras (default: the scene's own)", "shots", unit="A,B", manifest=("shots",)
-    ),
-    Option(
-        "frames",
-        "",
-        "frames, as in 1,50,100-102 (default: the one that the scene was saved at); what is animated stays so",
-        "shots",
-        unit="1,50,100",
-        manifest=("shots",),
-    ),
-    Option(
-        "budget",
-        "standard",
-        f"{_EFFORT} (default: standard)",
-        "budget",
-        choices=tuple(BUDGETS),
-        panel=Panel("Effort", "How long to look for the look", default="STANDARD"),
-    ),
+    Option("subject", (), "object or collection that the picture is about; can be given several times "
+           "(default: found by itself)", "task", unit="NAME", manifest=("scene", "shots")),
+    Option("prompt", "", 'the look: "misty, cool blue fog, vignette"', "task", unit="TEXT", manifest=(),
+           panel=Panel("Prompt", "The mood in your own words, for example: misty tree silhouette, cool blue "
+                       "fog, vignette", length=LONGEST_PROMPT, live=True)),
+    Option("then", (), 'a further sentence, which goes on from the last result: "a bit warmer"; without '
+           "--prompt, from the one in the .blend; can be given several times", "task", unit="TEXT", manifest=()),
+    Option("stage", "cyclorama", "what a bare mesh is put on (default: cyclorama)", "task", choices=STAGES,
+           manifest=("scene",)),
+    Option("cameras", (), "names of cameras (default: the scene's own)", "shots", unit="A,B",
+           manifest=("shots",)),
+    Option("frames", "", "frames, as in 1,50,100-102 (default: the one that the scene was saved at); what is "
+           "animated stays so", "shots", unit="1,50,100", manifest=("shots",)),
+    Option("budget", "standard", f"{_EFFORT} (default: standard)", "budget", choices=tuple(BUDGETS),
+           panel=Panel("Effort", "How long to look for the look", default="STANDARD")),
 )
 """The task, which Blender's side turns into a job for the engine."""
 
 SUPPORT = (
-    Option(
-        "vocabulary",
-        "",
-        "a .toml with words of your own (default: vocabulary.toml in your configuration folder, if there is one)",
-        "reach",
-        unit="FILE",
-        blender=False,  # processes find it in their environment
-    ),
-    Option(
-        "samples",
-        128,
-        "Cycles samples of the pictures (the one before: 16 at most)",
-        "render",
-        bounds=(1, 65536),
-    ),
+    Option("vocabulary", "", "a .toml with words of your own (default: vocabulary.toml in your "
+           "configuration folder, if there is one)", "reach", unit="FILE",
+           blender=False),  # processes find it in their environment
+    Option("samples", 128, "Cycles samples of the pictures (the one before: 16 at most)", "render",
+           bounds=(1, 65536)),
 )
 """Options of the processes around the engine."""
+# fmt: on
 
 TABLE = (*TASK, *rows(Options), *SUPPORT)
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Entries of the vocabulary: look words with their wishes, read from tables and checked against the schema."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -14,18 +12,9 @@ from ...schema.parameters import MEANS, SURFACES, Parameter, may_serve
 from .quantities import ClaimText, quantities, read_claim
 
 OWNERS = {
-    "material": "material",
-    "subject": "material",
-    "surroundings": "material",
-    "light": "light",
-    "lights": "light",
-    "key": "light",
-    "fill": "light",
-    "rim": "light",
-    "others": "light",
-    "world": "world",
-    "volume": "volume",
-    "film": "film",
+    **dict.fromkeys(("material", "subject", "surroundings"), "material"),
+    **dict.fromkeys(("light", "lights", "key", "fill", "rim", "others"), "light"),
+    **{group: group for group in ("world", "volume", "film")},
 }
 """Who an effect may name -> schema group."""
 RANGE_MODES = ("", "times", "plus", "near", "shade", "camera", "sides", "lightness", "share")
@@ -41,8 +30,6 @@ _CLASS = re.compile(r"(?P<quantity>[a-z_]+) is (?P<named>[a-z_]+)")
 _EFFECT = re.compile(
     r"(?P<owner>\w+)/(?P<name>\w+)(?: (?P<mode>[a-z]+))? (?P<args>\S+)(?P<weak> \?)?(?: !(?P<priority>\d+))?"
 )
-
-
 _NUMBERS = {"plus": 1, "near": 1, "camera": 1, "sides": 1, "lightness": 1, "share": 1, "shade": 2}
 """Mode -> how many numbers an end of a range has; of other modes one, or as many as the parameter has components."""
 _LARGEST = 1e9
@@ -107,11 +94,6 @@ class VocabularyEntry:
         """Quantity -> the class that it asks for."""
         return {wish.quantity: wish.named for wish in self.wishes if wish.named}
 
-    @property
-    def is_colored(self) -> bool:
-        """Whether it is a material with a color of its own: oak."""
-        return self.slot == "material" and any(e.name == "base_color" for e in self.effects)
-
 
 def normalize(phrase: str) -> str:
     """Lower case and American, with hyphens and underscores as the lexer has them; "the lamp's" is "the lamp"."""
@@ -129,11 +111,7 @@ def temperature(entry: str) -> int | None:
 
 
 def at_line(path: Path, text: str, problem: str, remedy: str, *quotes: str) -> VibeError:
-    """An error that names a line of a file.
-
-    Args:
-        quotes: Texts that lead to the line: the first line that has the first, from there on the first that has the second.
-    """
+    """An error that names a line of a file: the first that has the first quote, from there on the first that has the next."""
     lines, line = text.splitlines(), 0
     for quoted in quotes:
         line = next((i for i in range(line, len(lines)) if quoted in lines[i]), line)
@@ -232,8 +210,7 @@ def read_entry(name: str, row: dict[str, Any]) -> VocabularyEntry:
 def read_wishes(texts: Iterable[str]) -> tuple[EntryWish, ...]:
     """Reads the wishes of a word, grouped by quantities in the order of their first ones. Raises VibeError for what is none.
 
-    Args:
-        texts: Classes ("finish is glossy"), effects ("film/contrast 1.1..1.3 !2") and claims ("thing gloss 12..").
+    They are classes ("finish is glossy"), effects ("film/contrast 1.1..1.3 !2") and claims ("thing gloss 12..").
     """
     found: dict[str, EntryWish] = {}
     table = quantities()

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Spelling, names of things in all languages (things.toml), and the lexicons of languages; the head of german.toml explains the format."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 import unicodedata
@@ -19,11 +17,9 @@ from .word_table import table
 
 _LETTERS = str.maketrans({"ß": "ss", "ł": "l", "ø": "o", "đ": "d", "æ": "ae", "œ": "oe"})
 """Letters that are no others with an accent -> how they are written without them."""
-_EAST_ASIAN = ("\u2e80", "\uf900")
-"""The first character of those scripts, and the one after their last."""
+_EAST_ASIAN = ("\u2e80", "\uf900")  # the first character of those scripts, and the one after their last
 _SIBILANTS = ("sses", "nses", "xes", "ches", "shes")
-TABLES = ("grammar", "behind", "looks", "things", "shades")
-"""Tables of words; of a wording in several, the first counts."""
+TABLES = ("grammar", "behind", "looks", "things", "shades")  # of a wording in several, the first counts
 _SHORTEST = 4  # characters of a word that may be a part of a compound ("Obermaterial")
 _CACHED = 16_384  # words whose bases and senses are cached
 Wording = tuple[str, ...]

@@ -23,11 +23,9 @@ COLORS = (
     "black", "grey", "white", "brown", "red", "orange", "yellow", "green", "teal", "blue", "purple", "pink",
 )  # fmt: skip
 PARTS = ("thing", "subject", "surroundings", "picture", "sky")
-_TINTS = ("tint", "accent")
-"""Measures of which only what lies in the direction of a color counts."""
+_TINTS = ("tint", "accent")  # measures of which only what lies in the direction of a color counts
 _IN_TWO = ("off_hue", "cast", "shadow_cast", "midtone_cast", "highlight_cast")
-_NUMBERS = {"color": 3, "mean": 3, **dict.fromkeys(_IN_TWO, 2)}
-"""Measure -> how many numbers it gives, of those that give several."""
+_NUMBERS = {"color": 3, "mean": 3, **dict.fromkeys(_IN_TWO, 2)}  # measure -> how many, if several
 _NUMBER = r"-?\d*\.?\d+"
 _END = rf"{_NUMBER}(?:,{_NUMBER})*"
 _CLAIM = re.compile(
@@ -46,13 +44,11 @@ class ClaimText:
     measure: str  # a key of `claims.measures.registry.MEASURES`
     lower: Values = (-math.inf,)  # of the interval, a number for each that the measure gives
     upper: Values = (math.inf,)  # likewise
-    # what is enough of a change since the artist's picture; None if only the interval counts
-    change: float | None = None
+    change: float | None = None  # that is enough since the artist's picture; None if only the interval counts
     near: bool = True  # whether a change is enough near the interval only
     color: str = ""  # "#rrggbb" in whose direction a tint counts; "" for measures that need none
     box: Values = ()  # left, upper, right and lower end in the frame, as shares of its width and height; () for all of it
-    # of a step while values are sought; 0 of what is not sought, but what a picture has, from where "colder" goes
-    weight: float = 1.0
+    weight: float = 1.0  # of a step while values are sought; 0 of what is only stated, for "colder"
     reason: str = ""  # why it is claimed; "" where the word says it
     by: bool = False  # whether both ends are noticeable steps from what the artist's picture has
 
@@ -104,17 +100,13 @@ def read_claim(text: str) -> ClaimText:
     """
     match = _CLAIM.fullmatch(text.strip())
     if not match or (match["lower"] is None and match["upper"] is None):
-        raise VibeError(
-            f"'{text}' is not a claim.",
-            "Write 'PART MEASURE LOWER..UPPER', then 'or CHANGE' if a change is enough.",
-        )
+        remedy = "Write 'PART MEASURE LOWER..UPPER', then 'or CHANGE' if a change is enough."
+        raise VibeError(f"'{text}' is not a claim.", remedy)
     if match["part"] not in PARTS:
         raise VibeError(f"'{text}' names no part of the picture.", f"Choose from: {', '.join(PARTS)}.")
     if bool(match["color"]) != (match["measure"] in _TINTS):
-        raise VibeError(
-            f"'{text}' needs a color, or has one too many.",
-            "Write '#rrggbb' after a measure of tints, and after no other.",
-        )
+        remedy = "Write '#rrggbb' after a measure of tints, and after no other."
+        raise VibeError(f"'{text}' needs a color, or has one too many.", remedy)
     count = _NUMBERS.get(match["measure"], 1)
     lower = _numbers(match["lower"]) or (-math.inf,) * count
     upper = _numbers(match["upper"]) or (math.inf,) * count
@@ -149,11 +141,9 @@ class Quantity:
 
     name: str  # its key in the table
     says: str  # what it is called in sentences
-    # whether of two words one has its way, though they name it by different parameters or measures
-    exclusive: bool = False
+    exclusive: bool = False  # whether of two words one has its way, even if they name different parameters
     softly: bool = False  # whether its classes are meant under "slightly" too
-    # name of a class -> what it claims of the image
-    classes: Mapping[str, tuple[ClaimText, ...]] = field(default_factory=dict)
+    classes: Mapping[str, tuple[ClaimText, ...]] = field(default_factory=dict)  # class -> what it claims
     softer: Mapping[str, str] = field(default_factory=dict)  # class -> class under "slightly"
 
 
@@ -162,11 +152,9 @@ class QuantityTable:
     """All quantities, and what belongs to each."""
 
     by_name: Mapping[str, Quantity]  # name -> quantity, in the order of the table
-    # "OWNER/PARAMETER MODE", "OWNER/PARAMETER" or a family of parameters -> name of its quantity
-    parameters: Mapping[str, str]
+    parameters: Mapping[str, str]  # "OWNER/PARAMETER MODE", "OWNER/PARAMETER" or a family -> its quantity
     measures: Mapping[str, str]  # "PART MEASURE" or "MEASURE" -> name of its quantity
-    # MEASURE -> noticeable steps of change from which judges saw it; infinite where no change told them
-    seen: Mapping[str, float]
+    seen: Mapping[str, float]  # MEASURE -> noticeable steps from which judges saw it; inf if none told them
 
     def of_parameter(self, owner: str, family: str, mode: str) -> str:
         """The quantity that an effect of the "key" on "light/power" serves, by the most specific row. Raises VibeError for none."""
@@ -183,10 +171,8 @@ class QuantityTable:
             if row in self.measures:
                 return self.measures[row]
         known = sorted({row.rpartition(" ")[2] for row in self.measures})
-        raise VibeError(
-            f"'{claim.part} {claim.measure}' is no measure of the picture.",
-            f"Choose from: {', '.join(known)}.",
-        )
+        remedy = f"Choose from: {', '.join(known)}."
+        raise VibeError(f"'{claim.part} {claim.measure}' is no measure of the picture.", remedy)
 
 
 @cache

@@ -21,8 +21,7 @@ SOURCES = {"point": "POINT", "spot": "SPOT", "area": "AREA", "sun": "SUN"}
 REACHES = ("subject", "pool", "background", "all")
 THROUGH = ("", "window")
 KINDS = ("source", "style", "time", "film", "season", "mood", "hour", "place")
-TIMES = ("time", "season", "hour")
-"""Kinds that have a sky."""
+TIMES = ("time", "season", "hour")  # kinds that have a sky
 _DISTANCES = {"POINT": 1.8, "SPOT": 5.0, "AREA": 3.0, "SUN": 0.0}
 _SIZES = {"POINT": 0.1, "SPOT": 0.08, "AREA": 1.2, "SUN": 0.5}
 _KELVINS = (1000.0, 20000.0)
@@ -50,8 +49,7 @@ class RigLight:
     own: str = ""  # the light of the scene that it is, where a prompt names it; "" otherwise
     through: str = ""
     pattern: str = ""
-    # materials of the lamp of the picture in which it burns, where a prompt names one
-    worn: frozenset[str] = frozenset()
+    worn: frozenset[str] = frozenset()  # materials of the lamp in which it burns, where a prompt names one
 
     @property
     def is_warm(self) -> bool:
@@ -135,8 +133,7 @@ class RigTable:
 
     rigs: Mapping[str, Rig]  # vocabulary entry -> the rig that it stands for
     modifiers: Mapping[str, Modifier]  # vocabulary entry -> what it changes
-    # words in the names of times and hours that are lights themselves
-    luminaries: frozenset[str] = frozenset()
+    luminaries: frozenset[str] = frozenset()  # words in names of times and hours that are lights
 
     def modifier(self, entry: str) -> Modifier | None:
         """What a word changes about lights, a color temperature in kelvins too; None if it changes nothing."""
@@ -160,11 +157,7 @@ class RigTable:
 
 @cache
 def rig_table() -> RigTable:
-    """The rigs and modifiers that are shipped, and on top of them those of the user's own `rigs.toml`.
-
-    Raises:
-        VibeError: Something in a file is wrong; names the file, the line and the remedy.
-    """
+    """The shipped rigs and modifiers, and the user's `rigs.toml` on top. Raises VibeError with file, line and remedy."""
     folder, own = Path(__file__).parent, config_folder() / "rigs.toml"
     every = read((folder / "rigs.toml").read_text("utf-8"), "rigs.toml")
     if own.is_file():

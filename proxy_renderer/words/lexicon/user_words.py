@@ -13,8 +13,6 @@ Read from the file that $VIBE_VOCABULARY names (`vibe --vocabulary FILE` sets it
 user's configuration folder.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re
@@ -55,20 +53,15 @@ def user_file() -> Path | None:
     if named := os.environ.get(VARIABLE):
         path = Path(named).expanduser()
         if not path.is_file():
-            raise VibeError(
-                f"There is no vocabulary {named}.", f"Check --vocabulary, or the variable {VARIABLE}."
-            )
+            remedy = f"Check --vocabulary, or the variable {VARIABLE}."
+            raise VibeError(f"There is no vocabulary {named}.", remedy)
         return path
     path = config_folder() / "vocabulary.toml"
     return path if path.is_file() else None
 
 
 def extend(base: Vocabulary, path: Path) -> Vocabulary:
-    """A vocabulary with a user's file on top: its words win over those of the same spelling.
-
-    Raises:
-        VibeError: Something in the file is wrong; names the file, the line and the remedy.
-    """
+    """A vocabulary with a user's file on top, whose words win. Raises VibeError with file, line and remedy."""
     text, rows = _read(path)
     entries, synonyms, colors = dict(base.entries), dict(base.synonyms), dict(base.colors)
     looks = rows.get("look", {})
@@ -122,11 +115,7 @@ _COLORS = re.compile(r"^\[colors\][^\n]*\n", re.MULTILINE)
 
 
 def add_look(path: Path, name: str, rows: Mapping[str, str | Sequence[str]]) -> None:
-    """Appends an entry.
-
-    Raises:
-        VibeError: The name is taken, or the file would be wrong with it; it is as it was.
-    """
+    """Appends an entry. Raises VibeError if the name is taken, or the file would be wrong with it: it is as it was."""
     lines = [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in rows.items() if value]
     head = f"[look.{json.dumps(name, ensure_ascii=False)}]"
     _write(path, name, "\n".join([_text(path).rstrip("\n"), "", head, *lines, ""]).lstrip("\n"))
@@ -158,6 +147,5 @@ def _write(path: Path, name: str, text: str) -> None:
             except VibeError as error:
                 raise VibeError(error.message.replace(str(part), str(path)), error.remedy) from error
     except OSError as error:
-        raise VibeError(
-            f"{path} cannot be written: {error}.", "Name another file with --vocabulary."
-        ) from error
+        remedy = "Name another file with --vocabulary."
+        raise VibeError(f"{path} cannot be written: {error}.", remedy) from error

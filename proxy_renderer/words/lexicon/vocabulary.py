@@ -24,8 +24,7 @@ _TINGE = 0.4  # share of the first color in "greenish blue"
 _HALF = 0.5  # in "green blue"
 _KIND = 2 / 3  # in "khaki green"
 _BASIC = frozenset([*COLORS, "gray"])
-_KINDS = _BASIC - {"white", "black"}
-"""Colors that have kinds: "navy white" is two colors."""
+_KINDS = _BASIC - {"white", "black"}  # colors that have kinds: "navy white" is two colors
 # Color temperatures
 _LEAST, _MOST, _STEP = 1300, 15500, 100  # kelvins of the entries
 _REACH = 0.03  # share by which a light may differ from what it is said to be
@@ -49,8 +48,7 @@ class Vocabulary:
     adjectives: dict[str, dict[str, str]]  # word -> kind of thing (or "otherwise") -> entry name
     absent: dict[str, str]  # kind of thing -> entry that the lack of it means: "no shadows"
     picks: dict[str, str]  # word -> which one of several it picks out, see `mentions.with_picks`
-    # "lightness", "off", "leave", ... -> words that are looked for by themselves
-    words: dict[str, frozenset[str]]
+    words: dict[str, frozenset[str]]  # "lightness", "off", ... -> words that are looked for by themselves
     roles: dict[str, str]  # word of a light's name -> the role of that light
     typed: dict[str, str]  # word that is typed in a hurry -> the word that is meant
     # kind of thing -> entry or adjective -> entry, where words say nothing of it themselves: "a calm lamp"
@@ -87,8 +85,7 @@ class Vocabulary:
         return (base, base + "e", base[:-1], base[:-1] + "y") if compares else ()
 
 
-GLOWING = "glowing"
-"""The entry of what emits light."""
+GLOWING = "glowing"  # the entry of what emits light
 
 
 @cache
