@@ -87,6 +87,8 @@ class Claim:
 
     def region(self, seen: GBuffer) -> Tensor | None:
         """The pixels (H, W) bool of its target; None where that is hardly seen."""
+        if MEASURES[self.measure].beside and region_of(seen, "surroundings").sum() < _FEW:
+            return None  # the subject fills the image
         where = region_of(seen, self.part, self.materials)
         if self.part == "surroundings" and not self.materials and self.measure in _AIR and where.sum() < _FEW:
             where = torch.ones_like(where)

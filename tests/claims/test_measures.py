@@ -421,3 +421,13 @@ def test_air_is_measured_through_a_scene_that_is_all_subject() -> None:
         assert where is not None
         assert float(haze.value(seen, where)) == pytest.approx(0.7)
     assert tone.region(full.seen) is None
+
+
+@pytest.mark.parametrize("name", [name for name, each in MEASURES.items() if not each.directed])
+def test_a_subject_that_fills_the_image_has_finite_values_or_none(name: str) -> None:
+    shown = picture(wall=(0.5, 0.4, 0.3))
+    full = MeasuredPicture(shown.display, replace(shown.seen, subject=torch.ones(SIZE, SIZE)))
+    claim = Claim("", "", name, "subject", (0.0,), (1.0,))
+    where = claim.region(full.seen)
+    assert where is None or bool(torch.isfinite(claim.value(full, where)).all())
+    assert (where is None) == MEASURES[name].beside

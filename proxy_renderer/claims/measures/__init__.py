@@ -20,6 +20,7 @@ class Measure:
     sentence: str  # what it is of a thing, "{}"
     directed: bool = False  # whether `take` also wants the (2,) direction in a* and b* of a color
     of_finish: bool = False  # whether it is about a surface's finish, which light and film could only fake
+    beside: bool = False  # whether it compares with the surroundings
 
     @property
     def says(self) -> str:
@@ -44,8 +45,12 @@ MEASURES: dict[str, Measure] = {
     "black_point": Measure(color.tone(0.02), "L*", 2.0, "lightness of the darkest parts of the {}"),
     "white_point": Measure(color.tone(0.98), "L*", 2.0, "lightness of the lightest parts of the {}"),
     "vignette": Measure(tone.vignette, "L*", 1.5, "darkening of the corners of the {}"),
-    "standing_out": Measure(tone.standing_out, "L*", 3.0, "lightness of the {} above the surroundings"),
-    "silhouette": Measure(tone.silhouette, "L*", 3.0, "darkness of the {} against the surroundings"),
+    "standing_out": Measure(
+        tone.standing_out, "L*", 3.0, "lightness of the {} above the surroundings", beside=True
+    ),
+    "silhouette": Measure(
+        tone.silhouette, "L*", 3.0, "darkness of the {} against the surroundings", beside=True
+    ),
     "separation": Measure(tone.separation, "ΔE", 2.0, "color distance of the {} from what is around it"),
     "burnt": Measure(tone.burnt, "", 0.02, "overexposed share of the {}"),
     "clipped": Measure(tone.clipped, "", 0.01, "share of the {} with a clipped channel"),
