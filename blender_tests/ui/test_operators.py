@@ -56,7 +56,7 @@ def test_toggles_are_the_schemas_groups(addon):
 
 def test_options_are_what_the_engine_takes(addon):
     addon.vibe.lock = " light/Key, */metallic ,"
-    addon.vibe.budget = "QUICK"
+    addon.vibe.effort = "QUICK"
     options = addon.vibe.engine_options(bpy.context)
     assert options.lock == ("light/Key", "*/metallic")
     assert (options.rounds, options.steps, options.size) == (3, 8, 256)
@@ -193,7 +193,7 @@ def engine():
 def warm(addon, engine):
     """A scene to vibe, with the warm engine."""
     studio(addon)
-    addon.vibe.prompt, addon.vibe.budget = PROMPT, "CUSTOM"
+    addon.vibe.prompt, addon.vibe.effort = PROMPT, "CUSTOM"
     addon.vibe.rounds, addon.vibe.steps, addon.vibe.size = 1, 2, 64
     addon_state._engine, addon_state._engine_choice = engine, engine_choice(bpy.context)
     yield addon

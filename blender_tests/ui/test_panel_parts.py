@@ -144,7 +144,7 @@ def test_moving_strength_shows_the_look_again(addon):
 def test_properties_of_options_come_from_the_table(addon):
     """A made-up option has one; those of the panel and of the preferences have their titles, bounds and defaults."""
     sparkle = Option(
-        "sparkle", 3, "how much", "budget", bounds=(1, 9), panel=Panel("Sparkle", "How much", (1, 5))
+        "sparkle", 3, "how much", "effort", bounds=(1, 9), panel=Panel("Sparkle", "How much", (1, 5))
     )
     extended = declare("Extended", preferences=False, table=(*TABLE, sparkle))
     sparkling = type("VibeSparkling", (extended, bpy.types.PropertyGroup), {})
@@ -172,7 +172,7 @@ def test_properties_of_options_come_from_the_table(addon):
 
 
 def test_the_engine_is_told_what_the_panel_and_the_preferences_hold(addon):
-    addon.vibe.budget = "CUSTOM"
+    addon.vibe.effort = "CUSTOM"
     addon.vibe.rounds, addon.vibe.top_k, addon.vibe.anchor = 7, 5, False
     addon.vibe.lock = "light/Key, film/exposure"
     told = addon.vibe.engine_options(bpy.context)

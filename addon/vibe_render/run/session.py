@@ -114,7 +114,7 @@ class Session(SceneSession):
             self.stage = "Warming up the engine"
             engine_result = yield from self._answer(messages.Result)
             # In other modes one undo would not take the vibe back.
-            yield from self._object_mode("Found. Go back to Object Mode to see it")
+            yield from self._object_mode("Done. Switch to Object Mode to apply it")
             scene = self._find_scene()
             self._take_look_away()
             subject, change = self.subject(scene), self._change

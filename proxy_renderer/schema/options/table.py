@@ -33,37 +33,37 @@ class Options:
 
     rounds: int = option(
         STANDARD.rounds,
-        "times that the plan is made",
-        "budget",
+        "number of rounds: the plan is made anew in each",
+        "effort",
         bounds=(1, 1000),
-        panel=Panel("Rounds", "How often the plan is made anew", (1, 100)),
+        panel=Panel("Rounds", "Number of rounds: the plan is made anew in each", (1, 100)),
     )
     steps: int = option(
         STANDARD.steps,
-        "steps in each round: pictures of the proxy that the search looks at",
-        "budget",
+        "steps in each round: images of the proxy that the search looks at",
+        "effort",
         bounds=(1, 10000),
         panel=Panel("Steps", "Refinements in each round", (1, 1000)),
     )
-    starts: int = option(STANDARD.starts, "points that a coarse first pass tries", "budget", bounds=(1, 1000))
+    starts: int = option(STANDARD.starts, "starting points of the coarse search", "effort", bounds=(1, 1000))
     variants: int = option(
         1,
-        "different looks to find for the same words, as pictures to choose from",
-        "budget",
+        "different looks to find for the same words, as images to choose from",
+        "effort",
         bounds=(1, 12),
-        panel=Panel("Variants", "Different looks for the same words, as pictures to choose from", (1, 8)),
+        panel=Panel("Variants", "Different looks for the same words, as images to choose from", (1, 8)),
     )
     top_k: int = option(
         8,
         "parameters that a round may optimize",
-        "budget",
+        "effort",
         bounds=(1, 10000),
-        panel=Panel("Values at Once", "How many values a round may refine", (1, 64)),
+        panel=Panel("Parameters per Round", "How many parameters a round may refine", (1, 64)),
     )
     seed: int = option(
         0,
         "the same seed gives the same look",
-        "budget",
+        "effort",
         bounds=(0, LARGEST_SEED),
         manifest=(),
         panel=Panel("Seed", "Another seed finds another look"),
@@ -86,7 +86,7 @@ class Options:
         "reach",
         unit="PATTERN",
         panel=Panel(
-            "Lock by Name",
+            "Locked (Patterns)",
             "Values that must stay, separated by commas: light/Key, material/*/metallic, film/exposure",
         ),
     )
@@ -103,8 +103,8 @@ class Options:
         "reach",
         panel=Panel(
             "Add Lights",
-            "Add the lights that a lighting word needs and the scene lacks, in a collection Vibe Lights. Revert takes "
-            "them away. Off: your own lights play all parts",
+            "Add the lights that a lighting word needs and the scene lacks, in a collection Vibe Lights. Revert removes "
+            "them. Off: your own lights play all parts",
         ),
     )
     encoder: str = option(
@@ -140,7 +140,7 @@ class Options:
         unit="NAME",
         panel=Panel(
             "Model",
-            "A vision-language model that reads the prompt and the picture, and plans. Empty: none "
+            "A vision-language model that reads the prompt and the image, and plans. Empty: none "
             "(or the one that the environment variable VIBE_VLM_MODEL names)",
             length=200,
             preferences=True,
@@ -162,23 +162,23 @@ class Options:
     )
     anchor: bool = option(
         True,
-        "do not let small Cycles pictures correct the prediction meanwhile: quicker, and less exact",
+        "skip the Cycles corrections: faster, less accurate",
         "engine",
         panel=Panel(
-            "Anchor to Cycles",
-            "Between rounds, render a small picture with Cycles that corrects the prediction: closer to the "
+            "Correct with Cycles",
+            "Between rounds, render a small image with Cycles that corrects the prediction: closer to the "
             "final render, but Blender pauses for about a second each time",
         ),
     )
     like: str = option(
         "",
-        "a picture whose look the scene is to have: a still, a photograph, a painting, an HDRI for its light; with a "
-        "prompt, words count more",
+        "a reference image, whose look is copied: a still, a photograph, a painting, an HDRI for its light; a prompt has "
+        "priority",
         "picture",
         unit="FILE",
         panel=Panel(
-            "Picture File",
-            "A still, a photograph, a painting, an HDRI for its light: its look is wanted",
+            "Reference Image",
+            "File of an image whose look is copied: a still, a photograph, a painting, an HDRI for its light",
             path=True,
         ),
     )
@@ -190,22 +190,22 @@ class Options:
     )
     like_only: tuple[str, ...] = option(
         (),
-        f"what to take over from that picture: {', '.join(TRAITS)} (default: all; materials only of the same scene)",
+        f"what to take over from that image: {', '.join(TRAITS)} (default: all; materials only of the same scene)",
         "picture",
         unit="A,B",
     )
     like_same: bool = option(
         False,
-        "the picture shows this very scene through this camera: compare it pixel by pixel (default: found by itself)",
+        "the image shows the same scene through this camera: compare it pixel by pixel (default: found automatically)",
         "picture",
         panel=Panel(
             "Same Scene",
-            "The picture shows this very scene through this camera. Found by itself, if it is so",
+            "The image shows the same scene through this camera. Usually this is found automatically",
         ),
     )
     size: int = option(
         STANDARD.size,
-        "longer side of the pictures in pixels; the loop itself works with smaller ones",
+        "longer side of the images in pixels; the search uses smaller ones",
         "render",
         bounds=(32, 8192),
         panel=Panel("Preview Size", "Longer side of the preview, in pixels", (64, 2048)),
@@ -245,7 +245,7 @@ TASK = (
     Option(
         "subject",
         (),
-        "object or collection that the picture is about; can be given several times (default: found by itself)",
+        "object or collection that the image is about; can be given several times (default: found automatically)",
         "task",
         unit="NAME",
         manifest=("scene", "shots"),
@@ -293,12 +293,12 @@ TASK = (
         manifest=("shots",),
     ),
     Option(
-        "budget",
+        "effort",
         "standard",
         f"{_EFFORT} (default: standard)",
-        "budget",
+        "effort",
         choices=tuple(BUDGETS),
-        panel=Panel("Effort", "How long to look for the look", default="STANDARD"),
+        panel=Panel("Effort", "How long the search may take", default="STANDARD"),
     ),
 )
 """The task, which Blender's side turns into a job for the engine."""
@@ -315,7 +315,7 @@ SUPPORT = (
     Option(
         "samples",
         128,
-        "Cycles samples of the pictures (the one before: 16 at most)",
+        "Cycles samples of the images (the one before: 16 at most)",
         "render",
         bounds=(1, 65536),
     ),
