@@ -24,6 +24,7 @@ from window_scene import a_scene, effort, same, values
 from window_screen import Screen
 from window_steps import PROMPT, a_result, open_panel, running
 from window_still import still
+from window_tour import tour, tour_double
 from window_without import without_engine
 from window_words import words
 
@@ -315,6 +316,8 @@ WAYS = {
         still,
         words,
         further,
+        tour,
+        tour_double,
     )
 }
 

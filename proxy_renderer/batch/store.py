@@ -29,6 +29,8 @@ from .manifest import Job, Jobs, Take
 JobRow = dict[str, Any]
 DONE, FAILED, LOG = "done.json", "failed.json", "log.txt"
 FINAL, FRAMES = "final.json", "frames"
+WORDS = ("visible", "already", "unmeasured", "missed")
+"""Lists of a row: the words of each state, see the report's `verdicts`."""
 TOKEN = "batch.json"
 """Names this results folder, so that other machines can tell whether they see the same one."""
 

@@ -97,7 +97,7 @@ class EngineState:
 
     def _follow(self) -> None:
         if not bpy.app.timers.is_registered(self.tick):
-            bpy.app.timers.register(self.tick, first_interval=_TICK)
+            bpy.app.timers.register(self.tick, first_interval=_TICK, persistent=True)
 
     def tick(self) -> float | None:
         """Takes the results of background work, as a timer of Blender's: returns seconds to the next call, None for none."""

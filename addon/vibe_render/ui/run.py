@@ -266,7 +266,9 @@ def _draw_question(
     layout: bpy.types.UILayout, context: bpy.types.Context, question: dict[str, list[str]]
 ) -> None:
     """The shared materials, and the two answers."""
-    drawing.paragraph(layout, context, "The subject shares materials with other objects:", "INFO")
+    drawing.paragraph(
+        layout, context, "The subject shares materials with other objects. May these change, too?", "INFO"
+    )
     for name, users in list(question.items())[:4]:
         more = f" and {len(users) - 2} more" if len(users) > 2 else ""
         drawing.paragraph(layout, context, f"{name}, also on {', '.join(users[:2])}{more}", "MATERIAL")

@@ -315,7 +315,7 @@ def warm_up_soon() -> None:
     global _started
     if not _started:
         _started = True
-        bpy.app.timers.register(_warm_up, first_interval=_SOON)
+        bpy.app.timers.register(_warm_up, first_interval=_SOON, persistent=True)
 
 
 def _warm_up() -> float | None:

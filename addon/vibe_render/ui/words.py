@@ -19,7 +19,7 @@ from . import drawing
 
 _TICK = 0.02  # seconds between two looks at what the engine says
 _STATE_ICONS = {"understood": "NONE", "guessed": "QUESTION", "left out": "CANCEL"}
-_ICON_LETTERS = 5  # room that an icon and its margins take, in characters
+_MARGIN, _ICON = 2, 3  # room that a word's margins take, and its icon, in characters
 _ICONS = {"light": "LIGHT", "sky": "WORLD", "picture": "IMAGE_DATA", "air": "MOD_FLUID", "none": "CANCEL"}
 """Kind of target -> icon, of those that every scene has."""
 
@@ -74,7 +74,7 @@ def _lines(words: Iterable[messages.WordReading], width: int) -> Iterator[list[m
     line: list[messages.WordReading] = []
     used = 0
     for word in words:
-        needed = len(word.text) + _ICON_LETTERS
+        needed = len(word.text) + _MARGIN + (0 if word.state == "understood" else _ICON)
         if line and used + needed > width:
             yield line
             line, used = [], 0
