@@ -37,6 +37,8 @@ def tour(screen):
     screen.shoot("marks")
     shading = screen.area.spaces.active.shading
     yield from screen.click_on("vibe.run", 240)
+    yield from screen.wait(lambda: addon_state.session and addon_state.session.question, 120, "the question")
+    yield from screen.click_on("vibe.answer(shared='ALL')", 372)
     yield from screen.wait(lambda: preview.exists(bpy.context.scene), 300, "the first look")
     yield from screen.click_on("type", 470)
     yield from screen.wait(lambda: addon_state.session.progress, 900, "progress is seen")
@@ -52,6 +54,7 @@ def tour(screen):
     shading.type = "SOLID"
     yield from screen.find("vibe.keep", 600)
     screen.observed["keep"] = screen.observed["found"]["vibe.keep"]
+    yield from changes(screen)
     yield from screen.click_on("vibe.keep", 600)
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "it is kept")
     yield from screen.away()
@@ -74,6 +77,16 @@ def bust():
 
     building.empty()
     example.build()
+
+
+def changes(screen):
+    """The list of changes, whose header is above Retry."""
+    yield from screen.find("vibe.preset_save", 850)
+    row = screen.observed["found"]["vibe.preset_save"][1]
+    yield from screen.open(row - 26 * bpy.context.preferences.system.ui_scale, 0.4)
+    yield from screen.scroll(5, 30)
+    yield from screen.away()
+    screen.shoot("changes")
 
 
 def opened(screen):

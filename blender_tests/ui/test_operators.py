@@ -72,7 +72,7 @@ def test_run_says_what_is_in_its_way(addon):
     assert obstacle(bpy.context) == ""
     for group in GROUPS:
         setattr(addon.vibe, f"change_{group}", False)
-    assert "Nothing may change" in obstacle(bpy.context)
+    assert "Unlock at least one" in obstacle(bpy.context)
     assert not bpy.ops.vibe.run.poll()
 
 

@@ -126,7 +126,7 @@ def test_reasons_are_short_where_a_word_says_it(reason, short):
         (0.04, "CYCLES", "matches Cycles (color difference 0.1)", True),
         (1.0, "CYCLES", "is close to Cycles", True),
         (3.2, "CYCLES", "differs from Cycles", False),
-        (0.1, "BLENDER_EEVEE", "shows Cycles; other engines differ", False),
+        (0.1, "BLENDER_EEVEE", "Preview is Cycles. EEVEE may look different", False),
     ],
 )
 def test_agreement_is_said_in_words_and_of_cycles_alone(difference, engine, words, good):

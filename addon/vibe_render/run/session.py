@@ -131,7 +131,7 @@ class Session(SceneSession):
         """Asks about materials that other things use too, unless that is settled; may export anew."""
         scene = self._find_scene()
         shared = shared_materials(self.subject(scene))
-        if not shared:
+        if not shared or not scene.vibe.change_material:
             return
         if self.shared == "ASK":
             self.question = {m.name: [o.name for o in users] for m, users in shared.items()}

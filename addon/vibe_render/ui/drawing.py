@@ -168,7 +168,10 @@ def colored(layout: bpy.types.UILayout, text: str) -> None:
     row.alignment, row.scale_y = "LEFT", 0.8
     row.label(icon="BLANK1")
     for number, part in enumerate(HEX_COLOR.split(text)):
-        row.label(text="" if number % 2 else part, icon_value=_swatch(part) if number % 2 else 0)
+        if number % 2:
+            row.label(icon_value=_swatch(part))
+        else:
+            row.label(text=part)
 
 
 def _swatch(color: str) -> int:

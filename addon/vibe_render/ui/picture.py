@@ -54,10 +54,10 @@ class PictureSettings(_Toggles):  # type: ignore[misc]
         name="Reference Image",
         description="An image whose look is copied, together with the words or without any",
         items=(
-            ("NONE", "None", "Words only", "NONE", 0),
-            ("FILE", "File", "A still, a photograph, a painting, an HDRI for its light", "FILE_IMAGE", 1),
-            ("IMAGE", "Image", "An image of this .blend, or from the clipboard", "IMAGE_DATA", 2),
-            ("SLOT", "Render", "A slot of the render result", "RENDER_RESULT", 3),
+            ("NONE", "None", "Words only"),
+            ("FILE", "File", "A still, a photograph, a painting, an HDRI for its light"),
+            ("IMAGE", "Image", "An image of this .blend, or from the clipboard"),
+            ("SLOT", "Render", "A slot of the render result"),
         ),
     )
     like_image: PointerProperty(

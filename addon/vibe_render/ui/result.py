@@ -56,7 +56,7 @@ class ResultPanel:
             paragraph(
                 layout, context, "This scene still has changes from an earlier vibe. Revert removes them."
             )
-        else:  # a label shows all of it, a field cuts
+        elif settings.vibed_like or settings.vibed_prompt != settings.prompt:
             paragraph(layout, context, wanted, faint=True)
         variants = session.variants if session else []
         if session:

@@ -202,9 +202,9 @@ class AdvancedPanel(IdlePanel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
-        layout.use_property_split, layout.use_property_decorate = True, False
         column = layout.column()
-        column.prop(settings, "lock", placeholder="light/Key, */metallic")
+        column.label(text=settings.bl_rna.properties["lock"].name)
+        column.prop(settings, "lock", text="", placeholder="light/Key, */metallic")
         for name in ("top_k", "seed", "anchor"):
             column.prop(settings, name)
 
