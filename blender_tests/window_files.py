@@ -8,7 +8,7 @@ import shutil
 from pathlib import Path
 
 import bpy
-from window_steps import confirm
+from window_steps import confirm, header
 
 NAME = "Blue Night"
 
@@ -33,6 +33,8 @@ def files(screen):
 def a_preset_of_ones_own(screen):
     """Saved under a name that ours has, and renamed by typing."""
     from bl_ext.user_default.vibe_render.looks import library
+
+    yield from header(screen, 39, "vibe.look_for_engine")
 
     held = bpy.context.window_manager.vibe_presets
     ours = held.chosen

@@ -6,6 +6,8 @@ import time
 import bpy
 from window_scene import effort
 
+PRESETS, AFFECT = 42, 70
+"""Headers of closed panels, pixels below Vibe It."""
 PROMPT = "misty night, cool blue fog, glossy red monkey, vignette"
 
 
@@ -27,7 +29,7 @@ def running(screen):
 
     bpy.context.scene.vibe.prompt = PROMPT
     effort(20, 60, 256)
-    yield from screen.click_on("vibe.run", 236)
+    yield from screen.click_on("vibe.run", 227)
     yield from screen.wait(lambda: addon_state.running, 60, "Vibe It starts")
     yield from first_look(screen)
     yield from screen.wait(lambda: addon_state.session.progress, 900, "progress is seen")
@@ -56,10 +58,16 @@ def a_result(screen, variants=1):
     effort(1, 4)
     bpy.context.scene.vibe.variants, bpy.context.scene.vibe.prompt = variants, PROMPT
     bpy.ops.ed.undo_push(message="Words")
-    yield from screen.click_on("vibe.run", 236)
+    yield from screen.click_on("vibe.run", 227)
     yield from screen.wait(lambda: addon_state.running, 60, "Vibe It starts")
     yield from screen.wait(lambda: not addon_state.running, 900, "the vibe ends")
     yield from screen.away()
+
+
+def header(screen, below, above="vibe.run"):
+    """Opens the panel whose header is so many pixels below a button; headers say nothing of themselves."""
+    yield from screen.find(above)
+    yield from screen.open(screen.observed["found"][above][1] + below, 0.4)
 
 
 def confirm(screen, condition, what):

@@ -27,7 +27,7 @@ def tour(screen):
     yield from screen.wait(lambda: addon_state.engine_runs, 120, "the engine starts with the panel")
     yield from screen.away()
     screen.shoot("open")
-    yield from screen.click_on("vibe.prompt", 110)
+    yield from screen.click_on("vibe.prompt", 130)
     screen.press("ctrl+a")
     screen.type(PROMPT)
     screen.press("Return")
@@ -36,7 +36,7 @@ def tour(screen):
     yield 1.0
     screen.shoot("marks")
     shading = screen.area.spaces.active.shading
-    yield from screen.click_on("vibe.run", 240)
+    yield from screen.click_on("vibe.run", 295)
     yield from screen.wait(lambda: addon_state.session and addon_state.session.question, 120, "the question")
     yield from screen.click_on("vibe.answer(shared='ALL')", 372)
     yield from screen.wait(lambda: preview.exists(bpy.context.scene), 300, "the first look")
@@ -52,10 +52,10 @@ def tour(screen):
     screen.observed["visible"] = words_of(verdicts, "visible")
     screen.observed["missed"] = words_of(verdicts, "missed")
     shading.type = "SOLID"
-    yield from screen.find("vibe.keep", 600)
+    yield from screen.find("vibe.keep", 630)
     screen.observed["keep"] = screen.observed["found"]["vibe.keep"]
     yield from changes(screen)
-    yield from screen.click_on("vibe.keep", 600)
+    yield from screen.click_on("vibe.keep", 630)
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "it is kept")
     yield from screen.away()
     screen.shoot("kept")
@@ -83,7 +83,7 @@ def changes(screen):
     """The list of changes, whose header is above Retry."""
     yield from screen.find("vibe.preset_save", 850)
     row = screen.observed["found"]["vibe.preset_save"][1]
-    yield from screen.open(row - 26 * bpy.context.preferences.system.ui_scale, 0.4)
+    yield from screen.open(row - 26 * screen.scale, 0.4)
     yield from screen.scroll(5, 30)
     yield from screen.away()
     screen.shoot("changes")
@@ -91,10 +91,9 @@ def changes(screen):
 
 def opened(screen):
     """The closed panels, opened by their headers, which say nothing of themselves: the lowest first, as it moves no other."""
-    yield from screen.find("vibe.run", 240)
+    yield from screen.find("vibe.run", 295)
     row = screen.observed["found"]["vibe.run"][1]
-    scale = bpy.context.preferences.system.ui_scale
     for name, below in (("advanced", 98), ("affect", 70), ("presets", 42), ("reference_image", -83)):
-        yield from screen.open(row + below * scale, 0.4)
+        yield from screen.open(row + below * screen.scale, 0.4)
         yield from screen.away()
         screen.shoot(name)

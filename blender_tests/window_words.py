@@ -17,7 +17,7 @@ def words(screen):
     )
     yield 1.0
     screen.shoot("marks")
-    yield from screen.click_on("vibe.reading", 185, (0.12, 0.3, 0.5))
+    yield from screen.click_on("vibe.reading", 143, (0.12, 0.3, 0.5))
     yield 1.0
     screen.shoot("menu")
     screen.press("End")
@@ -31,7 +31,7 @@ def words(screen):
     screen.observed["states"] = {word.text: word.state for word in addon_state.readings.newest.words}
     yield 1.0
     screen.shoot("told")
-    yield from screen.click_on("vibe.reading", 185, (0.12, 0.3, 0.5))
+    yield from screen.click_on("vibe.reading", 143, (0.12, 0.3, 0.5))
     yield 1.0
     screen.shoot("menu_again")
     screen.press("Escape")

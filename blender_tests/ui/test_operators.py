@@ -341,6 +341,14 @@ def test_wrong_engine_is_refused(tmp_path):
         Engine(str(tmp_path)).start()
 
 
+def test_a_file_that_is_opened_ends_neither_search_nor_start_of_the_engine(addon, tmp_path):
+    engine_state.search(str(tmp_path), again=True)
+    setup.warm_up_soon()
+    bpy.ops.wm.read_homefile(use_factory_startup=True)
+    assert bpy.app.timers.is_registered(engine_state._timer)
+    assert bpy.app.timers.is_registered(setup._warm_up)
+
+
 def test_the_engine_starts_once_when_a_panel_is_drawn(addon):
     engine_state.search("")
     while engine_state.busy:

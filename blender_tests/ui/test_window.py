@@ -18,6 +18,7 @@ TOOL = REPOSITORY.parent / "shared" / "tools" / "blender-window"
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(2500)]  # minutes where others use the machine too
 _ATTEMPTS = 3
 SIZE = "1920", "1080"  # pixels; what the driver knows about places is for this size
+SIZES = {"tour": ("1440", "900"), "tour_double": ("2880", "1800")}  # of ways that are not of that size
 ENGINELESS = ("without_engine", "files")  # ways that find no engine
 _BUNDLED = ("numpy", "requests")  # official builds bring them along; Debian's minimal one does not
 
@@ -67,14 +68,14 @@ def _walk(way, out, user):
     places = [out, user, *(p for p in (sys.prefix, sys.base_prefix) if not p.startswith("/usr"))]
     environment = {
         **os.environ,
-        "SCREEN": "{}x{}x24".format(*SIZE),
+        "SCREEN": "{}x{}x24".format(*(size := SIZES.get(way, SIZE))),
         "BLENDER_WINDOW_BIND": ":".join(map(str, places)),
         "BLENDER_USER_RESOURCES": str(user),
         "MESA_SHADER_CACHE_DIR": str(user),  # not one that other programs map and cut meanwhile
         "PYTHONPATH": str(REPOSITORY),  # for the engine; Blender itself must not need it
     }
     environment.setdefault("VIBE_ENGINE", sys.executable)
-    blender = ["blender", "--window-geometry", "0", "0", *SIZE, "--factory-startup"]
+    blender = ["blender", "--window-geometry", "0", "0", *size, "--factory-startup"]
     if way in ENGINELESS:
         environment["VIBE_ENGINE"] = str(out)
     else:
@@ -131,6 +132,17 @@ def test_a_click_on_a_word_says_what_it_describes(walk):
     assert observed["recalled"] == observed["told"]
 
 
+@pytest.mark.parametrize("way", ["tour", "tour_double"])
+def test_at_default_settings_the_decision_is_in_sight(walk, way):
+    """At 900 pixels, and at twice the size of everything: every word that is measured is visible, and Keep needs no scrolling."""
+    observed = walk(way)
+    assert observed["visible"]
+    assert observed["missed"] == []
+    _, below, page = observed["keep"]
+    assert page == 0
+    assert below < int(SIZES[way][1]) * 0.85
+
+
 def test_preferences_find_and_try_the_engine(walk):
     """The engine is found by itself, and answers."""
     assert "answers" in walk("ways_out")["engine"]
@@ -184,7 +196,7 @@ def test_a_preset_is_saved_found_and_put_on_another_scene(walk):
 
 
 def test_without_an_engine_the_panel_says_so_and_the_rest_works(walk):
-    """Earlier prompts, locks, a preset, compare, strength, the render properties; nothing is downloaded offline."""
+    """Earlier prompts, locks, a preset, compare, strength, Revert; nothing is downloaded offline."""
     observed = walk("without_engine")
     assert observed["vibe_it_waits"]
     assert observed["recalled"] == "noir, one hard light"
