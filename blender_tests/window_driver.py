@@ -22,7 +22,7 @@ from window_further import further
 from window_presets import presets
 from window_scene import a_scene, effort, same, values
 from window_screen import Screen
-from window_steps import AFFECT, PROMPT, a_result, header, open_panel, running
+from window_steps import AFFECT, CHANGES, PROMPT, a_result, header, open_panel, running
 from window_still import still
 from window_tour import tour, tour_double
 from window_without import without_engine
@@ -147,7 +147,7 @@ def locks(screen):
     from bl_ext.user_default.vibe_render.run.state import addon_state
 
     settings, key = bpy.context.scene.vibe, "light/Key/power"
-    yield from header(screen, -26, "vibe.preset_save")  # of the changes
+    yield from header(screen, CHANGES, "vibe.preset_save")
     yield from screen.click_on(f'vibe.lock(key="{key}"', 931, (0.82, 0.84, 0.8))
     yield from screen.wait(lambda: key in settings.locks, 30, "a lock for one value")
     yield from screen.away()

@@ -34,7 +34,7 @@ def a_preset_of_ones_own(screen):
     """Saved under a name that ours has, and renamed by typing."""
     from bl_ext.user_default.vibe_render.looks import library
 
-    yield from header(screen, 39, "vibe.look_for_engine")
+    yield from header(screen, 51, "vibe.look_for_engine")
 
     held = bpy.context.window_manager.vibe_presets
     ours = held.chosen

@@ -6,8 +6,10 @@ import time
 import bpy
 from window_scene import effort
 
-PRESETS, AFFECT = 42, 70
-"""Headers of closed panels, pixels below Vibe It."""
+PRESETS, AFFECT, ADVANCED, REFERENCE_IMAGE = 60, 88, 116, -65
+"""Headers of closed panels, pixels below the upper edge of Vibe It."""
+CHANGES = -16
+"""The header of the changes, below that of Save Preset."""
 PROMPT = "misty night, cool blue fog, glossy red monkey, vignette"
 
 
@@ -65,9 +67,9 @@ def a_result(screen, variants=1):
 
 
 def header(screen, below, above="vibe.run"):
-    """Opens the panel whose header is so many pixels below a button; headers say nothing of themselves."""
-    yield from screen.find(above)
-    yield from screen.open(screen.observed["found"][above][1] + below, 0.4)
+    """Opens the panel whose header is so many pixels below a button's upper edge; headers say nothing of themselves."""
+    top = yield from screen.top_of(above)
+    yield from screen.open(top + below * screen.scale, 0.4)
 
 
 def confirm(screen, condition, what):

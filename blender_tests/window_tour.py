@@ -5,9 +5,10 @@ import sys
 from pathlib import Path
 
 import bpy
-from window_steps import open_panel
+from window_steps import ADVANCED, AFFECT, CHANGES, PRESETS, REFERENCE_IMAGE, header, open_panel
 
 PROMPT = "cinematic teal and orange, dramatic light from the left, dark background"
+CLOSED = {"advanced": ADVANCED, "affect": AFFECT, "presets": PRESETS, "reference_image": REFERENCE_IMAGE}
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 
 
@@ -43,7 +44,7 @@ def tour(screen):
     yield from screen.click_on("type", 470)
     yield from screen.wait(lambda: addon_state.session.progress, 900, "progress is seen")
     yield from screen.away()
-    yield 15.0
+    yield 4.0
     screen.shoot("running")
     yield from screen.wait(lambda: not addon_state.running, 1800, "the search ends")
     yield 15.0
@@ -80,20 +81,16 @@ def bust():
 
 
 def changes(screen):
-    """The list of changes, whose header is above Retry."""
-    yield from screen.find("vibe.preset_save", 850)
-    row = screen.observed["found"]["vibe.preset_save"][1]
-    yield from screen.open(row - 26 * screen.scale, 0.4)
+    """The list of changes."""
+    yield from header(screen, CHANGES, "vibe.preset_save")
     yield from screen.scroll(5, 30)
     yield from screen.away()
     screen.shoot("changes")
 
 
 def opened(screen):
-    """The closed panels, opened by their headers, which say nothing of themselves: the lowest first, as it moves no other."""
-    yield from screen.find("vibe.run", 295)
-    row = screen.observed["found"]["vibe.run"][1]
-    for name, below in (("advanced", 98), ("affect", 70), ("presets", 42), ("reference_image", -83)):
-        yield from screen.open(row + below * screen.scale, 0.4)
+    """The closed panels, the lowest first, as it moves no other."""
+    for name, below in CLOSED.items():
+        yield from header(screen, below)
         yield from screen.away()
         screen.shoot(name)

@@ -55,7 +55,7 @@ def earlier_prompts(screen):
 def single_values(screen):
     """The list is opened, a value locked in it, and all set free."""
     locks = bpy.context.scene.vibe.locks
-    yield from header(screen, 67, "vibe.look_for_engine")  # Affect
+    yield from header(screen, 79, "vibe.look_for_engine")  # Affect
     yield from screen.find("new_lights", 709)
     yield from screen.open(screen.observed["found"]["new_lights"][1] + 32, 0.4)
     yield from screen.wait(lambda: bpy.context.window_manager.vibe_values.rows, 30, "the list")
@@ -79,7 +79,7 @@ def a_preset(screen):
     shutil.rmtree(
         library.preset_folder(), ignore_errors=True
     )  # so that ours are at the same places every time
-    yield from header(screen, 39, "vibe.look_for_engine")
+    yield from header(screen, 51, "vibe.look_for_engine")
     row = screen.observed["found"]["vibe.look_for_engine"][1]
     yield from screen.click_at(
         row + 70, 0.45

@@ -39,3 +39,13 @@ def words(screen):
     yield 0.3
     bpy.ops.vibe.recall(prompt="glossy red monkey")
     screen.observed["recalled"] = settings.target_pairs()
+    settings.targets.clear()
+    settings.prompt = "glossy monkey, vignete, flubbery light"
+    screen.sidebar.tag_redraw()
+    yield from screen.away()
+    yield from screen.wait(
+        lambda: addon_state.readings.newest.prompt == settings.prompt, 60, "unknown words are read"
+    )
+    yield 1.0
+    screen.shoot("unknown")
+    screen.observed["unknown"] = {word.text: word.state for word in addon_state.readings.newest.words}
