@@ -15,7 +15,7 @@ def presets(screen):
     yield from screen.scroll(5, 8)
     yield from screen.away()
     screen.shoot("what_changed")
-    yield from screen.click_on("vibe.preset_save", 740, (0.7,))
+    yield from screen.click_on("vibe.preset_save", 700, (0.7,))
     yield 0.5
     screen.shoot("save")
     held = bpy.context.window_manager.vibe_presets
@@ -23,7 +23,7 @@ def presets(screen):
     yield from screen.away()
     screen.shoot("saved")
     screen.observed["saved"] = library.preset_at(held.chosen).name
-    yield from screen.click_on("vibe.keep", 713, (0.2,))
+    yield from screen.click_on("vibe.keep", 600, (0.2,))
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "it is kept")
     yield from screen.away()
     screen.shoot("kept")

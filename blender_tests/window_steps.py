@@ -66,10 +66,11 @@ def a_result(screen, variants=1):
     yield from screen.away()
 
 
-def header(screen, below, above="vibe.run"):
-    """Opens the panel whose header is so many pixels below a button's upper edge; headers say nothing of themselves."""
-    top = yield from screen.top_of(above)
+def header(screen, below, above="vibe.run", near=227):
+    """Opens the panel whose header is so many pixels below a button's upper edge, which is returned; headers say nothing of themselves."""
+    top = yield from screen.top_of(above, near)
     yield from screen.open(top + below * screen.scale, 0.4)
+    return top
 
 
 def confirm(screen, condition, what):

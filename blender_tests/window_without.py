@@ -56,7 +56,7 @@ def single_values(screen):
     """The list is opened, a value locked in it, and all set free."""
     locks = bpy.context.scene.vibe.locks
     yield from header(screen, 79, "vibe.look_for_engine")  # Affect
-    yield from screen.find("new_lights", 709)
+    yield from screen.find("new_lights", 620)
     yield from screen.open(screen.observed["found"]["new_lights"][1] + 32, 0.4)
     yield from screen.wait(lambda: bpy.context.window_manager.vibe_values.rows, 30, "the list")
     yield from screen.away()
@@ -72,21 +72,18 @@ def single_values(screen):
 
 
 def a_preset(screen):
-    """One of the pictures is applied with its tick."""
+    """One of the presets is applied with the button next to its name."""
     from bl_ext.user_default.vibe_render.looks import library
     from bl_ext.user_default.vibe_render.scene import snapshot
 
     shutil.rmtree(
         library.preset_folder(), ignore_errors=True
     )  # so that ours are at the same places every time
-    yield from header(screen, 51, "vibe.look_for_engine")
-    row = screen.observed["found"]["vibe.look_for_engine"][1]
-    yield from screen.click_at(
-        row + 70, 0.45
-    )  # Browse; its grid opens upward, where nothing tells that it is there
+    top = yield from header(screen, 51, "vibe.look_for_engine", 375)
+    yield from screen.click_at(top + 82, 0.45)  # Browse; nothing tells that its grid is there
     yield 1.5
     screen.shoot("grid")
-    yield from screen.click_at(row - 131, 0.4)  # Moonlight: the grid opens upward
+    yield from screen.click_at(top + 402, 0.4)  # Moonlight
     yield from screen.wait(lambda: snapshot.exists(bpy.context.scene), 60, "the preset is applied")
     screen.observed["preset"] = bpy.context.scene.vibe.vibed_preset
     screen.press("Escape")
