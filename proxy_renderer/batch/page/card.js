@@ -50,7 +50,7 @@ function card(row, place) {
   const meta = make("div", "meta");
   meta.append(make("span", "who", who(row, $("group").value !== "scene")));
   if (row.status === "done") {
-    one.append(verdict(row, ["visible", "missed"]));
+    one.append(verdict(row));
     if ($("sort").value.includes("predicted")) {
       const box = make("span", "", "ΔE ");
       box.append(make("b", "", row.delta_e.toFixed(1)));
@@ -63,9 +63,9 @@ function card(row, place) {
   return one;
 }
 
-function verdict(row, states) {  // words by what the render shows of them
+function verdict(row) {  // words by what the render shows of them
   const box = make("div", "verdict");
-  for (const state of states) if (row[state]?.length) box.append(make("span", state, `${STATES[state]}: ${row[state].join(", ")}`));
+  for (const [state, name] of Object.entries(STATES)) if (row[state]?.length) box.append(make("span", state, `${name}: ${row[state].join(", ")}`));
   return box;
 }
 

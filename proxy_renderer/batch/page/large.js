@@ -46,7 +46,7 @@ function facts(row) {
       box.append(make("b", "", value), name);
       scores.append(box);
     }
-    list.push(verdict(row, Object.keys(STATES)), scores);
+    list.push(verdict(row), scores);
   }
   if (row.final_error) list.push(make("div", "error", "Final frames: " + row.final_error));
   const links = make("div", "links");
