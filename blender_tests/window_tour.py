@@ -37,14 +37,14 @@ def tour(screen):
     yield 1.0
     screen.shoot("marks")
     shading = screen.area.spaces.active.shading
+    shading.type = "RENDERED"
     yield from screen.click_on("vibe.run", 295)
     yield from screen.wait(lambda: addon_state.session and addon_state.session.question, 120, "the question")
     yield from screen.click_on("vibe.answer(shared='ALL')", 372)
-    yield from screen.wait(lambda: preview.exists(bpy.context.scene), 300, "the first look")
-    yield from screen.click_on("type", 470)
-    yield from screen.wait(lambda: addon_state.session.progress, 900, "progress is seen")
     yield from screen.away()
-    yield 4.0
+    yield from screen.wait(lambda: preview.exists(bpy.context.scene), 300, "the first look")
+    yield from screen.wait(lambda: addon_state.session.progress, 900, "progress is seen")
+    yield 10.0
     screen.shoot("running")
     yield from screen.wait(lambda: not addon_state.running, 1800, "the search ends")
     yield 15.0

@@ -129,6 +129,7 @@ def test_a_click_on_a_word_says_what_it_describes(walk):
     word, _, target = told.partition("=")
     assert target == "not used"
     assert observed["states"][word] == "left out"
+    assert {"guessed", "left out"} <= set(observed["unknown"].values())
     assert observed["recalled"] == observed["told"]
 
 
