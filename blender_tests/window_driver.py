@@ -95,6 +95,8 @@ def choosing(screen):
     from bl_ext.user_default.vibe_render.scene import snapshot
 
     before, scene = values(), bpy.context.scene
+    scene.vibe.prompt = PROMPT  # without one, a line below the button says so
+    yield 0.5
     yield from header(screen, AFFECT)
     yield from a_result(screen, variants=2)
     screen.shoot("result")
@@ -152,8 +154,6 @@ def locks(screen):
     yield from screen.wait(lambda: key in settings.locks, 30, "a lock for one value")
     yield from screen.away()
     screen.shoot("one_lock")
-    # The list is closed again: its header is above the first of its locks.
-    yield from screen.click_at(observed["found"][f'vibe.lock(key="{key}"'][1] - 54, 0.3)
     yield from screen.click_on("change_volume", 800, (0.72,))
     yield from screen.wait(lambda: not settings.change_volume, 30, "a lock for the fog")
     yield from screen.away()

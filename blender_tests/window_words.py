@@ -40,7 +40,7 @@ def words(screen):
     bpy.ops.vibe.recall(prompt="glossy red monkey")
     screen.observed["recalled"] = settings.target_pairs()
     settings.targets.clear()
-    settings.prompt = "glossy monkey, vignete, flubbery light"
+    settings.prompt = "glosy monkey, flubbery light"
     screen.sidebar.tag_redraw()
     yield from screen.away()
     yield from screen.wait(
