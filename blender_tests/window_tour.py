@@ -44,7 +44,7 @@ def tour(screen):
     yield from screen.away()
     yield from screen.wait(lambda: preview.exists(bpy.context.scene), 300, "the first look")
     yield from screen.wait(lambda: addon_state.session.progress, 900, "progress is seen")
-    yield 10.0
+    yield 1.0
     screen.shoot("running")
     yield from screen.wait(lambda: not addon_state.running, 1800, "the search ends")
     yield 15.0
