@@ -32,7 +32,7 @@ def addon(registered, scene):
     """A studio whose vibe lasts for as long as a test wants, in an empty file; nothing under way from another test."""
     studio(scene)
     settings = scene.vibe
-    settings.prompt, settings.budget, settings.anchor = "glossy red cube, warm light", "CUSTOM", False
+    settings.prompt, settings.effort, settings.anchor = "glossy red cube, warm light", "CUSTOM", False
     settings.rounds, settings.steps, settings.size = 100, 1000, 64
     yield scene
     live.stop()

@@ -22,8 +22,9 @@ from window_further import further
 from window_presets import presets
 from window_scene import a_scene, effort, same, values
 from window_screen import Screen
-from window_steps import PROMPT, a_result, open_panel, running
+from window_steps import AFFECT, CHANGES, PROMPT, a_result, header, open_panel, running
 from window_still import still
+from window_tour import tour, tour_double
 from window_without import without_engine
 from window_words import words
 
@@ -49,7 +50,7 @@ def ways_out(screen):
     yield from preferences(screen)
     screen.shoot("panel")
     before = values()
-    yield from screen.click_on("vibe.prompt", 153)
+    yield from screen.click_on("vibe.prompt", 117)
     screen.press("ctrl+a")
     screen.type(PROMPT)
     screen.press("Return")
@@ -94,6 +95,9 @@ def choosing(screen):
     from bl_ext.user_default.vibe_render.scene import snapshot
 
     before, scene = values(), bpy.context.scene
+    scene.vibe.prompt = PROMPT  # without one, a line below the button says so
+    yield 0.5
+    yield from header(screen, AFFECT)
     yield from a_result(screen, variants=2)
     screen.shoot("result")
     observed["failure"] = str(addon_state.failure or "")
@@ -110,15 +114,15 @@ def choosing(screen):
     observed["redo_restores"] = values() == after
 
     scene = bpy.context.scene
-    yield from screen.click_on("show_original", 771, (0.2,))
+    yield from screen.click_on("show_original", 716, (0.2,))
     yield from screen.wait(lambda: scene.vibe.show_original, 60, "Before is pressed")
     observed["before_shows_before"] = same(values(), before, after)
     yield from screen.away()
     screen.shoot("before")
-    yield from screen.click_on("show_original", 771, (0.7,))
+    yield from screen.click_on("show_original", 716, (0.7,))
     yield from screen.wait(lambda: not scene.vibe.show_original, 60, "After is pressed")
     observed["after_shows_after"] = same(values(), after, after)
-    yield from screen.click_on("strength", 803)
+    yield from screen.click_on("strength", 733)
     screen.press("ctrl+a")
     screen.type("0.5")
     screen.press("Return")
@@ -126,14 +130,14 @@ def choosing(screen):
     observed["strength_dims"] = not same(values(), after, after) and not same(values(), before, after)
     yield from screen.away()
     screen.shoot("strength")
-    yield from screen.click_on("vibe.variant(number=1)", 723, (0.67,))
+    yield from screen.click_on("vibe.variant(number=1)", 886, (0.67,))
     yield from screen.wait(lambda: scene.vibe.variant == 1, 60, "the second variant")
     observed["variant_differs"] = not same(values(), after, after)
     yield from screen.away()
     screen.shoot("variant")
     yield from locks(screen)
 
-    yield from screen.click_on("vibe.revert", 851, (0.7,))
+    yield from screen.click_on("vibe.revert", 600, (0.7,))
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "revert")
     yield from screen.away()
     screen.shoot("reverted")
@@ -145,20 +149,19 @@ def locks(screen):
     from bl_ext.user_default.vibe_render.run.state import addon_state
 
     settings, key = bpy.context.scene.vibe, "light/Key/power"
-    yield from screen.click_on(f'vibe.lock(key="{key}"', 931, (0.82, 0.84, 0.8))
+    yield from header(screen, CHANGES, "vibe.preset_save")
+    yield from screen.click_on(f'vibe.lock(key="{key}"', 524, (0.82, 0.84, 0.8))
     yield from screen.wait(lambda: key in settings.locks, 30, "a lock for one value")
     yield from screen.away()
     screen.shoot("one_lock")
-    # The list of changes is closed: its header, which says nothing of itself, is above the first of its locks.
-    yield from screen.click_at(observed["found"][f'vibe.lock(key="{key}"'][1] - 54, 0.3)
-    yield from screen.click_on("change_volume", 971, (0.72,))
+    yield from screen.click_on("change_volume", 800, (0.72,))
     yield from screen.wait(lambda: not settings.change_volume, 30, "a lock for the fog")
     yield from screen.away()
     screen.shoot("group_lock")
     power, kept = values()["Key.energy"], locked_values(key)
-    yield from screen.click_on("vibe.run(again=True)", 851, (0.2,))
-    yield from screen.wait(lambda: addon_state.running, 60, "Again starts")
-    yield from screen.wait(lambda: not addon_state.running, 900, "Again ends")
+    yield from screen.click_on("vibe.run(again=True)", 500, (0.2,))
+    yield from screen.wait(lambda: addon_state.running, 60, "Retry starts")
+    yield from screen.wait(lambda: not addon_state.running, 900, "Retry ends")
     yield from screen.away()
     screen.shoot("again")
     observed["locked_stays"] = values()["Key.energy"] == power
@@ -184,7 +187,7 @@ def questions(screen):
     effort(1, 2)
     bpy.ops.ed.undo_push(message="Share")
     for answer in ("ALL", "SINGLE"):
-        yield from screen.click_on("vibe.run", 236)
+        yield from screen.click_on("vibe.run", 227)
         yield from screen.wait(
             lambda: addon_state.session and addon_state.session.question, 120, "the question"
         )
@@ -236,9 +239,9 @@ def live(screen):
 
     before = values()
     effort(20, 60, 256)
-    yield from screen.click_on("vibe_live", 118, (0.85, 0.8, 0.9))
+    yield from screen.click_on("vibe_live", 227, (0.85, 0.8, 0.9))
     observed["live_looks"] = []
-    yield from screen.click_on("vibe.prompt", 153)
+    yield from screen.click_on("vibe.prompt", 117)
     for text in ("misty night", ", cool blue fog", ", glossy red monkey"):
         screen.type(text)
         typed, last = time.monotonic(), addon_state.live and addon_state.live.look
@@ -256,7 +259,7 @@ def live(screen):
     screen.press("Escape", "Escape")
     yield from screen.wait(lambda: not addon_state.running, 600, "Esc ends it")
     observed["live_restores"] = values() == before and not preview.exists(bpy.context.scene)
-    yield from screen.click_on("vibe.prompt", 153)
+    yield from screen.click_on("vibe.prompt", 117)
     screen.press("End")
     screen.type(", vignette")
     yield from screen.wait(lambda: preview.exists(bpy.context.scene), 300, "a look after the search")
@@ -315,6 +318,8 @@ WAYS = {
         still,
         words,
         further,
+        tour,
+        tour_double,
     )
 }
 

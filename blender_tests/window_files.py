@@ -8,9 +8,11 @@ import shutil
 from pathlib import Path
 
 import bpy
-from window_steps import confirm
+from window_steps import confirm, header
 
 NAME = "Blue Night"
+PRESETS = 40
+"""The header of the presets, below that of Save Preset."""
 
 
 def files(screen):
@@ -34,9 +36,11 @@ def a_preset_of_ones_own(screen):
     """Saved under a name that ours has, and renamed by typing."""
     from bl_ext.user_default.vibe_render.looks import library
 
+    yield from header(screen, PRESETS, "vibe.preset_save", 580)
+
     held = bpy.context.window_manager.vibe_presets
     ours = held.chosen
-    yield from screen.click_on("vibe.preset_save", 930, (0.7,))
+    yield from screen.click_on("vibe.preset_save", 580, (0.7,))
     yield 0.7
     screen.shoot("save")
     yield from confirm(screen, lambda: held.chosen != ours, "the preset is saved")
@@ -118,8 +122,7 @@ def choose(screen, below):
 
 def presets_menu(screen, below):
     """An entry of the menu of all presets: so many pixels below its button."""
-    yield from screen.find("vibe.look_for_engine", 430)
-    row = screen.observed["found"]["vibe.look_for_engine"][1] + 39
+    row = (yield from screen.top_of("vibe.preset_save", 580)) + PRESETS
     yield from screen.open(row, 0.79)
     yield from screen.click_at(row + below, 0.98)
 

@@ -3,7 +3,7 @@
 
 import bpy
 from window_scene import another_scene, values
-from window_steps import a_result, confirm
+from window_steps import PRESETS, a_result, confirm, header
 
 
 def presets(screen):
@@ -15,7 +15,7 @@ def presets(screen):
     yield from screen.scroll(5, 8)
     yield from screen.away()
     screen.shoot("what_changed")
-    yield from screen.click_on("vibe.preset_save", 740, (0.7,))
+    yield from screen.click_on("vibe.preset_save", 700, (0.7,))
     yield 0.5
     screen.shoot("save")
     held = bpy.context.window_manager.vibe_presets
@@ -23,7 +23,7 @@ def presets(screen):
     yield from screen.away()
     screen.shoot("saved")
     screen.observed["saved"] = library.preset_at(held.chosen).name
-    yield from screen.click_on("vibe.keep", 713, (0.2,))
+    yield from screen.click_on("vibe.keep", 600, (0.2,))
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "it is kept")
     yield from screen.away()
     screen.shoot("kept")
@@ -35,8 +35,9 @@ def presets(screen):
     screen.area.spaces.active.region_3d.view_perspective = "CAMERA"
     before = values()
     yield 0.5
-    top = yield from screen.top_of("vibe.run", 280)
-    yield from screen.click_at(top + 87, 0.45)  # Browse: a popover's button says nothing of itself
+    yield from header(screen, PRESETS)
+    top = yield from screen.top_of("vibe.run", 227)
+    yield from screen.click_at(top + 91, 0.45)  # Browse: a popover's button says nothing of itself
     yield 1.5
     screen.shoot("grid")
     yield from search(screen, held, top)
@@ -55,13 +56,13 @@ def search(screen, held, top):
     """Words are typed into the grid's search field, and pictures' buttons are clicked; it is below Browse."""
     from bl_ext.user_default.vibe_render.looks import library
 
-    yield from screen.click_at(top + 127, 0.45)
+    yield from screen.click_at(top + 131, 0.45)
     screen.type("misty")
     screen.press("Return")
     yield 1.0
     own = held.chosen
     for number, place in enumerate((0.18, -0.3)):  # the second and the first of those that are left
-        yield from screen.click_at(top + 267, place)
+        yield from screen.click_at(top + 271, place)
         yield from screen.wait(lambda n=number: (held.chosen == own) == bool(n), 30, "a picture is chosen")
         yield 0.7
         screen.shoot(f"search_{number + 1}")

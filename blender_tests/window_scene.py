@@ -74,7 +74,7 @@ def _plain(socket):
 def effort(rounds, steps, size=192):
     """How long the next vibe takes."""
     settings = bpy.context.scene.vibe
-    settings.budget, settings.rounds, settings.steps, settings.size = "CUSTOM", rounds, steps, size
+    settings.effort, settings.rounds, settings.steps, settings.size = "CUSTOM", rounds, steps, size
 
 
 def same(now, then, after):

@@ -32,6 +32,11 @@ class Screen:
         self.window, self.area = next((w, a) for w in windows for a in w.screen.areas if a.type == kind)
 
     @property
+    def scale(self):
+        """How large everything is; pixels in the ways are for 1."""
+        return bpy.context.preferences.system.ui_scale
+
+    @property
     def sidebar(self):
         """The region that our panels are in: the viewport's sidebar, or the whole of other editors."""
         kind = "UI" if self.area.type == "VIEW_3D" else "WINDOW"
@@ -90,18 +95,18 @@ class Screen:
 
         Args:
             what: Its property, or a part of its operator's call.
-            near: Where to begin, in pixels below the window's top; a busy machine takes a second for each look.
+            near: Where to begin, in pixels (at a scale of 1) below the window's top; a busy machine takes a second for each look.
             places: Across the sidebar, in parts of its width.
         """
         if self._scrolled:
             yield from self.scroll(4, 100)
-        met = set()
+        met, row = set(), round(ROW * self.scale)
         for page in range(4):
             region = self.sidebar
-            rows = [*range(region.y + 8, region.y + region.height - 24, ROW)]
-            start = self.window.height - near if near and not page else rows[-1]
+            rows = [*range(region.y + 8, region.y + region.height - 24, row)]
+            start = self.window.height - near * self.scale if near and not page else rows[-1]
             looks = product(places, sorted(rows, key=lambda y: abs(y - start)))
-            for x, y in sorted(looks, key=lambda look: abs(look[1] - start) > 4 * ROW):  # around it first
+            for x, y in sorted(looks, key=lambda look: abs(look[1] - start) > 4 * row):  # around it first
                 self.move(region.x + region.width * x, y)
                 yield 0.05
                 yield 0.05  # Blender has been round once more, and knows where the mouse is

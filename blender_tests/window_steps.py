@@ -6,6 +6,10 @@ import time
 import bpy
 from window_scene import effort
 
+PRESETS, AFFECT, ADVANCED, REFERENCE_IMAGE = 60, 88, 116, -65
+"""Headers of closed panels, pixels below the upper edge of Vibe It."""
+CHANGES = -16
+"""The header of the changes, below that of Save Preset."""
 PROMPT = "misty night, cool blue fog, glossy red monkey, vignette"
 
 
@@ -27,7 +31,7 @@ def running(screen):
 
     bpy.context.scene.vibe.prompt = PROMPT
     effort(20, 60, 256)
-    yield from screen.click_on("vibe.run", 236)
+    yield from screen.click_on("vibe.run", 227)
     yield from screen.wait(lambda: addon_state.running, 60, "Vibe It starts")
     yield from first_look(screen)
     yield from screen.wait(lambda: addon_state.session.progress, 900, "progress is seen")
@@ -56,10 +60,17 @@ def a_result(screen, variants=1):
     effort(1, 4)
     bpy.context.scene.vibe.variants, bpy.context.scene.vibe.prompt = variants, PROMPT
     bpy.ops.ed.undo_push(message="Words")
-    yield from screen.click_on("vibe.run", 236)
+    yield from screen.click_on("vibe.run", 227)
     yield from screen.wait(lambda: addon_state.running, 60, "Vibe It starts")
     yield from screen.wait(lambda: not addon_state.running, 900, "the vibe ends")
     yield from screen.away()
+
+
+def header(screen, below, above="vibe.run", near=227):
+    """Opens the panel whose header is so many pixels below a button's upper edge, which is returned; headers say nothing of themselves."""
+    top = yield from screen.top_of(above, near)
+    yield from screen.open(top + below * screen.scale, 0.4)
+    return top
 
 
 def confirm(screen, condition, what):

@@ -5,13 +5,15 @@ import shutil
 
 import bpy
 from window_scene import same, values
+from window_steps import header
 
 EARLIER = ("golden hour, soft haze", "noir, one hard light")
 KEY = "light/Key/power"
 
 
 def without_engine(screen):
-    """The panel, earlier prompts, single locks, a preset compared and dimmed, the properties editor, the preferences."""
+    """The panel, earlier prompts, single locks, a preset compared, dimmed and reverted, the preferences."""
+    from bl_ext.user_default.vibe_render.scene import snapshot
     from bl_ext.user_default.vibe_render.ui.engine_state import engine_state
 
     yield from screen.wait(lambda: engine_state.problem, 60, "no engine is found")
@@ -23,7 +25,9 @@ def without_engine(screen):
     before = values()
     yield from a_preset(screen)
     yield from compared(screen, before, values())
-    yield from in_the_properties(screen, before, values())
+    yield from screen.click_on("vibe.revert", 700, (0.7,))
+    yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "revert")
+    screen.observed["revert_restores"] = values() == before
     yield from preferences(screen, engine_state)
 
 
@@ -51,7 +55,8 @@ def earlier_prompts(screen):
 def single_values(screen):
     """The list is opened, a value locked in it, and all set free."""
     locks = bpy.context.scene.vibe.locks
-    yield from screen.find("new_lights", 709)
+    yield from header(screen, 79, "vibe.look_for_engine")  # Affect
+    yield from screen.find("new_lights", 620)
     yield from screen.open(screen.observed["found"]["new_lights"][1] + 32, 0.4)
     yield from screen.wait(lambda: bpy.context.window_manager.vibe_values.rows, 30, "the list")
     yield from screen.away()
@@ -67,21 +72,18 @@ def single_values(screen):
 
 
 def a_preset(screen):
-    """One of the pictures is applied with its tick."""
+    """One of the presets is applied with the button next to its name."""
     from bl_ext.user_default.vibe_render.looks import library
     from bl_ext.user_default.vibe_render.scene import snapshot
 
     shutil.rmtree(
         library.preset_folder(), ignore_errors=True
     )  # so that ours are at the same places every time
-    yield from screen.find("vibe.look_for_engine", 430)
-    row = screen.observed["found"]["vibe.look_for_engine"][1]
-    yield from screen.click_at(
-        row + 70, 0.45
-    )  # Browse; its grid opens upward, where nothing tells that it is there
+    top = yield from header(screen, 51, "vibe.look_for_engine", 375)
+    yield from screen.click_at(top + 82, 0.45)  # Browse; nothing tells that its grid is there
     yield 1.5
     screen.shoot("grid")
-    yield from screen.click_at(row - 131, 0.4)  # Moonlight: the grid opens upward
+    yield from screen.click_at(top + 402, 0.4)  # Moonlight
     yield from screen.wait(lambda: snapshot.exists(bpy.context.scene), 60, "the preset is applied")
     screen.observed["preset"] = bpy.context.scene.vibe.vibed_preset
     screen.press("Escape")
@@ -115,25 +117,6 @@ def compared(screen, before, after):
     screen.shoot("rendered")
     shading.type = "SOLID"
     screen.observed["rendered"] = True
-
-
-def in_the_properties(screen, before, after):
-    """The same panels among the render properties; the look is reverted there."""
-    from bl_ext.user_default.vibe_render.scene import snapshot
-
-    screen.look("PROPERTIES")
-    screen.area.spaces.active.context = "RENDER"
-    yield 1.0
-    yield from screen.open(840, 0.3)
-    yield from screen.scroll(5, 11)
-    yield 1.0
-    screen.shoot("properties")
-    yield from screen.click_on("vibe.revert", 700, (0.7,))
-    yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "revert")
-    yield 0.5
-    screen.shoot("properties_reverted")
-    screen.observed["revert_restores"] = values() == before
-    screen.look()
 
 
 def preferences(screen, engine_state):

@@ -17,7 +17,7 @@ def words(screen):
     )
     yield 1.0
     screen.shoot("marks")
-    yield from screen.click_on("vibe.reading", 185, (0.12, 0.3, 0.5))
+    yield from screen.click_on("vibe.reading", 143, (0.12, 0.3, 0.5))
     yield 1.0
     screen.shoot("menu")
     screen.press("End")
@@ -31,7 +31,7 @@ def words(screen):
     screen.observed["states"] = {word.text: word.state for word in addon_state.readings.newest.words}
     yield 1.0
     screen.shoot("told")
-    yield from screen.click_on("vibe.reading", 185, (0.12, 0.3, 0.5))
+    yield from screen.click_on("vibe.reading", 143, (0.12, 0.3, 0.5))
     yield 1.0
     screen.shoot("menu_again")
     screen.press("Escape")
@@ -39,3 +39,13 @@ def words(screen):
     yield 0.3
     bpy.ops.vibe.recall(prompt="glossy red monkey")
     screen.observed["recalled"] = settings.target_pairs()
+    settings.targets.clear()
+    settings.prompt = "glosy monkey, flubbery light"
+    screen.sidebar.tag_redraw()
+    yield from screen.away()
+    yield from screen.wait(
+        lambda: addon_state.readings.newest.prompt == settings.prompt, 60, "unknown words are read"
+    )
+    yield 1.0
+    screen.shoot("unknown")
+    screen.observed["unknown"] = {word.text: word.state for word in addon_state.readings.newest.words}

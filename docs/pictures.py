@@ -13,8 +13,9 @@ gallery/       vibe batch examples/batch.toml --out out/gallery, after the scene
 rigs.jpg       vibe batch rigs.toml --out out/rigs: four scenes, and the prompts of `RIGS`
 results/       results.json of out/sealed, and of out/sealed-long (`python -m lab sealed --long --out out/sealed-long`)
 tutorial/      the tutorial's own commands
-
-Those of the panel are screenshots, made by hand.
+panel.jpg, progress.jpg
+               screenshots of the window test (needs a Blender with a window):
+               VIBE_WINDOW_OUT=out/window python -m pytest -m slow blender_tests/ui/test_window.py -k tour
 """
 
 import json
@@ -80,6 +81,16 @@ FAILURES = {
 }
 """Prompts of the gallery whose result is not worth keeping, by scene."""
 
+PANEL = {
+    "marks": (1790, 160, 2306, 712),
+    "result": (1790, 160, 2306, 1630),
+    "changes": (1790, 160, 2306, 1630),
+}
+"""Screenshots of panel.jpg, from left to right, and what is cut out of each: left, top, right, bottom."""
+
+PROGRESS = (0, 25, 1185, 815)
+"""What is cut out of the screenshot of progress.jpg, at the usual scale."""
+
 _SIDE, _GAP = 128, 6
 
 
@@ -98,9 +109,28 @@ def main(folder: Path) -> None:
         gallery(folder / "gallery" / "jobs")
     if (folder / "rigs").is_dir():
         save(rigs(folder / "rigs" / "jobs"), "rigs.jpg")
+    if (folder / "window" / "tour_double").is_dir():
+        panel(folder / "window")
     scenes = [folder / "fidelity" / "scenes" / name for name in SCENES]
     if all(scene.is_dir() for scene in scenes):
         save(beside(scenes), "fidelity.jpg")
+
+
+def panel(shots: Path) -> None:
+    """The panel in columns, and a vibe that runs."""
+
+    def cut(shot: str, box: tuple[int, ...], scale: float) -> Image.Image:
+        part = Image.open(next(shots.glob(shot))).convert("RGB").crop(box)
+        return part.resize([round(side * scale) for side in part.size], Image.Resampling.LANCZOS)
+
+    columns = [cut(f"tour_double/*_{name}.png", box, 0.7) for name, box in PANEL.items()]
+    width, height = sum(c.width + _GAP for c in columns) - _GAP, max(c.height for c in columns)
+    sheet, left = Image.new("RGB", (width, height), "white"), 0
+    for column in columns:
+        sheet.paste(column, (left, 0))
+        left += column.width + _GAP
+    save(sheet, "panel.jpg")
+    save(cut("tour/*_running.png", PROGRESS, 0.75), "progress.jpg")
 
 
 def rigs(jobs: Path) -> Image.Image:

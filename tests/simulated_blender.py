@@ -16,7 +16,11 @@ from pathlib import Path
 from PIL import Image
 
 REPORT = {
-    "similarity": {"before": 0.1, "after": 0.25},
+    "verdicts": [
+        {"word": "misty", "state": "visible"},
+        {"word": "noir", "state": "missed"},
+        {"word": "", "state": "missed"},
+    ],
     "delta_e": 0.5,
     "parameters": {
         "world/strength": {"before": 0.3, "after": 0.1, "reason": "noir: a dark world"},

@@ -7,11 +7,13 @@ import importlib.util
 import re
 import runpy
 import shlex
+import tomllib
 from pathlib import Path
 
 import pytest
 from imports import modules
 
+from proxy_renderer import __version__
 from proxy_renderer.cli.main import _arguments
 from proxy_renderer.schema import VibeError
 
@@ -153,6 +155,15 @@ def test_a_release_needs_its_entry_in_the_changelog(capsys):
     assert "Added" in capsys.readouterr().out
     assert main("v0.0.1") == 1
     assert "0.0.1" in capsys.readouterr().err
+
+
+def test_the_extension_has_the_version_of_the_code_and_names_the_oldest_blender_that_is_tested():
+    manifest = tomllib.loads(text("addon/vibe_render/blender_manifest.toml"))
+    assert manifest["version"] == __version__
+    needed = tomllib.loads(text("pyproject.toml"))["project"]["dependencies"]
+    tested = sorted(re.search(r"==(\d+\.\d+)", line)[1] for line in needed if line.startswith("bpy"))
+    assert manifest["blender_version_min"] == f"{tested[0]}.0"
+    assert all(f"Blender {version} LTS" in text("docs/install.md") for version in tested)
 
 
 def test_the_checks_can_fail():

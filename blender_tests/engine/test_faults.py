@@ -41,7 +41,7 @@ def test_the_vibe_of_one_scene_stays_out_of_another(addon):
     assert "is gone" in fails(running)
     assert not snapshot.exists(other)
     settings = other.vibe
-    settings.prompt, settings.budget, settings.anchor = "blue cube", "CUSTOM", False
+    settings.prompt, settings.effort, settings.anchor = "blue cube", "CUSTOM", False
     settings.rounds, settings.steps, settings.size = 1, 2, 64
     assert bpy.ops.vibe.run() == {"FINISHED"}  # and what comes is not the answer that the first one left
     assert "material/Body" not in " ".join(change.name for change in settings.changes)

@@ -1,8 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Set Up Engine: a real environment made by real pip, from wheels on disk in place of the package indices."""
 
+import functools
+import http.server
+import os
 import shutil
 import subprocess
+import sys
+import threading
 import time
 import zipfile
 from collections import namedtuple
@@ -187,6 +192,30 @@ def test_what_is_downloaded_is_said_with_its_source_and_size(tmp_path, monkeypat
     assert f"{torch_builds.CPU.download} GB to download" in small
     assert f"{torch_builds.CUDA.disk} GB in {tmp_path}" in large
     assert "No NVIDIA card was found" in large
+
+
+@pytest.mark.slow
+def test_a_download_shows_its_size_and_how_far_it_is(wheel, tmp_path, monkeypatch):
+    """From a folder of wheels behind a server on the loopback address."""
+    with zipfile.ZipFile(wheel, "a") as file:
+        file.writestr("torch/weights.bin", os.urandom(3_000_000))
+    handler = functools.partial(http.server.SimpleHTTPRequestHandler, directory=tmp_path)
+    seen = []
+    follow = setup.EngineSetup._follow
+
+    def followed(environment, line):
+        follow(environment, line)
+        seen.append((environment.text, environment.fraction))
+
+    monkeypatch.setattr(setup.EngineSetup, "_follow", followed)
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        monkeypatch.setenv("PIP_FIND_LINKS", f"http://127.0.0.1:{server.server_port}/")
+        setup.EngineSetup(tmp_path / "engine", ["stand-in"], torch_builds.CUDA).finish()
+        server.shutdown()
+    assert ("Downloading stand_in (3.0 MB)", 0.0) in seen
+    if sys.version_info >= (3, 13):  # older Pythons bring a pip that reports no progress
+        assert ("Downloading stand_in (3.0 MB)", 1.0) in seen
 
 
 def test_downloads_are_followed():

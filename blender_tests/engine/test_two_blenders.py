@@ -21,7 +21,7 @@ from dump import contents, difference
 vibe_render.register()
 bpy.ops.wm.open_mainfile(filepath=sys.argv[1])
 settings, before = bpy.context.scene.vibe, contents()
-settings.prompt, settings.budget = "glossy teal box, vignette", "CUSTOM"
+settings.prompt, settings.effort = "glossy teal box, vignette", "CUSTOM"
 settings.rounds, settings.steps, settings.size = 1, 2, 48
 assert bpy.ops.vibe.run() == {"FINISHED"}
 values = {change.name: list(change.values()[1]) for change in settings.changes}

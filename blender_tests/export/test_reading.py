@@ -56,7 +56,7 @@ def test_changes_while_the_scene_is_read(addon, change):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     studio(bpy.context.scene)
     settings = bpy.context.scene.vibe
-    settings.prompt, settings.budget, settings.anchor = "dusk, red light", "CUSTOM", True
+    settings.prompt, settings.effort, settings.anchor = "dusk, red light", "CUSTOM", True
     settings.rounds, settings.steps, settings.size = 1, 2, 64
     running = halfway()
     CHANGES[change]()

@@ -5,6 +5,7 @@ import bpy
 import pytest
 import small_scenes as scenes
 from dump import difference, dump
+from vibe_render.run.session import Session
 from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.prepare import separate_materials, shared_materials
 
@@ -94,3 +95,15 @@ def test_a_copy_whose_objects_are_gone_is_not_made(scene):
     before, key = dump(), f"material/{material_copies.copy_name('Body', ['Gone'])}/roughness"
     assert [*bindings.write(scene, {key: (0.9,)}, subject, PIVOT)] == [key]
     assert difference(before, dump()) == {}
+
+
+def test_nothing_is_asked_where_no_material_may_change(addon):
+    body, floor = bpy.data.materials["Body"], bpy.data.objects["Floor"]
+    subject = [obj for obj in addon.objects if any(slot.material == body for slot in obj.material_slots)]
+    floor.data.materials[0] = body
+    session = object.__new__(Session)
+    session.shared, session._find_scene, session.subject = "ASK", lambda: addon, lambda scene: subject
+    assert next(session._ask_about_shared()) == "Waiting for your answer"
+    assert session.question == {"Body": ["Floor"]}
+    addon.vibe.change_material = False
+    assert list(session._ask_about_shared()) == []

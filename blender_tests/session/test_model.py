@@ -80,7 +80,7 @@ def test_a_vibe_from_the_panel_with_the_key_of_the_preferences(installed, tmp_pa
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     studio(scene)
     scene.vibe.prompt = "glossy red cube"
-    scene.vibe.budget, scene.vibe.rounds, scene.vibe.steps, scene.vibe.size = "CUSTOM", 2, 1, 64
+    scene.vibe.effort, scene.vibe.rounds, scene.vibe.steps, scene.vibe.size = "CUSTOM", 2, 1, 64
 
     def dying(body, number):
         bloom = {"parameter": "film/glare", "lower": [0.3], "upper": [0.5], "priority": 1, "reason": "dreamy"}

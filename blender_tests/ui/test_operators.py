@@ -56,7 +56,7 @@ def test_toggles_are_the_schemas_groups(addon):
 
 def test_options_are_what_the_engine_takes(addon):
     addon.vibe.lock = " light/Key, */metallic ,"
-    addon.vibe.budget = "QUICK"
+    addon.vibe.effort = "QUICK"
     options = addon.vibe.engine_options(bpy.context)
     assert options.lock == ("light/Key", "*/metallic")
     assert (options.rounds, options.steps, options.size) == (3, 8, 256)
@@ -72,7 +72,7 @@ def test_run_says_what_is_in_its_way(addon):
     assert obstacle(bpy.context) == ""
     for group in GROUPS:
         setattr(addon.vibe, f"change_{group}", False)
-    assert "Nothing may change" in obstacle(bpy.context)
+    assert "Unlock at least one" in obstacle(bpy.context)
     assert not bpy.ops.vibe.run.poll()
 
 
@@ -193,7 +193,7 @@ def engine():
 def warm(addon, engine):
     """A scene to vibe, with the warm engine."""
     studio(addon)
-    addon.vibe.prompt, addon.vibe.budget = PROMPT, "CUSTOM"
+    addon.vibe.prompt, addon.vibe.effort = PROMPT, "CUSTOM"
     addon.vibe.rounds, addon.vibe.steps, addon.vibe.size = 1, 2, 64
     addon_state._engine, addon_state._engine_choice = engine, engine_choice(bpy.context)
     yield addon
@@ -339,6 +339,14 @@ def test_unregister_ends_the_engine(cold):
 def test_wrong_engine_is_refused(tmp_path):
     with pytest.raises(VibeError, match="no Vibe engine"):
         Engine(str(tmp_path)).start()
+
+
+def test_a_file_that_is_opened_ends_neither_search_nor_start_of_the_engine(addon, tmp_path):
+    engine_state.search(str(tmp_path), again=True)
+    setup.warm_up_soon()
+    bpy.ops.wm.read_homefile(use_factory_startup=True)
+    assert bpy.app.timers.is_registered(engine_state._timer)
+    assert bpy.app.timers.is_registered(setup._warm_up)
 
 
 def test_the_engine_starts_once_when_a_panel_is_drawn(addon):

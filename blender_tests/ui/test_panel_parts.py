@@ -126,7 +126,7 @@ def test_reasons_are_short_where_a_word_says_it(reason, short):
         (0.04, "CYCLES", "matches Cycles (color difference 0.1)", True),
         (1.0, "CYCLES", "is close to Cycles", True),
         (3.2, "CYCLES", "differs from Cycles", False),
-        (0.1, "BLENDER_EEVEE", "shows Cycles; other engines differ", False),
+        (0.1, "BLENDER_EEVEE", "Preview is Cycles. EEVEE may look different", False),
     ],
 )
 def test_agreement_is_said_in_words_and_of_cycles_alone(difference, engine, words, good):
@@ -144,7 +144,7 @@ def test_moving_strength_shows_the_look_again(addon):
 def test_properties_of_options_come_from_the_table(addon):
     """A made-up option has one; those of the panel and of the preferences have their titles, bounds and defaults."""
     sparkle = Option(
-        "sparkle", 3, "how much", "budget", bounds=(1, 9), panel=Panel("Sparkle", "How much", (1, 5))
+        "sparkle", 3, "how much", "effort", bounds=(1, 9), panel=Panel("Sparkle", "How much", (1, 5))
     )
     extended = declare("Extended", preferences=False, table=(*TABLE, sparkle))
     sparkling = type("VibeSparkling", (extended, bpy.types.PropertyGroup), {})
@@ -172,7 +172,7 @@ def test_properties_of_options_come_from_the_table(addon):
 
 
 def test_the_engine_is_told_what_the_panel_and_the_preferences_hold(addon):
-    addon.vibe.budget = "CUSTOM"
+    addon.vibe.effort = "CUSTOM"
     addon.vibe.rounds, addon.vibe.top_k, addon.vibe.anchor = 7, 5, False
     addon.vibe.lock = "light/Key, film/exposure"
     told = addon.vibe.engine_options(bpy.context)

@@ -135,7 +135,7 @@ def test_a_further_sentence_searches_from_the_result(addon):
     studio(addon)
     before = contents()
     settings = addon.vibe
-    settings.prompt, settings.budget, settings.anchor = "glossy red cube, warm light", "CUSTOM", False
+    settings.prompt, settings.effort, settings.anchor = "glossy red cube, warm light", "CUSTOM", False
     settings.rounds, settings.steps, settings.size = 2, 4, 64
     assert bpy.ops.vibe.run() == {"FINISHED"}
     first = bindings.read(addon, (), PIVOT)

@@ -117,7 +117,7 @@ class _Simulated:
 
     def run(self, job: Job, folder: Path) -> JobRow:
         tidy(folder)
-        row = head(job) | {"status": "done", "similarity": 0.2, "similarity_before": 0.1, "delta_e": 1.0}
+        row = head(job) | {"status": "done", "visible": ["misty"], "missed": ["noir"], "delta_e": 1.0}
         row |= {"seconds": 60.0, "seconds_loop": 40.0, "seconds_cycles": 10.0, "memory_gb": 2.0}
         write_json(folder / DONE, row)
         return row

@@ -211,7 +211,7 @@ def _like(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--words", action="store_true", help="vibe in words as well where a look is recovered, for the time"
     )
-    command_line.add_option(sub, named("budget"))
+    command_line.add_option(sub, named("effort"))
     _small_pictures(sub)
 
 

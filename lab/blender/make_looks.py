@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Makes the looks that come with Vibe Render, with Vibe Render: one vibe for each prompt of `looks.toml`.
 
-    python -m lab.blender.make_looks [--only NAME] [--budget …] [--out DIR]
+    python -m lab.blender.make_looks [--only NAME] [--effort …] [--out DIR]
 
 What follows is handed to every vibe, as on the command line of `vibe run`. Materials and cameras stay as they are:
 these are moods of light, air and film, which fit any scene.

@@ -12,10 +12,10 @@ from typing import TextIO
 
 from ..schema import atomic
 from .manifest import BatchPlan
-from .store import JobRow, Store, unwritable
+from .store import WORDS, JobRow, Store, unwritable
 
 FIELDS = (
-    "name", "scene", "prompt", "seed", "status", "similarity", "similarity_before", "delta_e",
+    "name", "scene", "prompt", "seed", "status", *WORDS, "delta_e",
     "seconds", "seconds_loop", "seconds_cycles", "memory_gb", "attempts", "frames", "shots", "variants", "final_error", "error", "remedy", "folder",
 )  # fmt: skip
 FILES = {
@@ -55,7 +55,7 @@ class Sheet:
             page.write(before)
             for row in self._store.rows(self._plan):
                 full = complete(row)
-                table.writerow(full | {"shots": " | ".join(full["shots"] or [])})
+                table.writerow(full | {key: " | ".join(full[key] or []) for key in (*WORDS, "shots")})
                 lines.write(json.dumps(full, ensure_ascii=False) + "\n")
                 short = {k: row[k] for k in FIELDS if row.get(k) not in (None, "")}
                 text = json.dumps(short, ensure_ascii=False)

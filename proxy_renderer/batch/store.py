@@ -29,6 +29,12 @@ from .manifest import Job, Jobs, Take
 JobRow = dict[str, Any]
 DONE, FAILED, LOG = "done.json", "failed.json", "log.txt"
 FINAL, FRAMES = "final.json", "frames"
+WORDS = (
+    "visible",
+    "already",
+    "unmeasured",
+    "missed",
+)  # lists of a row: words by state, as in the report's `verdicts`
 TOKEN = "batch.json"  # names this results folder: do two machines see the same one?
 
 

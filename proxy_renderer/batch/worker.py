@@ -26,7 +26,7 @@ from ..blender.launch import blender_side, environment
 from ..blender.meshes import prepared
 from ..schema import VibeError, labels
 from .manifest import Job, Limits
-from .store import DONE, FINAL, FRAMES, LOG, JobRow, head, read_json, tidy, write_bytes, write_json
+from .store import DONE, FINAL, FRAMES, LOG, WORDS, JobRow, head, read_json, tidy, write_bytes, write_json
 
 _THUMB = 480  # pixels, the longer side
 _PICTURES = ("before", "after")
@@ -45,8 +45,7 @@ def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
     laps = report.get("timings", {})
     row = head(job) | {
         "status": "done",
-        "similarity": report["similarity"]["after"],
-        "similarity_before": report["similarity"]["before"],
+        **{state: _words(report, state) for state in WORDS},
         "delta_e": report["delta_e"],
         "seconds": round(seconds, 2),
         "seconds_loop": laps.get(_ENGINE, 0.0),
@@ -66,6 +65,11 @@ def leave_frames(job: Job, folder: Path, memory_gb: float, seconds: float) -> Jo
     row |= {"seconds": round(seconds, 2), "memory_gb": memory_gb}
     write_json(folder / FINAL, row)
     return row
+
+
+def _words(report: dict[str, Any], state: str) -> list[str]:
+    """The words of a state, in the first shot."""
+    return [row["word"] for row in report["verdicts"] if row["state"] == state and row["word"]]
 
 
 def _thumb(folder: Path, name: str) -> None:

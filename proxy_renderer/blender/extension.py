@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Builds the extension's zip, and installs it. Blender's own tools do both.
+"""Builds the extension's zip, installs it, and indexes it for Blender's preferences. Blender's own tools do all three.
 
 The zip holds the add-on, the schema that it reads, and the engine's code, which Blender never imports: the
 engine is a process of its own, for which the add-on's *Set Up Engine* makes an environment.
@@ -40,6 +40,17 @@ def build(out: Path) -> Path:
         _ask(tool, "build", "--source-dir", str(package), "--output-dir", scratch)
         _ask(tool, "validate", str(archive := next(Path(scratch).glob("*.zip"))))
         return _deliver(archive, out)
+
+
+def repository(out: Path) -> Path:
+    """Builds the extension into a folder, in place of its older versions, and returns the index that Blender subscribes to."""
+    archive = build(out)
+    for older in set(out.glob("vibe_render-*.zip")) - {
+        archive
+    }:  # of two versions, Blender installs the first
+        older.unlink()
+    _ask(_blender_tool(), "server-generate", "--repo-dir", str(out))
+    return out / "index.json"
 
 
 def install(blender: str = "") -> str:

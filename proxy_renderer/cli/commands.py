@@ -18,7 +18,7 @@ from ..schema.options.table import named
 from ..schema.sentences import about_steps, plain
 
 DEMO_PROMPT = "Glossy teal on a pale sand background, warm soft light, slight vignette"
-_HOW = ("picture", "budget", "reach", "engine", "render")  # headings of options for whatever scene
+_HOW = ("picture", "effort", "reach", "engine", "render")  # headings of options for whatever scene
 
 
 def _add_scene(parser: argparse.ArgumentParser, optional: bool = False) -> None:
@@ -45,7 +45,7 @@ def _run_options(parser: argparse.ArgumentParser) -> None:
     )
     command_line.add_option(parser, named("prompt"))
     command_line.add_option(parser, named("then"))
-    _add_out(parser, "folder for pictures, .blend and report")
+    _add_out(parser, "folder for images, .blend and report")
     command_line.add_option(parser, named("stage"), default="")
     command_line.add_options(parser, ("shots", *_HOW))
 
@@ -59,7 +59,7 @@ def _run(a: argparse.Namespace) -> int:
 
 
 def _demo_options(parser: argparse.ArgumentParser) -> None:
-    shown = f"the look (default: {DEMO_PROMPT}; with a picture: none)"
+    shown = f"the look (default: {DEMO_PROMPT}; with a reference image: none)"
     command_line.add_option(parser, named("prompt"), default=None, help=shown)
     command_line.add_option(parser, named("then"))
     _add_out(parser, "folder (default: %(default)s)", "demo")
@@ -272,18 +272,23 @@ def _doctor(a: argparse.Namespace) -> int:
 
 def _extension_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "action", choices=("build", "install"), help="make a .zip to install from disk, or install it at once"
+        "action",
+        choices=("build", "install", "repository"),
+        help="make a .zip to install from disk, install it at once, or make a .zip with the index that Blender subscribes to",
     )
-    _add_out(parser, "build: folder (default: %(default)s)", "dist")
+    _add_out(parser, "build, repository: folder (default: %(default)s)", "dist")
     parser.add_argument(
         "--blender", default="", metavar="PATH", help="install: into this Blender (default: the PATH's)"
     )
 
 
 def _extension(a: argparse.Namespace) -> int:
-    from ..blender.extension import build, install
+    from ..blender.extension import build, install, repository
 
-    print(install(a.blender) if a.action == "install" else f"Written: {build(a.out)}")
+    if a.action == "install":
+        print(install(a.blender))
+    else:
+        print(f"Written: {(build if a.action == 'build' else repository)(a.out)}")
     return 0
 
 
@@ -296,19 +301,27 @@ class Command(NamedTuple):
 
 
 COMMANDS = {
-    "run": Command("Give a scene the look that words describe, or a picture has.", _run_options, _run),
-    "demo": Command("See it work on a scene that it builds itself.", _demo_options, _demo),
+    "run": Command(
+        "Give a scene the look that words describe, or a reference image has.", _run_options, _run
+    ),
+    "demo": Command("Build a small test scene and give it a look.", _demo_options, _demo),
     "batch": Command("Give many scenes many looks, on this machine or on a cluster.", _batch_options, _batch),
     "flamenco": Command(
         "Install the job type that brings looks to a Flamenco farm.", _flamenco_options, _flamenco
     ),
-    "apply": Command("Give a scene the look that a preset holds, and render it.", _apply_options, _apply),
-    "revert": Command("Take every vibe out of a .blend again, exactly.", _revert_options, _revert),
-    "explain": Command("Say what the words mean to Vibe Render, and to a scene.", _explain_options, _explain),
+    "apply": Command("Give a scene the look of a preset, and render it.", _apply_options, _apply),
+    "revert": Command("Restore a .blend to its state before the first vibe.", _revert_options, _revert),
+    "explain": Command(
+        "Show how a prompt is understood and what it would change.", _explain_options, _explain
+    ),
     "vocabulary": Command(
         "Add words of your own, try them, and list what words there are.", _vocabulary_options, _vocabulary
     ),
     "doctor": Command("Check what is installed, and say what to fix.", lambda parser: None, _doctor),
-    "extension": Command("Build the Blender extension, or install it.", _extension_options, _extension),
+    "extension": Command(
+        "Build the Blender extension, install it, or publish it in a repository.",
+        _extension_options,
+        _extension,
+    ),
 }
 """In the order of the help."""

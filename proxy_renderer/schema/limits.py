@@ -27,11 +27,11 @@ BUDGETS = {
     "thorough": Budget(10, 20, 512, 6, "several starts, and time to refine"),
 }
 STANDARD = BUDGETS["standard"]
-NUMBERS = ("rounds", "steps", "size", "starts")  # what a budget decides, where nothing else does
+NUMBERS = ("rounds", "steps", "size", "starts")  # what the effort decides, where nothing else does
 
 
 def fill(options: Any) -> None:
-    """Sets the numbers of options that are None to those of their `budget`."""
+    """Sets the numbers of options that are None to those of their `effort`."""
     for name in NUMBERS:
         if getattr(options, name) is None:
-            setattr(options, name, getattr(BUDGETS[options.budget], name))
+            setattr(options, name, getattr(BUDGETS[options.effort], name))

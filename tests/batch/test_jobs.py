@@ -217,7 +217,8 @@ def test_the_tables_have_a_row_for_each_job(tmp_path):
     with (tmp_path / "results.csv").open(newline="") as file:
         cells = list(csv.DictReader(file))
     assert [r["status"] for r in lines] == [r["status"] for r in cells] == ["done", "failed"]
-    assert lines[0]["similarity"] == 0.25
+    assert (lines[0]["visible"], lines[0]["missed"], lines[0]["already"]) == (["misty"], ["noir"], [])
+    assert (cells[0]["visible"], cells[1]["visible"]) == ("misty", "")
     assert lines[0]["delta_e"] == 0.5
     assert all(
         (tmp_path / lines[0][kind]).is_file() for kind in ("before", "after", "blend", "preset", "report")

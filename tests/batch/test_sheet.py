@@ -71,6 +71,13 @@ def test_it_shows_every_job_and_a_prompt_is_only_text(page):
     assert "Use another." in failed
 
 
+def test_words_are_listed_by_what_the_render_shows_of_them(page):
+    said = page.locator(".card .verdict").first.inner_text()
+    assert said.splitlines() == ["Visible: misty", "Not visible: noir"]
+    assert page.locator(".card.failed .verdict").count() == 0
+    assert "match" not in page.locator("main").inner_text()
+
+
 def test_filters(page):
     page.select_option("#scene", SCENES[1])
     assert cards(page).count() == 6
@@ -86,7 +93,7 @@ def test_filters(page):
 
 
 def test_sorting_and_grouping(page):
-    page.select_option("#sort", "nearest to the words")
+    page.select_option("#sort", "most words visible")
     assert words(page)[-4:] == ["fails"] * 4
     page.select_option("#group", "scene")
     assert page.locator("h2").all_inner_texts() == ["hall", "table"]

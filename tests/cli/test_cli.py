@@ -77,7 +77,7 @@ def test_options_that_mean_nothing(mesh, more, words):
 
 def test_a_budget_decides_what_no_option_does():
     parsed = parser().parse_args(
-        ["run", "a.blend", "--prompt", "p", "--out", "o", "--steps", "7", "--budget", "quick"]
+        ["run", "a.blend", "--prompt", "p", "--out", "o", "--steps", "7", "--effort", "quick"]
     )
     checks.numbers(parsed)
     quick = BUDGETS["quick"]

@@ -19,7 +19,7 @@ class Sparkling(Options):
     """The options, and one more."""
 
     sparkle: int = option(
-        3, "how much it sparkles", "budget", bounds=(1, 9), panel=Panel("Sparkle", "How much", (1, 5))
+        3, "how much it sparkles", "effort", bounds=(1, 9), panel=Panel("Sparkle", "How much", (1, 5))
     )
 
 
@@ -71,7 +71,7 @@ def test_a_manifest_has_it(tmp_path):
 def test_what_vibe_run_hands_over_means_the_same_on_the_other_side():
     """Every option that Blender's side takes, at another value than its default."""
     argv = ["run", "a.blend", "--out=o", "--prompt=noir", "--subject=Cup", "--stage=floor", "--cameras=A,B"]
-    argv += ["--frames=1,5", "--grade-each", "--budget=quick", "--rounds=7", "--steps=8", "--starts=2"]
+    argv += ["--frames=1,5", "--grade-each", "--effort=quick", "--rounds=7", "--steps=8", "--starts=2"]
     argv += ["--variants=3", "--top-k=5", "--seed=4", "--groups=light", "--lock=world", "--encoder=e"]
     argv += [
         "--target=copper=Cup",
@@ -85,7 +85,7 @@ def test_what_vibe_run_hands_over_means_the_same_on_the_other_side():
     argv += ["--size=64", "--samples=2", "--then=warmer"]
     given = parser().parse_args(argv)
     checks.numbers(given)
-    names = [row.name for row in TABLE if row.blender and row.name != "budget"]
+    names = [row.name for row in TABLE if row.blender and row.name != "effort"]
     assert all(getattr(given, row.name) != row.command_default for row in TABLE if row.name in names)
     again, _ = read(*command_line.to_arguments(given), table=[row for row in TABLE if row.blender])
     assert {name: getattr(again, name) for name in names} == {name: getattr(given, name) for name in names}

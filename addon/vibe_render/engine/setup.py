@@ -147,7 +147,7 @@ class EngineSetup:
         if match := _PROGRESS.match(line):
             done, whole = map(int, match.groups())
             self.fraction = done / whole if whole else None
-        elif match := re.match(r"\s*Downloading (\S+?)-(\d\S*?)(?:-\S+)? \((.+)\)", line):
+        elif match := re.match(r"\s*Downloading (?:\S+/)?(\S+?)-(\d\S*?)(?:-\S+)? \((.+)\)", line):
             self.text, self.fraction = f"Downloading {match[1]} ({match[3]})", 0.0
         elif line.startswith("Collecting"):
             self.text, self.fraction = f"Looking for {re.split(r'[<>=!;@ ]', line.split()[1])[0]}", None

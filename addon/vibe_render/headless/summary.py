@@ -128,9 +128,9 @@ def closing_lines(
         s, who = each.similarity, f"{shot.name}: " if len(shot_list) > 1 else ""
         if result.report["prompt"].strip():
             lines.append(f"{who}Similarity to the words {s['before']:.3f} -> {s['after']:.3f}.")
-        lines.append(f"{who}The prediction is {_apart(each.prediction['shown'])} away from Cycles.")
+        lines.append(f"{who}The prediction differs from Cycles by {_apart(each.prediction['shown'])}.")
         if before := each.prediction.get("before_last_anchor"):
-            lines.append(f"{who}Before Cycles had shown it these very values, it was {_apart(before)} away.")
+            lines.append(f"{who}Prediction error before the last correction: {_apart(before)}.")
     return lines
 
 

@@ -14,8 +14,9 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
+import bpy
+
 from ..core.files import whole
-from ..core.preferences import own_folder
 from ..core.schema_import import preset, schema
 from . import thumbnail, transfer
 
@@ -63,8 +64,12 @@ class Look:
 
 
 def preset_folder(create: bool = False) -> Path:
-    """The folder of the artist's own presets."""
-    return own_folder("presets", create)
+    """The folder of the artist's own presets, among Blender's: uninstalling deletes the extension's own folder."""
+    folder = Path(bpy.utils.user_resource("SCRIPTS", path="presets/vibe_render"))
+    if create:
+        with contextlib.suppress(OSError):  # whoever writes into it says why that cannot be
+            folder.mkdir(parents=True, exist_ok=True)
+    return folder
 
 
 def all_looks(words: str = "") -> list[Look]:

@@ -16,7 +16,7 @@ from ..core import background
 from ..core.schema_import import messages, schema
 from ..engine.process import Engine
 
-LOOKING = "Looking for the look"
+LOOKING = "Optimizing"
 _PAUSE = 0.02  # seconds between two steps of `drive`: the engine needs the core
 
 T = TypeVar("T")

@@ -101,7 +101,7 @@ class SceneSession(Driver):
         """Reads the scene; starts again if the artist deletes something of it between two steps."""
         job = None
         while job is None:
-            yield from self._object_mode("Go back to Object Mode to go on")  # meshes are empty in Edit Mode
+            yield from self._object_mode("Switch to Object Mode to go on")  # meshes are empty in Edit Mode
             self.stage = READING
             scene = self._find_scene()
             with self._without_look(scene):

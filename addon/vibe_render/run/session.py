@@ -114,7 +114,7 @@ class Session(SceneSession):
             self.stage = "Warming up the engine"
             engine_result = yield from self._answer(messages.Result)
             # In other modes one undo would not take the vibe back.
-            yield from self._object_mode("Found. Go back to Object Mode to see it")
+            yield from self._object_mode("Done. Switch to Object Mode to apply it")
             scene = self._find_scene()
             self._take_look_away()
             subject, change = self.subject(scene), self._change
@@ -131,7 +131,7 @@ class Session(SceneSession):
         """Asks about materials that other things use too, unless that is settled; may export anew."""
         scene = self._find_scene()
         shared = shared_materials(self.subject(scene))
-        if not shared:
+        if not shared or not scene.vibe.change_material:
             return
         if self.shared == "ASK":
             self.question = {m.name: [o.name for o in users] for m, users in shared.items()}

@@ -16,7 +16,7 @@ from ..run.state import addon_state
 from ..scene import snapshot, subject
 from .engine_state import engine_state
 
-RUNNING = "A vibe is on its way"
+RUNNING = "A vibe is running"
 
 
 def obstacle(context: bpy.types.Context) -> str:
@@ -31,7 +31,7 @@ def obstacle(context: bpy.types.Context) -> str:
     if not has_mesh(scene):
         return "The scene has no mesh"
     if not scene.vibe.groups():
-        return "Nothing may change: open a lock"
+        return "All groups are locked. Unlock at least one under Affect"
     if scene.vibe.subject == "COLLECTION" and not scene.vibe.collection:
         return "Choose the subject's collection"
     if scene.vibe.subject == "SELECTED" and not (context.selected_objects or subject.recall_subject(scene)):
@@ -46,7 +46,7 @@ def result_obstacle(context: bpy.types.Context) -> str:
     if addon_state.running:
         return RUNNING
     if not snapshot.exists(context.scene):
-        return "This scene has not been vibed"
+        return "This scene has no result"
     return untouchable(context)
 
 
@@ -55,7 +55,7 @@ def untouchable(context: bpy.types.Context) -> str:
     if not context.scene.is_editable:
         return "This scene is linked from a library"
     if context.mode != "OBJECT":  # in other modes, undo takes back only that mode's own steps
-        return "Go to Object Mode first"
+        return "Switch to Object Mode"
     return ""
 
 

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parts that panels share: wrapped text, durations and sizes in words, pictures as icons, redrawing."""
+"""Parts that panels share: wrapped text, durations and sizes in words, images and colors as icons, redrawing."""
 
 from __future__ import annotations
 
 import math
+import re
 import textwrap
 from pathlib import Path
 
@@ -21,13 +22,16 @@ GROUP_ICONS = {
     "volume": "OUTLINER_OB_VOLUME",
     "film": "COLOR",
 }
-_PLACES = {"VIEW_3D": "UI", "PROPERTIES": "WINDOW", "PREFERENCES": "WINDOW"}
+_PLACES = {"VIEW_3D": "UI", "PREFERENCES": "WINDOW"}
 """Areas that our panels are in, and the region in each."""
 _GAP = 6  # pixels between two pictures in one icon
 
 _Version = tuple[tuple[Path, int], ...]
 _slots: dict[tuple[bool, tuple[Path, ...]], tuple[_Version, bpy.utils.previews.ImagePreviewCollection]] = {}
 """Pictures that are shown, and whether as a square -> the files' versions, and their icon."""
+_swatches: bpy.utils.previews.ImagePreviewCollection | None = None
+
+HEX_COLOR = re.compile(r"(#[0-9a-f]{6})")
 
 
 def paragraph(
@@ -52,7 +56,7 @@ def see_rendered(layout: bpy.types.UILayout, context: bpy.types.Context) -> None
     if context.space_data and context.space_data.type == "VIEW_3D":
         shading = context.space_data.shading
         if shading.type != "RENDERED":
-            layout.prop_enum(shading, "type", "RENDERED", text="See It Rendered")
+            layout.prop_enum(shading, "type", "RENDERED", text="Rendered View")
 
 
 def columns(context: bpy.types.Context) -> int:
@@ -131,11 +135,63 @@ def icon(*pictures: Path | None, square: bool = False) -> int:
     return collection["vibe" if "vibe" in collection else str(there[0])].icon_id
 
 
+def before_after(layout: bpy.types.UILayout, before: Path | None, after: Path | None, scale: float) -> None:
+    """Draws two images as one icon, as far as they exist, each with its caption next to it."""
+    there = [
+        (path, name)
+        for path, name in ((before, "Before"), (after, "After, as predicted"))
+        if path and path.is_file()
+    ]
+    if not there:
+        return
+    number = icon(*(path for path, _ in there))
+    _, collection = _slots[False, tuple(path for path, _ in there)]
+    width, height = collection[str(there[0][0])].image_size
+    stacked, column = width >= height, layout.column(align=True)
+    if stacked and len(there) > 1:
+        _caption(column, there.pop(0)[1])
+    column.template_icon(icon_value=number, scale=scale)
+    row = column.row()
+    for _, name in there:
+        _caption(row, name)
+
+
+def _caption(layout: bpy.types.UILayout, text: str) -> None:
+    row = layout.row()
+    row.active, row.alignment, row.scale_y = False, "CENTER", 0.7
+    row.label(text=text)
+
+
+def colored(layout: bpy.types.UILayout, text: str) -> None:
+    """Draws a line in which each color, such as #c8102e, is a swatch."""
+    row = layout.row(align=True)
+    row.alignment, row.scale_y = "LEFT", 0.8
+    row.label(icon="BLANK1")
+    for number, part in enumerate(HEX_COLOR.split(text)):
+        if number % 2:
+            row.label(icon_value=_swatch(part))
+        else:
+            row.label(text=part)
+
+
+def _swatch(color: str) -> int:
+    """The icon number of a plain color."""
+    global _swatches
+    _swatches = _swatches or bpy.utils.previews.new()
+    if color not in _swatches:
+        plain = _swatches.new(color)
+        plain.icon_size = 16, 16
+        plain.icon_pixels_float.foreach_set([*(c / 255 for c in bytes.fromhex(color[1:])), 1.0] * 256)
+    return _swatches[color].icon_id
+
+
 def free_icons() -> None:
-    """Frees all pictures."""
-    for _, collection in _slots.values():
+    """Frees all pictures and colors."""
+    global _swatches
+    for collection in (*(collection for _, collection in _slots.values()), *filter(None, [_swatches])):
         bpy.utils.previews.remove(collection)
     _slots.clear()
+    _swatches = None
 
 
 def _pixels(part: bpy.types.ImagePreview) -> np.ndarray:

@@ -36,6 +36,7 @@ class EngineState:
     """
 
     def __init__(self) -> None:
+        self._timer = self.tick  # one object, by which Blender knows the timer
         self._forget()
 
     def _forget(self) -> None:
@@ -91,13 +92,13 @@ class EngineState:
         """Cancels a setup and forgets everything."""
         if self.setup:
             self.setup.cancel()
-        if bpy.app.timers.is_registered(self.tick):
-            bpy.app.timers.unregister(self.tick)
+        if bpy.app.timers.is_registered(self._timer):
+            bpy.app.timers.unregister(self._timer)
         self._forget()
 
     def _follow(self) -> None:
-        if not bpy.app.timers.is_registered(self.tick):
-            bpy.app.timers.register(self.tick, first_interval=_TICK)
+        if not bpy.app.timers.is_registered(self._timer):
+            bpy.app.timers.register(self._timer, first_interval=_TICK, persistent=True)
 
     def tick(self) -> float | None:
         """Takes the results of background work, as a timer of Blender's: returns seconds to the next call, None for none."""

@@ -70,8 +70,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, live: Live) -> 
     if not live.look:
         return
     box = layout.box()
-    if icon := drawing.icon(live.before, live.preview):
-        box.template_icon(icon_value=icon, scale=8.5)
+    drawing.before_after(box, live.before, live.preview, 8.5)
     draw_words(box, context, live.words)
     drawing.see_rendered(box, context)
 
@@ -81,11 +80,8 @@ def draw_words(layout: bpy.types.UILayout, context: bpy.types.Context, words: Ma
     if not words:
         return
     missing = [word for word, shown in words.items() if not shown]
-    text = "The look so far shows all words" if len(words) > 1 else "The look so far shows the word"
-    if missing:
-        verb = "does" if len(missing) == 1 else "do"
-        text = f"{len(missing)} of {len(words)} words {verb} not show yet: {', '.join(missing)}"
-    drawing.paragraph(layout, context, text, "TIME" if missing else "CHECKMARK")
+    text = f"Not visible yet: {', '.join(missing)}" if missing else "All words are visible so far"
+    drawing.paragraph(layout, context, text, "HIDE_ON" if missing else "HIDE_OFF")
 
 
 class VIBE_OT_entered(bpy.types.Operator):

@@ -1,18 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The main panel, where all panels are, and what the add-on does when Blender opens, saves or changes a file.
+"""The main panel, the order of all panels, and what the add-on does when Blender opens, saves or changes a file.
 
-The panels are in the 3D viewport's sidebar, tab "Vibe", and in the render properties.
+The panels are in the 3D viewport's sidebar, tab "Vibe".
 """
 
 from __future__ import annotations
-
-from typing import Any
 
 import bpy
 from bpy.app.handlers import persistent
 
 from ..core import preferences
-from ..core.schema_import import schema
 from ..run import preview
 from ..run.state import addon_state
 from . import (
@@ -33,12 +30,6 @@ from . import (
 )
 from .engine_state import engine_state
 
-_PLACES = {
-    "VIBE_PT": {"bl_space_type": "VIEW_3D", "bl_region_type": "UI", "bl_category": "Vibe"},
-    "VIBE_RENDER_PT": {"bl_space_type": "PROPERTIES", "bl_region_type": "WINDOW", "bl_context": "render"},
-}
-"""The prefix of the panels' names in each place, and the place."""
-
 
 class MainPanel:
     """Prompt and button; progress while a vibe runs; its failure."""
@@ -53,11 +44,6 @@ class MainPanel:
             return
         # The prompt, its words, and their look so far.
         column = layout.column()
-        head = column.row()
-        head.label(text="Describe the mood")
-        switch = head.row()
-        switch.alignment = "RIGHT"
-        switch.prop(context.window_manager, "vibe_live", icon="HIDE_OFF", toggle=True)
         field = column.row(align=True)
         field.scale_y = 1.3
         field.prop(settings, "prompt", text="", placeholder="misty, cool blue fog, vignette")
@@ -66,16 +52,20 @@ class MainPanel:
         words.draw(column, context)
         if addon_state.live and addon_state.live.scene == context.scene.name:
             live.draw(column, context, addon_state.live)
+        picture.draw(layout, context)
+        column = layout.column()
+        column.use_property_split, column.use_property_decorate = True, False
+        column.prop(settings, "effort")
+        for name in ("rounds", "steps", "size") if settings.effort == "CUSTOM" else ():
+            column.prop(settings, name)
+        column.prop(settings, "variants")
         # The button, and what is in its way.
         engine_state.search(preferences.engine_choice(context))
         setup.warm_up_soon()
-        row = column.row(align=True)
-        for name in schema.BUDGETS:
-            row.prop_enum(settings, "budget", name.upper())
-        column.prop(settings, "variants")
-        button = layout.row()
+        button = layout.split(factor=0.72, align=True)
         button.scale_y = 1.8
         button.operator("vibe.run", icon="SHADERFX")
+        button.prop(context.window_manager, "vibe_live", icon="PLAY", toggle=True)
         if addon_state.failure:
             setup.draw_failure(layout, context, addon_state.failure)
         elif engine_state.problem or engine_state.setting_up:
@@ -84,34 +74,12 @@ class MainPanel:
             drawing.paragraph(layout, context, reason, "INFO", faint=True)
 
 
-_PANELS: tuple[tuple[str, type, str], ...] = (
-    ("main", MainPanel, ""),
-    ("presets", presets.PresetsPanel, "main"),
-    ("picture", picture.PicturePanel, "main"),
-    ("result", result.ResultPanel, ""),
-    ("changes", result.ChangesPanel, "result"),
-    ("scope", scope.ScopePanel, ""),
-    ("values", scope.ValuesPanel, "scope"),
-    ("advanced", scope.AdvancedPanel, ""),
-)
-"""Name, class that draws it, and its parent panel."""
-
-
-def _panels() -> list[type]:
-    """Every panel in every place; in the properties editor all of them are inside the first."""
-    panels = []
-    for prefix, where in _PLACES.items():
-        in_properties = where["bl_space_type"] == "PROPERTIES"
-        for name, base, parent in _PANELS:
-            names: dict[str, Any] = {"__module__": __name__, "__doc__": base.__doc__, **where}
-            if in_properties and name == "main":
-                names["bl_options"] = {"DEFAULT_CLOSED"}
-            elif in_properties and not parent:
-                parent = "main"
-            if parent:
-                names["bl_parent_id"] = f"{prefix}_{parent}"
-            panels.append(type(f"{prefix}_{name}", (base, bpy.types.Panel), names))
-    return panels
+def _panel(name: str, base: type, parent: str = "") -> type:
+    """A panel of the tab, drawn by a class, inside its parent panel."""
+    names = {"bl_space_type": "VIEW_3D", "bl_region_type": "UI", "bl_category": "Vibe"}
+    names |= {"__module__": __name__, "__doc__": base.__doc__ or ""}
+    names |= {"bl_parent_id": f"VIBE_PT_{parent}"} if parent else {}
+    return type(f"VIBE_PT_{name}", (base, bpy.types.Panel), names)
 
 
 CLASSES: tuple[type, ...] = (
@@ -127,9 +95,14 @@ CLASSES: tuple[type, ...] = (
     *steps.CLASSES,
     *presets.CLASSES,
     *preset_files.CLASSES,
-    *_panels(),
+    _panel("main", MainPanel),
+    _panel("result", result.ResultPanel),
+    _panel("presets", presets.PresetsPanel),
+    _panel("scope", scope.ScopePanel),
+    _panel("values", scope.ValuesPanel, "scope"),
+    _panel("advanced", scope.AdvancedPanel),
 )
-"""Of all features, in the order in which Blender gets them."""
+"""Of all features, in the order in which Blender gets them: panels from top to bottom."""
 
 
 @persistent

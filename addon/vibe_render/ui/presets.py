@@ -68,13 +68,14 @@ class PresetsPanel(IdlePanel):
     """The chosen preset, and the button that shows all of them."""
 
     bl_label = "Presets"
+    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         self.layout.menu("VIBE_MT_presets", text="", icon="COLLAPSEMENU")  # type: ignore[attr-defined]
 
     def draw(self, context: bpy.types.Context) -> None:
         layout: bpy.types.UILayout = self.layout  # type: ignore[attr-defined]
-        layout.popover("VIBE_PT_preset_grid", text="Browse", icon="ASSET_MANAGER")
+        layout.popover("VIBE_PT_preset_grid", text="Browse Presets…", icon="ASSET_MANAGER")
         if look := _chosen(context):
             layout.template_icon(icon_value=look_icon(look), scale=6.0)
             _draw_chosen(layout, context, look)
@@ -100,7 +101,7 @@ class VIBE_PT_preset_grid(bpy.types.Panel):
             picked = str(look.path) == window_state.chosen
             row = cell.row(align=True)
             row.operator("vibe.preset_choose", text=look.name, depress=picked).path = str(look.path)
-            row.operator("vibe.preset_apply", text="", icon="CHECKMARK").path = str(look.path)
+            row.operator("vibe.preset_apply", text="", icon="SHADERFX").path = str(look.path)
         for _ in range(-len(shown) % _COLUMNS if len(shown) < _COLUMNS else 0):  # pictures keep their size
             grid.label(text="")
         if not shown:
@@ -108,7 +109,7 @@ class VIBE_PT_preset_grid(bpy.types.Panel):
         elif chosen := _chosen(context):
             _draw_chosen(layout, context, chosen, _LETTERS)
         else:
-            _draw_faint(layout, "Click a name to read more, or ✓ to apply the look")
+            _draw_faint(layout, "Click a name to read more, or the button next to it to apply the look")
 
 
 def _draw_faint(layout: bpy.types.UILayout, text: str) -> None:
@@ -138,7 +139,7 @@ def _draw_chosen(
     row = box.row()
     row.scale_y = 1.4
     applied = context.scene.vibe.vibed_preset == look.name
-    row.operator("vibe.preset_apply", text="Apply Again" if applied else "Apply", icon="CHECKMARK")
+    row.operator("vibe.preset_apply", text="Apply Again" if applied else "Apply", icon="SHADERFX")
     rest = context.window_manager.vibe_presets.rest.splitlines() if applied else []
     for line in rest[:_SHOWN]:
         paragraph(box, context, f"Did not fit: {line}", faint=True, letters=letters)
@@ -240,7 +241,7 @@ class VIBE_OT_preset_apply(PresetOperator):
         addon_state.forget()  # its pictures and variants are not of this look
         window_state = context.window_manager.vibe_presets
         window_state.chosen, window_state.rest = str(look.path), "\n".join(rest)
-        left = f"; {len(rest)} things did not fit" if len(rest) > 1 else "; one thing did not fit"
+        left = f"; {len(rest)} values did not fit" if len(rest) > 1 else "; one value did not fit"
         return f"{look.name} is in the scene{left if rest else ''}"
 
 

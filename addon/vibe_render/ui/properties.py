@@ -127,11 +127,11 @@ def _dim(settings: "VibeSettings", context: bpy.types.Context) -> None:
 
 _Options = declare("VibeOptions", preferences=False, updates={"prompt": live.typed})
 SHARED = (
-    ("ALL", "Affect All Users", "The other things change with the subject"),
-    ("SINGLE", "Make Single-User", "The subject gets copies of its own; Revert takes them away"),
+    ("ALL", "Affect All Users", "The other objects change with the subject"),
+    ("SINGLE", "Make Single-User", "The subject gets copies of its own; Revert removes them"),
 )
-"""What may happen to materials of the subject that other things use too."""
-_EFFORT = options.named("budget").panel
+"""What may happen to materials of the subject that other objects use too."""
+_EFFORT = options.named("effort").panel
 
 
 class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup):  # type: ignore[misc]
@@ -139,12 +139,12 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
 
     subject: EnumProperty(
         name="Subject",
-        description="What the picture is about; everything else is its surroundings",
+        description="What the image is about; everything else is its surroundings",
         items=(
             (
                 "AUTO",
                 "Automatic",
-                "What was chosen before; otherwise the prominent things in view, without what they stand on or in front of",
+                "What was chosen before; otherwise the prominent objects in view, without what they stand on or in front of",
             ),
             ("SELECTED", "Selected Objects", "What is selected when the vibe starts"),
             ("COLLECTION", "Collection", "Everything in one collection"),
@@ -152,9 +152,9 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         update=lambda settings, _context: forget_subject(settings.id_data),
     )
     collection: PointerProperty(
-        type=bpy.types.Collection, name="Collection", description="What the picture is about"
+        type=bpy.types.Collection, name="Collection", description="What the image is about"
     )
-    budget: EnumProperty(
+    effort: EnumProperty(
         name=_EFFORT.title,
         description=_EFFORT.description,
         items=(
@@ -168,11 +168,11 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
     )
     locks: CollectionProperty(type=VibeLock, description="Single values that must stay")
     targets: CollectionProperty(
-        type=VibeTarget, description="What words describe, where they are taken for something else"
+        type=VibeTarget, description="What words describe, where you have chosen something else"
     )
     shared: EnumProperty(
         name="Shared",
-        description="Materials of the subject that other things use too",
+        description="Materials of the subject that other objects use too",
         items=(("ASK", "Ask", "Ask when it matters"), *SHARED),
     )
     show_reasons: BoolProperty(
@@ -236,7 +236,7 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         """The options of a vibe, from these fields and the add-on's preferences."""
         saved = preferences.get(context)
         own = schema.Budget(self.rounds, self.steps, self.size, 1, "")
-        budget = schema.BUDGETS.get(self.budget.lower(), own)
+        budget = schema.BUDGETS.get(self.effort.lower(), own)
         chosen: dict[str, Any] = {}
         for row in options.rows(messages.Options):
             owner = saved if row.panel and row.panel.preferences else self

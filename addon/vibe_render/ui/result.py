@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # mypy: disable-error-code="valid-type"
-"""A result in the panel: pictures, variants, strength, what changed and why; Keep, Revert and another variant, one undo step each."""
+"""A result in the panel: images, Keep and Revert, strength, variants, visible words, changes and their reasons; one undo step each."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from itertools import groupby
+from pathlib import Path
 from typing import Any, ClassVar
 
 import bpy
 from bpy.props import IntProperty, StringProperty
 
-from ..core.schema_import import labels, schema
+from ..core.schema_import import labels, messages, schema
 from ..export.notes import shortened_notes
 from ..render import reference
 from ..run import result
@@ -22,7 +23,7 @@ from ..run.state import addon_state
 from ..scene import snapshot
 from . import steps
 from .bases import allowed, result_obstacle
-from .drawing import GROUP_ICONS, columns, icon, paragraph, see_rendered
+from .drawing import GROUP_ICONS, HEX_COLOR, before_after, colored, columns, icon, paragraph, see_rendered
 from .scope import draw_lock
 
 _AGREEMENTS = ((1.0, "matches", True), (3.0, "is close to", True), (math.inf, "differs from", False))
@@ -30,15 +31,15 @@ _AGREEMENTS = ((1.0, "matches", True), (3.0, "is close to", True), (math.inf, "d
 the least difference that people see side by side."""
 
 _STATES = {
-    "visible": ("Shows", "CHECKMARK"),
-    "already": ("Was so already", "REMOVE"),
-    "unmeasured": ("Set, not measured", "QUESTION"),
+    "visible": ("Visible", "HIDE_OFF"),
+    "already": ("Was so already", "DOT"),
+    "unmeasured": ("Set, not measured", "DOT"),
 }
 """State of a word's verdict -> its words and its sign."""
 
 
 class ResultPanel:
-    """The last vibe's pictures and prompt, and its buttons."""
+    """The last vibe: its images, and at once below them Keep and Revert; then what refines and explains it."""
 
     bl_label = "Result"
 
@@ -52,11 +53,21 @@ class ResultPanel:
         if session and session.scene != context.scene.name:
             session = None
         if not (wanted := reference.request_title(settings.vibed_prompt, settings.vibed_like)):
-            paragraph(layout, context, "A vibe has been in this scene; Revert takes away what is left of it.")
-        else:  # a label shows all of it, a field cuts
+            paragraph(
+                layout, context, "This scene still has changes from an earlier vibe. Revert removes them."
+            )
+        elif settings.vibed_like or settings.vibed_prompt != settings.prompt:
             paragraph(layout, context, wanted, faint=True)
+        variants = session.variants if session else []
         if session:
-            _draw_session(layout, context, session)
+            shown = variants[settings.variant][1] if 0 < settings.variant < len(variants) else session.preview
+            before_after(layout, session.before, shown, 10.5)
+        row = layout.row(align=True)
+        row.scale_y = 1.3
+        row.operator("vibe.keep", icon="FILE_TICK")
+        row.operator("vibe.revert", icon="LOOP_BACK")
+        if reason := result_obstacle(context):
+            paragraph(layout, context, reason, "INFO", faint=True)
         if settings.changes:  # Before, After and Strength change the scene itself
             column = layout.column(align=True)
             row = column.row(align=True)
@@ -64,17 +75,16 @@ class ResultPanel:
             row.prop(settings, "show_original", text="After", toggle=True, invert_checkbox=True)
             column.prop(settings, "strength", slider=True)
             see_rendered(column, context)
+        if len(variants) > 1:
+            _draw_variants(layout, variants, settings.variant)
+        if session and not settings.variant:  # what is visible was measured on the first variant
+            _draw_verdicts(layout, context, session)
         steps.draw(layout, context)
-        grid = layout.column(align=True)
-        grid.scale_y = 1.3
-        row = grid.row(align=True)
-        row.operator("vibe.keep", icon="CHECKMARK")
-        row.operator("vibe.revert", icon="LOOP_BACK")
-        row = grid.row(align=True)
-        row.operator("vibe.run", text="Again", icon="FILE_REFRESH").again = True
+        if settings.changes:
+            draw_changes(layout, context)
+        row = layout.row(align=True)
+        row.operator("vibe.run", text="Retry (New Seed)", icon="FILE_REFRESH").again = True
         row.operator("vibe.preset_save", text="Save Preset", icon="PRESET_NEW")
-        if reason := result_obstacle(context):
-            paragraph(layout, context, reason, "INFO", faint=True)
         if session:
             notes = [*session.anchor_notes, *session.warnings]
             for note in [
@@ -84,28 +94,20 @@ class ResultPanel:
                 paragraph(layout, context, note, "INFO", faint=True)
 
 
-def _draw_session(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
-    """Pictures, variants, the words that are visible and the prediction's error: they last only as long as Blender runs."""
-    current = context.scene.vibe.variant
-    picture = session.variants[current][1] if 0 < current < len(session.variants) else session.preview
-    if number := icon(session.before, picture):
-        layout.template_icon(icon_value=number, scale=10.5)
-        if session.before:
-            row = layout.row()
-            row.active, row.alignment, row.scale_y = False, "CENTER", 0.7
-            row.label(text="Above: before. Below: after, as predicted")
-    if len(session.variants) > 1:
-        _draw_variants(layout, session, current)
-    if current:  # what follows was measured on the first variant
-        return
+def _draw_verdicts(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
+    """The words that are visible and not visible, and the prediction's error: they last only as long as Blender runs."""
     verdicts = session.report.get("verdicts", ())
     for state, (name, icon_name) in _STATES.items():
         if words := words_of(verdicts, state):
             paragraph(layout, context, f"{name}: {', '.join(words)}", icon_name)
     for row in verdicts:
         if row["state"] == "missed" and row["word"]:
-            missing = shortfall(row)
-            paragraph(layout, context, f"Not yet: {row['word']}. {missing[:1].upper()}{missing[1:]}", "X")
+            colors = HEX_COLOR.search(row["missing"])
+            missing = row["why"] if colors else shortfall(row)
+            text = ". ".join(filter(None, (row["word"], missing[:1].upper() + missing[1:])))
+            paragraph(layout, context, f"Not visible: {text}", "HIDE_ON")
+            if colors:
+                colored(layout, row["missing"])
             if row["unlock"] in context.scene.vibe.locks:
                 layout.operator("vibe.lock", text="Unlock", icon="UNLOCKED").key = row["unlock"]
     if session.prediction_error is not None:
@@ -116,50 +118,44 @@ def _draw_session(layout: bpy.types.UILayout, context: bpy.types.Context, sessio
 def agreement(difference: float, engine: str) -> tuple[str, bool]:
     """The agreement of preview and render in words, and whether that is good news; `difference` is their mean CIEDE2000."""
     if engine != "CYCLES":
-        return "The preview shows Cycles; other engines differ", False
+        return "Preview is Cycles. EEVEE may look different", False
     words, good = next((words, good) for most, words, good in _AGREEMENTS if difference < most)
     tenths = max(math.ceil(difference * 10.0), 1)
     return f"The preview {words} Cycles (color difference {tenths / 10.0:.1f})", good
 
 
-def _draw_variants(layout: bpy.types.UILayout, session: Session, current: int) -> None:
+def _draw_variants(
+    layout: bpy.types.UILayout, variants: Sequence[tuple[messages.Variant, Path]], current: int
+) -> None:
     """The variants, each a picture with a button. Pictures are square, so that the button is close below."""
-    across = min(len(session.variants), 4)
+    across = min(len(variants), 4)
     grid = layout.grid_flow(row_major=True, columns=across, even_columns=True, align=True)
-    for number, (_, picture) in enumerate(session.variants):
+    for number, (_, picture) in enumerate(variants):
         cell = grid.column(align=True)
         if shown := icon(picture, square=True):
             cell.template_icon(icon_value=shown, scale=max(10.4 / across, 3.2))
         used = number == current
-        text, icon_name = (str(number + 1), "CHECKMARK") if used else (f"Use {number + 1}", "NONE")
-        button = cell.operator("vibe.variant", text=text, depress=used, icon=icon_name)
+        text = str(number + 1) if used else f"Use {number + 1}"
+        button = cell.operator("vibe.variant", text=text, depress=used)
         button.number = number
 
 
-class ChangesPanel:
-    """Every value that changed: old, new, and why; one heading for each light, material and so on."""
-
-    bl_label = "What Changed and Why"
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return bool(context.scene.vibe.changes) and not addon_state.running
-
-    def draw_header_preset(self, context: bpy.types.Context) -> None:
-        row = self.layout.row(align=True)  # type: ignore[attr-defined]
-        row.label(text=str(len(_visible(context))))
-        row.prop(context.scene.vibe, "show_reasons", text="", icon="INFO", emboss=False)
-
-    def draw(self, context: bpy.types.Context) -> None:
-        layout = self.layout  # type: ignore[attr-defined]
-        owned = groupby(_visible(context), key=lambda change: schema.split_key(change.name)[:2])
-        for number, ((group, owner), entries) in enumerate(owned):
-            if number:
-                layout.separator(factor=0.3)
-            column = layout.column(align=True)
-            column.label(text=owner or labels.GROUP_TITLES[group], icon=GROUP_ICONS[group])
-            for why, same in groupby(entries, key=lambda change: result.cause(change.reason)):
-                _draw_changes(column, context, list(same), why)
+def draw_changes(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """Draws every value that changed: old, new, and why; one heading for each light, material and so on. Closed at first."""
+    changes = _visible(context)
+    header, body = layout.panel("vibe_changes", default_closed=True)
+    header.label(text=f"Changes ({len(changes)})")
+    if body is None:
+        return
+    header.prop(context.scene.vibe, "show_reasons", text="", icon="INFO", emboss=False)
+    owned = groupby(changes, key=lambda change: schema.split_key(change.name)[:2])
+    for number, ((group, owner), entries) in enumerate(owned):
+        if number:
+            body.separator(factor=0.3)
+        column = body.column(align=True)
+        column.label(text=owner or labels.GROUP_TITLES[group], icon=GROUP_ICONS[group])
+        for why, same in groupby(entries, key=lambda change: result.cause(change.reason)):
+            _draw_changes(column, context, list(same), why)
 
 
 def _visible(context: bpy.types.Context) -> list[Any]:
@@ -220,7 +216,7 @@ class VIBE_OT_revert(_Vibed):
 
 
 class VIBE_OT_keep(_Vibed):
-    """Keep the scene as it is now, and forget how it was before"""
+    """Make the result final. Revert is no longer possible"""
 
     bl_idname = "vibe.keep"
     bl_label = "Keep"
@@ -233,7 +229,7 @@ class VIBE_OT_keep(_Vibed):
 
 
 class VIBE_OT_variant(_Vibed):
-    """Put this look into the scene in place of the other"""
+    """Use this variant in place of the other"""
 
     bl_idname = "vibe.variant"
     bl_label = "Variant"
@@ -244,7 +240,7 @@ class VIBE_OT_variant(_Vibed):
     def execute(self, context: bpy.types.Context) -> set[str]:
         session, scene = addon_state.session, context.scene
         if session is None or not 0 <= self.number < len(session.variants):
-            self.report({"ERROR"}, "That look is not there any more")
+            self.report({"ERROR"}, "That variant is gone")
             return {"CANCELLED"}
         try:
             result.choose(scene, self.number, session.variants[self.number][0], session.subject(scene))
@@ -271,7 +267,7 @@ class VIBE_OT_why(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Reports the reason in the status bar too."""
-        self.report({"INFO"}, context.scene.vibe.changes[self.key].reason or "The look asked for it")
+        self.report({"INFO"}, context.scene.vibe.changes[self.key].reason or "The look needs it")
         return {"CANCELLED"}
 
 

@@ -38,7 +38,7 @@ class Vibing(bpy.types.Operator):
         manager = context.window_manager
         self._timer = manager.event_timer_add(_TICK, window=context.window)
         manager.modal_handler_add(self)
-        context.workspace.status_text_set("Vibe Render is at work     Esc: stop")
+        context.workspace.status_text_set("Vibe Render is running · Esc to stop")
         drawing.redraw()
         return {"RUNNING_MODAL"}
 
@@ -87,7 +87,7 @@ class Vibing(bpy.types.Operator):
         if self._session.can_stop:
             with contextlib.suppress(schema.VibeError):  # the next tick finds out and tells
                 self._session.stop()
-            context.workspace.status_text_set("Taking the best so far     Esc: give it up")
+            context.workspace.status_text_set("Taking the best so far · Esc to cancel")
             return {"RUNNING_MODAL"}
         addon_state.cancel()
         self._clean_up(context)
@@ -117,13 +117,13 @@ class VIBE_OT_run(Vibing):
     bl_label = "Vibe It"
 
     again: BoolProperty(
-        name="Again", description="The same words once more, with another seed", options={"SKIP_SAVE"}
+        name="Retry", description="The same words once more, with another seed", options={"SKIP_SAVE"}
     )
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         if properties.again:
-            return "Look once more for the same words, from here, with another seed"
+            return "Search once more for the same words, from here, with another seed"
         return cls.__doc__ or ""
 
     @classmethod
@@ -155,7 +155,7 @@ def _advance(session: Session) -> schema.VibeError | None:
 class _Running(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        cls.poll_message_set("No vibe is on its way")
+        cls.poll_message_set("No vibe is running")
         return addon_state.running
 
 
@@ -239,7 +239,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Sessio
     buttons = box.column(align=True)
     buttons.scale_y = 1.3
     if not session.question:
-        buttons.operator("vibe.stop", text="Stop and Use Best", icon="CHECKMARK")
+        buttons.operator("vibe.stop", text="Stop and Use Best")
     buttons.operator("vibe.cancel", icon="X")
     hint = box.row()
     hint.active, hint.alignment = False, "CENTER"
@@ -248,8 +248,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Sessio
 
 
 def _draw_progress(box: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
-    if icon := drawing.icon(session.before, session.preview):
-        box.template_icon(icon_value=icon, scale=11.5)
+    drawing.before_after(box, session.before, session.preview, 11.5)
     stage, progress = f"{session.stage}…", session.progress
     if progress and session.stage == LOOKING:
         left = drawing.duration(progress.seconds_left)
@@ -259,15 +258,17 @@ def _draw_progress(box: bpy.types.UILayout, context: bpy.types.Context, session:
     for note in session.view_notes:
         drawing.paragraph(box, context, note, "ERROR")
     if session.silence > SILENT:
-        note = f"No word from the engine for {drawing.duration(session.silence)}. Wait, or cancel: "
-        drawing.paragraph(box, context, f"{note}the next vibe starts a new one.", "ERROR")
+        note = f"No response from the engine for {drawing.duration(session.silence)}. Wait, or cancel and try again."
+        drawing.paragraph(box, context, note, "ERROR")
 
 
 def _draw_question(
     layout: bpy.types.UILayout, context: bpy.types.Context, question: dict[str, list[str]]
 ) -> None:
     """The shared materials, and the two answers."""
-    drawing.paragraph(layout, context, "The subject shares materials with other things:", "QUESTION")
+    drawing.paragraph(
+        layout, context, "The subject shares materials with other objects. May these change, too?", "INFO"
+    )
     for name, users in list(question.items())[:4]:
         more = f" and {len(users) - 2} more" if len(users) > 2 else ""
         drawing.paragraph(layout, context, f"{name}, also on {', '.join(users[:2])}{more}", "MATERIAL")

@@ -21,14 +21,14 @@ _awaited: tuple = ()  # fingerprint of the scene that a timer is going to list
 class ScopePanel(IdlePanel):
     """The groups that may change, and the subject."""
 
-    bl_label = "May Change"
+    bl_label = "Affect"
+    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
-        grid = layout.grid_flow(columns=2, even_columns=True, align=True)
+        grid = layout.grid_flow(columns=2, even_columns=True)
         for group in schema.GROUPS:
-            free = getattr(settings, f"change_{group}")
-            grid.prop(settings, f"change_{group}", toggle=True, icon="UNLOCKED" if free else "LOCKED")
+            grid.prop(settings, f"change_{group}")
         column = layout.column()
         column.use_property_split, column.use_property_decorate = True, False
         column.prop(settings, "subject")
@@ -41,7 +41,7 @@ class ScopePanel(IdlePanel):
 class ValuesPanel(IdlePanel):
     """Every single value of the scene, with a lock."""
 
-    bl_label = "Single Values"
+    bl_label = "Individual Locks"
     bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
@@ -118,7 +118,7 @@ class VIBE_UL_values(bpy.types.UIList):
         settings, reason = context.scene.vibe, item.reason
         group = schema.split_key(item.name)[0]
         if not getattr(settings, f"change_{group}"):
-            reason = f"the group {labels.GROUP_TITLES[group]} is locked"
+            reason = f"{labels.GROUP_TITLES[group]} is not checked under Affect"
         row = layout.row(align=True)
         names = row.row()
         names.active = not reason
@@ -150,7 +150,7 @@ def draw_lock(layout: bpy.types.UILayout, settings: Any, key: str, reason: str =
 
 
 class VIBE_OT_lock(bpy.types.Operator):
-    """Keep a single value as it is, or set it free"""
+    """Lock a value, or unlock it"""
 
     bl_idname = "vibe.lock"
     bl_label = "Lock"
@@ -178,7 +178,7 @@ class VIBE_OT_lock(bpy.types.Operator):
 
 
 class VIBE_OT_unlock_all(bpy.types.Operator):
-    """Open the locks of all single values"""
+    """Unlock all values that are locked one by one"""
 
     bl_idname = "vibe.unlock_all"
     bl_label = "Unlock All"
@@ -186,7 +186,7 @@ class VIBE_OT_unlock_all(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        cls.poll_message_set("No single value is locked")
+        cls.poll_message_set("No value is locked")
         return bool(context.scene.vibe.locks)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -202,14 +202,10 @@ class AdvancedPanel(IdlePanel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
-        layout.use_property_split, layout.use_property_decorate = True, False
         column = layout.column()
-        column.prop(settings, "lock", placeholder="light/Key, */metallic")
+        column.label(text=settings.bl_rna.properties["lock"].name)
+        column.prop(settings, "lock", text="", placeholder="light/Key, */metallic")
         for name in ("top_k", "seed", "anchor"):
-            column.prop(settings, name)
-        column = layout.column()
-        column.prop(settings, "budget")
-        for name in ("rounds", "steps", "size") if settings.budget == "CUSTOM" else ():
             column.prop(settings, name)
 
 

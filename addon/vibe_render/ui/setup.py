@@ -17,6 +17,7 @@ from ..core.schema_import import schema
 from ..engine import torch_builds
 from ..run.state import addon_state
 from . import drawing
+from .bases import IdleOperator
 from .engine_state import engine_state, setup_folder, version
 from .properties import declare
 
@@ -59,8 +60,8 @@ class VibePreferences(_Options, bpy.types.AddonPreferences):  # type: ignore[mis
         self.layout.use_property_split = True
         self.layout.use_property_decorate = False
         # The engine: where it is, buttons for it, the outcome of the last one.
-        column = _section(self.layout, "Engine", "SHADERFX")
-        column.prop(self, "engine", text="Folder", placeholder="Found by itself")
+        column = _section(self.layout, "Engine", "SYSTEM")
+        column.prop(self, "engine", text="Folder", placeholder="Found automatically")
         split = column.split(factor=0.4)
         split.label()
         about = split.column()
@@ -68,8 +69,9 @@ class VibePreferences(_Options, bpy.types.AddonPreferences):  # type: ignore[mis
         if not engine_state.setting_up:
             row = about.row(align=True)
             row.operator("vibe.setup_engine", icon="IMPORT")
-            row.operator("vibe.test_engine", icon="CHECKMARK")
+            row.operator("vibe.test_engine")
             row.operator("vibe.look_for_engine", text="", icon="FILE_REFRESH")
+            row.operator("vibe.remove_engine", text="", icon="TRASH")
         if engine_state.outcome and not engine_state.testing:
             icon = "CHECKMARK" if engine_state.succeeded else "ERROR"
             letters = int(drawing.columns(context) * 0.55)
@@ -146,18 +148,12 @@ def draw_failure(layout: bpy.types.UILayout, context: bpy.types.Context, failure
 
 
 def draw_no_engine(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """Explains how to get an engine."""
+    """One line about what is missing, and the buttons that get it."""
     box = layout.box()
-    box.label(text="One more step: the engine", icon="INFO")
     if engine_state.setting_up:
         _draw_engine_line(box)
         return
-    drawing.paragraph(
-        box,
-        context,
-        "It turns words into looks. Set Up Engine downloads it once, and says how much first. Presets, strength, "
-        "compare and revert work without it.",
-    )
+    drawing.paragraph(box, context, "No engine yet. Presets work without it", "INFO")
     outcome = engine_state.outcome
     if outcome and not engine_state.succeeded and outcome != str(engine_state.problem):
         drawing.paragraph(box, context, outcome, "ERROR")  # the buttons say what to do
@@ -223,6 +219,34 @@ class VIBE_OT_setup_engine(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class VIBE_OT_remove_engine(IdleOperator):
+    """Delete the engine that Set Up Engine has downloaded. Presets and settings stay"""
+
+    bl_idname = "vibe.remove_engine"
+    bl_label = "Remove Engine"
+
+    @classmethod
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        if engine_state.setting_up:
+            return "It is being set up"
+        return "" if setup_folder().is_dir() else "Set Up Engine has downloaded none"
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        message = f"{cache_size(setup_folder())} in {setup_folder()}"
+        return context.window_manager.invoke_confirm(
+            self, event, title="Remove Engine", message=message, confirm_text="Remove", icon="WARNING"
+        )
+
+    def act(self, context: bpy.types.Context) -> str:
+        addon_state.close()
+        shutil.rmtree(setup_folder())
+        chosen = preferences.get(context)
+        if chosen and chosen.engine == str(setup_folder()):
+            chosen.engine = ""
+        engine_state.search(engine_choice(context), again=True)
+        return "The engine is removed"
+
+
 class VIBE_OT_cancel_setup(bpy.types.Operator):
     """Stop setting up the engine, and remove what has been installed of it"""
 
@@ -276,7 +300,7 @@ class VIBE_OT_clear_cache(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         running = addon_state.running
-        cls.poll_message_set("A vibe is on its way, and reads it" if running else "The cache is empty")
+        cls.poll_message_set("A vibe is running, and reads it" if running else "The cache is empty")
         return not running and cache_folder(context).is_dir()
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -291,7 +315,7 @@ def warm_up_soon() -> None:
     global _started
     if not _started:
         _started = True
-        bpy.app.timers.register(_warm_up, first_interval=_SOON)
+        bpy.app.timers.register(_warm_up, first_interval=_SOON, persistent=True)
 
 
 def _warm_up() -> float | None:
@@ -314,6 +338,7 @@ def forget_warm_up() -> None:
 CLASSES = (
     VibePreferences,
     VIBE_OT_setup_engine,
+    VIBE_OT_remove_engine,
     VIBE_OT_cancel_setup,
     VIBE_OT_look_for_engine,
     VIBE_OT_test_engine,

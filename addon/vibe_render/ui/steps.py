@@ -44,14 +44,14 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         text = f"{number}. {step.sentence}"
         text = text if len(text) <= most else f"{text[: most - 1].rstrip()}…"
         _button(shown, number, "SHOW", text=text, depress=number == steps.shown)
-        _button(row, number, "SWITCH", icon="HIDE_OFF" if step.on else "HIDE_ON")
+        _button(row, number, "SWITCH", icon="CHECKBOX_HLT" if step.on else "CHECKBOX_DEHLT")
         if step.sentence != BY_HAND:
             _button(row, number, "EDIT", icon="GREASEPENCIL", depress=number == settings.edited)
         _button(row, number, "REMOVE", icon="X")
     field = column.row(align=True)
     field.scale_y = 1.3
     field.prop(settings, "further", text="", placeholder="And now … a bit warmer")
-    field.operator("vibe.further", text="", icon="PLAY")
+    field.operator("vibe.further", text="", icon="SHADERFX")
 
 
 def _button(row: bpy.types.UILayout, number: int, act: str, **looks: Any) -> None:

@@ -18,9 +18,9 @@ from ..run.state import addon_state
 from . import drawing
 
 _TICK = 0.02  # seconds between two looks at what the engine says
-_STATE_ICONS = {"understood": "CHECKMARK", "guessed": "QUESTION", "left out": "X"}
-_ICON_LETTERS = 5  # room that an icon and its margins take, in characters
-_ICONS = {"light": "LIGHT", "sky": "WORLD", "picture": "IMAGE_DATA", "air": "MOD_FLUID", "none": "X"}
+_STATE_ICONS = {"understood": "NONE", "guessed": "QUESTION", "left out": "CANCEL"}
+_MARGIN, _ICON = 2, 3  # room that a word's margins take, and its icon, in characters
+_ICONS = {"light": "LIGHT", "sky": "WORLD", "picture": "IMAGE_DATA", "air": "MOD_FLUID", "none": "CANCEL"}
 """Kind of target -> icon, of those that every scene has."""
 
 _items: list[tuple[str, str, str]] = []
@@ -74,7 +74,7 @@ def _lines(words: Iterable[messages.WordReading], width: int) -> Iterator[list[m
     line: list[messages.WordReading] = []
     used = 0
     for word in words:
-        needed = len(word.text) + _ICON_LETTERS
+        needed = len(word.text) + _MARGIN + (0 if word.state == "understood" else _ICON)
         if line and used + needed > width:
             yield line
             line, used = [], 0
@@ -123,7 +123,7 @@ class VIBE_OT_reading(bpy.types.Operator):
         if scene.vibe.targets.get(word.key):
             self._draw_target(layout, "", "As it is read", "LOOP_BACK")
         for name in word.candidates:
-            icon = "CHECKMARK" if name == word.candidates[0] else _icon(scene, name)
+            icon = "RADIOBUT_ON" if name == word.candidates[0] else _icon(scene, name)
             self._draw_target(layout, name, _description(name), icon)
         if word.targets:
             layout.separator()

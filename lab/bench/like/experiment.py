@@ -26,7 +26,7 @@ def run(
     drawn_from: str = "like",
     size: int = 160,
     samples: int = 32,
-    budget: str = "standard",
+    effort: str = "standard",
     words: bool = False,
 ) -> dict[str, Any]:
     """Carries out what is missing, compares, and writes OUT/results.json, after each task, and contact sheets.
@@ -38,7 +38,7 @@ def run(
         count: Tasks of each part; fewer are the first of more.
         parts: Of `PARTS`, separated by commas.
         size: Longer side of the pictures, pixels.
-        budget: As for `vibe run`.
+        effort: As for `vibe run`.
         words: Whether the scenes of *recovery* are vibed in words as well, to compare the time.
 
     Returns:
@@ -54,9 +54,9 @@ def run(
         raise VibeError(f"There is no part {strange}.", f"Use some of: {', '.join(PARTS)}.")
     drawn = [list(tasks(part, count, drawn_from)) for part in chosen]
     turns = [t for turn in itertools.zip_longest(*drawn) for t in turn if t is not None]
-    rows, strips, settings = [], [], {"seed": drawn_from, "size": size, "samples": samples, "budget": budget}
+    rows, strips, settings = [], [], {"seed": drawn_from, "size": size, "samples": samples, "effort": effort}
     for number, task in enumerate(turns, 1):
-        trial = LikeTrial(task, out, size, samples, budget, words)
+        trial = LikeTrial(task, out, size, samples, effort, words)
         row = trial.row()
         print(f"[{number}/{len(turns)}] {row['task']}: {table.line(row)}", flush=True)
         rows.append(row)

@@ -36,7 +36,7 @@ class LikeTrial:
         out: The measurement's folder; what has been made in it is not made again.
         size: Longer side of the pictures, pixels.
         samples: Of Cycles.
-        budget: As for `vibe run`.
+        effort: As for `vibe run`.
         words: Whether a scene of *recovery* is vibed in words as well, to compare the time.
     """
 
@@ -44,7 +44,7 @@ class LikeTrial:
     out: Path
     size: int
     samples: int
-    budget: str = "standard"
+    effort: str = "standard"
     words: bool = False
 
     @property
@@ -53,7 +53,7 @@ class LikeTrial:
         return (
             self.out
             / "runs"
-            / _name(self.task.name, *astuple(self.task), self.size, self.samples, self.budget)
+            / _name(self.task.name, *astuple(self.task), self.size, self.samples, self.effort)
         )
 
     def row(self) -> dict[str, Any]:
@@ -62,7 +62,7 @@ class LikeTrial:
         picture = self._picture()
         options = [
             "--vlm-model=off",
-            f"--budget={self.budget}",
+            f"--effort={self.effort}",
             *(f"--subject={name}" for name in made["subject"]),
         ]
         options += [f"--size={self.size}", f"--samples={self.samples}"]
@@ -137,7 +137,7 @@ class LikeTrial:
 
     def _timed(self, scene: Path) -> Path:
         """Where the vibe in words of the same scene is, which tasks share."""
-        return self.out / "words" / f"{scene.name}-{self.budget}"
+        return self.out / "words" / f"{scene.name}-{self.effort}"
 
 
 def _name(readable: str, *depends: Any) -> str:

@@ -49,19 +49,24 @@ function card(row, place) {
   one.append(make("div", "words", row.prompt));
   const meta = make("div", "meta");
   meta.append(make("span", "who", who(row, $("group").value !== "scene")));
-  const figure = (name, value, title) => {
-    const box = make("span", "", name + " ");
-    box.append(make("b", "", value));
-    box.title = title;
-    meta.append(box);
-  };
   if (row.status === "done") {
-    figure("match", score(row.similarity), "how near the render is to the words; before: " + score(row.similarity_before));
-    if ($("sort").value.includes("predicted")) figure("ΔE", row.delta_e.toFixed(1), "how far the prediction was from the render (CIEDE2000)");
+    one.append(verdict(row));
+    if ($("sort").value.includes("predicted")) {
+      const box = make("span", "", "ΔE ");
+      box.append(make("b", "", row.delta_e.toFixed(1)));
+      box.title = "how far the prediction was from the render (CIEDE2000)";
+      meta.append(box);
+    }
   }
   one.append(meta);
   one.onclick = () => { go(place); open_(); };
   return one;
+}
+
+function verdict(row) {  // words by what the render shows of them
+  const box = make("div", "verdict");
+  for (const [state, name] of Object.entries(STATES)) if (row[state]?.length) box.append(make("span", state, `${name}: ${row[state].join(", ")}`));
+  return box;
 }
 
 function cut(box, event) {

@@ -41,12 +41,12 @@ function facts(row) {
   }
   if (row.status === "done") {
     const scores = make("div", "scores");
-    for (const [name, value] of [[`match to the words (before: ${score(row.similarity_before)})`, score(row.similarity)], ["ΔE between prediction and render", row.delta_e.toFixed(2)], ["seconds", row.seconds.toFixed(0)]]) {
+    for (const [name, value] of [["ΔE between prediction and render", row.delta_e.toFixed(2)], ["seconds", row.seconds.toFixed(0)]]) {
       const box = make("div");
       box.append(make("b", "", value), name);
       scores.append(box);
     }
-    list.push(scores);
+    list.push(verdict(row), scores);
   }
   if (row.final_error) list.push(make("div", "error", "Final frames: " + row.final_error));
   const links = make("div", "links");

@@ -4,12 +4,12 @@
 const $ = id => document.getElementById(id);
 const SORTS = {
   "as in the manifest": null,
-  "nearest to the words": row => -(row.similarity ?? -9),
-  "moved most to the words": row => -((row.similarity ?? -9) - (row.similarity_before ?? 0)),
+  "most words visible": row => row.status === "done" ? (row.missed?.length ?? 0) - (row.visible?.length ?? 0) : 1e9,
   "best predicted": row => row.delta_e ?? 1e9,
   "worst predicted": row => -(row.delta_e ?? -1e9),
   "slowest": row => -(row.seconds ?? -1),
 };
+const STATES = { visible: "Visible", already: "Was so already", unmeasured: "Set, not measured", missed: "Not visible" };
 const SEEDS = new Set(ROWS.map(row => row.seed)).size;
 const CHUNK = 120;  // cards that are added at a time
 const store = "vibe picks " + location.pathname;
@@ -25,7 +25,6 @@ function make(tag, cls, text) {
 }
 const file = (row, name) => row.folder.split("/").map(encodeURIComponent).join("/") + "/" + name;
 const stem = path => path.replace(/\.[^.\/]*$/, "").replace(/^.*\//, "");
-const score = value => value === undefined ? "–" : value.toFixed(2);
 const who = (row, scene = true) => [scene && stem(row.scene), SEEDS > 1 && `seed ${row.seed}`].filter(Boolean).join(" · ");
 const tally = (rows, key) => rows.reduce((found, row) => found.set(row[key], (found.get(row[key]) || 0) + 1), new Map());
 

@@ -47,8 +47,8 @@ def prompt(text: str, like: str = "", goals: str = "", then: Sequence[str] = ())
 
 
 def numbers(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> None:
-    """Every number that a command line has is within its bounds; those that the budget decides are filled in."""
-    if all(hasattr(given, name) for name in ("budget", *limits.NUMBERS)):
+    """Every number that a command line has is within its bounds; those that the effort decides are filled in."""
+    if all(hasattr(given, name) for name in ("effort", *limits.NUMBERS)):
         limits.fill(given)
     for option in table:
         value = getattr(given, option.name, None)

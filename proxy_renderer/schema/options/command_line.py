@@ -42,7 +42,7 @@ def to_arguments(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> 
     arguments: list[str] = []
     for option in table:
         value = getattr(given, option.name, None)
-        if not option.blender or option.name == "budget" or value is None:
+        if not option.blender or option.name == "effort" or value is None:
             continue
         if isinstance(option.default, bool):
             arguments += [option.flag] if value is not option.default else []

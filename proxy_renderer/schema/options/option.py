@@ -11,9 +11,9 @@ T = TypeVar("T")
 HEADINGS = {
     "task": "",
     "shots": "shots that share a look: each scene, through each camera, at each frame, and one set of values for all",
-    "budget": "budget",
-    "picture": "a picture as the words",
-    "reach": "reach",
+    "effort": "effort",
+    "picture": "a reference image",
+    "reach": "what may change",
     "engine": "engine",
     "render": "render",
 }
@@ -58,16 +58,16 @@ class Option:
 
     @property
     def command_default(self) -> Any:
-        """Its value where a command line does not name it: None for a number that the budget decides."""
+        """Its value where a command line does not name it: None for a number that the effort decides."""
         if self.name in NUMBERS:
             return None
         return list(self.default) if isinstance(self.default, tuple) else self.default
 
     def text(self, default: Any) -> str:
-        """Its help, with the default of a number; None for the budget's."""
+        """Its help, with the default of a number; None for the effort's."""
         if type(self.default) is not int:
             return self.help
-        shown = "the budget's" if default is None else default
+        shown = "the effort's" if default is None else default
         return f"{self.help} (default: {shown})"
 
 

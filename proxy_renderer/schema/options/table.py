@@ -33,20 +33,20 @@ class Options:
 
     # fmt: off
     rounds: int = option(
-        STANDARD.rounds, "times that the plan is made", "budget", bounds=(1, 1000),
-        panel=Panel("Rounds", "How often the plan is made anew", (1, 100)))
+        STANDARD.rounds, "number of rounds: the plan is made anew in each", "effort", bounds=(1, 1000),
+        panel=Panel("Rounds", "Number of rounds: the plan is made anew in each", (1, 100)))
     steps: int = option(
-        STANDARD.steps, "steps in each round: pictures of the proxy that the search looks at", "budget",
+        STANDARD.steps, "steps in each round: images of the proxy that the search looks at", "effort",
         bounds=(1, 10000), panel=Panel("Steps", "Refinements in each round", (1, 1000)))
-    starts: int = option(STANDARD.starts, "points that a coarse first pass tries", "budget", bounds=(1, 1000))
+    starts: int = option(STANDARD.starts, "starting points of the coarse search", "effort", bounds=(1, 1000))
     variants: int = option(
-        1, "different looks to find for the same words, as pictures to choose from", "budget", bounds=(1, 12),
-        panel=Panel("Variants", "Different looks for the same words, as pictures to choose from", (1, 8)))
+        1, "different looks to find for the same words, as images to choose from", "effort", bounds=(1, 12),
+        panel=Panel("Variants", "Different looks for the same words, as images to choose from", (1, 8)))
     top_k: int = option(
-        8, "parameters that a round may optimize", "budget", bounds=(1, 10000),
-        panel=Panel("Values at Once", "How many values a round may refine", (1, 64)))
+        8, "parameters that a round may optimize", "effort", bounds=(1, 10000),
+        panel=Panel("Parameters per Round", "How many parameters a round may refine", (1, 64)))
     seed: int = option(
-        0, "the same seed gives the same look", "budget", bounds=(0, LARGEST_SEED), manifest=(),
+        0, "the same seed gives the same look", "effort", bounds=(0, LARGEST_SEED), manifest=(),
         panel=Panel("Seed", "Another seed finds another look"))
     grade_each: bool = option(
         False, "each shot gets an exposure and a grade of its own, and a .blend of its own", "shots",
@@ -57,7 +57,7 @@ class Options:
     lock: tuple[str, ...] = option(
         (), "leave this alone: a group, light/Key, or */roughness; can be given several times", "reach",
         unit="PATTERN",
-        panel=Panel("Lock by Name", "Values that must stay, separated by commas: light/Key, "
+        panel=Panel("Locked (Patterns)", "Values that must stay, separated by commas: light/Key, "
                     "material/*/metallic, film/exposure"))
     target: tuple[str, ...] = option(
         (), 'what a word describes, where it is taken for something else: copper=Cup, warm="key light", '
@@ -65,7 +65,7 @@ class Options:
     new_lights: bool = option(
         True, "light the scene with its own lights alone: add none", "reach",
         panel=Panel("Add Lights", "Add the lights that a lighting word needs and the scene lacks, in a "
-                    "collection Vibe Lights. Revert takes them away. Off: your own lights play all parts"))
+                    "collection Vibe Lights. Revert removes them. Off: your own lights play all parts"))
     encoder: str = option(
         "", "an open_clip model such as ViT-B-32-256/datacomp_s34b_b86k, or a local checkpoint (default: the "
         "embedded one)", "engine", unit="TAG|PATH",
@@ -79,7 +79,7 @@ class Options:
     vlm_model: str = option(
         "", "a vision-language model that plans and judges, such as qwen2.5vl:7b or gpt-5-mini; off for none "
         "(default: VIBE_VLM_MODEL, else none)", "engine", unit="NAME",
-        panel=Panel("Model", "A vision-language model that reads the prompt and the picture, and plans. "
+        panel=Panel("Model", "A vision-language model that reads the prompt and the image, and plans. "
                     "Empty: none (or the one that the environment variable VIBE_VLM_MODEL names)", length=200,
                     preferences=True))
     vlm_url: str = option(
@@ -89,29 +89,25 @@ class Options:
         panel=Panel("Endpoint", "Base URL of the model's OpenAI-compatible server. Empty: OPENAI_BASE_URL, "
                     "or OpenAI's", length=500, preferences=True))
     anchor: bool = option(
-        True, "do not let small Cycles pictures correct the prediction meanwhile: quicker, and less exact",
+        True, "skip the Cycles corrections: faster, less accurate",
         "engine",
-        panel=Panel("Anchor to Cycles", "Between rounds, render a small picture with Cycles that corrects "
+        panel=Panel("Correct with Cycles", "Between rounds, render a small image with Cycles that corrects "
                     "the prediction: closer to the final render, but Blender pauses for about a second each "
                     "time"))
     like: str = option(
-        "", "a picture whose look the scene is to have: a still, a photograph, a painting, an HDRI for its "
-        "light; with a prompt, words count more", "picture", unit="FILE",
-        panel=Panel("Picture File", "A still, a photograph, a painting, an HDRI for its light: its look is "
-                    "wanted", path=True))
+        "", "a reference image, whose look is copied: a still, a photograph, a painting, an HDRI for its light; a prompt has priority", "picture", unit="FILE",
+        panel=Panel("Reference Image", "File of an image whose look is copied: a still, a photograph, a painting, an HDRI for its light", path=True))
     goals: str = option(
         "", "goals in a file, in the place of a prompt: of `vibe explain --goals`, of a report, or of a "
         "preset that has some", "picture", unit="FILE")
     like_only: tuple[str, ...] = option(
-        (), f"what to take over from that picture: {', '.join(TRAITS)} (default: all; materials only of the "
+        (), f"what to take over from that image: {', '.join(TRAITS)} (default: all; materials only of the "
         "same scene)", "picture", unit="A,B")
     like_same: bool = option(
-        False, "the picture shows this very scene through this camera: compare it pixel by pixel (default: "
-        "found by itself)", "picture",
-        panel=Panel("Same Scene", "The picture shows this very scene through this camera. Found by itself, "
-                    "if it is so"))
+        False, "the image shows the same scene through this camera: compare it pixel by pixel (default: found automatically)", "picture",
+        panel=Panel("Same Scene", "The image shows the same scene through this camera. Usually this is found automatically"))
     size: int = option(
-        STANDARD.size, "longer side of the pictures in pixels; the loop itself works with smaller ones",
+        STANDARD.size, "longer side of the images in pixels; the search uses smaller ones",
         "render", bounds=(32, 8192), panel=Panel("Preview Size", "Longer side of the preview, in pixels", (64, 2048)))
     figures: bool = option(
         False, "also write mask.png, where the subject is, and measure two predictions that are not shown: "
@@ -144,8 +140,7 @@ _EFFORT = "; ".join(
 
 # fmt: off
 TASK = (
-    Option("subject", (), "object or collection that the picture is about; can be given several times "
-           "(default: found by itself)", "task", unit="NAME", manifest=("scene", "shots")),
+    Option("subject", (), "object or collection that the image is about; can be given several times (default: found automatically)", "task", unit="NAME", manifest=("scene", "shots")),
     Option("prompt", "", 'the look: "misty, cool blue fog, vignette"', "task", unit="TEXT", manifest=(),
            panel=Panel("Prompt", "The mood in your own words, for example: misty tree silhouette, cool blue "
                        "fog, vignette", length=LONGEST_PROMPT, live=True)),
@@ -157,8 +152,8 @@ TASK = (
            manifest=("shots",)),
     Option("frames", "", "frames, as in 1,50,100-102 (default: the one that the scene was saved at); what is "
            "animated stays so", "shots", unit="1,50,100", manifest=("shots",)),
-    Option("budget", "standard", f"{_EFFORT} (default: standard)", "budget", choices=tuple(BUDGETS),
-           panel=Panel("Effort", "How long to look for the look", default="STANDARD")),
+    Option("effort", "standard", f"{_EFFORT} (default: standard)", "effort", choices=tuple(BUDGETS),
+           panel=Panel("Effort", "How long the search may take", default="STANDARD")),
 )
 """The task, which Blender's side turns into a job for the engine."""
 
@@ -166,7 +161,7 @@ SUPPORT = (
     Option("vocabulary", "", "a .toml with words of your own (default: vocabulary.toml in your "
            "configuration folder, if there is one)", "reach", unit="FILE",
            blender=False),  # processes find it in their environment
-    Option("samples", 128, "Cycles samples of the pictures (the one before: 16 at most)", "render",
+    Option("samples", 128, "Cycles samples of the images (the one before: 16 at most)", "render",
            bounds=(1, 65536)),
 )
 """Options of the processes around the engine."""

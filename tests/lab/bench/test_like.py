@@ -193,14 +193,14 @@ def test_parts_take_turns_and_a_second_run_does_only_what_is_missing(tmp_path, m
 def test_the_command_line_reaches_it(tmp_path, monkeypatch):
     monkeypatch.setattr(product, "vibe", ended)
     monkeypatch.setattr(trial.blender, "command", hidden)
-    options = ["--tasks", "1", "--parts", "recovery", "--budget", "quick", "--size", "32"]
+    options = ["--tasks", "1", "--parts", "recovery", "--effort", "quick", "--size", "32"]
     assert main(["like", "--out", str(tmp_path), *options]) == 0
-    assert json.loads((tmp_path / "results.json").read_text())["budget"] == "quick"
+    assert json.loads((tmp_path / "results.json").read_text())["effort"] == "quick"
 
 
 @pytest.mark.slow
 def test_a_hidden_look_is_recovered_from_end_to_end(tmp_path):
-    results = experiment.run(tmp_path, 1, "recovery", size=64, samples=4, budget="quick")
+    results = experiment.run(tmp_path, 1, "recovery", size=64, samples=4, effort="quick")
     assert results["failed"] == {}
     entries = results["parts"]["recovery"]["entries"]
     assert entries["after"]["delta_e"]["median"] < 0.6 * entries["before"]["delta_e"]["median"]
