@@ -95,8 +95,10 @@ class Options:
                     "the prediction: closer to the final render, but Blender pauses for about a second each "
                     "time"))
     like: str = option(
-        "", "a reference image, whose look is copied: a still, a photograph, a painting, an HDRI for its light; a prompt has priority", "picture", unit="FILE",
-        panel=Panel("Reference Image", "File of an image whose look is copied: a still, a photograph, a painting, an HDRI for its light", path=True))
+        "", "a reference image, whose look is copied: a still, a photograph, a painting, an HDRI for its light; "
+        "a prompt has priority", "picture", unit="FILE",
+        panel=Panel("Reference Image", "File of an image whose look is copied: a still, a photograph, a painting, "
+                    "an HDRI for its light", path=True))
     goals: str = option(
         "", "goals in a file, in the place of a prompt: of `vibe explain --goals`, of a report, or of a "
         "preset that has some", "picture", unit="FILE")
@@ -104,8 +106,10 @@ class Options:
         (), f"what to take over from that image: {', '.join(TRAITS)} (default: all; materials only of the "
         "same scene)", "picture", unit="A,B")
     like_same: bool = option(
-        False, "the image shows the same scene through this camera: compare it pixel by pixel (default: found automatically)", "picture",
-        panel=Panel("Same Scene", "The image shows the same scene through this camera. Usually this is found automatically"))
+        False, "the image shows the same scene through this camera: compare it pixel by pixel (default: found "
+        "automatically)", "picture",
+        panel=Panel("Same Scene", "The image shows the same scene through this camera. Usually this is found "
+                    "automatically"))
     size: int = option(
         STANDARD.size, "longer side of the images in pixels; the search uses smaller ones",
         "render", bounds=(32, 8192), panel=Panel("Preview Size", "Longer side of the preview, in pixels", (64, 2048)))
@@ -140,7 +144,8 @@ _EFFORT = "; ".join(
 
 # fmt: off
 TASK = (
-    Option("subject", (), "object or collection that the image is about; can be given several times (default: found automatically)", "task", unit="NAME", manifest=("scene", "shots")),
+    Option("subject", (), "object or collection that the image is about; can be given several times (default: found "
+           "automatically)", "task", unit="NAME", manifest=("scene", "shots")),
     Option("prompt", "", 'the look: "misty, cool blue fog, vignette"', "task", unit="TEXT", manifest=(),
            panel=Panel("Prompt", "The mood in your own words, for example: misty tree silhouette, cool blue "
                        "fog, vignette", length=LONGEST_PROMPT, live=True)),
