@@ -61,7 +61,18 @@ def test_the_best_round_is_the_result_and_others_are_not_waited_for_long(search,
     monkeypatch.setattr(refinement, "CONVERGED", -1.0)
     outcome = refined(begun)
     assert torch.equal(outcome.u, ends[0])
-    assert len(outcome.rounds) == 2 + refinement.PATIENCE  # the last one began elsewhere
+    assert len(outcome.rounds) == 1 + refinement.PATIENCE
+
+
+def test_a_round_that_comes_hardly_nearer_is_the_last(search, monkeypatch):
+    begun = search(PROMPT, rounds=5, steps=2)
+    misses = iter([Missed(4.0, 2), Missed(3.9, 1), Missed(3.0, 1), Missed(2.95, 1)])
+    monkeypatch.setattr(Search, "seen", lambda self, shots, u, number: (shots, next(misses)))
+    monkeypatch.setattr(refinement, "CONVERGED", -1.0)
+    monkeypatch.setattr(refinement, "eased", lambda *given: None)
+    outcome = refined(begun)
+    # the second satisfied another claim, the third came much nearer
+    assert [record["missed"]["distance"] for record in outcome.rounds] == [4.0, 3.9, 3.0, 2.95]
 
 
 @pytest.mark.parametrize(("prompt", "gray"), [("low contrast", True), ("teal shadows", False)])

@@ -6,7 +6,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from enum import Enum
 
 import torch
 from torch import Tensor
@@ -34,22 +33,12 @@ class Start:
     first: int = 0  # number of the first round, over all starts
 
 
-class RoundPlace(Enum):
-    """The place where a round begins."""
-
-    START = "at the start"
-    LAST_END = "where the last round ended"
-    BEST_END = "where the best round ended: the last one came no nearer to the words"
-    MIDDLE = "in the middle of the ranges that words name: no round came nearer"
-
-
 @dataclass(frozen=True)
 class RoundStart:
     """A round before it is planned."""
 
     start: Start  # of the refinement
-    place: RoundPlace  # where it begins
-    u: Tensor  # (N,) the point
+    u: Tensor  # (N,) the point where it begins
     shots: Sequence[ShotState]  # as they are corrected at that point
     number: int  # over all starts, from 0
     earlier: Plan  # the plan of the round before; empty for the first
@@ -59,7 +48,7 @@ class RoundStart:
     @classmethod
     def at(cls, start: Start) -> RoundStart:
         """The first round from a start."""
-        return cls(start, RoundPlace.START, start.u, start.shots, start.first, Plan())
+        return cls(start, start.u, start.shots, start.first, Plan())
 
 
 @dataclass
@@ -125,11 +114,6 @@ class Confiner:
         lower, upper = around(u, lower, upper, here.share)
         u = project(u, lower, upper)
         return Confined(advice, advice.plan, ranges, lower, upper, u, shots, here.number, here.opening)
-
-    def middle(self, now: Confined) -> Tensor:
-        """(N,) another start: values that words name stand in the middle of their ranges."""
-        movable = self._vector.mark(key for key, entry in now.plan.items() if entry.is_named)
-        return torch.where(movable & (now.upper > now.lower), (now.lower + now.upper) / 2, now.u)
 
     def _ranges(
         self, plan: Plan, u: Tensor, opening: float, claims: Sequence[Claim]

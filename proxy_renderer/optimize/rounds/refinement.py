@@ -2,8 +2,8 @@
 """How one round follows another, and the result of them all.
 
 Each round ends with a picture of Cycles. There is no other round when it shows all that the words claim. A round that ended
-farther from them than an earlier one is taken back, and the next has the plan's own ranges again, or may go half as far. When
-that does not help either, one round begins in the middle of all ranges. The best end of all is the result, with least change.
+farther from them than an earlier one is taken back, and the next has the plan's own ranges again, or may go half as far. One
+that came hardly nearer was the last. The best end of all is the result, with least change.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ..least_squares import Descent
 from ..shots import ShotState
 from ..vector import ParameterVector
 from . import starts
-from .confiner import Confined, RoundPlace, RoundStart, Start
+from .confiner import Confined, RoundStart, Start
 from .search import Missed, Search
 from .selection import Selection
 
@@ -35,11 +35,11 @@ OPENING, WIDEST = 0.5, 1.0
 """Share of their ranges by which the ranges of a round are wider on either side than those of the one before, while
 claims are missed; and the most that it comes to."""
 
-PATIENCE = 2  # rounds that come no nearer to the words' claims, after which one begins elsewhere, or none
+PATIENCE = 2  # rounds that come no nearer to the words' claims, of which the second is the last
 
-ALIKE = 0.05
-"""A round for a reference image of the same scene that comes nearer to it by a smaller share is the last one: its places are
-many, and some that paint keeps from the image's color are missed to the end."""
+WORTH, WORTH_LIKE = 0.1, 0.05
+"""A round that satisfies no further claim, and comes nearer to them by a smaller share, is the last: an artist sees no difference.
+For a reference image of the same scene the share is smaller: its places are many, and all of them together are seen."""
 
 _FAR = 0.05  # of a component's whole range: what has moved less is not worth a picture of Cycles
 _KEPT = (0.0, 0.25, 0.5, 0.75)  # shares of its way that a support may keep, the least first
@@ -123,7 +123,7 @@ def next_round(search: Search, ends: Sequence[RoundEnd]) -> RoundStart | None:
     has_claims = claims_words(last.shots)
     if len(ends) == search.rounds or not last.record["parameters"] or search.clock.stopped:
         return None
-    if has_claims and not last.missed.claims:
+    if (has_claims and not last.missed.claims) or is_stuck(search, ends):
         return None
 
     # Ranges open while claims are missed; those of a round that went astray in wider ones are the plan's again.
@@ -133,28 +133,20 @@ def next_round(search: Search, ends: Sequence[RoundEnd]) -> RoundStart | None:
         opening = 0.0 if too_wide else min(opening + OPENING, WIDEST)
     if astray and not too_wide:
         share *= 0.5
-    place = RoundPlace.BEST_END if astray else RoundPlace.LAST_END
-
-    if is_stuck(search, ends):
-        # Variants stay near their own start; the middle of ranges as wide as an image's is no better than any other point.
-        was_there = any(end.start.place is RoundPlace.MIDDLE for end in ends)
-        if was_there or not has_claims or start.drawn is not None or search.pictured:
-            return None
-        place, share = RoundPlace.MIDDLE, 1.0
     number, earlier = last.start.number + 1, last.confined.plan
-    return RoundStart(start, place, best.u, best.shots, number, earlier, share, opening)
+    return RoundStart(start, best.u, best.shots, number, earlier, share, opening)
 
 
 def is_stuck(search: Search, ends: Sequence[RoundEnd]) -> bool:
-    """True if another round of the same kind is worth nothing."""
-    last, best = ends[-1], nearest(ends)
-    if len(ends) > 1 and last.settled:
-        return True
-    if len(ends) > 1 and search.reference and search.reference.same:
-        before = nearest(ends[:-1]).missed.distance
-        if before - last.missed.distance < ALIKE * before:
-            return True
-    return all(end.missed > best.missed for end in ends[-PATIENCE:])
+    """True if another round is worth nothing."""
+    if len(ends) == 1:
+        return False
+    last, best, before = ends[-1], nearest(ends), nearest(ends[:-1]).missed
+    if last.settled or best is not last:
+        return last.settled or all(end.missed > best.missed for end in ends[-PATIENCE:])
+    worth = WORTH_LIKE if search.reference and search.reference.same else WORTH
+    gain = before.distance - last.missed.distance
+    return last.missed.claims >= before.claims and gain < worth * before.distance
 
 
 def claims_words(shots: Sequence[ShotState]) -> bool:

@@ -26,7 +26,7 @@ from ..progress import Clock, Observer
 from ..shots import ShotInput, ShotState, gathered, inner_size
 from ..stage import StagedScenes, read_stage
 from ..vector import begun
-from .confiner import Confined, Confiner, RoundPlace, RoundStart
+from .confiner import Confined, Confiner, RoundStart
 from .key_start import with_key_turned
 from .method import Method
 from .selection import Selection
@@ -197,9 +197,7 @@ class Search:
     def placed(self, now: Confined, here: RoundStart) -> Confined:
         """The round at the point where its steps begin, with the proxies corrected there."""
         u = now.u
-        if here.place is RoundPlace.MIDDLE:
-            u = self.confiner.middle(now)
-        elif here.place is RoundPlace.START and self.reference and self.reference.same:
+        if not here.earlier and self.reference and self.reference.same:
             goal = self.reference.display
             u = with_key_turned(self.shots[0].scene, self.vector, u, now.lower, now.upper, goal)
         return replace(
