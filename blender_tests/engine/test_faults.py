@@ -82,7 +82,7 @@ def test_what_artists_do_meanwhile_is_safe(addon, tmp_path, act):
     for _ in range(3000):
         if not running.advance():
             break
-        if running.stage.startswith("Found"):
+        if "Object Mode" in running.stage:
             assert not bpy.data.scenes[name].vibe.changes
             bpy.ops.object.mode_set(mode="OBJECT")
         time.sleep(0.02)
