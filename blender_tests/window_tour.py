@@ -39,8 +39,6 @@ def tour(screen):
     shading = screen.area.spaces.active.shading
     shading.type = "RENDERED"
     yield from screen.click_on("vibe.run", 295)
-    yield from screen.wait(lambda: addon_state.session and addon_state.session.question, 120, "the question")
-    yield from screen.click_on("vibe.answer(shared='ALL')", 372)
     yield from screen.away()
     yield from screen.wait(lambda: preview.exists(bpy.context.scene), 300, "the first look")
     yield from screen.wait(lambda: addon_state.session.progress, 900, "progress is seen")

@@ -12,7 +12,7 @@ from typing import Any
 import bpy
 
 from ..core import rendered
-from ..core.schema_import import messages, schema
+from ..core.schema_import import messages, schema, targets
 from ..engine.process import Engine
 from ..export.reading import sketch_scene
 from .scene_session import scene_settings
@@ -77,6 +77,13 @@ class WordReadings:
             engine.send(messages.AskReadings(schema.schema_hash(), prompt, self._job, *names, targets))
             self._asked = words
         return arrived is not None
+
+    def may_paint(self, prompt: str) -> bool:
+        """Whether a word of a prompt describes an object, or the subject; True for words that have not been read yet."""
+        if self.newest.prompt.strip() != prompt.strip():
+            return True
+        described = {name for word in self.newest.words for name in word.candidates[:1]}
+        return not described <= targets.GENERAL.keys() - {"subject"}
 
     def forget(self) -> None:
         """Waits for nothing any more: the engine is another one."""

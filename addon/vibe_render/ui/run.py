@@ -15,6 +15,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty
 
 from ..core.schema_import import errors, schema
+from ..render import reference
 from ..run.driver import LOOKING
 from ..run.notes import failure_note
 from ..run.session import PAUSING, SILENT, Session
@@ -137,7 +138,8 @@ class VIBE_OT_run(Vibing):
             settings.seed += 1
         if words := settings.prompt.strip():
             prompt_history.remember(words, settings.target_pairs())
-        return addon_state.begin(context, ask)
+        paints = bool(reference.picture_name(settings)) or addon_state.readings.may_paint(words)
+        return addon_state.begin(context, ask and paints)
 
 
 def _advance(session: Session) -> schema.VibeError | None:
