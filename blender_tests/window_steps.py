@@ -31,6 +31,7 @@ def running(screen):
 
     bpy.context.scene.vibe.prompt = PROMPT
     effort(20, 60, 256)
+    bpy.context.scene.vibe.variants = 8  # one look alone is found too soon to be stopped
     yield from screen.click_on("vibe.run", 227)
     yield from screen.wait(lambda: addon_state.running, 60, "Vibe It starts")
     yield from first_look(screen)
