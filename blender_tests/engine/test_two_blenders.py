@@ -64,7 +64,7 @@ def test_two_windows(tmp_path):
         outputs = twice(["-c", WINDOW, shot], **places, **paths, **asked)
     same(*(json.loads(text.rpartition("FOUND ")[2].splitlines()[0]) for text in outputs))
     assert shot.read_bytes() == held
-    saved = sorted(user.rglob("presets/*.json"))
+    saved = sorted(user.rglob("presets/vibe_render/*.json"))
     assert [path.name for path in saved] == ["mine-2.json", "mine.json"]
     same(*(transfer.load_preset(path).roles["film"][0] for path in saved))
     (prompts,) = user.rglob("prompts.json")
