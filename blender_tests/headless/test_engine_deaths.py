@@ -12,7 +12,7 @@ from headless_runs import BATCH_PY, QUICK, save_scene
 
 STAGES = {
     "looking": ('"progress"', 500),
-    "waiting for an anchor": ("rendering anchor", 1),
+    "waiting for an anchor": ("comparing with Cycles", 1),
     "composing the pictures": ("rendering with Cycles", 1),
 }
 

@@ -123,7 +123,7 @@ def test_reasons_are_short_where_a_word_says_it(reason, short):
 @pytest.mark.parametrize(
     ("difference", "engine", "words", "good"),
     [
-        (0.04, "CYCLES", "matches Cycles (color difference 0.1)", True),
+        (0.04, "CYCLES", "matches Cycles (ΔE 0.1; 1 is just visible)", True),
         (1.0, "CYCLES", "is close to Cycles", True),
         (3.2, "CYCLES", "differs from Cycles", False),
         (0.1, "BLENDER_EEVEE", "Preview is Cycles. EEVEE may look different", False),

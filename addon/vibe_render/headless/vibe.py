@@ -217,7 +217,7 @@ class HeadlessVibe(Driver):
 
     def _anchor_stage(self, request: messages.Anchor) -> str:
         name = self._shots.shots[request.shot].name
-        stage = f"rendering anchor {request.number}{f', {name}' if name else ''}"
+        stage = f"comparing with Cycles, render {request.number}{f', {name}' if name else ''}"
         self._reporter.stage(stage)
         return stage
 

@@ -20,7 +20,7 @@ from ..scene.subject import remember_subject
 from . import before_image, result
 from .scene_session import READING, SceneSession
 
-ANCHORING = "Rendering an anchor"
+ANCHORING = "Comparing with Cycles"
 PAUSING = (READING, ANCHORING)
 """Stages during which Blender is blocked: for long where the scene is large."""
 SILENT = 30.0  # seconds without a message from the engine, after which the panel says so

@@ -257,8 +257,12 @@ class VIBE_OT_preset_save(_NameDialog, LookOperator):
         self.name = settings.vibed_preset or preset.title(first[:1].upper() + first[1:])
         return context.window_manager.invoke_props_dialog(self, width=340, confirm_text="Save")
 
+    def draw(self, context: bpy.types.Context) -> None:
+        super().draw(context)
+        self.layout.label(text="Blender waits some seconds: a small render becomes its picture", icon="TIME")
+
     def act(self, context: bpy.types.Context) -> str:
-        """Saves it; the picture is a small render."""
+        """Saves it; the picture is a small render, during which Blender waits."""
         scene = context.scene
         look = use.capture_preset(scene, scene.vibe.choice(), self.name)
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:

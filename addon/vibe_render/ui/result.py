@@ -121,7 +121,7 @@ def agreement(difference: float, engine: str) -> tuple[str, bool]:
         return "Preview is Cycles. EEVEE may look different", False
     words, good = next((words, good) for most, words, good in _AGREEMENTS if difference < most)
     tenths = max(math.ceil(difference * 10.0), 1)
-    return f"The preview {words} Cycles (color difference {tenths / 10.0:.1f})", good
+    return f"The preview {words} Cycles (ΔE {tenths / 10.0:.1f}; 1 is just visible)", good
 
 
 def _draw_variants(

@@ -129,8 +129,8 @@ class VIBE_OT_reading(bpy.types.Operator):
             layout.separator()
         for name in word.targets:
             self._draw_target(layout, name, _description(name), _icon(scene, name))
-        names = {*word.candidates, *word.targets} & {*scene.objects.keys()}
-        if names and len(names) < sum(1 for _ in _own_names(scene)):
+        offered = {part for name in (*word.candidates, *word.targets) for part in targets.target_names(name)}
+        if offered & {*scene.objects.keys()} and not offered.issuperset(_own_names(scene)):
             layout.operator_context = "INVOKE_DEFAULT"
             layout.operator("vibe.describe_another", icon="VIEWZOOM").word = self.key
 
