@@ -180,7 +180,9 @@ def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary) -> ChosenR
     lights = described(said, table)
     of_lights = [a for light in lights for a in light.said]
     heads = [source_of(light.said, table) for light in lights if light.part == "key"]
-    setups = _setups([a for a in said if a not in of_lights or a in heads], table)
+    # of "overcast daylight, purple rim" the weather is still the setup
+    lamps_or_turns = [a for a in of_lights if table.is_a_light(a.entry, a.word) or a.entry in table.modifiers]
+    setups = _setups([a for a in said if a not in lamps_or_turns or a in heads], table)
     gels = _gels([a for a in said if a not in of_lights], setups, table)
     turns = [a for a in said if (m := table.modifier(a.entry)) and "direction" in m.aspects]
     directed = any(a.kind in _OF_LIGHT and not (a.negated or a.cause) for a in turns)

@@ -106,6 +106,8 @@ def composed(
 ) -> RigLight:
     """A light of a rig as words describe it; `base` is the rig's own light of that part, and `key` its key."""
     made = _placed(_template(light, base, key, table), light, table)
+    if any((m := table.modifier(a.entry)) and m.kelvin and not a.negated for a in light.said):
+        made = replace(made, color="")  # "cold backlight" where the rig has an orange one
     for attribute in light.said:
         modifier = table.modifier(attribute.entry)
         if attribute.negated:

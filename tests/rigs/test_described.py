@@ -220,3 +220,15 @@ def test_lights_that_are_counted_are_told_apart_by_what_follows(noun, parts, joi
 def test_a_finish_in_the_description_of_a_light_stays_a_surfaces(finish):
     attributes = parse(f"a warm spot from the left, {finish} with light bleeding through", KITCHEN).attributes
     assert all(a.kind == "subject" for a in attributes if a.entry == finish)
+
+
+def test_a_temperature_overrules_the_color_that_a_rig_gives_its_rim():
+    assert part("industrial hangar", "rim").color
+    edge = part("industrial hangar, cold backlight", "rim")
+    assert not edge.color
+    assert edge.kelvin > 7000.0
+
+
+@pytest.mark.parametrize("more", ["purple rim", "soft warm light from the left, blue light from the right"])
+def test_the_weather_counts_where_lights_are_described_too(more):
+    assert rig(f"overcast daylight, {more}").name == rig("overcast daylight").name
