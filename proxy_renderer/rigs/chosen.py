@@ -404,9 +404,9 @@ def _lit_lamps(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
 
 def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
     """The words that stand for setups, the one that counts first; "backlit" only changes another setup."""
-    every = [
-        a for a in said if a.entry in table.rigs and not (table.rigs[a.entry].adds or a.negated or a.color)
-    ]
+    graded = {a.word for a in said if a.grades}
+    every = [a for a in said if a.entry in table.rigs and not (a.negated or a.color or a.grades)]
+    every = [a for a in every if not (table.rigs[a.entry].adds or a.cause in graded)]
     # what is said before what a mood stands for; of that by the rig's kind
     every.sort(key=lambda a: (bool(a.cause), KINDS.index(table.rigs[a.entry].kind)))
     return [a for a in every if a.entry not in table.modifiers] or every[:1]

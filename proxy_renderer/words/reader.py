@@ -11,6 +11,7 @@ from ..schema import VibeError
 from ..schema.parameters import Region
 from .attributes import LightPhrases, NamedThing, light_phrases, shaded
 from .features import looks, reading
+from .lexicon.entries import VocabularyEntry
 from .lexicon.rigs import TIMES, rig_table
 from .lexicon.vocabulary import GLOWING, Vocabulary
 from .model import likeliest_row, probabilities, scores, shipped_weights
@@ -301,14 +302,19 @@ def _attributes(
         return
     if is_part:
         raise VibeError(f"Vocabulary: '{known.name}', for which a mood stands, is a mood itself.", _PLAIN)
+    yield from _meant(read, word, known, thing.kind == "tone")
+
+
+def _meant(read: PromptReading, word: PromptLook, known: VocabularyEntry, grade: bool) -> Iterator[Attribute]:
+    """What a mood stands for; for a grade only what it grades."""
     for text in known.means.split(","):
         meant = read_words(text, SceneDescription(), read.vocabulary, read.weights, is_part=True)
         if not meant.parsed.attributes:
             problem = f"Vocabulary: '{text.strip()}', for which '{known.name}' stands, is no look."
             raise VibeError(problem, _PLAIN)
-        for part in meant.parsed.attributes:
+        for part in (a for a in meant.parsed.attributes if a.slot == "grade" or not grade):
             strength = min(max(part.strength * word.strength, WEAKEST), STRONGEST)
-            yield replace(part, cause=word.text, strength=strength, guess=bool(token.guess))
+            yield replace(part, cause=word.text, strength=strength, guess=bool(word.token.guess))
 
 
 def _thing(read: PromptReading, pair: TargetPair) -> Attribute:
@@ -321,13 +327,23 @@ def _thing(read: PromptReading, pair: TargetPair) -> Attribute:
     if kind == "picture":  # the image, or what a word about many things is about in the first place
         if slot == "color":
             return _of("tone", name, "whole") if is_named else _of("ambience", "tint", "whole")
-        about = "tone" if pair.sense.way == "row" else _OF_SLOT.get(slot, "whole")
+        grade = pair.sense.way == "row" or (slot == "mood" and _is_of_a_grade(read, pair))
+        about = "tone" if grade else _OF_SLOT.get(slot, "whole")
         return _of(about, word, "surroundings" if about == "surroundings" else "whole")
     region: Region = "surroundings" if kind == "sky" else "whole"
     apart = kind == "lights" and target.names != {*read.scene.lights}  # all lights are light as a whole
     lights = tuple(sorted(target.names)) if apart else ()
     role = kind if kind in ROLES else ""
     return replace(_of(_KINDS.get(kind, kind), name, region), role=role, lights=lights)
+
+
+def _is_of_a_grade(read: PromptReading, pair: TargetPair) -> bool:
+    """Whether a mood is one of the grade alone: "gritty" of "gritty bleach bypass grade"."""
+    items, grades = read.pairs.passage.items, read.vocabulary.words["grades"]
+    clause = items[pair.look.index].clause
+    after = [item for item in items[pair.look.index :] if item.clause == clause]
+    head = next((i for i, item in enumerate(after) if item.text in grades), 0)
+    return head > 0 and all(item.names_a_look or item.filler for item in after[1:head])
 
 
 def _of(kind: str, thing: str, region: Region, owners: tuple[str, ...] = ()) -> Attribute:

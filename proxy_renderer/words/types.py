@@ -147,6 +147,11 @@ class Attribute:
     look: int = field(default=-1, compare=False)  # its number in the prompt, from 0; -1 where none is bound
 
     @property
+    def grades(self) -> bool:
+        """Whether it is a mood that only the grade is to have, and no light."""
+        return (self.slot, self.kind) == ("mood", "tone")
+
+    @property
     def part(self) -> Part:
         """The part of the image that it describes."""
         if self.kind == "sky":

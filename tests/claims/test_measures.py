@@ -431,3 +431,13 @@ def test_a_subject_that_fills_the_image_has_finite_values_or_none(name: str) -> 
     where = claim.region(full.seen)
     assert where is None or bool(torch.isfinite(claim.value(full, where)).all())
     assert (where is None) == MEASURES[name].beside
+
+
+def test_what_glows_is_seen_as_it_is_and_paint_in_dim_light_as_it_would_be_lit():
+    where = ball()[1]
+    seen = picture(torch.full((*where.shape, 3), 0.6)).seen
+    dim = replace(seen, gray=torch.full((*where.shape, 3), 0.1))
+    lamp = replace(picture(torch.full((*where.shape, 3), 0.6)), seen=dim)
+    paint = replace(picture(torch.full((*where.shape, 3), 0.15)), seen=dim)
+    assert torch.allclose(lamp.in_white_light(where).display, lamp.display, atol=1e-4)
+    assert paint.in_white_light(where).display.mean() > 1.5 * paint.display.mean()

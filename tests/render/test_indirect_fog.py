@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What fog does between surfaces: bounds, convergence, and finite differences."""
 
+from dataclasses import replace
+
 import pytest
 import torch
 from tiny_job import write_job
@@ -121,3 +123,10 @@ def test_a_picture_in_fog_is_finite_at_every_extreme(scene):
             picture.mean().backward()
             assert picture.isfinite().all()
             assert all(v.grad.isfinite().all() for v in values.values())
+
+
+def test_fog_before_a_camera_that_sees_no_surface(scene):
+    blind = replace(scene, camera=replace(scene.camera, clip=(0.01, 0.02)))
+    picture = Proxy(blind, SIZE).render({"volume/density": torch.tensor([0.2])}).linear
+    assert picture.isfinite().all()
+    assert picture.max() > 0.0

@@ -58,7 +58,8 @@ class MeasuredPicture:
         """The same picture as it looks to people who have adapted to the light in the region `where`.
 
         A white car in blue light looks nearly white, and a red one in dim light red. The cones adapt each by itself (von Kries
-        1902), and to a degree of 0.7, with the picture's own white for the rest (Fairchild 2020).
+        1902), and to a degree of 0.7, with the picture's own white for the rest (Fairchild 2020). What is brighter than white
+        would be in that light glows by itself, and looks as it is.
         """
         gray = None if self.seen.gray is None else linear_from_srgb(self.seen.gray[where]).mean(0)
         if gray is None or luminance(gray) < _UNLIT:
@@ -67,8 +68,11 @@ class MeasuredPicture:
         light = to_cones @ (gray / luminance(gray))
         level = (_MIDDLE / luminance(gray)).clamp(1.0, _DIM) ** _ADAPTED
         scale = level / (_ADAPTED * light + (1.0 - _ADAPTED) * to_cones.sum(1))
-        adapted = linear_from_srgb(self.display) @ (from_cones @ (scale[:, None] * to_cones)).T
-        return replace(self, display=srgb_from_linear(adapted))
+        display = linear_from_srgb(self.display)
+        adapted = display @ (from_cones @ (scale[:, None] * to_cones)).T
+        white = luminance(gray) / _MIDDLE
+        glow = (luminance(display[where].detach()).mean() / white - 1.0).clamp(0.0, 1.0)
+        return replace(self, display=srgb_from_linear(torch.lerp(adapted, display, glow)))
 
     @cached_property
     def luminance(self) -> Float[Tensor, "h w"]:

@@ -251,7 +251,7 @@ class SingleScattering:
         """What follows from fog, rays and a key; made again when they change, or are learned (a key of None)."""
         if fog.signature is None or key is None or needs_gradient(rays.start, rays.toward):
             return make()
-        cut = float(rays.cuts.flatten()[1])
+        cut = tuple(rays.cuts.flatten()[1:2].tolist())  # () where no ray starts: the camera sees no surface
         return self._strengths.of(name, (fog.signature, rays.signature, cut, key), make)
 
     def _strength(self, fog: FogMedium, rays: RaySegments, lamp: LightSource, parts: int) -> Tensor:
