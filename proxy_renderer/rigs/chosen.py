@@ -268,6 +268,9 @@ class _Build:
         elif not attribute.cause and other.kind == "source":
             self.rig = with_source(self.rig, other)
             self.words.setdefault(attribute.word, (("accent",), ("color",)))
+        elif self._is_its_sun(attribute, other):
+            self.rig = replace(self.rig, lights=(*other.lights[:1], *self.rig.lights[1:]))
+            self.words.setdefault(attribute.word, (("key",), ("color",)))
         elif not attribute.cause and other.kind in TIMES and self.first.kind not in ("time", "hour"):
             self.rig = at_an_hour(self.rig, other)
             self.words.setdefault(attribute.word, (("key",), ("rest",)))
@@ -278,6 +281,14 @@ class _Build:
             self.rig = self.rig if self._in_a_mood else in_a_mood(self.rig, other)
             self.words.setdefault(attribute.word, (EDGES, ("rim", "color")))
             self._in_a_mood = True
+
+    def _is_its_sun(self, attribute: Attribute, other: Rig) -> bool:
+        """Whether a word says more of the sun of an hour: "early morning, low golden sun"."""
+        suns = all(light.type == "SUN" for rig in (self.rig, other) for light in rig.lights[:1])
+        same_sky = other.has_dark_sky == self.first.has_dark_sky
+        named = self.table.is_a_light(attribute.entry, attribute.word) and other.kind in TIMES
+        hour = self.first.kind in TIMES and bool(self.rig.lights and other.lights)
+        return not attribute.cause and hour and named and suns and same_sky
 
     def describe(self, lights: Sequence[DescribedLight]) -> None:
         """Gives the rig the lights that words describe one by one; beside several, a source has no others of its own."""

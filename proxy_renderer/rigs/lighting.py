@@ -36,8 +36,8 @@ _LAMPS = 0.7  # most light of what glows at night, against the key
 _FAINT = 0.02  # of what the world should give the subject: if it gives less at full strength, it is shut out
 _FULL = 8.0  # the most strength of a world
 _HAZES, _VEIL = ("haze", "mist", "fog", "smoke"), 0.5  # air that is not clear; its sky towards gray
-_DARK_HAZE = 0.15
-"""Albedo of haze at night. Thick haze is albedo / 4 as bright as a white surface in the same light: about L* 20."""
+_DARK_HAZE = 0.4
+"""Albedo of haze at night. Thick haze is albedo / 4 as bright as a white surface in the same light: about L* 38."""
 _BARELY = 1e-7
 _SPREAD, _TOWARDS = 0.6, 0.35
 """Stops by which a sky is darker at the top, and lighter at the horizon, and how far it goes to other colors there."""
@@ -270,7 +270,7 @@ def _within(scene: SceneData, values: dict[str, Values]) -> dict[str, Values]:
 def _air(scene: SceneData, rig: Rig, parsed: Parsed, served: Sequence[Attribute]) -> dict[str, Values]:
     """The air of a rig, where no other word of the prompt speaks of it: a sandstorm brings its own.
 
-    Haze has the color that words give the sky behind it. At night it is dark: in the light of a lamp, white haze would be a
+    Haze has the color that words give the sky behind it. At night it is darker: in the light of a lamp, white haze would be a
     bright wall.
     """
     density, color = (scene.instances.get(f"volume/{name}") for name in ("density", "color"))

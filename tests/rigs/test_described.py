@@ -232,3 +232,10 @@ def test_a_temperature_overrules_the_color_that_a_rig_gives_its_rim():
 @pytest.mark.parametrize("more", ["purple rim", "soft warm light from the left, blue light from the right"])
 def test_the_weather_counts_where_lights_are_described_too(more):
     assert rig(f"overcast daylight, {more}").name == rig("overcast daylight").name
+
+
+def test_a_named_sun_is_the_sun_of_the_hour_before_it():
+    alone, both = part("low golden sun", "key"), rig("early morning, low golden sun")
+    assert both.name == rig("early morning").name
+    assert (both.lights[0].elevation, both.lights[0].kelvin) == (alone.elevation, alone.kelvin)
+    assert rig("golden hour, full moon").lights[0].kelvin < 5000.0  # a moon is not the sun of that sky
