@@ -106,7 +106,7 @@ def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
 
 
 def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterator[Token]:
-    """The tokens of a clause; a wish to add or remove things is marked, one about light, fog or the like is none."""
+    """The tokens of a clause; what is focused is marked, and a wish to add or remove things; one about light, fog or the like is none."""
     until = 0
     for index, token in enumerate(tokens):
         if token.lists & _WISHES:
@@ -115,6 +115,8 @@ def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterato
             if not (about_looks and all(t.known and "count" not in t.lists for t in objects)):
                 until = index + 1 + len(objects)
                 found.wishes.append([t.text for t in tokens[index:until] if not t.lists & {"stop", "joiner"}])
+        elif "focus" in token.lists:
+            until = len(tokens)
         yield replace(token, clause=number, wished=index < until)
 
 

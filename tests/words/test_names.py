@@ -257,3 +257,9 @@ def test_of_several_of_a_shape_none_is_guessed_and_names_come_first():
     found = parse("green apple, blue mug", several).attributes
     assert {a.word: a.owners for a in found}.get("blue") == ("d",)
     assert not any(a.owners for a in found if a.word == "green")
+
+
+@pytest.mark.parametrize("focus", ["shallow focus on", "focused on", "selective focus on"])
+def test_what_is_in_focus_is_not_painted(focus: str) -> None:
+    parsed = parse(f"warm light, {focus} the red cup in front", scene({"Cup": "Clay", "Wall": "Plaster"}))
+    assert [a.entry for a in parsed.attributes] == ["warm light"]
