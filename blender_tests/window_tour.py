@@ -2,6 +2,7 @@
 """A first look at default settings in an example scene, for the documents' screenshots. See window_driver.py."""
 
 import sys
+import time
 from pathlib import Path
 
 import bpy
@@ -44,7 +45,7 @@ def tour(screen):
     yield from screen.wait(lambda: addon_state.session.progress, 900, "progress is seen")
     yield 1.0
     screen.shoot("running")
-    yield from screen.wait(lambda: not addon_state.running, 1800, "the search ends")
+    yield from searched(screen, addon_state)
     yield 15.0
     screen.shoot("result")
     verdicts = addon_state.session.report["verdicts"]
@@ -59,6 +60,20 @@ def tour(screen):
     yield from screen.away()
     screen.shoot("kept")
     yield from opened(screen)
+
+
+def searched(screen, addon_state):
+    """Waits for the end of a search, with a screenshot every four seconds for an animation."""
+    shot = 0.0
+
+    def ended():
+        nonlocal shot
+        if addon_state.running and time.monotonic() > shot + 4.0:
+            screen.shoot("search")
+            shot = time.monotonic()
+        return not addon_state.running
+
+    yield from screen.wait(ended, 1800, "the search ends")
 
 
 def tour_double(screen):

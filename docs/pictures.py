@@ -13,7 +13,7 @@ gallery/       vibe batch examples/batch.toml --out out/gallery, after the scene
 rigs.jpg       vibe batch rigs.toml --out out/rigs: four scenes, and the prompts of `RIGS`
 results/       results.json of out/sealed, and of out/sealed-long (`python -m lab sealed --long --out out/sealed-long`)
 tutorial/      the tutorial's own commands
-panel.jpg, progress.jpg
+panel.jpg, progress.jpg, first-look.webp
                screenshots of the window test (needs a Blender with a window):
                VIBE_WINDOW_OUT=out/window python -m pytest -m slow blender_tests/ui/test_window.py -k tour
 """
@@ -91,6 +91,10 @@ PANEL = {
 PROGRESS = (0, 25, 1185, 815)
 """What is cut out of the screenshot of progress.jpg, at the usual scale."""
 
+FIRST_LOOK = (("marks", 1), ("running", 1), ("search", 6), ("result", 1))
+"""Screenshots of first-look.webp, and how many of each."""
+
+_FRAME, _LAST = 700, 3500  # milliseconds of an animation's frames, and of its last one
 _SIDE, _GAP = 128, 6
 
 
@@ -131,6 +135,20 @@ def panel(shots: Path) -> None:
         left += column.width + _GAP
     save(sheet, "panel.jpg")
     save(cut("tour/*_running.png", PROGRESS, 0.75), "progress.jpg")
+    first_look(shots / "tour")
+
+
+def first_look(shots: Path) -> None:
+    """A vibe from the words to the result, as an animation."""
+    files: list[Path] = []
+    for name, most in FIRST_LOOK:
+        found = sorted(shots.glob(f"*_{name}.png"))
+        files += found[:: max(len(found) // most, 1)][:most]
+    frames = [Image.open(file).convert("RGB").resize((960, 600), Image.Resampling.LANCZOS) for file in files]
+    times = [_FRAME] * (len(frames) - 1) + [_LAST]
+    out = HERE / "first-look.webp"
+    frames[0].save(out, save_all=True, append_images=frames[1:], duration=times, loop=0, quality=70, method=6)
+    print(f"{out}: {out.stat().st_size / 1000:.0f} kB")
 
 
 def rigs(jobs: Path) -> Image.Image:
