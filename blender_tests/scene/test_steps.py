@@ -124,7 +124,6 @@ def test_half_and_twice_as_strong_are_of_the_last_step(steps):
     [
         (" ", "empty"),
         ("back to step 9", "no step 9"),
-        ("no, the floor, not the dog", "No step is about 'dog'"),
     ],
 )
 def test_what_is_not_there_is_one_line_with_its_remedy(steps, sentence, problem):

@@ -6,26 +6,85 @@ from typing import Literal, NamedTuple
 
 _NUMBERS = {name: n for n, name in enumerate(("original", "first", "second", "third", "fourth", "fifth"))}
 _NUMBERS |= {"start": 0, "beginning": 0, "scene": 0}
+_LAST = ("last", "previous", "before", "earlier")  # names of the step before the one that is shown
 _STEP = r"(?:the )?(?:step )?(?P<step>\w+)(?: (?:one|look|step|version|result))?"
-_FORMS = {
-    "show": rf"(?:go )?back to {_STEP}|(?P<last>undo(?: that| it| the last(?: step)?)?|go back)",
-    "between": rf"(?:something |half ?way )?between (?:this|it|now) and {_STEP}|half ?way back to {_STEP.replace('step>', 'other>')}",
-    "strength": r"(?P<factor>half|twice|double)(?: as| the)? (?:strong|much|strength|that|of that)",
-    "without": r"(?:without|remove|lose|drop|no more|take away) (?:the |any )?(?P<what>.+)",
-    "instead": r"no,? (?:i meant? )?(?:the )?(?P<new>.+?),? (?:and )?not (?:the )?(?P<old>.+)",
-    "except": r"(?:(?:but )?(?:leave|keep)|but not|except(?: for)?) (?:the )?(?P<stays>.+?)(?: alone| out| as it (?:is|was))?",
-}
-_MATCHES = {kind: re.compile(rf"(?:{form})[.!]*", re.I) for kind, form in _FORMS.items()}
-_FACTOR = {"half": 0.5, "halve": 0.5, "twice": 2.0, "double": 2.0, "two times": 2.0, "three times": 3.0}
+_HALF = r"(?:50 ?[/-] ?50|half(?:way)?|half and half|mix(?:ed)?)"
+_FACTORS = {
+    "half": 0.5, "halve": 0.5, "a half": 0.5, "a third": 1 / 3, "a quarter": 0.25, "twice": 2.0, "double": 2.0,
+    "two times": 2.0, "three times": 3.0, "triple": 3.0,
+}  # fmt: skip
+_SHARE = r"(?P<share>half|a half|a third|a quarter|\d{1,3} ?(?:%|percent))"
+_REMOVE = "without|remove|lose|drop|kill|ditch|no more|get rid of|(?:take|turn|switch) (?:away|out|off)"
+_NOT = "(?:but )?not(?: on)?(?: the)?"
+_FORMS = (
+    ("show", rf"(?:(?:go|take it|take me|return|revert) )?(?:back )?to {_STEP}"),
+    ("show", rf"{_STEP} (?:was|is) better(?:,? go back)?"),
+    (
+        "show",
+        r"(?:go back to )?the (?:one|look|version) (?P<step>before)|(?:the )?(?P<previous>previous)(?: \w+)?",
+    ),
+    ("show", r"undo(?: that| it| the last(?: step)?)?|go back"),
+    (
+        "between",
+        rf"(?:some(?:thing|where) )?(?:half ?way )?(?:in )?between (?:this|it|now)(?: one)? and {_STEP}",
+    ),
+    ("between", rf"half ?way back to {_STEP}"),
+    ("between", rf"{_HALF}(?: this one| this| it)? (?:with|and) {_STEP}"),
+    ("strength", r"(?P<factor>half|twice|double)(?: as| the)? (?:strong|much|strength|that|of that)"),
+    ("strength", rf"(?:dial|tone|turn|bring|pull) (?:it|that|this)(?: down| back) (?:by )?{_SHARE}"),
+    ("strength", rf"{_SHARE} (?P<sign>less|weaker|more|stronger)"),
+    (
+        "without",
+        rf"(?:{_REMOVE}) (?:the |any |all )?(?P<what>[^,]+?)"
+        r"(?: completely| entirely| altogether)?(?:,? (?:but |and )?keep .+)?",
+    ),
+    ("instead", rf"{_NOT} (?P<what>[^,.!]+)[,.!]+ ?(?:only|just) (?:the )?(?P<new>.+)"),
+    (
+        "except",
+        rf"(?:(?:but )?(?:leave|keep)(?: the)?|{_NOT}(?<=the)|except(?: for)?(?: the)?) (?P<what>[^,.!]+?)"
+        r"(?: alone| out| as it (?:is|was))?(?:, (?:that|it|this).*)?",
+    ),
+    (
+        "instead",
+        r"(?:no,? )?(?:i (?:meant|said|mean) )?(?:only |just )?(?:the )?(?P<new>[^,]+?)(?: only| alone)?(?:,? i (?:said|meant))?"
+        rf"(?:,|,? and|,? but)? {_NOT} (?P<what>[^,.!]+)(?:[,.!].*)?",
+    ),
+)
+_MATCHES = [(kind, re.compile(rf"(?:{form})[.!]*", re.I)) for kind, form in _FORMS]
 
-_LEAD = re.compile(r"^(?:(?:no|and|now|then|ok|okay|please)\b[ ,]*)+", re.I)
-_START = re.compile(r"^(?:(?:and|but|now|then|also|please|make (?:it|that|this))\b[ ,]*)+", re.I)
-_COMPARED = rf"\b(?P<factor>{'|'.join(_FACTOR)})(?: as much)?(?: of)?(?: the)? (?=\w)"
+_LEAD = re.compile(
+    r"^(?:(?:no|nope|nah|and|now|then|ok|okay|please|hm+|wait|sorry|actually|nice|good|better|but|too much|yes|yeah)\b[ ,.!]*)+",
+    re.I,
+)
+_TAIL = re.compile(r"[ ,]*\b(?:please|pls|tho|though|thanks|again)\b[.!]*$", re.I)
+_START = re.compile(
+    r"^(?:(?:and|but|now|then|also|plus|please|hm+|ok|okay|actually|nice|make (?:it|that|this))\b[ ,.]*)+",
+    re.I,
+)
+_WORDS = "|".join(sorted(_FACTORS, key=len, reverse=True))
+_POWERFUL = rf"\b(?P<factor>{_WORDS}) as (?:strong|bright|intense|powerful)\b"
+_COMPARED = rf"\b(?P<factor>{_WORDS})(?: as much)?(?: of)?(?: the)? (?=\w)"
+_PERCENT = r"(?P<more>more|less) (?P<what>\w+),? (?:like |about |by )?(?P<share>\d{1,3}) ?(?:%|percent)(?: (?:more|less))?"
+_STOPS = (
+    r"\b(?:about |by )?(?P<count>a third of a|third of a|half a|a|one|two|three|1/3|1/2|2/3) (?:f-?)?stops?(?: (?P<way>brighter|darker"
+    r"|up|down|over|under|more|less)\b)?"
+)
+_COUNTS = {"two": 2.0, "three": 3.0, "half a": 0.5, "1/2": 0.5, "2/3": 2 / 3} | dict.fromkeys(
+    ("a third of a", "third of a", "1/3"), 1 / 3
+)
+_DOWN = ("darker", "down", "under", "less")
+_AMOUNT = r"(?:(?:bring|turn|dial|pull|push|take) )?(?:the )?(saturation|contrast|vignette|haze|fog|mist|bloom|glow|warmth)"
 _PLAINER = (
     (r"\ba (?:touch|tad|little bit|hint|shade|trifle)\b(?! of)|\bsomewhat\b|\bslightly\b", "a bit"),
     (r"\ba lot\b|\b(?:way|far)(?= (?:\w+er|more|less)\b)", "much"),
     (r"\b(?:even|still|yet) (?=(?:a bit |much )?(?:\w+er|more|less)\b)", ""),
     (r"(?<=\bmore )glow\b|(?<=\bless )glow\b", "bloom"),
+    (r"\b(bring|put|get|give)\b(.*?) back\b", r"\1\2"),  # no light from the back
+    (r"\b(?:the )?(?:whole thing|whole lot|overall)\b", "whole image"),
+    (r"\bsat\b", "saturation"),
+    (r",? (?:but|and) not (?:on )?(?=the\b)", ", but leave "),
+    (rf"\b{_AMOUNT} up\b", r"more \1"),
+    (rf"\b{_AMOUNT} down\b", r"less \1"),
 )
 
 
@@ -45,18 +104,28 @@ def about_steps(sentence: str) -> AboutSteps | None:
     >>> about_steps("No, the wall, not the table")
     AboutSteps(kind='instead', number=-1, factor=1.0, what='table', new='wall')
     """
-    text = " ".join(sentence.split())
-    for kind, form in _MATCHES.items():
-        if found := form.fullmatch(text) or form.fullmatch(_LEAD.sub("", text)):
-            named = {name: value.strip(" .!") for name, value in found.groupdict().items() if value}
-            step = (named.get("step") or named.get("other", "")).lower()
-            number = int(step) if step.isdigit() else _NUMBERS.get(step, -1)
-            if step and number < 0 and step not in ("last", "previous"):
-                continue
-            factor = _FACTOR.get(named.get("factor", "").lower(), 1.0)
-            what = named.get("what") or named.get("old") or named.get("stays", "")
-            return AboutSteps(kind, number, factor, what, named.get("new", ""))  # type: ignore[arg-type]
+    text = _TAIL.sub("", " ".join(sentence.split()))
+    for kind, form in _MATCHES:
+        if not (found := form.fullmatch(text) or form.fullmatch(_LEAD.sub("", text))):
+            continue
+        named = {name: value.strip(" .!") for name, value in found.groupdict().items() if value}
+        step = named.get("step", "").lower()
+        number = int(step) if step.isdigit() else _NUMBERS.get(step, -1)
+        if step and number < 0 and step not in _LAST:
+            continue
+        return AboutSteps(kind, number, _factor(named), named.get("what", ""), named.get("new", ""))  # type: ignore[arg-type]
     return None
+
+
+def _factor(named: dict[str, str]) -> float:
+    """By how much a sentence changes the last step."""
+    if "factor" in named:
+        return _FACTORS[named["factor"].lower()]
+    if "share" not in named:
+        return 1.0
+    text = named["share"].lower()
+    share = _FACTORS[text] if text in _FACTORS else float(text.rstrip("%percnt ")) / 100.0
+    return 1.0 + share if named.get("sign", "").lower() in ("more", "stronger") else 1.0 - share
 
 
 def plain(sentence: str) -> tuple[str, float]:
@@ -65,10 +134,22 @@ def plain(sentence: str) -> tuple[str, float]:
     >>> plain("And now twice as much fog")
     ('more fog', 2.0)
     """
-    text = _START.sub("", " ".join(sentence.split()))
+    text = _START.sub("", _TAIL.sub("", " ".join(sentence.split())))
     factor = 0.0
-    if found := re.search(_COMPARED, text, re.I):
-        factor = _FACTOR[found["factor"].lower()]
+    if found := re.search(_STOPS, text, re.I):
+        way = (found["way"] or "").lower()
+        stops = _COUNTS.get(found["count"].lower(), 1.0) * (-1.0 if way in _DOWN else 1.0)
+        factor = 2.0**stops
+        text = text.replace(found[0], "darker" if factor < 1.0 else "brighter")
+    elif found := re.search(_POWERFUL, text, re.I):
+        factor = _FACTORS[found["factor"].lower()]
+        text = text.replace(found[0], "brighter" if factor > 1.0 else "dimmer")
+    elif found := re.search(_PERCENT, text, re.I):
+        share = float(found["share"]) / 100.0
+        factor = 1.0 + share if found["more"].lower() == "more" else 1.0 - share
+        text = text.replace(found[0], f"{found['more']} {found['what']}")
+    elif found := re.search(_COMPARED, text, re.I):
+        factor = _FACTORS[found["factor"].lower()]
         text = text.replace(found[0], "more " if factor > 1.0 else "less ")
     for pattern, word in _PLAINER:
         text = re.sub(pattern, word, text, flags=re.I)

@@ -143,6 +143,8 @@ class _NounFinder:
         token = self.items[start]
         plural = token.text.endswith("s")
         named = self.index.named(said) or self._lamps(said)
+        if token.text in self.vocabulary.roles:  # a "blue rim" is of light, though glasses have rims
+            named = [n for n in named if n.kind == "lights"] or self._surely(named)
         last = said[-1:]
         if not named and len(said) > 1 and token.noun != "tone":  # "the whole picture" hangs on no wall
             named, said = self.index.named(last), last

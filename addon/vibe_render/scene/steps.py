@@ -42,13 +42,14 @@ class LookStep:
         words = self.goals.get("words", [])
         return bool(words and self.goals.get("holds")) and not any(word.get("look") for word in words)
 
-    def keys_of(self, noun: str) -> dict[str, list[str]]:
-        """The words that are called so, or describe something of that name, each with the keys that it has changed."""
+    def keys_of(self, noun: str, by_word: bool = True) -> dict[str, list[str]]:
+        """The words that describe something of that name, or are called so `by_word`, each with the keys that it has changed."""
         wanted, found = set(noun.lower().split()), {}
         for word in self.goals.get("words", ()):
             target = word.get("target", {})
             owners = (*target.get("materials", ()), *target.get("lights", ()))
-            names = " ".join((word["word"], word.get("look", ""), target.get("thing", ""), *owners))
+            called = (word["word"], word.get("look", "")) if by_word else ()
+            names = " ".join((*called, target.get("thing", ""), *owners))
             if wanted <= set(names.lower().split()):
                 quote = f"'{word.get('implied_by') or word['word']}'"
                 keys = [key for key, reason in self.reasons.items() if quote in reason]
@@ -205,14 +206,12 @@ class Steps:
     def _taken_back(self, title: str, said: sentences.AboutSteps) -> Change:
         """What a word has changed as it was before, and the word for another target."""
         for number, step in reversed([*enumerate(self.steps[: self.shown])]):
-            if step.on and (words := step.keys_of(said.what)):
+            if step.on and (words := step.keys_of(said.what, by_word=said.kind == "without")):
                 before = self.values(number)
                 taken = {key: before[key] for keys in words.values() for key in keys}
                 new = ", ".join(f"{word} {said.new}" for word in words) if said.new else ""
                 return Change(self, taken, new, title)
-        if said.kind == "instead":
-            raise schema.VibeError(f"No step is about '{said.what}'.", 'Say what is to change: "red wall".')
-        return Change(self, {}, title, title)  # what the scene has had before
+        return Change(self, {}, title, title)  # what the scene has had before; "peachy, not pink"
 
     def _last(self) -> int:
         """The place of the last step that is shown and has words. Raises VibeError where there is none."""
