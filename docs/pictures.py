@@ -69,17 +69,19 @@ RIGS = (
 
 GALLERY = {
     "interior": "cozy evening by lamplight, warm",
+    "interior-2": "golden hour, sun through the window, cozy",
+    "interior-3": "moonlight through the window, quiet blue night",
     "landscape": "sunset, warm orange sky, thin mist over the lake",
     "bust": "cinematic teal and orange, dramatic light from the left, dark background",
     "car": "glossy burgundy car, warm sunset light, long shadows",
 }
-"""Prompts of the gallery, by scene."""
+"""Image of the gallery -> its prompt; a scene with several has a number behind its name."""
 
 FAILURES = {
-    "product": "emerald perfume, dark moody studio, warm rim light",
-    "street": "rainy night, neon pink and cyan light",
+    "product-failed": "emerald perfume, dark moody studio, warm rim light",
+    "street-failed": "rainy night, neon pink and cyan light",
 }
-"""Prompts of the gallery whose result is not worth keeping, by scene."""
+"""The same of results that are not worth keeping."""
 
 PANEL = {
     "marks": (1790, 160, 2306, 712),
@@ -173,12 +175,12 @@ def gallery(jobs: Path) -> None:
     for report in sorted(jobs.glob("*/report.json")):
         told = json.loads(report.read_text("utf-8"))
         scene = Path(told["scene"]).stem
-        for prompts, ending in ((GALLERY, ""), (FAILURES, "-failed")):
-            if prompts.get(scene) == told["prompt"]:
-                for source, name in (("before", f"{scene}-before"), ("after", scene + ending)):
+        for name, prompt in (GALLERY | FAILURES).items():
+            if name.partition("-")[0] == scene and prompt == told["prompt"]:
+                for source, kept in (("before", f"{scene}-before"), ("after", name)):
                     picture = Image.open(report.parent / f"{source}.png").convert("RGB")
                     picture.thumbnail((720, 720), Image.Resampling.LANCZOS)
-                    save(picture, f"gallery/{name}.jpg")
+                    save(picture, f"gallery/{kept}.jpg")
 
 
 def beside(scenes: list[Path]) -> Image.Image:

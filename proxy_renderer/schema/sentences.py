@@ -15,7 +15,7 @@ _FACTORS = {
 }  # fmt: skip
 _SHARE = r"(?P<share>half|a half|a third|a quarter|\d{1,3} ?(?:%|percent))"
 _REMOVE = "without|remove|lose|drop|kill|ditch|no more|get rid of|(?:take|turn|switch) (?:away|out|off)"
-_NOT = "(?:but )?not(?: on)?(?: the)?"
+_NOT = "(?:but )?not(?: on)?(?: the)?(?! (?:that|so|as|too|quite) )"
 _FORMS = (
     ("show", rf"(?:(?:go|take it|take me|return|revert) )?(?:back )?to {_STEP}"),
     ("show", rf"{_STEP} (?:was|is) better(?:,? go back)?"),
@@ -23,25 +23,37 @@ _FORMS = (
         "show",
         r"(?:go back to )?the (?:one|look|version) (?P<step>before)|(?:the )?(?P<previous>previous)(?: \w+)?",
     ),
-    ("show", r"undo(?: that| it| the last(?: step)?)?|go back"),
+    ("show", r"undo(?: that| it| the last(?: step)?)?|go back|(?:go )?(?:one|a) step back"),
+    ("show", r"(?:go |take me |take it )?back to (?:the )?(?P<what>[^,]+)"),
     (
         "between",
         rf"(?:some(?:thing|where) )?(?:half ?way )?(?:in )?between (?:this|it|now)(?: one)? and {_STEP}",
     ),
+    ("between", r"(?:some(?:thing|where) )?(?:in )?between (?:those|these|the) two"),
     ("between", rf"half ?way back to {_STEP}"),
+    ("between", r"half ?way back to (?:the )?(?P<what>[^,]+)"),
+    ("between", rf"meet in the middle with {_STEP}"),
     ("between", rf"{_HALF}(?: this one| this| it)? (?:with|and) {_STEP}"),
     ("strength", r"(?P<factor>half|twice|double)(?: as| the)? (?:strong|much|strength|that|of that)"),
-    ("strength", rf"(?:dial|tone|turn|bring|pull) (?:it|that|this)(?: down| back) (?:by )?{_SHARE}"),
-    ("strength", rf"{_SHARE} (?P<sign>less|weaker|more|stronger)"),
+    (
+        "strength",
+        rf"(?:[^,]*\btoo\b[^,]*, )?(?:dial|tone|turn|bring|pull) (?:it|that|this)(?: down| back) (?:by )?{_SHARE}",
+    ),
+    (
+        "strength",
+        rf"(?:[^,]*\btoo\b[^,]*, )?(?:about |like |maybe )?{_SHARE} (?P<sign>less|weaker|more|stronger)",
+    ),
     (
         "without",
         rf"(?:{_REMOVE}) (?:the |any |all )?(?P<what>[^,]+?)"
         r"(?: completely| entirely| altogether)?(?:,? (?:but |and )?keep .+)?",
     ),
+    ("without", r"(?:the )?(?P<what>\w+) (?:out|off)(?: again)?(?:, .+ stays?)?"),
+    ("instead", r"not the (?P<what>[^,.!]+), the (?P<new>[^,]+)"),
     ("instead", rf"{_NOT} (?P<what>[^,.!]+)[,.!]+ ?(?:only|just) (?:the )?(?P<new>.+)"),
     (
         "except",
-        rf"(?:(?:but )?(?:leave|keep)(?: the)?|{_NOT}(?<=the)|except(?: for)?(?: the)?) (?P<what>[^,.!]+?)"
+        rf"(?:(?:but )?(?:leave|keep)(?: the)?(?! everything)|{_NOT}(?<=the)|except(?: for)?(?: the)?) (?P<what>[^,.!]+?)"
         r"(?: alone| out| as it (?:is|was))?(?:, (?:that|it|this).*)?",
     ),
     (
@@ -56,15 +68,19 @@ _LEAD = re.compile(
     r"^(?:(?:no|nope|nah|and|now|then|ok|okay|please|hm+|wait|sorry|actually|nice|good|better|but|too much|yes|yeah)\b[ ,.!]*)+",
     re.I,
 )
-_TAIL = re.compile(r"[ ,]*\b(?:please|pls|tho|though|thanks|again)\b[.!]*$", re.I)
+_TAIL = re.compile(r"[ ,]*\b(?:please|pls|tho|though|thanks|again|still)\b[.!]*$", re.I)
 _START = re.compile(
-    r"^(?:(?:and|but|now|then|also|plus|please|hm+|ok|okay|actually|nice|make (?:it|that|this))\b[ ,.]*)+",
+    r"^(?:(?:and|but|now|then|also|plus|please|hm+|ok|okay|actually|nice|make (?:it|that|this)|keep everything(?: else)?(?: as it is)?,? but)\b[ ,.]*)+",
     re.I,
 )
 _WORDS = "|".join(sorted(_FACTORS, key=len, reverse=True))
 _POWERFUL = rf"\b(?P<factor>{_WORDS}) as (?:strong|bright|intense|powerful)\b"
 _COMPARED = rf"\b(?P<factor>{_WORDS})(?: as much)?(?: of)?(?: the)? (?=\w)"
 _PERCENT = r"(?P<more>more|less) (?P<what>\w+),? (?:like |about |by )?(?P<share>\d{1,3}) ?(?:%|percent)(?: (?:more|less))?"
+_SHARE_AFTER = (
+    r",? (?:like|about|maybe|by) (?P<sign>\+?)(?P<share>half|\d{1,3} ?(?:%|percent))(?: (?:more|less))?$"
+)
+_LESS = re.compile(r"\b(?:less|darker|dimmer|weaker|softer|thinner|lower|cooler)\b", re.I)
 _STOPS = (
     r"\b(?:about |by )?(?P<count>a third of a|third of a|half a|a|one|two|three|1/3|1/2|2/3) (?:f-?)?stops?(?: (?P<way>brighter|darker"
     r"|up|down|over|under|more|less)\b)?"
@@ -82,6 +98,7 @@ _PLAINER = (
     (r"\b(bring|put|get|give)\b(.*?) back\b", r"\1\2"),  # no light from the back
     (r"\b(?:the )?(?:whole thing|whole lot|overall)\b", "whole image"),
     (r"\bsat\b", "saturation"),
+    (r"\bnot (?:that|so|quite so|as) (\w+)$", r"less \1"),
     (r",? (?:but|and) not (?:on )?(?=the\b)", ", but leave "),
     (rf"\b{_AMOUNT} up\b", r"more \1"),
     (rf"\b{_AMOUNT} down\b", r"less \1"),
@@ -148,6 +165,9 @@ def plain(sentence: str) -> tuple[str, float]:
         share = float(found["share"]) / 100.0
         factor = 1.0 + share if found["more"].lower() == "more" else 1.0 - share
         text = text.replace(found[0], f"{found['more']} {found['what']}")
+    elif found := re.search(_SHARE_AFTER, text, re.I):
+        named = {"share": found["share"], "sign": "less" if _LESS.search(text) else "more"}
+        factor, text = _factor(named), text.replace(found[0], "")
     elif found := re.search(_COMPARED, text, re.I):
         factor = _FACTORS[found["factor"].lower()]
         text = text.replace(found[0], "more " if factor > 1.0 else "less ")

@@ -327,7 +327,7 @@ def _thing(read: PromptReading, pair: TargetPair) -> Attribute:
     if kind == "picture":  # the image, or what a word about many things is about in the first place
         if slot == "color":
             return _of("tone", name, "whole") if is_named else _of("ambience", "tint", "whole")
-        grade = pair.sense.way == "row" or (slot == "mood" and _is_of_a_grade(read, pair))
+        grade = pair.sense.way == "row" or (slot in ("mood", "setting") and _is_of_a_grade(read, pair))
         about = "tone" if grade else _OF_SLOT.get(slot, "whole")
         return _of(about, word, "surroundings" if about == "surroundings" else "whole")
     region: Region = "surroundings" if kind == "sky" else "whole"

@@ -148,8 +148,8 @@ class Attribute:
 
     @property
     def grades(self) -> bool:
-        """Whether it is a mood that only the grade is to have, and no light."""
-        return (self.slot, self.kind) == ("mood", "tone")
+        """Whether it is a mood or a place that only the grade is to have, and no light."""
+        return self.slot in ("mood", "setting") and self.kind == "tone"
 
     @property
     def part(self) -> Part:

@@ -186,6 +186,11 @@ class Steps:
             return Change(self, {}, sentence, title)
         if said.kind in ("show", "between"):
             number = said.number if said.number >= 0 else max(self.shown - 1, 0)
+            if said.what:
+                named = [n for n, s in enumerate(self.steps, 1) if said.what.lower() in s.sentence.lower()]
+                if not named:
+                    return Change(self, {}, sentence, title)
+                number = named[-1]
             if number > len(self.steps):
                 raise schema.VibeError(f"There is no step {number}.", f"There are 0 to {len(self.steps)}.")
             if said.kind == "show":
