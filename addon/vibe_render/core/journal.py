@@ -204,6 +204,12 @@ class Journal:
 def address(struct: bpy_struct) -> tuple[ID, str]:
     """The data-block that owns a struct, and the path from there; node trees inside others included."""
     root = struct.id_data
+    # Cycles' settings of a view layer do not know their own path.
+    layer = next(
+        (each for each in getattr(root, "view_layers", ()) if getattr(each, "cycles", None) == struct), None
+    )
+    if layer:
+        return root, f"{layer.path_from_id()}.cycles"
     path = "" if isinstance(struct, ID) else struct.path_from_id()
     if not (isinstance(root, NodeTree) and root.is_embedded_data):
         return root, path

@@ -80,7 +80,10 @@ def go_on(args: argparse.Namespace, sentence: str, reporter: Reporter, engine: E
         steps.add(change, current, {})
         steps.store(scene)
         reporter.stage("rendering with Cycles")
-        final_render.render_picture(scene, out.path("after.png"), args.size, args.samples, args.seed)
+        lights = out.path("lights.exr") if args.light_mix else None
+        final_render.render_picture(
+            scene, out.path("after.png"), args.size, args.samples, args.seed, lights=lights
+        )
         out.copy(f"step-{steps.shown}.png", out.path("after.png"))
         out.write_json("report.json", {"prompt": sentence, "steps": steps.rows(), "not_written": skipped})
         save_blend(out.path("vibed.blend"))

@@ -28,6 +28,7 @@ from ..render import anchors, final_render
 from ..run.driver import Driver, drive
 from ..run.notes import words_of
 from ..scene import bindings
+from ..scene.nodes.mix import PASS
 from ..scene.steps import Change, Steps
 from ..scene.subject import remember_subject
 from . import summary
@@ -78,6 +79,7 @@ class HeadlessVibe(Driver):
         self._shots = ShotList(args, self._job, reporter, self._change)
         self._measured: list[messages.Finished] = []
         self._skipped: dict[str, str] = {}  # by key, why a value was not written
+        self._lights: dict[str, dict[str, list[str]]] = {}  # by file, its passes with what shines in each
         self._unlit = False  # whether the first shot, which the engine tells about, is black before the vibe
 
     def run(self) -> SceneAnalysis:
@@ -98,6 +100,8 @@ class HeadlessVibe(Driver):
                     self._args, self._shots, result, self._measured, self._skipped, self._stopwatch
                 )
                 fields["steps"] = self._steps.rows()
+                if self._lights:
+                    fields["lights"] = self._lights
                 self._out.write_json("report.json", fields)
             lines = summary.closing_lines(self._shots, result, self._measured, self._skipped)
             missed = words_of(self._measured[0].verdicts, "missed")
@@ -205,9 +209,13 @@ class HeadlessVibe(Driver):
 
     def _render(self, number: int, name: str, samples: int) -> bpy.types.Scene:
         scene, args = self._shots.show(number).analysis.scene, self._args
-        final_render.render_picture(
-            scene, self._out.path(numbered(name, number)), args.size, samples, args.seed
+        lights = numbered("lights.exr", number) if args.light_mix and name == "after.png" else ""
+        path = self._out.path(lights) if lights else None
+        layers = final_render.render_picture(
+            scene, self._out.path(numbered(name, number)), args.size, samples, args.seed, lights=path
         )
+        if lights:
+            self._lights[lights] = {PASS + each.name: [m.name for m in each.members] for each in layers}
         return scene
 
     def _show_message(self, message: messages.Message) -> None:

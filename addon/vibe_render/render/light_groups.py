@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 from bpy.types import ID, Object, Scene, ViewLayer
@@ -32,16 +32,7 @@ class LightLayer:
     name: str  # of its light group
     members: tuple[ID, ...]  # lights, objects that glow, the world
     own: bool = False  # whether the light group is the artist's
-
-    @property
-    def lights(self) -> list[Object]:
-        """The lights among them."""
-        return [m for m in self.members if isinstance(m, Object) and m.type == "LIGHT"]
-
-    @property
-    def glowing(self) -> list[Object]:
-        """The objects with an emitting material among them."""
-        return [m for m in self.members if isinstance(m, Object) and m.type != "LIGHT"]
+    title: str = ""  # for people
 
 
 def light_layers(scene: Scene) -> list[LightLayer]:
@@ -51,19 +42,28 @@ def light_layers(scene: Scene) -> list[LightLayer]:
     in one layer, and then the faintest.
     """
     layer = rendered.layer(scene)
+    layer.update()  # what was added just now is a member then
     world = rendered.world(scene)
     sources: list[ID] = [m for m in (*all_lights(scene), world, *_glowing(scene)) if m and m.is_editable]
-    names = {group.name for group in layer.lightgroups}
+    names = [group.name for group in layer.lightgroups]
     theirs: dict[str, list[ID]] = {}
     others: list[ID] = []
     for source in sources:
         (theirs.setdefault(source.lightgroup, []) if source.lightgroup in names else others).append(source)
-    found = [LightLayer(name, tuple(members), own=True) for name, members in theirs.items()]
-    lights = [m for m in others if isinstance(m, Object) and m.type == "LIGHT"]
-    found += [LightLayer(name, tuple(members)) for name, members in _few(lights).items()]
-    found += [LightLayer(WORLD, (world,))] if world in others else []
-    glowing = tuple(m for m in others if isinstance(m, Object) and m.type != "LIGHT")
-    return found + ([LightLayer(EMISSION, glowing)] if glowing else [])
+    found = [LightLayer(name, tuple(theirs[name]), True, name) for name in names if name in theirs]
+    for name, members in _few([m for m in others if is_light(m)]).items():
+        title = f"{name} ({len(members)})" if len(members) > 1 else name
+        found.append(LightLayer(name, tuple(members), title=title))
+    if world in others:
+        found.append(LightLayer(WORLD, (world,), title=WORLD))
+    if glowing := tuple(m for m in others if m != world and not is_light(m)):
+        found.append(LightLayer(EMISSION, glowing, title=EMISSION))
+    return found
+
+
+def is_light(block: ID) -> bool:
+    """Whether a data-block is a light object."""
+    return isinstance(block, Object) and block.type == "LIGHT"
 
 
 def all_lights(scene: Scene) -> list[Object]:
@@ -84,7 +84,7 @@ def sharing_data(lights: Iterable[Object]) -> dict[str, list[Object]]:
 def _glowing(scene: Scene) -> list[Object]:
     of = rendered.layer(scene)
     emits: dict[bpy.types.Material, float] = {}
-    found = {}
+    found: dict[Object, None] = {}
     for thing, _, _ in rendered.instances(scene):
         if thing.type not in rendered.GEOMETRY or thing.original in found or is_unseen(thing.original):
             continue
@@ -137,4 +137,4 @@ def apart(scene: Scene, layer: ViewLayer) -> Iterator[list[LightLayer]]:
     new = [each for each in layers if not each.own]
     with grouped(layer, [(each.name, each.members) for each in new]) as names:
         own = [each for each in layers if each.own]
-        yield own + [LightLayer(name, each.members) for name, each in zip(names, new, strict=True)]
+        yield own + [replace(each, name=name) for name, each in zip(names, new, strict=True)]

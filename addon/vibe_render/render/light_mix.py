@@ -71,7 +71,7 @@ class LightMix:
         """
         image = self.rest.copy()
         for name, layer in self.layers.items():
-            image[..., :3] += layer * np.float32(factors.get(name, (1.0, 1.0, 1.0)))
+            image[..., :3] += layer * np.array(factors.get(name, (1.0, 1.0, 1.0)), np.float32)
         return np.maximum(image, 0.0, out=image)
 
     def write(self, scene: Scene, path: Path, factors: Mapping[str, Sequence[float]]) -> None:
@@ -111,11 +111,11 @@ def _feed(tree: NodeTree, image: Image, passes: Image, first: str) -> None:
             _feed(node.node_tree, image, passes, first)
         if node.bl_idname != "CompositorNodeRLayers":
             continue
-        mixed, others = _image_node(tree, image), _image_node(tree, passes, node.layer)
-        for output in node.outputs:
+        for output in [each for each in node.outputs if each.is_linked]:
             name = "Combined" if output.name == "Image" else output.name
-            source = mixed.outputs["Image"] if name == "Combined" and node.layer == first else None
-            source = source or others.outputs.get(name)
+            is_mixed = name == "Combined" and node.layer == first
+            given = _image_node(tree, image) if is_mixed else _image_node(tree, passes, node.layer)
+            source = given.outputs.get("Image" if is_mixed else name)
             for link in list(output.links) if source else ():
                 tree.links.new(source, link.to_socket)
         tree.nodes.remove(node)

@@ -49,6 +49,7 @@ def insert_mix(journal: Journal, scene: Scene, colors: Mapping[str, Color]) -> N
     elif node.mute:
         journal.set(node, "mute", False)
     inputs = node.node_tree.interface.items_tree
+    colors = {name: color for name, color in colors.items() if color != _WHITE or name in inputs}
     for name in colors:
         if name not in inputs:
             owned.group_input(node.node_tree, name, "NodeSocketColor", (*_BLACK, 1.0))
@@ -58,6 +59,17 @@ def insert_mix(journal: Journal, scene: Scene, colors: Mapping[str, Color]) -> N
         journal.link(source.outputs[name if name in GUIDES else PASS + name], node.inputs[name])
     for name, color in colors.items():
         journal.set(node.inputs[_color_of(name)], "default_value", (*color, 1.0))
+
+
+def read_mix(scene: Scene) -> dict[str, Color]:
+    """By light group, what the mix of a scene multiplies its light by; nothing without one that is switched on."""
+    found = {}
+    for node in owned.group_nodes(compat.compositor(scene), NAME):
+        for entry in node.inputs if not node.mute else ():
+            if color := node.inputs.get(_color_of(entry.name)):
+                red, green, blue, _ = color.default_value
+                found[entry.name] = (red, green, blue)
+    return found
 
 
 def mute_mix(journal: Journal, scene: Scene) -> None:
