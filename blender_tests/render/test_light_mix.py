@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import small_scenes as scenes
 from dump import changes, difference, dump
-from vibe_render.core import rendered
+from vibe_render.core import compat, rendered
 from vibe_render.core.schema_import import schema
 from vibe_render.render import bake, final_render, light_groups
 from vibe_render.render.light_mix import LightMix
@@ -43,6 +43,18 @@ def linear(scene):
     cycles.sample_clamp_indirect = cycles.sample_clamp_direct = 0.0
 
 
+def compositor_with_normals(scene):
+    """An artist's compositing that uses another pass than the image."""
+    tree = scenes.compositor(scene)
+    rendered.layer(scene).use_pass_normal = True
+    rendered.layer(scene).update_render_passes()
+    layers = next(n for n in tree.nodes if n.bl_idname == "CompositorNodeRLayers")
+    added = tree.nodes.new("ShaderNodeVectorMath")
+    for number, name in enumerate(("Image", "Normal")):
+        tree.links.new(layers.outputs[name], added.inputs[number])
+    tree.links.new(added.outputs[0], compat.compositor_output(tree))
+
+
 def render(scene, folder, samples=4, exact=True, number=0):
     """The picture's path, the layers, and the mix."""
     picture, lights = folder / f"after{number}.png", folder / f"lights{number}.exr"
@@ -57,7 +69,7 @@ def render(scene, folder, samples=4, exact=True, number=0):
 
 @pytest.mark.parametrize("exact", [True, False])
 def test_the_layers_add_up_to_the_same_picture_as_without_them(mixed, tmp_path, exact):
-    scenes.compositor(mixed)
+    compositor_with_normals(mixed)
     before = dump()
     final_render.render_picture(mixed, tmp_path / "plain.png", SIZE, 4, exact=exact)
     picture, layers, mix = render(mixed, tmp_path, exact=exact)

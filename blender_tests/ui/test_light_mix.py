@@ -38,7 +38,7 @@ def image():
 def test_a_slider_changes_the_image_and_nothing_else(mixing):
     scene, before = mixing
     assert [channel.name for channel in scene.vibe.mix] == ["Area", "Point", "Spot", "Sun", "World"]
-    first = image()
+    first, users = image(), scene.users
     scene.vibe.mix["Sun"].factor = 0.0
     assert bpy.app.timers.is_registered(light_mix_ui._draw)  # soon, once for all that moves
     dark = image()
@@ -48,6 +48,7 @@ def test_a_slider_changes_the_image_and_nothing_else(mixing):
     red = image()
     assert red[..., 0].mean() > 1.2 * red[..., 2].mean()
     assert difference(before, contents()) == {}
+    assert scene.users == users
     bpy.ops.vibe.mix_reset()
     assert np.array_equal(image(), first)
 

@@ -28,7 +28,6 @@ from ..render import anchors, final_render
 from ..run.driver import Driver, drive
 from ..run.notes import words_of
 from ..scene import bindings
-from ..scene.nodes.mix import PASS
 from ..scene.steps import Change, Steps
 from ..scene.subject import remember_subject
 from . import summary
@@ -214,8 +213,7 @@ class HeadlessVibe(Driver):
         layers = final_render.render_picture(
             scene, self._out.path(numbered(name, number)), args.size, samples, args.seed, lights=path
         )
-        if lights:
-            self._lights[lights] = {PASS + each.name: [m.name for m in each.members] for each in layers}
+        self._lights |= summary.light_rows(lights, layers)
         return scene
 
     def _show_message(self, message: messages.Message) -> None:

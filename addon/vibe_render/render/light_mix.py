@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,6 +14,7 @@ from bpy.types import Image, Node, NodeTree, Scene
 
 from ..core import compat, rendered
 from ..core.compat import assign
+from ..core.files import whole
 from ..core.journal import Journal
 from ..scene.copies import copied_scene
 from ..scene.nodes import mix
@@ -125,7 +127,8 @@ def _image_node(tree: NodeTree, image: Image, view_layer: str = "") -> Node:
     node = tree.nodes.new("CompositorNodeImage")
     node.image = image
     if view_layer:
-        node.layer = view_layer
+        with contextlib.suppress(TypeError):  # a layer of another scene, which the file does not have
+            node.layer = view_layer
     return node
 
 
@@ -168,7 +171,8 @@ def _rendered(scene: Scene, source: Node, name: str, denoised: bool = False) -> 
 
 
 def _render(scene: Scene, path: Path, kind: Mapping[str, str]) -> None:
-    """Renders a compositor that needs no scene to a file."""
+    """Renders a compositor that needs no scene to a file, atomically."""
     assign(scene.render.image_settings, **kind)
-    assign(scene.render, use_overwrite=True, use_file_extension=True, filepath=str(path))
-    bpy.ops.render.render(scene=scene.name, write_still=True)
+    with whole(path) as part:
+        assign(scene.render, use_overwrite=True, use_file_extension=True, filepath=str(part))
+        bpy.ops.render.render(scene=scene.name, write_still=True)

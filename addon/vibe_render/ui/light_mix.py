@@ -19,6 +19,13 @@ from . import bases, drawing
 _TICK = 0.02  # seconds between two images while a slider moves
 
 
+def _shown(scene: bpy.types.Scene) -> light_mix.RenderedMix | None:
+    """The light layers of a scene, if they have sliders; an undo may have taken those away."""
+    rendered = addon_state.mix
+    there = rendered and rendered.is_of(scene) and all(c.name in scene.vibe.mix for c in rendered.channels)
+    return rendered if there else None
+
+
 def draw_soon() -> None:
     """Mixes the image anew, once for all the sliders that have moved by then."""
     if addon_state.mix and not bpy.app.timers.is_registered(_draw):
@@ -31,12 +38,13 @@ def _changed(_channel: VibeMixChannel, _context: bpy.types.Context) -> None:
 
 def _draw() -> float | None:
     scene = bpy.context.scene
-    if addon_state.mix is None or not addon_state.mix.is_of(scene):
+    rendered = _shown(scene)
+    if rendered is None:
         return None
     if bpy.app.is_job_running("RENDER"):
         return 1.0
     try:
-        addon_state.mix.draw(scene, colors(scene))
+        rendered.draw(scene, colors(scene))
     except schema.VibeError as error:
         addon_state.failure = error
     drawing.redraw()
@@ -116,7 +124,7 @@ class MixPanel(bases.IdlePanel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
-        shown = addon_state.mix if addon_state.mix and addon_state.mix.is_of(context.scene) else None
+        shown = _shown(context.scene)
         row = layout.row(align=True)
         row.operator(
             "vibe.mix_render", text="Render Again" if shown else "Render Lights", icon="RENDER_STILL"
@@ -130,15 +138,13 @@ class MixPanel(bases.IdlePanel):
             layout.template_icon(icon_value=number, scale=10.5)
         column = layout.column(align=True)
         for channel in shown.channels:
-            if slider := settings.mix.get(channel.name):
-                row = column.row(align=True)
-                split = row.split(factor=0.4, align=True)
-                split.label(text=channel.title, icon=channel.icon)
-                values = split.row(align=True)
-                values.prop(slider, "factor", text="", slider=True)
-                swatch = values.row(align=True)
-                swatch.ui_units_x = 2.0
-                swatch.prop(slider, "color", text="")
+            slider, split = settings.mix[channel.name], column.split(factor=0.4, align=True)
+            split.label(text=channel.title, icon=channel.icon)
+            values = split.row(align=True)
+            values.prop(slider, "factor", text="", slider=True)
+            swatch = values.row(align=True)
+            swatch.ui_units_x = 2.0
+            swatch.prop(slider, "color", text="")
         row = layout.row(align=True)
         row.scale_y = 1.3
         row.operator("vibe.mix_apply")
@@ -162,6 +168,7 @@ class VIBE_OT_mix_render(bases.IdleOperator):
 
     bl_idname = "vibe.mix_render"
     bl_label = "Render Lights"
+    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
@@ -189,7 +196,7 @@ class _Mixed(bases.IdleOperator):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        if not (addon_state.mix and addon_state.mix.is_of(context.scene)):
+        if _shown(context.scene) is None:
             return "Render the lights first"
         return bases.untouchable(context) or ("" if moved(context.scene) else "Move a slider first")
 

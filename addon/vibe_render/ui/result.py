@@ -56,7 +56,7 @@ class ResultPanel:
             paragraph(
                 layout,
                 context,
-                "This scene has changes that no prompt made, or an earlier vibe. Revert removes them.",
+                "This scene has changes of Light Mix, or of an earlier vibe. Revert removes them.",
             )
         elif settings.vibed_like or settings.vibed_prompt != settings.prompt:
             paragraph(layout, context, wanted, faint=True)

@@ -72,6 +72,13 @@ def read_mix(scene: Scene) -> dict[str, Color]:
     return found
 
 
+def mix_notes(scene: Scene) -> list[str]:
+    """A note on a mix, which the prediction leaves out, in words for the artist."""
+    if all(color == _WHITE for color in read_mix(scene).values()):
+        return []
+    return ["The compositor's light mix is left out of the prediction. Apply it in Light Mix instead."]
+
+
 def mute_mix(journal: Journal, scene: Scene) -> None:
     """Switches the mix off, if the scene has one."""
     for node in owned.group_nodes(compat.compositor(scene), NAME):
