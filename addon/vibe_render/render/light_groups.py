@@ -84,15 +84,14 @@ def sharing_data(lights: Iterable[Object]) -> dict[str, list[Object]]:
 def _glowing(scene: Scene) -> list[Object]:
     of = rendered.layer(scene)
     emits: dict[bpy.types.Material, float] = {}
-    found: dict[Object, None] = {}
+    found: dict[Object, bool] = {}
     for thing, _, _ in rendered.instances(scene):
-        if thing.type not in rendered.GEOMETRY or thing.original in found or is_unseen(thing.original):
+        if thing.type not in rendered.GEOMETRY or thing.original in found:
             continue
         worn = [m for m in rendered.worn(thing, of) if m]
         emits |= {m: emitted_radiance(m) for m in worn if m not in emits}
-        if any(emits[m] > 0.0 for m in worn):
-            found[thing.original] = None
-    return list(found)
+        found[thing.original] = any(emits[m] > 0.0 for m in worn) and not is_unseen(thing.original)
+    return [thing for thing, glows in found.items() if glows]
 
 
 def _few(lights: Sequence[Object]) -> dict[str, list[Object]]:
