@@ -50,7 +50,7 @@ class RenderedMix:
 
     Attributes:
         channels: One for each layer.
-        picture: The image of the present mix.
+        rendered, picture: The images of the render and of the present mix.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -58,15 +58,17 @@ class RenderedMix:
         self._uid = scene.session_uid
         self._folder = Path(bpy.app.tempdir) / f"vibe-mix-{uuid.uuid4().hex[:8]}"
         self._folder.mkdir()
-        self.picture, lights = self._folder / "mix.png", self._folder / "lights.exr"
+        self.rendered, self.picture = self._folder / "rendered.png", self._folder / "mix.png"
+        lights = self._folder / "lights.exr"
         try:
-            layers = final_render.render_picture(scene, self.picture, _SIZE, _SAMPLES, lights=lights)
+            layers = final_render.render_picture(scene, self.rendered, _SIZE, _SAMPLES, lights=lights)
             if not layers:
                 raise schema.VibeError("This scene has no light to mix.", "Add a light.")
             self.channels = _channels(scene, layers)
-            height, width, _ = bake.read_file(self.picture).shape
+            height, width, _ = bake.read_file(self.rendered).shape
             names = [channel.name for channel in self.channels]
             self._mix = LightMix(lights, rendered.layer(scene).name, names, (width, height))
+            shutil.copyfile(self.rendered, self.picture)
         except BaseException:
             self.discard()
             raise

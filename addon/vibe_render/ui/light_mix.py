@@ -134,8 +134,7 @@ class MixPanel(bases.IdlePanel):
             drawing.paragraph(layout, context, reason, "INFO", faint=True)
         if shown is None:
             return
-        if number := drawing.icon(shown.picture):
-            layout.template_icon(icon_value=number, scale=10.5)
+        drawing.before_after(layout, shown.rendered, shown.picture, 10.5, ("As rendered", "Mix"))
         column = layout.column(align=True)
         for channel in shown.channels:
             slider, split = settings.mix[channel.name], column.split(factor=0.4, align=True)
