@@ -129,6 +129,17 @@ def test_the_compositors_nodes_make_the_same_mix(mixed, tmp_path):
     assert changes(before).keys() - {path for path in changes(before) if "Render Result" in path} == set()
 
 
+def test_freestyle_lines_keep_nothing_that_revert_removes(mixed, tmp_path):
+    mixed.render.use_freestyle = True
+    rendered.layer(mixed).freestyle_settings.linesets.new("Lines")
+    before = dump()
+    channels = light_mix._channels(mixed, light_groups.light_layers(mixed))
+    light_mix.write_nodes(mixed, channels, {"Sun": (0.5, 0.5, 0.5)})
+    final_render.render_picture(mixed, tmp_path / "lines.png", SIZE, 1)
+    assert result.revert(mixed) == []
+    assert changes(before).keys() - {path for path in changes(before) if "Render Result" in path} == set()
+
+
 def test_the_artists_light_groups_are_layers_of_their_own_and_stay(mixed, tmp_path):
     layer = rendered.layer(mixed)
     layer.lightgroups.add(name="Front")
