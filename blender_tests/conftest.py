@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shared by the tests that need Blender: bpy in this process, an empty file for each test."""
 
+import contextlib
 import os
 import sys
 
@@ -10,6 +11,10 @@ import vibe_render
 from small_scenes import studio
 from vibe_render.run.state import addon_state
 from vibe_render.ui import live, words
+
+with contextlib.suppress(ImportError):
+    # Torch would load it later. After a render with a compositor, for which Mesa loads an LLVM of its own, that crashes.
+    import triton  # noqa: F401
 
 
 @pytest.fixture

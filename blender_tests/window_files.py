@@ -11,7 +11,7 @@ import bpy
 from window_steps import confirm, header
 
 NAME = "Blue Night"
-PRESETS = 40
+PRESETS = 68
 """The header of the presets, below that of Save Preset."""
 
 

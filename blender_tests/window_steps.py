@@ -6,7 +6,7 @@ import time
 import bpy
 from window_scene import effort
 
-PRESETS, AFFECT, ADVANCED, REFERENCE_IMAGE = 60, 88, 116, -65
+LIGHT_MIX, PRESETS, AFFECT, ADVANCED, REFERENCE_IMAGE = 60, 88, 116, 144, -65
 """Headers of closed panels, pixels below the upper edge of Vibe It."""
 CHANGES = -16
 """The header of the changes, below that of Save Preset."""

@@ -16,6 +16,7 @@ tutorial/      the tutorial's own commands
 panel.jpg, progress.jpg, first-look.webp
                screenshots of the window test (needs a Blender with a window):
                VIBE_WINDOW_OUT=out/window python -m pytest -m slow blender_tests/ui/test_window.py -k tour
+light-mix.jpg  the same with -k light_is_mixed
 """
 
 import json
@@ -97,6 +98,9 @@ FIRST_LOOK = (("marks", 1), ("running", 1), ("search", 6), ("result", 1))
 """Screenshots of first-look.webp, and how many of each."""
 
 _FRAME, _LAST = 700, 3500  # milliseconds of an animation's frames, and of its last one
+LIGHT_MIX = (1290, 308, 1548, 722)
+"""What is cut out of the screenshot of light-mix.jpg, at the usual scale."""
+
 _SIDE, _GAP = 128, 6
 
 
@@ -117,6 +121,8 @@ def main(folder: Path) -> None:
         save(rigs(folder / "rigs" / "jobs"), "rigs.jpg")
     if (folder / "window" / "tour_double").is_dir():
         panel(folder / "window")
+    for shot in (folder / "window" / "light_mix").glob("*_color.png"):
+        save(Image.open(shot).convert("RGB").crop(LIGHT_MIX), "light-mix.jpg")
     scenes = [folder / "fidelity" / "scenes" / name for name in SCENES]
     if all(scene.is_dir() for scene in scenes):
         save(beside(scenes), "fidelity.jpg")

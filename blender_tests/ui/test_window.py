@@ -244,6 +244,17 @@ def test_a_further_sentence_and_its_steps(walk):
         assert observed[seen], seen
 
 
+def test_a_light_is_mixed_by_its_slider(walk):
+    """The image follows the slider; Apply is one undo step; the compositor has the light group until Revert."""
+    observed = walk("light_mix")
+    (name,) = observed["factor"]
+    assert observed["images_on_the_way"] > 3
+    assert observed["changed"] == [f"{name}.energy", f"{name}.color"]
+    assert observed["light_groups"] == [name]
+    for seen in ("scene_stays", "undo_restores", "revert_restores"):
+        assert observed[seen], seen
+
+
 def test_shared_materials_are_asked_about(walk):
     """Both answers are followed."""
     observed = walk("questions")

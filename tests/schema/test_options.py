@@ -80,7 +80,7 @@ def test_what_vibe_run_hands_over_means_the_same_on_the_other_side():
         "--vlm-url=u",
         "--no-anchor",
     ]
-    argv += ["--no-new-lights", "--figures"]
+    argv += ["--no-new-lights", "--figures", "--light-mix"]
     argv += ["--like=still.jpg", "--like-only=light", "--like-same", "--goals=g.json"]
     argv += ["--size=64", "--samples=2", "--then=warmer"]
     given = parser().parse_args(argv)

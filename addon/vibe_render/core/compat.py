@@ -129,7 +129,11 @@ def start_compositor(journal: Journal, scene: Scene) -> NodeTree:
     if COMPOSITOR_IS_GROUP:
         tree = journal.new("node_groups", "Vibe Compositor", "CompositorNodeTree")
         tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
-        layers, output = tree.nodes.new("CompositorNodeRLayers"), tree.nodes.new("NodeGroupOutput")
+        with bpy.context.temp_override(
+            scene=scene
+        ):  # else it shows the scene that is open, which it makes a user of
+            layers = tree.nodes.new("CompositorNodeRLayers")
+        output = tree.nodes.new("NodeGroupOutput")
         layers.location = (-600.0, 0.0)
         tree.links.new(layers.outputs["Image"], output.inputs["Image"])
         journal.set(scene, "compositing_node_group", tree)

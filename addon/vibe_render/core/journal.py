@@ -82,6 +82,13 @@ class Journal:
         self.entries.append({"op": "slot", "id": self.refer(data)})
         data.materials.append(material)
 
+    def light_group(self, layer: bpy.types.ViewLayer, name: str) -> str:
+        """Adds a light group to a view layer; returns its name, which Blender makes unique."""
+        block, path = address(layer)
+        name = layer.lightgroups.add(name=name).name
+        self.entries.append({"op": "lightgroup", "id": self.refer(block), "path": path, "name": name})
+        return name
+
     def start_compositor(self, scene: bpy.types.Scene) -> None:
         """Makes the compositor tree of a scene in Blender 4 that has none yet, empty."""
         self.entries.append({"op": "compositor", "id": self.refer(scene)})
@@ -155,6 +162,8 @@ class Journal:
         if op == "set":
             old = entry["old"]
             setattr(owner, entry["name"], self.ids[old["id"]] if isinstance(old, dict) else old)
+        elif op == "lightgroup":
+            owner.lightgroups.remove(owner.lightgroups[entry["name"]])
         elif op == "node":
             owner.nodes.remove(owner.nodes[entry["node"]])
         elif op == "link":
@@ -195,6 +204,12 @@ class Journal:
 def address(struct: bpy_struct) -> tuple[ID, str]:
     """The data-block that owns a struct, and the path from there; node trees inside others included."""
     root = struct.id_data
+    # Cycles' settings of a view layer do not know their own path.
+    layer = next(
+        (each for each in getattr(root, "view_layers", ()) if getattr(each, "cycles", None) == struct), None
+    )
+    if layer:
+        return root, f"{layer.path_from_id()}.cycles"
     path = "" if isinstance(struct, ID) else struct.path_from_id()
     if not (isinstance(root, NodeTree) and root.is_embedded_data):
         return root, path

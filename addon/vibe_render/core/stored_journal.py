@@ -18,7 +18,7 @@ VERSION = 1
 _MOST = 100_000  # data-blocks that a stored journal may name
 _COLLECTIONS = {"cameras", "collections", "lights", "materials", "meshes", "node_groups", "objects", "worlds"}
 _TEXTS = {"link": {"DATA", "OBJECT"}}
-"""The only properties that hold text, and what it may be."""
+"""Properties that hold text, and what it may be. The only other one is the name of a light group."""
 
 
 class Newer(Exception):
@@ -73,6 +73,8 @@ def _is_entry(entry: Any, count: int) -> bool:
         return False
     if op == "node":
         return isinstance(entry.get("node"), str)
+    if op == "lightgroup":
+        return isinstance(entry.get("name"), str)
     if op == "link":
         ends = [entry.get("source"), entry.get("target")]
         return all(map(_is_end, ends)) and (entry.get("old") is None or _is_end(entry["old"]))
@@ -84,7 +86,7 @@ def _is_entry(entry: Any, count: int) -> bool:
     if isinstance(old, dict):
         return _is_index(old.get("id"), count)
     if isinstance(old, str):
-        return old in _TEXTS.get(str(name), ())
+        return name == "lightgroup" or old in _TEXTS.get(str(name), ())
     numbers = old if isinstance(old, list) else [old]
     return old is None or all(isinstance(v, bool | int | float) for v in numbers)
 

@@ -16,7 +16,7 @@ import numpy as np
 from ..core import names, rendered
 from ..core.schema_import import atomic, labels, schema
 from ..scene import bindings, fog, scene_context
-from ..scene.nodes import backgrounds, trails
+from ..scene.nodes import backgrounds, mix, trails
 from . import compositing, measured, notes, view, world_light
 from .analysis import SceneAnalysis
 from .materials import NO_MATERIAL, ExportedMaterial, export_material
@@ -124,7 +124,7 @@ def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> Sc
         *geometry.warnings,
     ]
     table = compositing.color_table(scene)
-    warnings += [*rendered.image_notes(scene), *view.light_notes(scene), *replaced]
+    warnings += [*rendered.image_notes(scene), *mix.mix_notes(scene), *view.light_notes(scene), *replaced]
     if table is None and (tree := rendered.changing_compositor(scene)):
         warnings.append(
             f'The compositor "{tree.name}" changes the image after the render. The prediction and the search leave it '

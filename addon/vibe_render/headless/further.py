@@ -15,6 +15,7 @@ from ..engine.process import Engine
 from ..render import final_render
 from ..scene import bindings, snapshot
 from ..scene.steps import Steps
+from . import summary
 from .arguments import Reporter
 from .scenes import open_scene, save_blend
 from .vibe import HeadlessVibe, on_interrupt
@@ -80,8 +81,13 @@ def go_on(args: argparse.Namespace, sentence: str, reporter: Reporter, engine: E
         steps.add(change, current, {})
         steps.store(scene)
         reporter.stage("rendering with Cycles")
-        final_render.render_picture(scene, out.path("after.png"), args.size, args.samples, args.seed)
+        lights = out.path("lights.exr") if args.light_mix else None
+        layers = final_render.render_picture(
+            scene, out.path("after.png"), args.size, args.samples, args.seed, lights=lights
+        )
         out.copy(f"step-{steps.shown}.png", out.path("after.png"))
-        out.write_json("report.json", {"prompt": sentence, "steps": steps.rows(), "not_written": skipped})
+        report = {"prompt": sentence, "steps": steps.rows(), "not_written": skipped}
+        rows = summary.light_rows("lights.exr", layers)
+        out.write_json("report.json", report | ({"lights": rows} if rows else {}))
         save_blend(out.path("vibed.blend"))
     reporter.result([f"The scene shows step {steps.shown} of {len(steps.steps)}."])

@@ -15,7 +15,9 @@ import bpy
 from ..core.schema_import import labels, messages, schema
 from ..export.job_folder import copied_values
 from ..export.notes import shortened_notes
+from ..render.light_groups import LightLayer
 from ..run.notes import model_lines, verdict_lines, word_notes
+from ..scene.nodes.mix import PASS
 from .shots import ShotList
 
 _SHOWN = 8
@@ -73,6 +75,12 @@ def _shots(
         }
         for number, (shot, each) in enumerate(zip(shot_list.shots, measured, strict=True))
     ]
+
+
+def light_rows(file: str, layers: Sequence[LightLayer]) -> dict[str, dict[str, list[str]]]:
+    """The passes of a file of light layers, each with its sources; nothing without layers."""
+    rows = {PASS + layer.name: [member.name for member in layer.members] for layer in layers}
+    return {file: rows} if rows else {}
 
 
 def blend_of(args: argparse.Namespace, shot_list: ShotList, number: int) -> str:

@@ -78,6 +78,7 @@ class HeadlessVibe(Driver):
         self._shots = ShotList(args, self._job, reporter, self._change)
         self._measured: list[messages.Finished] = []
         self._skipped: dict[str, str] = {}  # by key, why a value was not written
+        self._lights: dict[str, dict[str, list[str]]] = {}  # by file, its passes with what shines in each
         self._unlit = False  # whether the first shot, which the engine tells about, is black before the vibe
 
     def run(self) -> SceneAnalysis:
@@ -98,6 +99,8 @@ class HeadlessVibe(Driver):
                     self._args, self._shots, result, self._measured, self._skipped, self._stopwatch
                 )
                 fields["steps"] = self._steps.rows()
+                if self._lights:
+                    fields["lights"] = self._lights
                 self._out.write_json("report.json", fields)
             lines = summary.closing_lines(self._shots, result, self._measured, self._skipped)
             missed = words_of(self._measured[0].verdicts, "missed")
@@ -205,9 +208,12 @@ class HeadlessVibe(Driver):
 
     def _render(self, number: int, name: str, samples: int) -> bpy.types.Scene:
         scene, args = self._shots.show(number).analysis.scene, self._args
-        final_render.render_picture(
-            scene, self._out.path(numbered(name, number)), args.size, samples, args.seed
+        lights = numbered("lights.exr", number) if args.light_mix and name == "after.png" else ""
+        path = self._out.path(lights) if lights else None
+        layers = final_render.render_picture(
+            scene, self._out.path(numbered(name, number)), args.size, samples, args.seed, lights=path
         )
+        self._lights |= summary.light_rows(lights, layers)
         return scene
 
     def _show_message(self, message: messages.Message) -> None:

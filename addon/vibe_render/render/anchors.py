@@ -8,19 +8,17 @@ each of them, and the world, is rendered into a light group of its own as well.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import bpy
 from bpy.types import Object, Scene
 
 from ..core import rendered
-from ..core.compat import changed
 from ..core.schema_import import messages, schema
 from ..scene import bindings
 from ..scene.copies import copied_scene
-from . import final_render
+from . import final_render, light_groups
 
 
 def answer_anchor(
@@ -63,29 +61,19 @@ def render_anchor(
     with bindings.trial(scene, linear_values, subject, pivot), copied_scene(scene) as twin:
         layer = rendered.layer(twin)
         layer.cycles.denoising_store_passes = True
-        with _light_groups(scene, layer) as groups:
+        emitters = _emitters(scene)
+        numbered = ((f"Vibe {n}", members) for n, members in enumerate(emitters.values()))
+        with light_groups.grouped(layer, numbered) as names:
             final_render.render_layers(twin, layer, path, size, samples, seed)
-    return groups
+    return dict(zip(names, emitters, strict=True))
 
 
-@contextmanager
-def _light_groups(scene: Scene, layer: bpy.types.ViewLayer) -> Iterator[dict[str, str]]:
-    """A light group for every light that can be edited, and for the world; the artist's are put back afterwards."""
-    # Lights that share their data are one group.
-    sharing: dict[bpy.types.ID, list[bpy.types.ID]] = {}
-    instanced = dict.fromkeys(light for light, _ in rendered.instanced_lights(scene))
-    for light in dict.fromkeys([*rendered.lights(scene), *instanced]):
-        sharing.setdefault(light.data, []).append(light)
-    emitters = [(f"light/{members[0].name_full}", members) for members in sharing.values()]
+def _emitters(scene: Scene) -> dict[str, list[bpy.types.ID]]:
+    """Every light that can be edited, and the world: owner of its light to the data-blocks that are one light group."""
+    sharing = light_groups.sharing_data(light_groups.all_lights(scene))
+    emitters: dict[str, list[bpy.types.ID]] = {
+        f"light/{name}": [*members] for name, members in sharing.items()
+    }
     if world := rendered.world(scene):
-        emitters.append(("world", [world]))
-    groups: dict[str, str] = {}
-    with ExitStack() as stack:
-        for owner, members in emitters:
-            if not all(member.is_editable for member in members):
-                continue
-            group = layer.lightgroups.add(name=f"Vibe {len(groups)}").name
-            groups[group] = owner
-            for member in members:
-                stack.enter_context(changed(member, lightgroup=group))
-        yield groups
+        emitters["world"] = [world]
+    return {owner: members for owner, members in emitters.items() if all(m.is_editable for m in members)}

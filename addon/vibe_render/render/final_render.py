@@ -16,19 +16,28 @@ from ..core import rendered
 from ..core.compat import assign, changed
 from ..core.files import whole
 from ..scene.copies import copied_scene
-from . import bake
+from . import bake, light_groups
+from .light_groups import LightLayer
 
 _NOISE = 0.05
 """Where a pixel's noise is below this, sampling it stops: the denoiser does the rest."""
 
 _MASK_SAMPLES = 16
 
+_MULTILAYER = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER", "color_depth": "32"}
+
 _BLACKEST = 0.02  # of white, as the picture is stored: what is darker everywhere shows nothing
 
 
 def render_picture(
-    scene: bpy.types.Scene, path: Path, size: int, samples: int, seed: int = 0, exact: bool = False
-) -> None:
+    scene: bpy.types.Scene,
+    path: Path,
+    size: int,
+    samples: int,
+    seed: int = 0,
+    exact: bool = False,
+    lights: Path | None = None,
+) -> list[LightLayer]:
     """Renders the current frame with Cycles on the CPU, compositor and view transform included, to a PNG.
 
     The file appears whole or not at all; a VibeError says why it cannot be written.
@@ -37,12 +46,29 @@ def render_picture(
         size: Longer side of the picture, pixels; the scene's aspect is kept.
         samples: Most samples in a pixel.
         exact: Take every sample of every pixel, and leave the noise as it is: for measurements.
+        lights: A multilayer EXR for the light layers of the same render: scene-linear, with noise, before compositor
+            and exposure.
+
+    Returns:
+        The light layers in that file, each named as its light group; none without the file.
     """
+    layers: list[LightLayer] = []
     with copied_scene(scene, graded=True) as twin:
         _set_up(twin, size, samples, seed)
         if exact:
             assign(twin.cycles, use_adaptive_sampling=False, use_denoising=False)
-        _write(twin, path, "RGBA" if scene.render.film_transparent else "RGB")
+        mode = "RGBA" if scene.render.film_transparent else "RGB"
+        if lights is None:
+            _write(twin, path, mode)
+            return layers
+        layer = rendered.layer(twin)
+        layer.cycles.denoising_store_passes = twin.cycles.use_denoising
+        with light_groups.apart(scene, layer) as layers:
+            _write_as(twin, lights, {**_MULTILAYER, "exr_codec": "ZIP"})
+        assign(twin.render.image_settings, **_png(mode))
+        with whole(path) as part:
+            bpy.data.images["Render Result"].save_render(str(part), scene=twin)
+    return layers
 
 
 def render_final(scene: bpy.types.Scene, path: Path) -> None:
@@ -62,8 +88,7 @@ def render_layers(
 
 def write_layers(twin: bpy.types.Scene, layer: bpy.types.ViewLayer, path: Path, **options: Any) -> None:
     """Renders one view layer of a scene of ours with all its passes to a multilayer EXR of 32-bit floats."""
-    kind = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER", "color_depth": "32"}
-    _write_as(twin, path, kind | options, layer=layer.name)
+    _write_as(twin, path, _MULTILAYER | options, layer=layer.name)
 
 
 def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable[bpy.types.Object]) -> None:
@@ -119,8 +144,12 @@ def _set_up(twin: bpy.types.Scene, size: int, samples: int, seed: int) -> None:
 
 
 def _write(twin: bpy.types.Scene, path: Path, mode: str) -> None:
+    _write_as(twin, path, _png(mode))
+
+
+def _png(mode: str) -> dict[str, Any]:
     kind = {"media_type": "IMAGE", "file_format": "PNG"}
-    _write_as(twin, path, {**kind, "color_mode": mode, "color_depth": "8", "compression": 15})
+    return {**kind, "color_mode": mode, "color_depth": "8", "compression": 15}
 
 
 def _write_as(twin: bpy.types.Scene, path: Path, kind: dict[str, Any], **options: str) -> None:

@@ -11,6 +11,7 @@ from ..core import background, preferences
 from ..core.schema_import import schema
 from ..engine.process import Engine
 from ..scene.steps import Change
+from .light_mix import RenderedMix
 from .live import Live
 from .session import Session
 from .word_readings import WordReadings
@@ -25,6 +26,7 @@ class AddonState:
         failure: Why it failed, until the artist dismisses that.
         live: Looks of what is being typed; None while nothing is.
         readings: How the words of what is typed are understood.
+        mix: The light layers of the newest render; None until one is rendered.
     """
 
     def __init__(self) -> None:
@@ -33,12 +35,14 @@ class AddonState:
         self.failure: schema.VibeError | None = None
         self.live: Live | None = None
         self.readings = WordReadings()
+        self.mix: RenderedMix | None = None
         self._engine: Engine | None = None
         self._engine_choice: tuple[str, Path] | None = None
 
     def begin(self, context: bpy.types.Context, ask: bool = False, change: Change | None = None) -> Session:
         """Starts a session with the engine of the last one, unless the preferences have changed; arguments as for `Session`."""
         self.forget()
+        self.forget_mix()
         self.session, self.running = Session(context, self.engine(context), ask, change), True
         if self.live and self.live.scene == self.session.scene:
             self.live.hand_over(self.session)
@@ -97,6 +101,12 @@ class AddonState:
             self.session.discard()
         self.session, self.failure = None, None
 
+    def forget_mix(self) -> None:
+        """Drops the light layers: the scene is another one now."""
+        if self.mix:
+            self.mix.discard()
+        self.mix = None
+
     def close_engine(self) -> None:
         """Ends the engine."""
         if self._engine:
@@ -107,6 +117,7 @@ class AddonState:
     def close(self) -> None:
         """Ends session and engine, when the add-on is switched off or Blender ends."""
         self.cancel()
+        self.forget_mix()
         self.end_live()
         self.close_engine()
 

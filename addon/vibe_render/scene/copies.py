@@ -33,6 +33,8 @@ def copied_scene(scene: bpy.types.Scene, graded: bool = False, **render: Any) ->
         twin = scene.copy()
         stack.callback(bpy.data.scenes.remove, twin)
         twin.name = "Vibe Bake"
+        for key in [key for key in twin.keys() if key.startswith("vibe_")]:  # noqa: SIM118  no dict
+            del twin[key]  # a snapshot names data-blocks, and Freestyle lines would keep them in use for good
         if graded:
             for tree in compat.separate_compositor(twin, scene):
                 stack.callback(bpy.data.node_groups.remove, tree)

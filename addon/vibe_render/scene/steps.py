@@ -20,7 +20,9 @@ from .nodes import backgrounds
 KEY = "vibe_steps"
 VERSION = 1
 BY_HAND = "changed by hand"
-"""The sentence of a step that the artist has made without words."""
+LIGHT_MIX = "light mix"
+WORDLESS = (BY_HAND, LIGHT_MIX)
+"""The sentences of steps that the artist has made without words."""
 _OWNED = ("material", "light")
 Known = Mapping[str, Sequence[float]]
 
@@ -221,7 +223,7 @@ class Steps:
     def _last(self) -> int:
         """The place of the last step that is shown and has words. Raises VibeError where there is none."""
         places = [
-            n for n, step in enumerate(self.steps[: self.shown]) if step.on and step.sentence != BY_HAND
+            n for n, step in enumerate(self.steps[: self.shown]) if step.on and step.sentence not in WORDLESS
         ]
         if not places:
             raise schema.VibeError("There is no step before this one.", 'Say what is to change: "warmer".')

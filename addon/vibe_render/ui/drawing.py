@@ -135,13 +135,16 @@ def icon(*pictures: Path | None, square: bool = False) -> int:
     return collection["vibe" if "vibe" in collection else str(there[0])].icon_id
 
 
-def before_after(layout: bpy.types.UILayout, before: Path | None, after: Path | None, scale: float) -> None:
+def before_after(
+    layout: bpy.types.UILayout,
+    before: Path | None,
+    after: Path | None,
+    scale: float,
+    captions: tuple[str, str] = ("Before", "After, as predicted"),
+) -> None:
     """Draws two images as one icon, as far as they exist, each with its caption next to it."""
-    there = [
-        (path, name)
-        for path, name in ((before, "Before"), (after, "After, as predicted"))
-        if path and path.is_file()
-    ]
+    pairs = zip((before, after), captions, strict=True)
+    there = [(path, name) for path, name in pairs if path and path.is_file()]
     if not there:
         return
     number = icon(*(path for path, _ in there))

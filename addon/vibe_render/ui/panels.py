@@ -15,6 +15,7 @@ from ..run.state import addon_state
 from . import (
     bases,
     drawing,
+    light_mix,
     live,
     picture,
     preset_files,
@@ -84,6 +85,7 @@ def _panel(name: str, base: type, parent: str = "") -> type:
 
 CLASSES: tuple[type, ...] = (
     *setup.CLASSES,
+    *light_mix.CLASSES,
     *properties.CLASSES,
     *scope.CLASSES,
     *run.CLASSES,
@@ -97,6 +99,7 @@ CLASSES: tuple[type, ...] = (
     *preset_files.CLASSES,
     _panel("main", MainPanel),
     _panel("result", result.ResultPanel),
+    _panel("mix", light_mix.MixPanel),
     _panel("presets", presets.PresetsPanel),
     _panel("scope", scope.ScopePanel),
     _panel("values", scope.ValuesPanel, "scope"),
@@ -109,6 +112,7 @@ CLASSES: tuple[type, ...] = (
 def _before_load(*_: object) -> None:
     """A vibe belongs to its file: it ends before Blender opens another, and its pictures go."""
     addon_state.cancel()
+    addon_state.forget_mix()
     addon_state.end_live()
 
 
@@ -122,6 +126,7 @@ def _before_save(*_: object) -> None:
 def _show_again(*_: object) -> None:
     """After a save or an undo the scene shows the look of the vibe that runs, or of what is typed, and no other."""
     preview.hide_all()
+    light_mix.draw_soon()
     if addon_state.running and addon_state.session:
         addon_state.session.show_again()
     elif addon_state.live:
@@ -172,6 +177,7 @@ def unregister() -> None:
     setup.forget_warm_up()
     live.stop()
     words.stop()
+    light_mix.stop()
     for name, handler in _HANDLERS.items():
         getattr(bpy.app.handlers, name).remove(handler)
     addon_state.close()

@@ -23,7 +23,7 @@ from ..core.schema_import import labels, messages, options, schema, targets
 from ..render import reference
 from ..run import result
 from ..scene.subject import SubjectChoice, forget_subject
-from . import live
+from . import light_mix, live
 from .picture import PictureSettings
 
 _LEFT_ALONE = ("camera",)  # unless asked: the artist framed the shot
@@ -193,6 +193,7 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         update=_mix,
     )
     changes: CollectionProperty(type=VibeChange)
+    mix: CollectionProperty(type=light_mix.VibeMixChannel)
     further: StringProperty(
         name="And Now",
         description="A further sentence, which goes on from the result: a bit warmer; less fog; but leave the sky; back to the first",

@@ -54,7 +54,9 @@ class ResultPanel:
             session = None
         if not (wanted := reference.request_title(settings.vibed_prompt, settings.vibed_like)):
             paragraph(
-                layout, context, "This scene still has changes from an earlier vibe. Revert removes them."
+                layout,
+                context,
+                "This scene has changes of Light Mix, or of an earlier vibe. Revert removes them.",
             )
         elif settings.vibed_like or settings.vibed_prompt != settings.prompt:
             paragraph(layout, context, wanted, faint=True)
@@ -210,6 +212,7 @@ class VIBE_OT_revert(_Vibed):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         addon_state.forget()
+        addon_state.forget_mix()
         if lost:
             self.report({"WARNING"}, f"{len(lost)} values could not be restored: {lost[0]}")
         return {"FINISHED"}

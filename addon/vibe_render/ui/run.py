@@ -20,7 +20,7 @@ from ..run.driver import LOOKING
 from ..run.notes import failure_note
 from ..run.session import PAUSING, SILENT, Session
 from ..run.state import addon_state
-from . import bases, drawing, live, prompt_history
+from . import bases, drawing, light_mix, live, prompt_history
 from .properties import SHARED
 
 _TICK = 0.02  # seconds between two steps of the session
@@ -98,6 +98,7 @@ class Vibing(bpy.types.Operator):
     def _done(self, failure: schema.VibeError | None, severity: str) -> set[str]:
         if failure is None:
             note = failure_note(addon_state.session.report) if addon_state.session else ""
+            light_mix.render_soon()
             self.report({"WARNING" if note else "INFO"}, note or "The vibe is in the scene")
             return {"FINISHED"}
         addon_state.end(failure)

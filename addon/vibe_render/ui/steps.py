@@ -14,7 +14,7 @@ from ..run import result
 from ..run.session import Session
 from ..run.state import addon_state
 from ..scene import bindings
-from ..scene.steps import BY_HAND, Change, Steps
+from ..scene.steps import WORDLESS, Change, Steps
 from . import bases, run
 from .drawing import columns, paragraph
 from .engine_state import engine_state
@@ -45,7 +45,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         text = text if len(text) <= most else f"{text[: most - 1].rstrip()}…"
         _button(shown, number, "SHOW", text=text, depress=number == steps.shown)
         _button(row, number, "SWITCH", icon="CHECKBOX_HLT" if step.on else "CHECKBOX_DEHLT")
-        if step.sentence != BY_HAND:
+        if step.sentence not in WORDLESS:
             _button(row, number, "EDIT", icon="GREASEPENCIL", depress=number == settings.edited)
         _button(row, number, "REMOVE", icon="X")
     field = column.row(align=True)

@@ -168,6 +168,10 @@ SUPPORT = (
            blender=False),  # processes find it in their environment
     Option("samples", 128, "Cycles samples of the images (the one before: 16 at most)", "render",
            bounds=(1, 65536)),
+    Option("light_mix", False, "also write lights.exr: a layer of the Cycles render for each light, for the world and "
+           "for emitting materials, linear, before exposure, grade and view transform", "render",
+           panel=Panel("Light Mix", "Render the light layers as soon as a vibe is in the scene. Blender pauses "
+                       "for the render")),
 )
 """Options of the processes around the engine."""
 # fmt: on

@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A light mix of the open scene: its render, one slider for each light layer, and the mix in the scene or its compositor."""
+
+from __future__ import annotations
+
+import shutil
+import uuid
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import bpy
+from bpy.types import ID, Scene
+
+from ..core import rendered
+from ..core.color import Color
+from ..core.schema_import import schema
+from ..render import bake, final_render, light_groups
+from ..render.light_groups import LightLayer
+from ..render.light_mix import LightMix
+from ..scene import bindings, snapshot
+from ..scene.nodes import mix
+from ..scene.nodes.layers import emitted_radiance
+from ..scene.steps import LIGHT_MIX, Change, Steps
+from . import result
+
+WHITE: Color = (1.0, 1.0, 1.0)
+NEEDS_CYCLES = "Light Mix needs Cycles. Set the render engine to Cycles"
+_SIZE, _SAMPLES = 512, 32
+_POWERS = ("power", "strength", "emission")
+_COLORS = ("color", "tint", "emission_color")
+_BACKDROP = "backdrop_"
+
+
+@dataclass(frozen=True)
+class MixChannel:
+    """A light layer as a slider."""
+
+    name: str  # of its light group
+    title: str
+    icon: str
+    objects: tuple[str, ...]  # names of its lights and of objects that glow
+    world: bool
+    values: Mapping[str, schema.Values]  # by key of the schema, what the scene had when it was rendered
+
+
+class RenderedMix:
+    """The light layers of the scene's newest render.
+
+    Attributes:
+        channels: One for each layer.
+        rendered, picture: The images of the render and of the present mix.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        """Renders the scene with Cycles. Raises VibeError if there is nothing to mix, or no room on the disk."""
+        self._uid = scene.session_uid
+        self._folder = Path(bpy.app.tempdir) / f"vibe-mix-{uuid.uuid4().hex[:8]}"
+        self._folder.mkdir()
+        self.rendered, self.picture = self._folder / "rendered.png", self._folder / "mix.png"
+        lights = self._folder / "lights.exr"
+        try:
+            layers = final_render.render_picture(scene, self.rendered, _SIZE, _SAMPLES, lights=lights)
+            if not layers:
+                raise schema.VibeError("This scene has no light to mix.", "Add a light.")
+            self.channels = _channels(scene, layers)
+            height, width, _ = bake.read_file(self.rendered).shape
+            names = [channel.name for channel in self.channels]
+            self._mix = LightMix(lights, rendered.layer(scene).name, names, (width, height))
+            shutil.copyfile(self.rendered, self.picture)
+        except BaseException:
+            self.discard()
+            raise
+
+    def is_of(self, scene: Scene) -> bool:
+        """Whether a scene was rendered."""
+        return scene.session_uid == self._uid
+
+    def draw(self, scene: Scene, colors: Mapping[str, Color]) -> None:
+        """Mixes the image anew; by layer, what its light is multiplied by."""
+        self._mix.write(scene, self.picture, colors)
+
+    def discard(self) -> None:
+        """Deletes the files."""
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+
+def _channels(scene: Scene, layers: Sequence[LightLayer]) -> list[MixChannel]:
+    instances = bindings.instances(
+        scene, (), (0.0, 0.0, 0.0), ("light", "material", "world"), everything=True
+    )
+    worn = [_emitting(scene, layer) for layer in layers]
+    channels = []
+    for number, layer in enumerate(layers):
+        elsewhere = set().union(*(worn[n] for n in range(len(layers)) if n != number))
+        owners = _light_owners(scene, layer) | {("material", name) for name in worn[number] - elsewhere}
+        has_world = rendered.world(scene) in layer.members
+        owners |= {("world", "")} if has_world else set()
+        values = {
+            key: instance.value
+            for key, instance in instances.items()
+            if (parts := schema.split_key(key))[:2] in owners
+            and parts[2].removeprefix(_BACKDROP) in (*_POWERS, *_COLORS)
+        }
+        names = tuple(m.name for m in layer.members if isinstance(m, bpy.types.Object))
+        has_light = any(map(light_groups.is_light, layer.members))
+        icon = "WORLD" if has_world else "LIGHT" if has_light else "MATERIAL"
+        channels.append(MixChannel(layer.name, layer.title, icon, names, has_world, values))
+    return channels
+
+
+def _light_owners(scene: Scene, layer: LightLayer) -> set[tuple[str, str]]:
+    """Groups and owners of the keys of a layer's lights. Of lights that share their data the first has the keys."""
+    first = {
+        m: name
+        for name, members in light_groups.sharing_data(light_groups.all_lights(scene)).items()
+        for m in members
+    }
+    return {("light", first[m]) for m in layer.members if m in first}
+
+
+def _emitting(scene: Scene, layer: LightLayer) -> set[str]:
+    """The names of the emitting materials of a layer."""
+    of = rendered.layer(scene)
+    glowing = [m for m in layer.members if isinstance(m, bpy.types.Object) and not light_groups.is_light(m)]
+    worn = {material for thing in glowing for material in rendered.worn(thing, of) if material}
+    return {material.name_full for material in worn if emitted_radiance(material) > 0.0}
+
+
+def mixed_values(values: Mapping[str, schema.Values], color: Color) -> dict[str, tuple[float, ...]]:
+    """Values of a channel with its light multiplied by a color: the strength by its largest part, the color by the rest."""
+    factor = max(color)
+    hue = tuple(c / factor for c in color) if factor > 0.0 else WHITE
+    powers = {_owner(key) for key in values if _kind(key) in _POWERS}
+    mixed = {}
+    for key, value in values.items():
+        if _kind(key) in _POWERS:
+            mixed[key] = tuple(v * factor for v in value)
+        else:  # what has no strength, such as a world without nodes, gets all of it in its color
+            by = hue if _owner(key) in powers else color
+            mixed[key] = tuple(v * c for v, c in zip(value, by, strict=True))
+    return mixed
+
+
+def _kind(key: str) -> str:
+    return schema.split_key(key)[2].removeprefix(_BACKDROP)
+
+
+def _owner(key: str) -> tuple[str, str, bool]:
+    group, owner, name = schema.split_key(key)
+    return group, owner, name.startswith(_BACKDROP)
+
+
+def apply(scene: Scene, channels: Sequence[MixChannel], colors: Mapping[str, Color]) -> dict[str, str]:
+    """Writes a mix into the lights, the world and the emitting materials, as a step that Revert takes back.
+
+    Args:
+        colors: By channel, what its light is multiplied by, since it was rendered.
+
+    Returns:
+        The keys that were left alone, and why.
+
+    Raises:
+        VibeError: The scene's steps or its snapshot are damaged.
+    """
+    values: dict[str, tuple[float, ...]] = {}
+    for channel in channels:
+        if channel.name in colors:
+            values |= mixed_values(channel.values, colors[channel.name])
+    steps = Steps.of(scene)
+    current = bindings.read(scene, (), steps.pivot)
+    steps.take_hand_made(current)
+    skipped = bindings.write(scene, values, (), steps.pivot)
+    with snapshot.transaction(scene) as journal:
+        mix.mute_mix(journal, scene)
+    written = {key: value for key, value in values.items() if key not in skipped and key in current}
+    steps.add(Change(steps, title=LIGHT_MIX), current, written, dict.fromkeys(written, "Light Mix"))
+    result.show(scene, steps)
+    return skipped
+
+
+def write_nodes(scene: Scene, channels: Sequence[MixChannel], colors: Mapping[str, Color]) -> None:
+    """Writes a mix as nodes of the compositor, which Revert removes; new renders have the light groups that it needs.
+
+    Raises:
+        VibeError: The compositor does not use the image of the first rendered view layer.
+    """
+    layer = rendered.layer(scene)
+    with snapshot.transaction(scene) as journal:
+        named = {}
+        for channel in channels:
+            color, members = colors.get(channel.name, WHITE), _members(scene, channel)
+            groups = {member.lightgroup for member in members}
+            group = groups.pop() if len(groups) == 1 else ""
+            if group not in layer.lightgroups:
+                if color == WHITE:
+                    continue
+                group = journal.light_group(layer, channel.name)
+                for member in members:
+                    journal.set(member, "lightgroup", group)
+            named[group] = color
+        mix.insert_mix(journal, scene, named)
+
+
+def _members(scene: Scene, channel: MixChannel) -> list[ID]:
+    """The lights and objects of a channel that are still there, and its world."""
+    local: Any = ((name, None) for name in channel.objects)
+    found = [bpy.data.objects.get(name) for name in local]
+    return [m for m in (*found, rendered.world(scene) if channel.world else None) if m]

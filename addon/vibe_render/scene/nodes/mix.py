@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Vibe Light Mix: an owned compositor group behind Render Layers. It multiplies the passes of light groups, and adds them up.
+
+The image plus each pass times (color - 1): what no color changes stays as it was rendered.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from bpy.types import Node, NodeTree, Scene
+
+from ...core import compat, rendered
+from ...core.color import Color
+from ...core.journal import Journal
+from ...core.schema_import import schema
+from . import owned
+
+NAME = "Vibe Light Mix"
+GUIDES = ("Denoising Albedo", "Denoising Normal")
+PASS = "Combined_"
+"""In front of a light group's name, the name of its pass."""
+_WHITE, _BLACK = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
+
+
+def insert_mix(journal: Journal, scene: Scene, colors: Mapping[str, Color]) -> None:
+    """Puts the mix behind the Render Layers node; a mix that is there gets these colors.
+
+    Args:
+        colors: By light group of the first rendered view layer, what its light is multiplied by.
+
+    Raises:
+        VibeError: The compositor does not use the image of that view layer.
+    """
+    tree = compat.compositor(scene) or compat.start_compositor(journal, scene)
+    tree = compat.own_compositor(journal, scene, tree)
+    layer = rendered.layer(scene)
+    if scene.cycles.use_denoising and not layer.cycles.denoising_store_passes:
+        journal.set(layer.cycles, "denoising_store_passes", True)
+    layer.update_render_passes()
+    nodes = owned.group_nodes(tree, NAME)
+    source, node = _render_layers(tree, scene), nodes[0] if nodes else None
+    if node is None:
+        targets = [link.to_socket for link in source.outputs["Image"].links]
+        node = owned.group_node(journal, tree, _group(journal), targets[0].node)
+        for target in targets:
+            journal.link(node.outputs["Image"], target)
+        journal.link(source.outputs["Image"], node.inputs["Image"])
+    elif node.mute:
+        journal.set(node, "mute", False)
+    inputs = node.node_tree.interface.items_tree
+    colors = {name: color for name, color in colors.items() if color != _WHITE or name in inputs}
+    for name in colors:
+        if name not in inputs:
+            owned.group_input(node.node_tree, name, "NodeSocketColor", (*_BLACK, 1.0))
+            owned.group_input(node.node_tree, _color_of(name), "NodeSocketColor", (*_WHITE, 1.0))
+    _fill(node.node_tree, scene.cycles.use_denoising)
+    for name in (*colors, *(GUIDES if scene.cycles.use_denoising else ())):
+        journal.link(source.outputs[name if name in GUIDES else PASS + name], node.inputs[name])
+    for name, color in colors.items():
+        journal.set(node.inputs[_color_of(name)], "default_value", (*color, 1.0))
+
+
+def read_mix(scene: Scene) -> dict[str, Color]:
+    """By light group, what the mix of a scene multiplies its light by; nothing without one that is switched on."""
+    found = {}
+    for node in owned.group_nodes(compat.compositor(scene), NAME):
+        for entry in node.inputs if not node.mute else ():
+            if color := node.inputs.get(_color_of(entry.name)):
+                red, green, blue, _ = color.default_value
+                found[entry.name] = (red, green, blue)
+    return found
+
+
+def mix_notes(scene: Scene) -> list[str]:
+    """A note on a mix, which the prediction leaves out, in words for the artist."""
+    if all(color == _WHITE for color in read_mix(scene).values()):
+        return []
+    return ["The compositor's light mix is left out of the prediction. Apply it in Light Mix instead."]
+
+
+def mute_mix(journal: Journal, scene: Scene) -> None:
+    """Switches the mix off, if the scene has one."""
+    for node in owned.group_nodes(compat.compositor(scene), NAME):
+        if not node.mute:
+            journal.set(node, "mute", True)
+
+
+def denoise_node(tree: NodeTree) -> Node:
+    """A node that takes the noise of a pass away."""
+    node = tree.nodes.new("CompositorNodeDenoise")
+    compat.set_option(node, "prefilter", "Prefilter", "FAST", "Fast")
+    return node
+
+
+def _color_of(name: str) -> str:
+    """The name of the input for the color that a light group's pass is multiplied by."""
+    return f"{name} Color"
+
+
+def _render_layers(tree: NodeTree, scene: Scene) -> Node:
+    first = rendered.layer(scene).name
+    for node in tree.nodes:
+        here = node.bl_idname == "CompositorNodeRLayers" and node.scene in (None, scene)
+        if here and node.layer == first and node.outputs["Image"].is_linked:
+            return node
+    raise schema.VibeError(
+        f'The compositor does not use the image of the view layer "{first}".',
+        "Link it to the output, or use Apply.",
+    )
+
+
+def _group(journal: Journal) -> NodeTree:
+    tree, new = owned.owned_group(journal, NAME, "CompositorNodeTree")
+    if new:
+        for name in ("Image", *GUIDES):
+            kind = "NodeSocketVector" if name == "Denoising Normal" else "NodeSocketColor"
+            owned.group_input(tree, name, kind, _BLACK if kind == "NodeSocketVector" else (*_BLACK, 1.0))
+        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+    return tree
+
+
+def _fill(tree: NodeTree, denoised: bool) -> None:
+    """Builds the inside of the group anew for all the inputs that it has."""
+    tree.nodes.clear()
+    build = owned.Builder(tree)
+    image, albedo, normal = build.inputs("Image", *GUIDES)
+    inputs = [s.name for s in build.entry.outputs if s.name]
+    mixed = image
+    for name in inputs:
+        if _color_of(name) not in inputs:
+            continue
+        light, color = build.inputs(name, _color_of(name))
+        if denoised:
+            node = build.add(denoise_node(tree))
+            for target, given in (("Image", light), ("Albedo", albedo), ("Normal", normal)):
+                build.put(node.inputs[target], given)
+            light = node.outputs[0]
+        mixed = build.vector("MULTIPLY_ADD", light, build.vector("SUBTRACT", color, _WHITE), mixed)
+    mixed = build.vector("MAXIMUM", mixed, _BLACK)
+    alpha = build.node("CompositorNodeSeparateColor", Image=image).outputs["Alpha"]
+    node = build.node("CompositorNodeSetAlpha", Image=mixed, Alpha=alpha)
+    compat.set_option(node, "mode", "Type", "REPLACE_ALPHA", "Replace Alpha")
+    build.output(node.outputs[0])

@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# mypy: disable-error-code="valid-type"
+"""Light Mix in the panel: a slider and a color for each light of a Cycles render, which change its image at once."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import bpy
+from bpy.props import FloatProperty, FloatVectorProperty
+
+from ..core.color import Color
+from ..core.schema_import import labels, schema
+from ..run import light_mix, preview
+from ..run.state import addon_state
+from ..scene.nodes import mix
+from . import bases, drawing
+
+_TICK = 0.02  # seconds between two images while a slider moves
+
+
+def _shown(scene: bpy.types.Scene) -> light_mix.RenderedMix | None:
+    """The light layers of a scene, if they have sliders; an undo may have taken those away."""
+    rendered = addon_state.mix
+    there = rendered and rendered.is_of(scene) and all(c.name in scene.vibe.mix for c in rendered.channels)
+    return rendered if there else None
+
+
+def draw_soon() -> None:
+    """Mixes the image anew, once for all the sliders that have moved by then."""
+    if addon_state.mix and not bpy.app.timers.is_registered(_draw):
+        bpy.app.timers.register(_draw, first_interval=_TICK)
+
+
+def _changed(_channel: VibeMixChannel, _context: bpy.types.Context) -> None:
+    draw_soon()
+
+
+def _draw() -> float | None:
+    scene = bpy.context.scene
+    rendered = _shown(scene)
+    if rendered is None:
+        return None
+    if bpy.app.is_job_running("RENDER"):
+        return 1.0
+    try:
+        rendered.draw(scene, colors(scene))
+    except schema.VibeError as error:
+        addon_state.failure = error
+    drawing.redraw()
+    return None
+
+
+def render_soon() -> None:
+    """Renders the light layers of the scene after a vibe, if that is switched on."""
+    if bpy.context.scene.vibe.light_mix and bpy.context.window:
+        bpy.app.timers.register(_render, first_interval=_TICK)
+
+
+def _render() -> None:
+    if bpy.ops.vibe.mix_render.poll():
+        bpy.ops.vibe.mix_render()
+
+
+def stop() -> None:
+    """Ends the timers, when the add-on is switched off."""
+    for timer in (_draw, _render):
+        if bpy.app.timers.is_registered(timer):
+            bpy.app.timers.unregister(timer)
+
+
+class VibeMixChannel(bpy.types.PropertyGroup):
+    """The slider of a light layer. Its `name` is that of the light group."""
+
+    factor: FloatProperty(
+        name="Power",
+        description="What the power of this light is multiplied by",
+        default=1.0,
+        min=0.0,
+        max=1000.0,
+        soft_max=4.0,
+        precision=2,
+        update=_changed,
+    )
+    color: FloatVectorProperty(
+        name="Color",
+        description="A color filter in front of this light. White leaves it as it is",
+        size=3,
+        subtype="COLOR",
+        default=light_mix.WHITE,
+        min=0.0,
+        max=1.0,
+        update=_changed,
+    )
+    applied: FloatVectorProperty(
+        size=3, default=light_mix.WHITE, description="What Apply has multiplied it by since the render"
+    )
+
+    def product(self) -> Color:
+        """What the slider and the color multiply the light by."""
+        red, green, blue = (self.factor * c for c in self.color)
+        return red, green, blue
+
+    def reset(self) -> None:
+        """Moves the slider and the color back."""
+        self.factor, self.color = 1.0, light_mix.WHITE
+
+
+def moved(scene: bpy.types.Scene) -> dict[str, Color]:
+    """By channel whose slider or color has been moved, what its light is multiplied by."""
+    return {c.name: c.product() for c in scene.vibe.mix if c.product() != light_mix.WHITE}
+
+
+def colors(scene: bpy.types.Scene) -> dict[str, Color]:
+    """By channel, what its light is multiplied by since the render: by Apply, then by its slider and its color."""
+    return {c.name: tuple(a * p for a, p in zip(c.applied, c.product(), strict=True)) for c in scene.vibe.mix}
+
+
+class MixPanel(bases.IdlePanel):
+    """The image of the mix, a slider and a color for each light, and what writes them into the scene."""
+
+    bl_label = "Light Mix"
+    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
+        shown = _shown(context.scene)
+        row = layout.row(align=True)
+        row.operator(
+            "vibe.mix_render", text="Render Again" if shown else "Render Lights", icon="RENDER_STILL"
+        )
+        row.prop(settings, "light_mix", text="After Each Vibe", toggle=True)
+        if reason := _obstacle(context):
+            drawing.paragraph(layout, context, reason, "INFO", faint=True)
+        if shown is None:
+            return
+        drawing.before_after(layout, shown.rendered, shown.picture, 10.5, ("As rendered", "Mix"))
+        column = layout.column(align=True)
+        for channel in shown.channels:
+            slider, split = settings.mix[channel.name], column.split(factor=0.4, align=True)
+            split.label(text=channel.title, icon=channel.icon)
+            values = split.row(align=True)
+            values.prop(slider, "factor", text="", slider=True)
+            swatch = values.row(align=True)
+            swatch.ui_units_x = 2.0
+            swatch.prop(slider, "color", text="")
+        row = layout.row(align=True)
+        row.scale_y = 1.3
+        row.operator("vibe.mix_apply")
+        row.operator("vibe.mix_nodes")
+        row.operator("vibe.mix_reset", text="", icon="LOOP_BACK")
+
+
+def _obstacle(context: bpy.types.Context) -> str:
+    """Why the lights cannot be rendered apart now; "" if they can."""
+    if context.scene.render.engine != "CYCLES":
+        return light_mix.NEEDS_CYCLES
+    if preview.exists(context.scene):
+        return "The scene shows a look of Live. Search for it, or switch Live off"
+    if context.scene.camera is None:
+        return "The scene has no camera"
+    return bases.untouchable(context)
+
+
+class VIBE_OT_mix_render(bases.IdleOperator):
+    """Render a small image with Cycles, each light in a layer of its own. Your light groups stay as they are"""
+
+    bl_idname = "vibe.mix_render"
+    bl_label = "Render Lights"
+    bl_options: ClassVar[set[str]] = {"UNDO"}
+
+    @classmethod
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        return _obstacle(context)
+
+    def act(self, context: bpy.types.Context) -> str:
+        """Renders, and puts all sliders back, or where the compositor's nodes have them."""
+        scene = context.scene
+        addon_state.forget_mix()
+        addon_state.mix = light_mix.RenderedMix(scene)
+        scene.vibe.mix.clear()
+        present = mix.read_mix(scene)
+        for channel in addon_state.mix.channels:
+            slider = scene.vibe.mix.add()
+            slider.name = channel.name
+            color = present.get(channel.name, light_mix.WHITE)
+            if factor := max(color):
+                slider.color = [c / factor for c in color]
+            slider.factor = factor
+        return f"{len(scene.vibe.mix)} light layers"
+
+
+class _Mixed(bases.IdleOperator):
+    """What uses the sliders."""
+
+    @classmethod
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        if _shown(context.scene) is None:
+            return "Render the lights first"
+        return bases.untouchable(context) or ("" if moved(context.scene) else "Move a slider first")
+
+
+class VIBE_OT_mix_apply(_Mixed):
+    """Write the mix into power and color of lights, world and emitting materials, as a step that Revert takes back"""
+
+    bl_idname = "vibe.mix_apply"
+    bl_label = "Apply"
+    bl_options: ClassVar[set[str]] = {"UNDO"}
+
+    def act(self, context: bpy.types.Context) -> str:
+        """Writes what is multiplied since the render: the sliders start again from there."""
+        scene, rendered = context.scene, addon_state.mix
+        assert rendered
+        if scene.vibe.show_original:
+            scene.vibe.show_original = False
+        wanted = {name: color for name, color in colors(scene).items() if name in moved(scene)}
+        skipped = light_mix.apply(scene, rendered.channels, wanted)
+        for channel in scene.vibe.mix:
+            if channel.name in wanted:
+                channel.applied = wanted[channel.name]
+                channel.reset()
+        return _message(skipped)
+
+
+def _message(skipped: dict[str, str]) -> str:
+    for key, reason in skipped.items():
+        return f"{labels.title(key)} was left alone: {reason}"
+    return "The mix is in the scene"
+
+
+class VIBE_OT_mix_nodes(_Mixed):
+    """Write the mix as nodes of the compositor, which work on every later render. Revert removes them"""
+
+    bl_idname = "vibe.mix_nodes"
+    bl_label = "Compositor"
+    bl_options: ClassVar[set[str]] = {"UNDO"}
+
+    @classmethod
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        return super().obstacle(context) or _obstacle(context)
+
+    def act(self, context: bpy.types.Context) -> str:
+        """Writes the nodes."""
+        scene, rendered = context.scene, addon_state.mix
+        assert rendered
+        light_mix.write_nodes(scene, rendered.channels, moved(scene))
+        return "The mix is in the compositor"
+
+
+class VIBE_OT_mix_reset(_Mixed):
+    """Move all sliders back"""
+
+    bl_idname = "vibe.mix_reset"
+    bl_label = "Reset"
+    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
+
+    def act(self, context: bpy.types.Context) -> str:
+        """Moves them back."""
+        for channel in context.scene.vibe.mix:
+            channel.reset()
+        return "The image is as it was rendered"
+
+
+CLASSES = (VibeMixChannel, VIBE_OT_mix_render, VIBE_OT_mix_apply, VIBE_OT_mix_nodes, VIBE_OT_mix_reset)
