@@ -13,9 +13,9 @@ gallery/       vibe batch examples/batch.toml --out out/gallery, after the scene
 rigs.jpg       vibe batch rigs.toml --out out/rigs: four scenes, and the prompts of `RIGS`
 results/       results.json of out/sealed, and of out/sealed-long (`python -m lab sealed --long --out out/sealed-long`)
 tutorial/      the tutorial's own commands
-panel.jpg, progress.jpg, first-look.webp
+panel.jpg, progress.jpg, presets.jpg, first-look.webp
                screenshots of the window test (needs a Blender with a window):
-               VIBE_WINDOW_OUT=out/window python -m pytest -m slow blender_tests/ui/test_window.py -k tour
+               VIBE_WINDOW_OUT=out/window python -m pytest -m slow blender_tests/ui/test_window.py
 light-mix.jpg  the same with -k light_is_mixed
 """
 
@@ -94,6 +94,9 @@ PANEL = {
 PROGRESS = (0, 25, 1185, 815)
 """What is cut out of the screenshot of progress.jpg, at the usual scale."""
 
+GRID = (1330, 60, 1920, 1006)
+"""What is cut out of the screenshot of presets.jpg."""
+
 FIRST_LOOK = (("marks", 1), ("running", 1), ("search", 6), ("result", 1))
 """Screenshots of first-look.webp, and how many of each."""
 
@@ -143,6 +146,7 @@ def panel(shots: Path) -> None:
         left += column.width + _GAP
     save(sheet, "panel.jpg")
     save(cut("tour/*_running.png", PROGRESS, 0.75), "progress.jpg")
+    save(cut("presets/*_grid.png", GRID, 1.0), "presets.jpg")
     first_look(shots / "tour")
 
 
