@@ -42,6 +42,8 @@ def shots(scenes: Sequence[Path], arguments: argparse.Namespace) -> list[Path]:
     frames = frame_numbers(arguments.frames)
     cameras = [name for part in arguments.cameras for name in part.split(",") if name.strip()]
     several = max(len(scenes), len(frames), len(cameras)) > 1
+    if (arguments.moments or arguments.markers) and (several or scenes[0].suffix.lower() != ".blend"):
+        raise VibeError("Moments belong to one .blend and one camera.", "Give one of each.")
     if several and any(path.suffix.lower() != ".blend" for path in scenes):
         raise VibeError("Only .blends can share a look.", "Give bare meshes one at a time.")
     if several and "camera" in checks.groups(arguments.groups):

@@ -58,7 +58,9 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     args.cameras, args.frames = _listed(args.cameras), schema.frame_numbers(args.frames)
     checks.numbers(args)
     if args.command in ("run", "demo"):
-        checks.prompt(args.prompt, args.like, args.goals, args.then)
+        args.moments = checks.moments(args)
+        if not (args.moments or args.markers):
+            checks.prompt(args.prompt, args.like, args.goals, args.then)
         if args.then and max(map(len, (args.scenes, args.cameras, args.frames))) > 1:
             raise schema.VibeError(
                 "--then goes on from one shot.", "Leave out more scenes, --cameras and --frames."

@@ -233,6 +233,17 @@ class HeadlessVibe(Driver):
         return anchors.answer_anchor(analysis.scene, job.folder, request, analysis.objects, analysis.pivot)
 
 
+def run_one(vibe: HeadlessVibe, queue: list[Any]) -> SceneAnalysis:
+    """Runs a vibe to its end; Ctrl-C ends it early, and empties the queue of what was to follow. See `HeadlessVibe.run`."""
+
+    def stop() -> None:
+        queue.clear()
+        vibe.stop()
+
+    on_interrupt(stop)
+    return vibe.run()
+
+
 def _goals(result: messages.Result) -> str:
     """The goals of a result, as JSON for presets."""
     return json.dumps(result.report["goals"], ensure_ascii=False)

@@ -77,7 +77,8 @@ def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
     moments = sorted(moments, key=lambda moment: moment.frame)
     keyframes.take_away(scene)
     base, looks = completed(moments)
-    start, left = snapshot.mark(scene), {}
+    start = snapshot.mark(scene)
+    left: dict[str, str] = {}
     try:
         for moment, look in zip(moments, looks, strict=True):
             left |= bindings.write(scene, look, _objects(scene, moment), moment.pivot)
@@ -130,7 +131,7 @@ def between(key: str, first: Sequence[float], last: Sequence[float], share: floa
     if parameter.unit == "K":
         return [1.0 / _straight(1.0 / first[0], 1.0 / last[0], share)]
     if parameter.kind == "color":
-        return [float(v) for v in from_oklab(_straight(*map(to_oklab, map(np.array, (first, last))), share))]
+        return [float(v) for v in from_oklab(_straight(to_oklab(np.array(first)), to_oklab(np.array(last)), share))]
     if parameter.name in _BRIGHT:
         return [_by_stops(first[0], last[0], share)]
     if parameter.name in _TURNING:
@@ -154,23 +155,23 @@ def _tracks(scene: Scene, moments: Sequence[Moment], base: Look, looks: Sequence
     parameter is keyframed through its own binding.
     """
     samples = _samples(moments, looks)
-    journal, seen = Journal(), 0
+    journal = Journal()
     found: dict[tuple[int, str, str], dict[int, Any]] = {}
     try:
         pivot = Vector(moments[-1].pivot)
-        for frame, look, place in ((None, base, moments[0].pivot), *samples):
+        bindings.put(journal, scene, base, (), pivot)
+        for frame, look, place in samples:
             _follow(journal, scene, Vector(place) - pivot)
             pivot = Vector(place)
-            bindings.put(journal, scene, look, (), place)
+            bindings.put(journal, scene, look, (), pivot)
             rendered.layer(scene).update()
-            for entry in journal.entries[seen:]:
+            for entry in journal.entries:
                 if entry["op"] == "set" and _is_number(entry["old"]):
-                    # Until now it has had its old value.
-                    slot = (entry["id"], entry["path"], entry["name"])
-                    earlier = (f for f, *_ in samples if frame is not None and f < frame)
-                    found.setdefault(slot, dict.fromkeys(earlier, _frozen(entry["old"])))
-            seen = len(journal.entries)
-            for (number, path, name), values in found.items() if frame is not None else ():
+                    slot = entry["id"], entry["path"], entry["name"]
+                    if slot not in found:  # until now it has had its old value
+                        earlier = (f for f, *_ in samples if f < frame)
+                        found[slot] = dict.fromkeys(earlier, _frozen(entry["old"]))
+            for (number, path, name), values in found.items():
                 values[frame] = PropertySlot(resolve(journal.ids[number], path), name).get()
         tracks = [
             Track(resolve(journal.ids[number], path), name, values)
@@ -184,7 +185,7 @@ def _tracks(scene: Scene, moments: Sequence[Moment], base: Look, looks: Sequence
     return [_thinned(track, frames) for track in tracks if _can_be_keyed(track)]
 
 
-def _samples(moments: Sequence[Moment], looks: Sequence[Look]) -> list[tuple[int, Look, Sequence[float]]]:
+def _samples(moments: Sequence[Moment], looks: Sequence[Look]) -> list[tuple[int, Look, list[float]]]:
     """Frames from the first moment to the last, each with all values and the pivot there."""
     found = [(moments[0].frame, looks[0], moments[0].pivot)]
     for (one, first), (other, last) in pairwise(zip(moments, looks, strict=True)):
