@@ -9,6 +9,7 @@ from dump import changes, dump
 from vibe_render.core.color import from_oklab, to_oklab
 from vibe_render.scene import bindings, keyframes, moments, snapshot
 from vibe_render.scene.moments import Moment
+from vibe_render.scene.steps import old_value
 
 from proxy_renderer import schema
 
@@ -33,8 +34,13 @@ NIGHT = {
 
 def of_looks(scene, *looks):
     """Moments every 60 frames from 1, as a vibe makes them."""
-    base = {key: list(value) for key, value in bindings.read(scene, (), PIVOT).items()}
-    return [Moment(1 + 60 * n, "", look, base, PIVOT) for n, look in enumerate(looks)]
+    there = bindings.read(scene, (), PIVOT)
+    bases = [{key: list(old_value(key, there, look[key])) for key in look} for look in looks]
+    own = {key: list(there[key]) for look in looks for key in look if key in there}
+    return [
+        Moment(1 + 60 * n, "", look, base | own, PIVOT)
+        for n, (look, base) in enumerate(zip(looks, bases, strict=True))
+    ]
 
 
 def read(scene, frame, key):

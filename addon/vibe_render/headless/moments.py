@@ -83,12 +83,12 @@ def _write(args: argparse.Namespace, reporter: Reporter, out: Outputs, found: li
         framing.show(RequestedShot(args.scene, camera, frame))
         rendered.layer(scene).update()
 
-    eyes = []
+    eyes, named = [], {each for moment in found for key in moment.values for each in moments.origins(key)}
     for moment in found:
         show(moment.frame)
         eyes.append(scene.camera.matrix_world.translation.copy())
         own = bindings.read(scene, (), moment.pivot)
-        moment.base |= {key: list(value) for key, value in own.items()}
+        moment.base |= {key: list(own[key]) for key in named if key in own}
     subject = [scene.objects[name] for name in found[0].subject if name in scene.objects]
     context = scene_context.SceneContext(scene, subject, Vector(found[0].pivot))
     fog.plan_fog_box(scene, fog.fog_domain(context, eyes))

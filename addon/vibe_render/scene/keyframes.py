@@ -3,9 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from bpy.types import ID, Scene, bpy_struct
 
@@ -18,11 +17,12 @@ MOMENTS = "vibe_moments"  # the looks that they were made of, see `moments`
 
 @dataclass(frozen=True)
 class Track:
-    """The values of one property, by frame: numbers, flags or tuples of numbers."""
+    """The values of a property by frame, numbers or flags; of an array, those of one component."""
 
     owner: bpy_struct
     name: str
-    values: dict[int, Any]
+    index: int
+    values: Mapping[int, float]
 
 
 def add(scene: Scene, tracks: Sequence[Track]) -> list[str]:
@@ -63,15 +63,12 @@ def _obstacle(block: ID) -> str:
 
 
 def _write(journal: Journal, track: Track) -> None:
-    first = next(iter(track.values.values()))
-    for index in range(len(first) if isinstance(first, tuple) else 1):
-        values = {f: v[index] if isinstance(v, tuple) else v for f, v in track.values.items()}
-        curve = journal.curve(track.owner, track.name, index)
-        curve.keyframe_points.add(len(values))
-        for point, (frame, value) in zip(curve.keyframe_points, values.items(), strict=True):
-            point.co = frame, value
-            point.interpolation = "CONSTANT" if isinstance(value, bool) else "LINEAR"
-        curve.update()
+    curve = journal.curve(track.owner, track.name, track.index)
+    curve.keyframe_points.add(len(track.values))
+    for point, (frame, value) in zip(curve.keyframe_points, track.values.items(), strict=True):
+        point.co = frame, value
+        point.interpolation = "CONSTANT" if isinstance(value, bool) else "LINEAR"
+    curve.update()
 
 
 def exist(scene: Scene) -> bool:

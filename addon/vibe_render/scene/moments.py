@@ -5,28 +5,29 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from bpy.types import Object, Scene
+from bpy.types import Object, Scene, bpy_struct
 from mathutils import Vector
 
 from ..core import rendered
 from ..core.color import from_oklab, to_oklab
 from ..core.journal import Journal, resolve
 from ..core.schema_import import labels, schema
-from ..core.value_slots import PropertySlot, same
+from ..core.value_slots import PropertySlot
 from . import bindings, keyframes, snapshot, steps
 from .keyframes import Track
-from .nodes import owned
+from .nodes import backgrounds, owned
 
 Look = dict[str, list[float]]
 VERSION = 1
 _PIECES = 16  # of the way between two moments: straight lines between them are within 1 % of the even steps
 _TOLERANCE = 0.005, 2e-4  # of a value, and of its range: a key that is missed by less is left out
+_UNCHANGED = 1e-6  # of a value: what Blender's 32-bit numbers may make of it
 _BRIGHT = ("power", "strength", "backdrop_strength", "emission")
 _TURNING = ("azimuth", "rotation")
 _DIM = 1 / 64  # of a light that goes on: below, its steps are those of watts instead of stops
@@ -38,7 +39,7 @@ class Moment:
 
     Attributes:
         values: By key, of what the look changes.
-        base: By key, of the same scene without the look; more keys do no harm.
+        base: By key, of the same scene without the look: of all those, and more.
         pivot: The subject's center, world space.
         subject: Names of its objects.
     """
@@ -56,8 +57,10 @@ def of(scene: Scene) -> list[Moment]:
     try:
         raw = json.loads(scene.get(keyframes.MOMENTS, '{"moments": []}'))
         found = [Moment(**row) for row in raw["moments"]]
-        for look in (look for moment in found for look in (moment.values, moment.base)):
-            for key, value in look.items():
+        for moment in found:
+            if not moment.values.keys() <= moment.base.keys():
+                raise ValueError("no base")
+            for key, value in (*moment.values.items(), *moment.base.items()):
                 if len(value) != labels.parameter(key).components or not all(map(math.isfinite, value)):
                     raise ValueError(key)
     except (ValueError, TypeError, KeyError, AttributeError) as error:
@@ -107,11 +110,16 @@ def completed(moments: Sequence[Moment]) -> tuple[Look, list[Look]]:
         last: list[float] | None = None
         for moment, look in zip(moments, looks, strict=True):
             near = min(having, key=lambda other: abs(other.frame - moment.frame))
-            known = {**moment.base, **moment.values}
-            value = list(moment.values.get(key) or steps.old_value(key, known, near.values[key]))
+            known = moment.base | moment.values
+            value = next((known[origin] for origin in origins(key) if origin in known), near.base[key])
             look[key] = last = _short_way(key, last, value)
-        base[key] = list(steps.old_value(key, moments[0].base, looks[0][key]))
+        base[key] = having[0].base[key]
     return base, looks
+
+
+def origins(key: str) -> tuple[str, ...]:
+    """The keys of the values that one may have without a look: a copy of a material its original's, a backdrop the world's."""
+    return key, schema.material_copies.copied_key(key), backgrounds.WORLD_OF_BACKDROP.get(key, key)
 
 
 def _short_way(key: str, last: list[float] | None, value: list[float]) -> list[float]:
@@ -131,7 +139,10 @@ def between(key: str, first: Sequence[float], last: Sequence[float], share: floa
     if parameter.unit == "K":
         return [1.0 / _straight(1.0 / first[0], 1.0 / last[0], share)]
     if parameter.kind == "color":
-        return [float(v) for v in from_oklab(_straight(to_oklab(np.array(first)), to_oklab(np.array(last)), share))]
+        return [
+            float(v)
+            for v in from_oklab(_straight(to_oklab(np.array(first)), to_oklab(np.array(last)), share))
+        ]
     if parameter.name in _BRIGHT:
         return [_by_stops(first[0], last[0], share)]
     if parameter.name in _TURNING:
@@ -155,34 +166,35 @@ def _tracks(scene: Scene, moments: Sequence[Moment], base: Look, looks: Sequence
     parameter is keyframed through its own binding.
     """
     samples = _samples(moments, looks)
-    journal = Journal()
-    found: dict[tuple[int, str, str], dict[int, Any]] = {}
+    journal, pivot = Journal(), Vector(moments[-1].pivot)
+    found: dict[
+        tuple[int, str, str], dict[int | None, Any]
+    ] = {}  # values by frame; None for the scene without looks
+    seen: list[int | None] = []
     try:
-        pivot = Vector(moments[-1].pivot)
-        bindings.put(journal, scene, base, (), pivot)
-        for frame, look, place in samples:
+        for frame, look, place in ((None, base, moments[-1].pivot), *samples):
             _follow(journal, scene, Vector(place) - pivot)
             pivot = Vector(place)
             bindings.put(journal, scene, look, (), pivot)
             rendered.layer(scene).update()
             for entry in journal.entries:
-                if entry["op"] == "set" and _is_number(entry["old"]):
-                    slot = entry["id"], entry["path"], entry["name"]
-                    if slot not in found:  # until now it has had its old value
-                        earlier = (f for f, *_ in samples if f < frame)
-                        found[slot] = dict.fromkeys(earlier, _frozen(entry["old"]))
+                slot = entry["id"], entry.get("path", ""), entry.get("name", "")
+                if entry["op"] == "set" and _is_number(entry["old"]) and slot not in found:
+                    old = entry["old"]  # which it has had until now
+                    found[slot] = dict.fromkeys(seen, tuple(old) if isinstance(old, list) else old)
             for (number, path, name), values in found.items():
                 values[frame] = PropertySlot(resolve(journal.ids[number], path), name).get()
+            seen.append(frame)
+        frames = [moment.frame for moment in moments]
         tracks = [
-            Track(resolve(journal.ids[number], path), name, values)
+            track
             for (number, path, name), values in found.items()
+            for track in _curves(resolve(journal.ids[number], path), name, values, frames)
         ]
     finally:
         journal.undo()
         rendered.layer(scene).update()
-    frames = [moment.frame for moment in moments]
-    tracks += _cards(scene, samples)
-    return [_thinned(track, frames) for track in tracks if _can_be_keyed(track)]
+    return tracks + _cards(scene, samples)
 
 
 def _samples(moments: Sequence[Moment], looks: Sequence[Look]) -> list[tuple[int, Look, list[float]]]:
@@ -213,7 +225,7 @@ def _cards(scene: Scene, samples: Sequence[tuple[int, Look, Any]]) -> list[Track
     for card in cards:
         keys = [f"light/{card.parent.name}/{name}" for name in ("power", "strength")]
         dark = {f: not any(look.get(key, [0.0])[0] for key in keys) for f, look, _ in samples}
-        tracks.append(Track(card, "hide_render", dark))
+        tracks.append(Track(card, "hide_render", 0, _flags(dark)))
     return tracks
 
 
@@ -221,53 +233,55 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, bool | int | float | list)
 
 
-def _frozen(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
+def _flags(values: Mapping[int, bool]) -> dict[int, bool]:
+    """A flag by frame; what is hidden at one frame and seen at the next is there on the way."""
+    frames = list(values)
+    return {a: values[a] and values[b] for a, b in pairwise([*frames, frames[-1]])}
 
 
-def _can_be_keyed(track: Track) -> bool:
-    values = list(track.values.values())
-    changes = any(not same(value, values[0]) for value in values)
-    constant_flag = isinstance(values[0], bool) and not changes
-    return track.owner.bl_rna.properties[track.name].is_animatable and not constant_flag
-
-
-def _thinned(track: Track, frames: Sequence[int]) -> Track:
-    """A track with keys at the moments, and between them only where a straight line would miss the values."""
-    every = list(track.values)
-    if isinstance(track.values[every[0]], bool):  # what is seen next must be there on the way to it
-        late = {a: track.values[a] and track.values[b] for a, b in pairwise([*every, every[-1]])}
-        return Track(track.owner, track.name, late)
-    values = np.array([np.atleast_1d(v) for v in track.values.values()], float)
-    if track.name == "rotation_quaternion":  # the negative is the same rotation
-        for before, now in pairwise(values):
+def _curves(
+    owner: bpy_struct, name: str, values: dict[int | None, Any], frames: Sequence[int]
+) -> list[Track]:
+    """The curves of a property's components that change, with keys at the moments and as many between them as it takes."""
+    base = values.pop(None)
+    by_frame = {frame: value for frame, value in values.items() if frame is not None}
+    if not owner.bl_rna.properties[name].is_animatable:
+        return []
+    if isinstance(base, bool):
+        changes = any(flag != base for flag in by_frame.values())
+        return [Track(owner, name, 0, _flags(by_frame))] if changes else []
+    rows = np.array([np.atleast_1d(value) for value in (base, *by_frame.values())], float)
+    if name == "rotation_quaternion":  # the negative is the same rotation
+        for before, now in pairwise(rows):
             now *= math.copysign(1.0, before @ now)
-    spread = np.ptp(values, axis=0)
-    kept: set[int] = set()
-    for one, other in pairwise(every.index(frame) for frame in frames):
-        _keep(np.array(every, float), values, one, other, spread, kept)
-    kept |= {every.index(frame) for frame in frames}
-    is_array = isinstance(track.values[every[0]], tuple)
-    keys = {every[i]: tuple(map(float, values[i])) if is_array else float(values[i][0]) for i in sorted(kept)}
-    return Track(track.owner, track.name, keys)
+    tracks = []
+    for index, column in enumerate(rows.T):
+        if np.ptp(column) > _UNCHANGED * max(np.abs(column).max(), 1.0):
+            tracks.append(Track(owner, name, index, _thinned(list(by_frame), column[1:], frames)))
+    return tracks
 
 
-def _keep(
-    frames: np.ndarray, values: np.ndarray, one: int, other: int, spread: np.ndarray, kept: set[int]
-) -> None:
+def _thinned(every: list[int], values: np.ndarray, frames: Sequence[int]) -> dict[int, float]:
+    """Values by frame, at the moments, and between them only where a straight line would miss them."""
+    kept = {every.index(frame) for frame in frames}
+    for one, other in pairwise(sorted(kept)):
+        _keep(np.array(every, float), values, one, other, kept)
+    return {every[i]: float(values[i]) for i in sorted(kept)}
+
+
+def _keep(frames: np.ndarray, values: np.ndarray, one: int, other: int, kept: set[int]) -> None:
     """Adds the key between two others that a straight line misses most, and goes on in both halves."""
     if other - one < 2:
         return
-    share = ((frames[one : other + 1] - frames[one]) / (frames[other] - frames[one]))[:, None]
-    inside = values[one : other + 1]
-    line = inside[0] + share * (inside[-1] - inside[0])
-    allowed = _TOLERANCE[0] * np.abs(inside) + _TOLERANCE[1] * spread + 1e-9
-    missed = (np.abs(line - inside) / allowed).max(axis=1)
-    worst = int(missed.argmax())
-    if missed[worst] > 1.0:
-        kept.add(one + worst)
-        _keep(frames, values, one, one + worst, spread, kept)
-        _keep(frames, values, one + worst, other, spread, kept)
+    inside = slice(one, other + 1)
+    line = np.interp(frames[inside], frames[[one, other]], values[[one, other]])
+    allowed = _TOLERANCE[0] * np.abs(values[inside]) + _TOLERANCE[1] * np.ptp(values) + 1e-9
+    missed = np.abs(line - values[inside]) / allowed
+    worst = one + int(missed.argmax())
+    if missed.max() > 1.0:
+        kept.add(worst)
+        _keep(frames, values, one, worst, kept)
+        _keep(frames, values, worst, other, kept)
 
 
 def _objects(scene: Scene, moment: Moment) -> list[Object]:
