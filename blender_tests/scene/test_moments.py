@@ -32,13 +32,13 @@ NIGHT = {
 }
 
 
-def of_looks(scene, *looks):
-    """Moments every 60 frames from 1, as a vibe makes them."""
+def of_looks(scene, *looks, every=60):
+    """Moments at frame 1 and every 60 frames, as vibes make them."""
     there = bindings.read(scene, (), PIVOT)
     bases = [{key: list(old_value(key, there, look[key])) for key in look} for look in looks]
     own = {key: list(there[key]) for look in looks for key in look if key in there}
     return [
-        Moment(1 + 60 * n, "", look, base | own, PIVOT)
+        Moment(1 + every * n, "", look, base | own, PIVOT)
         for n, (look, base) in enumerate(zip(looks, bases, strict=True))
     ]
 
@@ -118,10 +118,10 @@ def test_revert_takes_away_what_was_added(scene, kind):
     ]
     for look in looks:
         look |= {"light/Vibe Key/power": [50.0]}
-    moments.show(scene, of_looks(scene, *looks))
+    moments.show(scene, of_looks(scene, *looks, every=3))
     assert keyframes.are_shown(scene)
-    scene.frame_set(30)
-    moments.show(scene, of_looks(scene, *reversed(looks)))
+    scene.frame_set(2)
+    moments.show(scene, of_looks(scene, *reversed(looks), every=3))
     scene.frame_set(1)
     assert snapshot.revert(scene) == []
     assert changes(before) == {}

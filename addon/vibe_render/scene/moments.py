@@ -23,7 +23,7 @@ from . import bindings, keyframes, snapshot, steps
 from .keyframes import Track
 from .nodes import backgrounds, owned
 
-Look = dict[str, list[float]]
+ByKey = dict[str, list[float]]
 VERSION = 1
 _PIECES = 16  # of the way between two moments: straight lines between them are within 1 % of the even steps
 _TOLERANCE = 0.005, 2e-4  # of a value, and of its range: a key that is missed by less is left out
@@ -46,8 +46,8 @@ class Moment:
 
     frame: int
     prompt: str
-    values: Look
-    base: Look
+    values: ByKey
+    base: ByKey
     pivot: list[float]
     subject: list[str] = field(default_factory=list)
 
@@ -97,14 +97,14 @@ def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
     return [*(f"{labels.title(key)} stays: {reason}" for key, reason in left.items()), *notes]
 
 
-def completed(moments: Sequence[Moment]) -> tuple[Look, list[Look]]:
+def completed(moments: Sequence[Moment]) -> tuple[ByKey, list[ByKey]]:
     """The scene's values without the looks, and each look with the keys of all of them.
 
     What a look does not change is as in the scene without it. A light that it lacks is dark, and otherwise as in the
     nearest look that has it. Azimuths go on from the one before by the short way.
     """
-    base: Look = {}
-    looks: list[Look] = [{} for _ in moments]
+    base: ByKey = {}
+    looks: list[ByKey] = [{} for _ in moments]
     for key in dict.fromkeys(key for moment in moments for key in moment.values):
         having = [moment for moment in moments if key in moment.values]
         last: list[float] | None = None
@@ -159,7 +159,7 @@ def _by_stops(first: float, last: float, share: float) -> float:
     return math.exp(_straight(math.log(first + dim), math.log(last + dim), share)) - dim
 
 
-def _tracks(scene: Scene, moments: Sequence[Moment], base: Look, looks: Sequence[Look]) -> list[Track]:
+def _tracks(scene: Scene, moments: Sequence[Moment], base: ByKey, looks: Sequence[ByKey]) -> list[Track]:
     """The properties that the looks change, with their values by frame.
 
     All that the values mean in Blender is written, and what was written is read: so lights move on arcs, and every
@@ -197,7 +197,7 @@ def _tracks(scene: Scene, moments: Sequence[Moment], base: Look, looks: Sequence
     return tracks + _cards(scene, samples)
 
 
-def _samples(moments: Sequence[Moment], looks: Sequence[Look]) -> list[tuple[int, Look, list[float]]]:
+def _samples(moments: Sequence[Moment], looks: Sequence[ByKey]) -> list[tuple[int, ByKey, list[float]]]:
     """Frames from the first moment to the last, each with all values and the pivot there."""
     found = [(moments[0].frame, looks[0], moments[0].pivot)]
     for (one, first), (other, last) in pairwise(zip(moments, looks, strict=True)):
@@ -218,7 +218,7 @@ def _follow(journal: Journal, scene: Scene, way: Vector) -> None:
     rendered.layer(scene).update()
 
 
-def _cards(scene: Scene, samples: Sequence[tuple[int, Look, Any]]) -> list[Track]:
+def _cards(scene: Scene, samples: Sequence[tuple[int, ByKey, Any]]) -> list[Track]:
     """Cards before lights, hidden while their light is off: their shadow would fall into the light of others."""
     cards = (o for o in scene.objects if o.get(owned.MARK) == schema.added_lights.CARD and o.parent)
     tracks = []
