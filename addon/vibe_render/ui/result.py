@@ -102,12 +102,13 @@ class ResultPanel:
 def _keyframes_note(scene: bpy.types.Scene) -> str:
     """The frames that have keyframes, and what becomes of them if they are set aside."""
     try:
-        frames = ", ".join(str(moment.frame) for moment in moments.of(scene))
+        numbers = [str(moment.frame) for moment in moments.of(scene)]
     except schema.VibeError as error:
         return str(error)
+    frames = f"frame{'s' if len(numbers) > 1 else ''} {', '.join(numbers)}"
     if keyframes.are_shown(scene):
-        return f"Keyframes at {frames}. For another look, go to another frame"
-    return f"Keyframes at {frames} are set aside. Keyframe brings them back, and adds frame {scene.frame_current}"
+        return f"Keyframes at {frames}. Go to another frame for another look"
+    return f"Keyframes at {frames} are set aside. Keyframe adds {scene.frame_current} and brings them back"
 
 
 def _draw_verdicts(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
