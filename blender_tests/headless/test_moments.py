@@ -69,6 +69,28 @@ def test_each_look_is_at_its_frame_and_revert_takes_it_away(shot, keyed, tmp_pat
     assert left == {}
 
 
+def test_a_sequence_is_checked(shot, tmp_path):
+    """From frame 5 on, a flash of the artist's own hides the color."""
+    bpy.ops.wm.open_mainfile(filepath=str(shot))
+    scene = bpy.context.scene
+    bpy.ops.object.light_add(type="AREA", location=(2.0, -3.0, 4.0), rotation=(0.6, 0.4, 0.0))
+    for frame, energy in ((4, 0.0), (5, 9000.0)):
+        bpy.context.object.data.energy = energy
+        bpy.context.object.data.keyframe_insert("energy", frame=frame)
+    scene.frame_start, scene.frame_end = 1, 7
+    scene.frame_set(1)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "flash.blend"))
+    out = tmp_path / "out"
+    code, output = run_headless(
+        "run", tmp_path / "flash.blend", "--prompt=red box", "--check-every=3", f"--out={out}", *QUICK
+    )
+    assert code == 0, output
+    report = json.loads((out / "report.json").read_text("utf-8"))
+    assert [(row["frame"], row["lost"]) for row in report["sequence"]] == [(1, []), (4, []), (7, ["red"])]
+    assert "Frame 7: no longer visible: red." in output
+    assert (out / "sequence.png").is_file()
+
+
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [

@@ -71,6 +71,20 @@ def test_a_look_that_is_changed_replaces_that_of_its_frame(two):
     assert read(scene, 1, "light/Area/power") == pytest.approx(7.0)
 
 
+def test_a_look_fades_in_by_strength(addon):
+    studio(addon)
+    own = bindings.read(addon, (), PIVOT)["light/Area/power"][0]
+    find(addon, PROMPT, FOUND)
+    addon.vibe.strength = 0.0
+    bpy.ops.vibe.keyframe()
+    addon.frame_set(101)
+    addon.vibe.strength = 1.0
+    bpy.ops.vibe.keyframe()
+    assert read(addon, 1, "light/Area/power") == pytest.approx(own)
+    assert read(addon, 51, "light/Area/power") == pytest.approx((own * 7.0) ** 0.5, rel=0.01)
+    assert read(addon, 101, "light/Area/power") == pytest.approx(7.0)
+
+
 def test_revert_removes_looks_and_keyframes(two):
     scene, before = two
     bpy.ops.vibe.keyframe()

@@ -48,6 +48,8 @@ def shots(scenes: Sequence[Path], arguments: argparse.Namespace) -> list[Path]:
         raise VibeError("Only .blends can share a look.", "Give bare meshes one at a time.")
     if several and "camera" in checks.groups(arguments.groups):
         raise VibeError("Shots that share a look keep their cameras.", "Leave camera out of --groups.")
+    if arguments.check_every and several:
+        raise VibeError("--check-every follows one shot.", "Leave out more scenes, --cameras and --frames.")
     if arguments.grade_each and not several:
         raise VibeError("--grade-each is for several shots.", "Name --cameras, --frames or more scenes.")
     return list(dict.fromkeys(scenes))

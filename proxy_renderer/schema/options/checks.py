@@ -57,15 +57,8 @@ def moments(given: argparse.Namespace) -> list[tuple[int, str]]:
     if not (text.strip() or markers):
         return []
     name = "--moments" if text.strip() else "--markers"
-    names = (
-        "prompt",
-        "like",
-        "goals",
-        "then",
-        "frames",
-        "grade_each",
-        *(["markers"] if text.strip() else []),
-    )
+    names = ["prompt", "like", "goals", "then", "frames", "grade_each", "check_every"]
+    names += ["markers"] if text.strip() else []
     if clash := [f"--{each.replace('_', '-')}" for each in names if getattr(given, each, None)]:
         raise VibeError(f"{name} gives the look of each frame.", f"Leave out {' and '.join(clash)}.")
     if (getattr(given, "variants", None) or 1) > 1:
