@@ -93,6 +93,24 @@ def test_a_light_moves_on_its_orbit(studio):
         assert read(studio, frame, "light/Point/azimuth")[0] == pytest.approx(2.0 * (frame - 1), abs=0.6)
 
 
+def test_the_card_before_a_light_fades_with_it(studio):
+    """While its light is off, it must not keep that of others away. Fog of no density is hidden, but not on its way."""
+    before = dump()
+    dusk = {"light/Vibe Key Blinds/strength": [3.0], "light/Vibe Key Blinds/azimuth": [40.0]}
+    moments.show(studio, of_looks(studio, NOON, dusk, NIGHT))
+    card = next(o for o in studio.objects if o.name.startswith("Vibe Card"))
+    opacity = card.data.materials[0].node_tree.nodes["Vibe Card"].inputs[0]
+    fog = studio.objects["Vibe Fog"]
+    seen = []
+    for frame in (1, 31, 61, 121):
+        studio.frame_set(frame)
+        seen.append((opacity.default_value, fog.hide_render))
+    assert seen == [(0.0, True), (0.5, True), (1.0, False), (0.0, False)]
+    studio.frame_set(1)
+    assert snapshot.revert(studio) == []
+    assert changes(before) == {}
+
+
 def test_only_what_differs_is_keyframed(keyed):
     paths = {
         curve.data_path

@@ -11,10 +11,10 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from bpy.types import Object, Scene, bpy_struct
+from bpy.types import NodeSocket, Object, Scene, bpy_struct
 from mathutils import Vector
 
-from ..core import rendered
+from ..core import compat, rendered
 from ..core.color import from_oklab, to_oklab
 from ..core.journal import Journal, resolve
 from ..core.schema_import import labels, schema
@@ -85,7 +85,7 @@ def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
     try:
         for moment, look in zip(moments, looks, strict=True):
             left |= bindings.write(scene, look, _objects(scene, moment), moment.pivot)
-        tracks = _tracks(scene, moments, base, looks)
+        tracks = _tracks(scene, moments, base, looks) + _cards(scene, moments, looks)
         notes = keyframes.add(scene, tracks)
     except BaseException:
         if snapshot.exists(scene):
@@ -139,10 +139,8 @@ def between(key: str, first: Sequence[float], last: Sequence[float], share: floa
     if parameter.unit == "K":
         return [1.0 / _straight(1.0 / first[0], 1.0 / last[0], share)]
     if parameter.kind == "color":
-        return [
-            float(v)
-            for v in from_oklab(_straight(to_oklab(np.array(first)), to_oklab(np.array(last)), share))
-        ]
+        found = from_oklab(_straight(to_oklab(np.array(first)), to_oklab(np.array(last)), share))
+        return [min(float(v), max(1.0, *first, *last)) for v in found]  # the way may leave the gamut
     if parameter.name in _BRIGHT:
         return [_by_stops(first[0], last[0], share)]
     if parameter.name in _TURNING:
@@ -194,7 +192,7 @@ def _tracks(scene: Scene, moments: Sequence[Moment], base: ByKey, looks: Sequenc
     finally:
         journal.undo()
         rendered.layer(scene).update()
-    return tracks + _cards(scene, samples)
+    return tracks
 
 
 def _samples(moments: Sequence[Moment], looks: Sequence[ByKey]) -> list[tuple[int, ByKey, list[float]]]:
@@ -218,15 +216,37 @@ def _follow(journal: Journal, scene: Scene, way: Vector) -> None:
     rendered.layer(scene).update()
 
 
-def _cards(scene: Scene, samples: Sequence[tuple[int, ByKey, Any]]) -> list[Track]:
-    """Cards before lights, hidden while their light is off: their shadow would fall into the light of others."""
-    cards = (o for o in scene.objects if o.get(owned.MARK) == schema.added_lights.CARD and o.parent)
+def _cards(scene: Scene, moments: Sequence[Moment], looks: Sequence[ByKey]) -> list[Track]:
+    """Cards before lights fade in and out with their light: their shadow would fall into the light of others."""
     tracks = []
-    for card in cards:
+    for card in (o for o in scene.objects if o.get(owned.MARK) == owned.CARD and o.parent):
         keys = [f"light/{card.parent.name}/{name}" for name in ("power", "strength")]
-        dark = {f: not any(look.get(key, [0.0])[0] for key in keys) for f, look, _ in samples}
-        tracks.append(Track(card, "hide_render", 0, _flags(dark)))
+        lit = [any(look.get(key, [0.0])[0] for key in keys) for look in looks]
+        with snapshot.transaction(scene) as journal:
+            opacity = _opacity(journal, card)
+        frames = (moment.frame for moment in moments)
+        tracks.append(Track(opacity, "default_value", 0, dict(zip(frames, map(float, lit), strict=True))))
     return tracks
+
+
+def _opacity(journal: Journal, card: Object) -> NodeSocket:
+    """The opacity of a card, which gets a material for it."""
+    if not card.data.materials:
+        material = journal.new("materials", owned.CARD)
+        owned.mark_owned(material, owned.CARD)
+        tree = compat.enable_nodes(material)
+        tree.nodes.clear()
+        kinds = ("BsdfTransparent", "BsdfDiffuse", "MixShader", "OutputMaterial")
+        clear, gray, mix, output = (tree.nodes.new(f"ShaderNode{kind}") for kind in kinds)
+        mix.name = owned.CARD
+        for source, target in (
+            (clear, mix.inputs[1]),
+            (gray, mix.inputs[2]),
+            (mix, output.inputs["Surface"]),
+        ):
+            tree.links.new(source.outputs[0], target)
+        journal.append_material(card.data, material)
+    return card.data.materials[0].node_tree.nodes[owned.CARD].inputs[0]
 
 
 def _is_number(value: Any) -> bool:
@@ -234,9 +254,11 @@ def _is_number(value: Any) -> bool:
 
 
 def _flags(values: Mapping[int, bool]) -> dict[int, bool]:
-    """A flag by frame; what is hidden at one frame and seen at the next is there on the way."""
+    """A flag at the frames where it changes; what is hidden at one frame and seen at the next is there on the way."""
     frames = list(values)
-    return {a: values[a] and values[b] for a, b in pairwise([*frames, frames[-1]])}
+    held = {a: values[a] and values[b] for a, b in pairwise([*frames, frames[-1]])}
+    changes = [b for a, b in pairwise(frames) if held[a] != held[b]]
+    return {frame: held[frame] for frame in (frames[0], *changes)}
 
 
 def _curves(
