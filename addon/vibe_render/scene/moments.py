@@ -30,7 +30,6 @@ _TOLERANCE = 0.005, 2e-4  # of a value, and of its range: a key that is missed b
 _UNCHANGED = 1e-6  # of a value: what Blender's 32-bit numbers may make of it
 _BRIGHT = ("power", "strength", "backdrop_strength", "emission")
 _TURNING = ("azimuth", "rotation")
-_DIM = 1 / 64  # of a light that goes on: below, its steps are those of watts instead of stops
 
 
 @dataclass
@@ -153,7 +152,8 @@ def _straight(first: Any, last: Any, share: float) -> Any:
 
 
 def _by_stops(first: float, last: float, share: float) -> float:
-    dim = 0.0 if min(first, last) > 0.0 else _DIM * max(first, last)
+    """By stops; from or to 0 nearly by watts, so that two lights that swap keep the scene as bright as it is."""
+    dim = 0.0 if min(first, last) > 0.0 else max(first, last)
     return math.exp(_straight(math.log(first + dim), math.log(last + dim), share)) - dim
 
 
