@@ -8,6 +8,7 @@ import bpy
 import pytest
 from dump import changes, dump
 from headless_runs import QUICK, run_headless, save_scene
+from vibe_render.core import compat
 from vibe_render.scene import keyframes, moments
 
 pytestmark = pytest.mark.slow
@@ -56,6 +57,7 @@ def test_each_look_is_at_its_frame_and_revert_takes_it_away(shot, keyed, tmp_pat
     assert scene.frame_current == 1
     assert [moment.frame for moment in moments.of(scene)] == [1, 11]
     assert keyframes.are_shown(scene)
+    assert list(compat.curves(compat.compositor(scene)))  # of the vignette, after all renders
     rim = bpy.data.lights["Vibe Rim"]
     scene.frame_set(1)
     assert rim.energy == 0.0

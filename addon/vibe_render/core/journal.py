@@ -122,11 +122,11 @@ class Journal:
         self.entries.append({"op": "curve", **self._place(block), "curve": path, "index": index})
         return curve
 
-    def curves(self) -> list[FCurve]:
-        """The curves that it has added and that are still there."""
-        blocks = ((self.ids[e["id"]], e) for e in self.entries if e["op"] == "curve")
-        found = (_curve(resolve(block, entry["path"]), entry) for block, entry in blocks if block)
-        return [curve for curve in found if curve]
+    def curves(self) -> list[tuple[ID, FCurve]]:
+        """The curves that it has added and that are still there, each with what it animates."""
+        entries = ((self.ids[e["id"]], e) for e in self.entries if e["op"] == "curve")
+        blocks = ((resolve(block, entry["path"]), entry) for block, entry in entries if block)
+        return [(block, curve) for block, entry in blocks if (curve := _curve(block, entry))]
 
     def _place(self, struct: bpy_struct) -> JournalEntry:
         block, path = address(struct)

@@ -11,7 +11,7 @@ from typing import Any
 import bpy
 
 from ..core.schema_import import labels, messages, schema
-from ..scene import bindings, moments, snapshot
+from ..scene import bindings, keyframes, moments, snapshot
 from ..scene import steps as step_list
 from ..scene.moments import Moment
 from ..scene.steps import Change, Steps
@@ -163,11 +163,12 @@ def keyframe(scene: bpy.types.Scene) -> list[str]:
     if settings.show_original:
         settings.show_original = False
     pivot = list(settings.pivot)
+    found = [moment for moment in moments.of(scene) if moment.frame != scene.frame_current]
+    keyframes.set_aside(scene)  # which sets all values to what they are at this frame
     current = bindings.read(scene, (), pivot)
     changes = {change.name: change.values()[0] for change in settings.changes if change.name in current}
     values = {key: list(current[key]) for key in changes}
     base = {key: list(before) for key, before in changes.items()}
-    found = [moment for moment in moments.of(scene) if moment.frame != scene.frame_current]
     for moment in found:  # what the artist has deleted does not come back
         moment.values = {key: value for key, value in moment.values.items() if key in current}
     return moments.show(

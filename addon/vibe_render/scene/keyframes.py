@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from bpy.types import ID, Scene, bpy_struct
 
-from ..core import stored_journal
+from ..core import compat, stored_journal
 from ..core.journal import Journal, address
 
 KEY = "vibe_keyframes"
@@ -78,19 +78,23 @@ def exist(scene: Scene) -> bool:
 
 def are_shown(scene: Scene) -> bool:
     """Whether the scene has some that are not set aside."""
-    return any(not curve.mute for curve in _journal(scene).curves())
+    return any(not curve.mute for _, curve in _journal(scene).curves())
 
 
 def set_aside(scene: Scene) -> bool:
-    """Mutes them, so that another look can be searched; returns whether they were shown before."""
+    """Mutes them, so that another look can be searched from what they show now; returns whether they were shown before."""
     shown = are_shown(scene)
-    _mute(scene, True)
+    for block, curve in _journal(scene).curves():
+        # Blender 5 does not keep the values of a compositor up to date.
+        compat.set_to_curve(block, curve, scene.frame_current)
+        curve.mute = True
     return shown
 
 
 def bring_back(scene: Scene) -> None:
     """Shows those that were set aside."""
-    _mute(scene, False)
+    for _, curve in _journal(scene).curves():
+        curve.mute = False
 
 
 def take_away(scene: Scene) -> list[str]:
@@ -106,11 +110,6 @@ def forget(scene: Scene) -> None:
     for key in (KEY, MOMENTS):
         if key in scene:
             del scene[key]
-
-
-def _mute(scene: Scene, mute: bool) -> None:
-    for curve in _journal(scene).curves():
-        curve.mute = mute
 
 
 def _journal(scene: Scene) -> Journal:
