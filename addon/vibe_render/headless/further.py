@@ -15,8 +15,7 @@ from ..engine.process import Engine
 from ..render import final_render
 from ..scene import bindings, snapshot
 from ..scene.steps import Steps
-from . import summary
-from . import moments
+from . import moments, summary
 from .arguments import Reporter
 from .scenes import open_scene, save_blend
 from .vibe import HeadlessVibe, run_one
