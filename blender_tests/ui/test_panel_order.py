@@ -72,7 +72,8 @@ def test_the_decision_comes_at_once_below_the_images(engineless, tmp_path, monke
     monkeypatch.setattr(addon_state, "session", session)
     seen = drawn(ResultPanel)
     first = seen.index("Before")
-    assert seen[first : first + 5] == ["Before", "image", "After, as predicted", "vibe.keep", "vibe.revert"]
+    decision = ["vibe.keep", "vibe.keyframe", "vibe.revert"]
+    assert seen[first : first + 6] == ["Before", "image", "After, as predicted", *decision]
     rest = ("vibe.revert", "show_original", "strength", "Visible: fog", "further", "vibe_changes", "vibe.run")
     assert in_order((*rest, "vibe.preset_save"), seen)
     at = seen.index("Not visible: red")

@@ -47,7 +47,7 @@ def _run_options(parser: argparse.ArgumentParser) -> None:
     command_line.add_option(parser, named("then"))
     _add_out(parser, "folder for images, .blend and report")
     command_line.add_option(parser, named("stage"), default="")
-    command_line.add_options(parser, ("shots", *_HOW))
+    command_line.add_options(parser, ("shots", "moments", *_HOW))
 
 
 def _run(a: argparse.Namespace) -> int:
@@ -74,7 +74,9 @@ def _demo(a: argparse.Namespace) -> int:
 
 def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> int:
     """Checks everything that can be checked without Blender, then starts it."""
-    checks.prompt(a.prompt, a.like, a.goals, a.then)
+    looks = [look for _, look in checks.moments(a)]
+    if not (looks or getattr(a, "markers", False)):
+        checks.prompt(a.prompt, a.like, a.goals, a.then)
     checks.numbers(a)
     a.groups = checks.groups(a.groups)
     checks.locks(a.lock)
@@ -89,8 +91,8 @@ def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> 
         places = [str(stack.enter_context(prepared(scene))) for scene in scenes]
         check.vocabulary(a.vocabulary)  # after the meshes: it takes as long as they do
         a.goals = check.goals(a.goals)
-        if a.prompt.strip() and not check.model(a):
-            check.words(a.prompt)
+        for words in filter(str.strip, (*looks, a.prompt)) if not check.model(a) else ():
+            check.words(words)
         for sentence in a.then:
             if about_steps(sentence) is None and not check.model(a):
                 check.words(plain(sentence)[0])

@@ -195,6 +195,20 @@ class EngineSession:
             verdicts=word_verdicts(outcome, rows, self._claims[0].after),
         )
 
+    def check(self, request: messages.Check) -> messages.Checked:
+        """Measures Cycles' pictures of another frame by the words of this vibe; raises VibeError if there was no `run` before."""
+        outcome, encoder = self._outcome, self._encoder
+        if outcome is None or encoder is None:
+            raise VibeError("There is nothing to check.", "Send a vibe first.")
+        scene = load_scene(Path(request.job))
+        before, after = (
+            torch.from_numpy(pictures.load_picture(Path(p))) for p in (request.before, request.after)
+        )
+        size = after.shape[1], after.shape[0]
+        seen = Proxy(scene, size, str(encoder.device), self.options.seed).gbuffer({})
+        rows = ShotClaims(outcome.claims, seen, seen).verdicts(before, after, after)
+        return messages.Checked(word_verdicts(outcome, rows, seen))
+
     def _judge(self, before: Image.Image, after: Image.Image) -> dict[str, Any]:
         """The model's verdict on Cycles' two pictures, or why there is none."""
         if self._model is None or not self.prompt.strip():

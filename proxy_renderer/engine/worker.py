@@ -62,6 +62,10 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
                 if session is None:
                     raise VibeError("There is nothing to finish.", "Send a vibe first.")
                 wire.send(session.finish(request))
+            elif isinstance(request, messages.Check):
+                if session is None:
+                    raise VibeError("There is nothing to check.", "Send a vibe first.")
+                wire.send(session.check(request))
         except VibeError as error:
             wire.send(messages.Error(error.message, error.remedy))
         except MemoryError:

@@ -42,10 +42,14 @@ def shots(scenes: Sequence[Path], arguments: argparse.Namespace) -> list[Path]:
     frames = frame_numbers(arguments.frames)
     cameras = [name for part in arguments.cameras for name in part.split(",") if name.strip()]
     several = max(len(scenes), len(frames), len(cameras)) > 1
+    if (arguments.moments or arguments.markers) and (several or scenes[0].suffix.lower() != ".blend"):
+        raise VibeError("Moments belong to one .blend and one camera.", "Give one of each.")
     if several and any(path.suffix.lower() != ".blend" for path in scenes):
         raise VibeError("Only .blends can share a look.", "Give bare meshes one at a time.")
     if several and "camera" in checks.groups(arguments.groups):
         raise VibeError("Shots that share a look keep their cameras.", "Leave camera out of --groups.")
+    if arguments.check_every and several:
+        raise VibeError("--check-every follows one shot.", "Leave out more scenes, --cameras and --frames.")
     if arguments.grade_each and not several:
         raise VibeError("--grade-each is for several shots.", "Name --cameras, --frames or more scenes.")
     return list(dict.fromkeys(scenes))

@@ -249,6 +249,24 @@ class Finished:
 
 
 @dataclass(frozen=True)
+class Check:
+    """Blender → engine: measure the words of the last vibe at another frame, from the job that was exported there with the look."""
+
+    type: ClassVar[str] = "check"
+    job: str
+    before: str  # Cycles' picture of the frame without the look, a PNG path
+    after: str  # with it
+
+
+@dataclass(frozen=True)
+class Checked:
+    """Engine → Blender: whether the words are visible at a frame."""
+
+    type: ClassVar[str] = "checked"
+    verdicts: list[dict[str, str]]  # as in `Finished`
+
+
+@dataclass(frozen=True)
 class Error:
     """Engine → Blender: the request failed; the engine is still there for another one."""
 
@@ -267,7 +285,7 @@ class Quit:
 
 Message = (
     Ready | Vibe | Glance | AskReadings | Readings | Stage | LookSoFar | Glanced | Progress | Anchor | Anchored | Result
-    | Stop | Finish | Finished | Error | Quit
+    | Stop | Finish | Finished | Check | Checked | Error | Quit
 )  # fmt: skip
 
 _TYPES: dict[str, type] = {message.type: message for message in get_args(Message)}

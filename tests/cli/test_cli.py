@@ -65,6 +65,7 @@ def test_prompts_that_cannot_be_one(mesh, prompt, word):
         (["--frames", "1,end"], ["'end' names no frames", "1,50,100"]),
         (["--cameras", "Wide,Close"], ["Only .blends can share a look"]),
         (["--grade-each"], ["--grade-each is for several shots", "--cameras"]),
+        (["--moments=1: noon; 9: night"], ["Moments belong to one .blend"]),
         (["--device", "gpu"], ["'gpu'", "cuda"]),
         (["--stage", "moon"], ["cyclorama"]),
         (["--vlm-model", "eyes", "--vlm-url", "localhost:11434"], ["'localhost:11434'", "http://"]),
@@ -95,6 +96,25 @@ def test_a_stage_for_a_blend(tmp_path):
     assert_refused(
         vibe("run", "a.blend", "--prompt", "teal", "--out", "o", "--stage", "floor", cwd=tmp_path), "--stage"
     )
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (
+            ["--moments=1: noon; 9: night", "--prompt=teal"],
+            ["--moments gives the look", "Leave out --prompt"],
+        ),
+        (["--markers", "--frames=5"], ["--markers gives the look", "Leave out --frames"]),
+        (["--moments=1: noon; 9: night", "--markers"], ["Leave out --markers"]),
+        (["--moments=1: noon; 9: xqzt"], ["'xqzt'"]),
+        (["--moments=1: noon"], ["There is only one moment"]),
+    ],
+)
+def test_moments_that_cannot_be_some(tmp_path, more, words):
+    (tmp_path / "a.blend").write_bytes(b"BLENDER-v502")
+    assert_refused(vibe("run", "a.blend", "--out", "o", *more, cwd=tmp_path), *words)
+    assert not (tmp_path / "o").exists()
 
 
 def test_presets_are_files_or_names(tmp_path, monkeypatch):

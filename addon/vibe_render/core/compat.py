@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 import bpy
@@ -160,6 +160,37 @@ def drop_compositor(scene: Scene) -> None:
         scene.use_nodes = False
 
 
+def set_to_curve(block: ID, curve: bpy.types.FCurve, frame: float) -> None:
+    """Sets a value of a data-block to that of its curve, unless it is muted, or of something that is gone."""
+    if curve.mute:
+        return
+    path, _, name = curve.data_path.rpartition(".")
+    with suppress(ValueError, AttributeError, TypeError):
+        owner = block.path_resolve(path) if path else block
+        value = getattr(owner, name)
+        if hasattr(value, "__len__"):
+            value[curve.array_index] = curve.evaluate(frame)
+        else:
+            setattr(owner, name, type(value)(curve.evaluate(frame)))
+
+
+def drop_action(tree: NodeTree | None, frame: int | None = None) -> None:
+    """Takes the action of a copied tree away, which it shares with the original: Blender 5 removes curves with what the copy loses.
+
+    Args:
+        frame: Sets the values that the curves have there first; None for a tree whose values are up to date.
+    """
+    data = tree.animation_data if tree else None
+    if data is None:
+        return
+    if data.action and frame is not None:
+        for curve in _action_curves(data.action, data.action_slot):
+            set_to_curve(tree, curve, frame)
+    data.action = None
+    for track in list(data.nla_tracks):
+        data.nla_tracks.remove(track)
+
+
 def separate_compositor(twin: Scene, scene: Scene) -> list[NodeTree]:
     """Separates a copied scene's compositor from the original's: it shows the copy, and writes no files; returns added groups."""
     added: list[NodeTree] = []
@@ -168,6 +199,7 @@ def separate_compositor(twin: Scene, scene: Scene) -> list[NodeTree]:
         return added
     if COMPOSITOR_IS_GROUP:
         tree = twin.compositing_node_group = tree.copy()
+        drop_action(tree, twin.frame_current)
         added.append(tree)
     trees = [tree]
     for tree in trees:  # grows by the groups inside
@@ -178,6 +210,7 @@ def separate_compositor(twin: Scene, scene: Scene) -> list[NodeTree]:
                 node.mute = True
             if node.bl_idname == "CompositorNodeGroup" and node.node_tree:
                 node.node_tree = node.node_tree.copy()
+                drop_action(node.node_tree, twin.frame_current)
                 added.append(node.node_tree)
                 trees.append(node.node_tree)
     return added

@@ -11,9 +11,11 @@ import re
 from typing import Any
 
 import bpy
-from bpy.types import ID, Node, NodeSocket, NodeTree, bpy_struct
+from bpy.types import ID, FCurve, Node, NodeSocket, NodeTree, bpy_struct
 
 JournalEntry = dict[str, Any]
+KEYFRAMES = "Vibe Render"
+"""The group of our curves, among those of the artist's in an action."""
 _GONE = (LookupError, ValueError, AttributeError, ReferenceError)
 """Errors of Blender where something is not as it was."""
 
@@ -89,6 +91,47 @@ class Journal:
         self.entries.append({"op": "lightgroup", "id": self.refer(block), "path": path, "name": name})
         return name
 
+    def channelbag(self, block: ID) -> Any:
+        """The keyframes of a data-block or of the node tree in one; one without an action gets one.
+
+        Raises:
+            LookupError: Its own action is not set up for it.
+        """
+        data = block.animation_data
+        if data and data.action:
+            if (bag := _channelbag(block)) is None:
+                raise LookupError(f"{data.action.name} has no keyframes of {block.name}")
+            return bag
+        entry = {"op": "action", **self._place(block), "had": data is not None}
+        entry["slot"] = data.last_slot_identifier if data else ""
+        action = self.new("actions", f"Vibe {block.name}")
+        self.entries.append(entry)
+        data = data or block.animation_data_create()
+        data.action = action
+        data.action_slot = action.slots.new(block.id_type, block.name)
+        strip = action.layers.new("Layer").strips.new(type="KEYFRAME")
+        return strip.channelbag(data.action_slot, ensure=True)
+
+    def curve(self, owner: bpy_struct, name: str, index: int) -> FCurve:
+        """Adds a curve without keys for a property, or for a component of an array; raises LookupError as `channelbag`."""
+        block = owner.id_data
+        bag = self.channelbag(block)
+        path = name if isinstance(owner, ID) else f"{owner.path_from_id()}.{name}"
+        curve = bag.fcurves.new(path, index=index)
+        curve.group = bag.groups.get(KEYFRAMES) or bag.groups.new(KEYFRAMES)
+        self.entries.append({"op": "curve", **self._place(block), "curve": path, "index": index})
+        return curve
+
+    def curves(self) -> list[tuple[ID, FCurve]]:
+        """The curves that it has added and that are still there, each with what it animates."""
+        entries = ((self.ids[e["id"]], e) for e in self.entries if e["op"] == "curve")
+        blocks = ((resolve(block, entry["path"]), entry) for block, entry in entries if block)
+        return [(block, curve) for block, entry in blocks if (curve := _curve(block, entry))]
+
+    def _place(self, struct: bpy_struct) -> JournalEntry:
+        block, path = address(struct)
+        return {"id": self.refer(block), "path": path}
+
     def start_compositor(self, scene: bpy.types.Scene) -> None:
         """Makes the compositor tree of a scene in Blender 4 that has none yet, empty."""
         self.entries.append({"op": "compositor", "id": self.refer(scene)})
@@ -102,7 +145,7 @@ class Journal:
         """Notes what has been set: `undo` then leaves alone what has another value by that time."""
         for entry in self.entries:
             if entry["op"] == "set":
-                owner = _resolve(self.ids[entry["id"]], entry["path"])
+                owner = resolve(self.ids[entry["id"]], entry["path"])
                 entry["new"] = self._plain(getattr(owner, entry["name"]))
 
     def _changed_since(self, entry: JournalEntry) -> bool:
@@ -111,7 +154,7 @@ class Journal:
         if "new" not in entry or block is None:
             return False
         try:
-            return self._plain(getattr(_resolve(block, entry["path"]), entry["name"])) != entry["new"]
+            return self._plain(getattr(resolve(block, entry["path"]), entry["name"])) != entry["new"]
         except _GONE:  # undo says so
             return False
 
@@ -158,8 +201,12 @@ class Journal:
             else:
                 block.materials.clear()
             return
-        owner = _resolve(block, entry["path"])
-        if op == "set":
+        owner = resolve(block, entry["path"])
+        if op == "curve":
+            _channelbag(owner).fcurves.remove(_curve(owner, entry))
+        elif op == "action":
+            _drop_action(owner, entry)
+        elif op == "set":
             old = entry["old"]
             setattr(owner, entry["name"], self.ids[old["id"]] if isinstance(old, dict) else old)
         elif op == "lightgroup":
@@ -233,8 +280,34 @@ def _loss(block: ID | None, entry: JournalEntry) -> str:
     return f"a value of {name}: {inside} is gone or changed"
 
 
-def _resolve(block: ID, path: str) -> Any:
+def resolve(block: ID, path: str) -> Any:
+    """The struct at a path in a data-block; the data-block itself at ""."""
     return block.path_resolve(path) if path else block
+
+
+def _channelbag(block: ID) -> Any:
+    """The keyframes of a data-block in its action; None if there are none."""
+    data = block.animation_data
+    if not (data and data.action and data.action_slot):
+        return None
+    bags = (s.channelbag(data.action_slot) for layer in data.action.layers for s in layer.strips)
+    return next(filter(None, bags), None)
+
+
+def _curve(block: ID, entry: JournalEntry) -> FCurve | None:
+    bag = _channelbag(block)
+    return bag.fcurves.find(entry["curve"], index=entry["index"]) if bag else None
+
+
+def _drop_action(block: ID, entry: JournalEntry) -> None:
+    """Takes a data-block's action away, unless there are keyframes of the artist's in it."""
+    bag, data = _channelbag(block), block.animation_data
+    if bag is None or bag.fcurves:
+        return
+    data.action = None
+    data.last_slot_identifier = entry["slot"]
+    if not (entry["had"] or data.drivers or data.nla_tracks):
+        block.animation_data_clear()
 
 
 def _slot(entry: JournalEntry) -> tuple:

@@ -9,7 +9,7 @@ import bpy
 from bpy.types import Node, NodeSocket, NodeTree, Object, bpy_struct
 
 from . import compat
-from .journal import address
+from .journal import KEYFRAMES, address
 
 
 def of_property(owner: bpy_struct, name: str) -> str:
@@ -26,9 +26,16 @@ def _animated(owner: bpy_struct, name: str) -> str:
     block, path = address(owner)
     full = f"{path}.{name}" if path else name
     # The curves of a node tree inside a material belong to the tree, and their paths start there.
-    tree, found = owner.id_data, any(c.data_path == full for c in compat.curves(block))
-    found = found or (tree != block and any(f"node_tree.{c.data_path}" == full for c in compat.curves(tree)))
-    return f'"{block.name}" is animated or driven here' if found else ""
+    tree = owner.id_data
+    paths = [c.data_path for c in compat.curves(block) if not _is_set_aside(c)]
+    if tree != block:
+        paths += [f"node_tree.{c.data_path}" for c in compat.curves(tree) if not _is_set_aside(c)]
+    return f'"{block.name}" is animated or driven here' if full in paths else ""
+
+
+def _is_set_aside(curve: bpy.types.FCurve) -> bool:
+    """Whether it is a curve of ours that is muted while another look is searched."""
+    return curve.mute and curve.group is not None and curve.group.name == KEYFRAMES
 
 
 def of_pose(obj: Object) -> str:

@@ -2,7 +2,7 @@
 """A journal in a custom property of its scene, where it is saved, undone and redone with what it describes.
 
 It is checked when it is read: files come from other people, and may be damaged. Nothing that it may do goes beyond taking
-back a vibe: numbers, flags, data-blocks, links and nodes.
+back a vibe: numbers, flags, data-blocks, links, nodes and keyframes.
 """
 
 from __future__ import annotations
@@ -16,7 +16,17 @@ from .journal import Journal
 
 VERSION = 1
 _MOST = 100_000  # data-blocks that a stored journal may name
-_COLLECTIONS = {"cameras", "collections", "lights", "materials", "meshes", "node_groups", "objects", "worlds"}
+_COLLECTIONS = {
+    "actions",
+    "cameras",
+    "collections",
+    "lights",
+    "materials",
+    "meshes",
+    "node_groups",
+    "objects",
+    "worlds",
+}
 _TEXTS = {"link": {"DATA", "OBJECT"}}
 """Properties that hold text, and what it may be. The only other one is the name of a light group."""
 
@@ -75,6 +85,10 @@ def _is_entry(entry: Any, count: int) -> bool:
         return isinstance(entry.get("node"), str)
     if op == "lightgroup":
         return isinstance(entry.get("name"), str)
+    if op == "action":
+        return isinstance(entry.get("had"), bool) and isinstance(entry.get("slot"), str)
+    if op == "curve":
+        return isinstance(entry.get("curve"), str) and isinstance(entry.get("index"), int)
     if op == "link":
         ends = [entry.get("source"), entry.get("target")]
         return all(map(_is_end, ends)) and (entry.get("old") is None or _is_end(entry["old"]))

@@ -13,7 +13,7 @@ from mathutils import Vector
 
 from ..core import rendered
 from ..core.schema_import import schema
-from ..scene import fog, snapshot
+from ..scene import fog, keyframes, snapshot
 from ..scene.geometry import visibility
 from ..scene.geometry.meshes import box_geometry
 from ..scene.nodes import owned
@@ -81,7 +81,8 @@ def export_captured(
 
 
 def prepare_and_snapshot(scene: bpy.types.Scene, choice: SubjectChoice) -> None:
-    """Adds what the scene lacks and starts its snapshot, by which later changes are undone."""
+    """Adds what the scene lacks and starts its snapshot, by which later changes are undone; sets keyframes of ours aside."""
+    keyframes.set_aside(scene)
     prepare_scene(scene, named_objects(scene, choice))
     snapshot.take(scene)
 
@@ -111,9 +112,12 @@ def prepare_and_read(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneRead
 def rollback_on_failure(scene: bpy.types.Scene) -> Iterator[None]:
     """Undoes what was recorded inside the block if that ends in an exception."""
     was_vibed, start = snapshot.exists(scene), snapshot.mark(scene)
+    keyed = keyframes.are_shown(scene)
     try:
         yield
     except BaseException:
+        if keyed:
+            keyframes.bring_back(scene)
         if snapshot.exists(scene):
             snapshot.rollback(scene, start)
             if was_vibed:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from ..core import compat
 from ..core.journal import Journal
 from ..render import bake
 from ..scene.nodes import backgrounds, inputs, trails
@@ -108,6 +109,7 @@ def _panorama(world: bpy.types.World) -> np.ndarray:
 def _untinted(world: bpy.types.World) -> Iterator[tuple[bpy.types.World, list[bpy.types.NodeTree]]]:
     """A copy of a world, its groups included, with neutral insets, and its trees; removed afterwards."""
     twin = world.copy()
+    compat.drop_action(twin.node_tree)
     twin.cycles.sampling_method = "NONE"  # it lights nothing, and a map of its light can take minutes
     _unlink(twin.node_tree, ("Volume",))
     trees = [twin.node_tree]
@@ -116,6 +118,7 @@ def _untinted(world: bpy.types.World) -> Iterator[tuple[bpy.types.World, list[bp
         for node in tree.nodes:
             if node.type == "GROUP" and node.node_tree:
                 node.node_tree = node.node_tree.copy()
+                compat.drop_action(node.node_tree)
                 trees.append(node.node_tree)
     try:
         yield twin, trees
@@ -135,6 +138,7 @@ def _unlink(tree: bpy.types.NodeTree, names: tuple[str, ...]) -> None:
 def _plain(world: bpy.types.World, origin: trails.ValueOrigin) -> Iterator[bpy.types.World]:
     """A copy of a world that shows the value of an output, not rotated, at strength 1; removed afterwards."""
     twin = world.copy()
+    compat.drop_action(twin.node_tree)
     twin.cycles.sampling_method = "NONE"
     journal = Journal()
     if turn := backgrounds.rotation_slot(twin):  # a parameter of its own

@@ -58,11 +58,13 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     args.cameras, args.frames = _listed(args.cameras), schema.frame_numbers(args.frames)
     checks.numbers(args)
     if args.command in ("run", "demo"):
-        checks.prompt(args.prompt, args.like, args.goals, args.then)
-        if args.then and max(map(len, (args.scenes, args.cameras, args.frames))) > 1:
-            raise schema.VibeError(
-                "--then goes on from one shot.", "Leave out more scenes, --cameras and --frames."
-            )
+        args.moments = checks.moments(args)
+        if not (args.moments or args.markers):
+            checks.prompt(args.prompt, args.like, args.goals, args.then)
+        if max(map(len, (args.scenes, args.cameras, args.frames))) > 1:
+            one = "--then goes on from" if args.then else "--check-every follows" if args.check_every else ""
+            if one:
+                raise schema.VibeError(f"{one} one shot.", "Leave out more scenes, --cameras and --frames.")
         args.groups = checks.groups(args.groups)
         checks.locks(args.lock)
         checks.targets(args.target)

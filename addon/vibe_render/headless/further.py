@@ -15,10 +15,10 @@ from ..engine.process import Engine
 from ..render import final_render
 from ..scene import bindings, snapshot
 from ..scene.steps import Steps
-from . import summary
+from . import moments, summary
 from .arguments import Reporter
 from .scenes import open_scene, save_blend
-from .vibe import HeadlessVibe, on_interrupt
+from .vibe import HeadlessVibe, run_one
 
 
 def run(args: argparse.Namespace, reporter: Reporter) -> None:
@@ -26,8 +26,10 @@ def run(args: argparse.Namespace, reporter: Reporter) -> None:
     engine = Engine(args.engine, listener=reporter.engine)
     engine.start()  # first, so that engine and scene load at the same time
     try:
-        if args.prompt.strip() or args.like or args.goals or not args.then:
-            _run(HeadlessVibe(args, reporter, engine), args)
+        if args.moments or args.markers:
+            moments.run(args, reporter, engine)
+        elif args.prompt.strip() or args.like or args.goals or not args.then:
+            run_one(HeadlessVibe(args, reporter, engine), args.then)
             args = _written(args)
         for sentence in args.then:
             go_on(args, sentence, reporter, engine)
@@ -36,17 +38,6 @@ def run(args: argparse.Namespace, reporter: Reporter) -> None:
         engine.stop(patience=0.1)  # it may be busy
         raise
     engine.stop()
-
-
-def _run(vibe: HeadlessVibe, args: argparse.Namespace) -> None:
-    """Runs a vibe to its end; Ctrl-C ends it early, and no other sentence follows."""
-
-    def stop() -> None:
-        args.then.clear()
-        vibe.stop()
-
-    on_interrupt(stop)
-    vibe.run()
 
 
 def _written(args: argparse.Namespace) -> argparse.Namespace:
@@ -74,7 +65,7 @@ def go_on(args: argparse.Namespace, sentence: str, reporter: Reporter, engine: E
         args = copy(args)
         args.prompt, args.like, args.goals, args.like_only, args.variants = change.sentence, "", "", [], 1
         args.target = args.target if change.first else []
-        _run(HeadlessVibe(args, reporter, engine, change), args)
+        run_one(HeadlessVibe(args, reporter, engine, change), args.then)
         return
     with Outputs(args.out) as out:
         skipped = bindings.write(scene, change.values, (), steps.pivot)

@@ -142,6 +142,21 @@ def closing_lines(
     return lines
 
 
+def sequence_lines(rows: Sequence[dict[str, Any]]) -> list[str]:
+    """A line for each checked frame where a word is no longer visible, or a single one if there is none."""
+    lines = [f"Frame {row['frame']}: {row['note']}" for row in rows if "note" in row]
+    lines += [
+        f"Frame {row['frame']}: no longer visible: {', '.join(row['lost'])}." for row in rows if row["lost"]
+    ]
+    if lost := [str(row["frame"]) for row in rows if row["lost"]]:
+        lines.append(
+            f"To search one look for them too, run it with --frames {','.join(lost)} and the frame above."
+        )
+    elif rows and not lines:
+        lines = [f"At all {len(rows)} checked frames the same words are visible."]
+    return lines
+
+
 def _apart(figures: dict[str, float]) -> str:
     """ "0.6 CIEDE2000 (subject 0.4, 95th percentile 1.7)"."""
     subject = f"subject {figures['subject']:.1f}, " if "subject" in figures else ""

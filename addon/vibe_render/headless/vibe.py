@@ -21,7 +21,7 @@ from ..core import preferences
 from ..core.files import Outputs
 from ..core.schema_import import command_line, messages, schema
 from ..engine.process import Engine
-from ..export import darkness
+from ..export import darkness, reading
 from ..export.analysis import SceneAnalysis
 from ..looks import transfer
 from ..render import anchors, final_render
@@ -36,6 +36,7 @@ from .scenes import save_blend
 from .shots import ShotList
 from .summary import Stopwatch, numbered
 
+_CHECKED = 256, 16  # longer side in pixels and samples of the images of a sequence that is checked
 _SAMPLES_BEFORE = 16
 """The most that the picture before takes: it is only compared with, and the denoiser does the rest."""
 
@@ -77,6 +78,7 @@ class HeadlessVibe(Driver):
         self._steps = self._change.steps
         self._shots = ShotList(args, self._job, reporter, self._change)
         self._measured: list[messages.Finished] = []
+        self._sequence: list[dict[str, Any]] = []  # what was checked at other frames
         self._skipped: dict[str, str] = {}  # by key, why a value was not written
         self._lights: dict[str, dict[str, list[str]]] = {}  # by file, its passes with what shines in each
         self._unlit = False  # whether the first shot, which the engine tells about, is black before the vibe
@@ -101,8 +103,11 @@ class HeadlessVibe(Driver):
                 fields["steps"] = self._steps.rows()
                 if self._lights:
                     fields["lights"] = self._lights
+                if self._sequence:
+                    fields["sequence"] = self._sequence
                 self._out.write_json("report.json", fields)
             lines = summary.closing_lines(self._shots, result, self._measured, self._skipped)
+            lines += summary.sequence_lines(self._sequence)
             missed = words_of(self._measured[0].verdicts, "missed")
             self._reporter.result(lines, result.stopped, missed)
         return self._shots.jobs[-1].analysis
@@ -132,6 +137,8 @@ class HeadlessVibe(Driver):
         self._stopwatch.lap("wait for the engine")
         for number in range(len(self._shots)):
             yield from self._finish_shot(number, result)
+        if self._args.check_every:
+            yield from self._check_sequence()
         # A preset of every variant, and their contact sheet.
         job, prompt = self._shots.jobs[0], result.report["prompt"]
         for number, variant in enumerate(result.variants, start=1):
@@ -179,6 +186,33 @@ class HeadlessVibe(Driver):
             out.copy(f"step-{self._steps.shown}.png", out.path("after.png"))
         out.copy(numbered("predicted.png", number), folder / result.prediction)
         self._stopwatch.lap("save and measure")
+
+    def _check_sequence(self) -> Generator[str]:
+        """Measures frames of the scene with the look, and shows those where a word is no longer visible."""
+        job, seen = self._shots.show(0), words_of(self._measured[0].verdicts, "visible")
+        scene, pictures = job.analysis.scene, []
+        for frame in range(scene.frame_start, scene.frame_end + 1, self._args.check_every):
+            self._reporter.stage(f"checking frame {frame}")
+            scene.frame_set(frame)
+            folder = self._job / f"frame-{frame}"
+            before, after = (folder / name for name in ("before.png", "after.png"))
+            try:
+                reading.export_scene(scene, folder, self._shots.choice, job.analysis)
+            except schema.VibeError as error:  # the subject is hidden
+                self._sequence.append({"frame": frame, "lost": [], "note": error.message})
+                continue
+            with bindings.trial(scene, self._steps.base, (), self._steps.pivot):
+                final_render.render_picture(scene, before, *_CHECKED, self._args.seed)
+            final_render.render_picture(scene, after, *_CHECKED, self._args.seed)
+            self._ask(messages.Check(str(folder), str(before), str(after)))
+            checked = yield from self._answer(messages.Checked)
+            lost = [word for word in words_of(checked.verdicts, "missed") if word in seen]
+            self._sequence.append({"frame": frame, "lost": lost, "verdicts": checked.verdicts})
+            pictures += [after] if lost else []
+        if pictures:
+            final_render.join_pictures(pictures, self._out.path("sequence.png"))
+        self._shots.restore()
+        self._stopwatch.lap("check the sequence")
 
     def _values(self, number: int, result: messages.Result) -> dict[str, Any]:
         """The values to write into a shot's scene, with those of the other shots of the same .blend.
@@ -231,6 +265,17 @@ class HeadlessVibe(Driver):
         job = self._shots.show(request.shot)
         analysis = job.analysis
         return anchors.answer_anchor(analysis.scene, job.folder, request, analysis.objects, analysis.pivot)
+
+
+def run_one(vibe: HeadlessVibe, queue: list[Any]) -> SceneAnalysis:
+    """Runs a vibe to its end; Ctrl-C ends it early, and empties the queue of what was to follow. See `HeadlessVibe.run`."""
+
+    def stop() -> None:
+        queue.clear()
+        vibe.stop()
+
+    on_interrupt(stop)
+    return vibe.run()
 
 
 def _goals(result: messages.Result) -> str:

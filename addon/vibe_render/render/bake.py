@@ -15,7 +15,7 @@ import numpy as np
 from bpy.types import Light, Object, Scene
 from mathutils import Vector
 
-from ..core import rendered
+from ..core import compat, rendered
 from ..core.compat import assign, changed
 from ..core.files import whole
 from ..scene.copies import copied_scene
@@ -78,6 +78,7 @@ def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.
     """A copy of a material (and of the groups on the way) that emits one of its outputs; removed after the block."""
     twin = material.copy()
     tree = twin.node_tree
+    compat.drop_action(tree)
     exit_, groups = exposed_output(tree, origin)
     glow = tree.nodes.new("ShaderNodeEmission")
     tree.links.new(exit_, glow.inputs["Color"])
@@ -103,6 +104,7 @@ def exposed_output(
         holders.append(tree.nodes[name])
         holders[-1].node_tree = holders[-1].node_tree.copy()
         tree = holders[-1].node_tree
+        compat.drop_action(tree)
         groups.append(tree)
     source = origin.source
     assert source

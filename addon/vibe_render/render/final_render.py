@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -169,16 +169,25 @@ def is_fog(thing: bpy.types.Object) -> bool:
 
 def _keep_alpha(rendered: Path, path: Path) -> None:
     """Writes the alpha of one PNG as the gray of another, atomically."""
-    alpha = bake.read_file(rendered)[..., 3:]
-    height, width, _ = alpha.shape
-    mask = bpy.data.images.new("Vibe Mask", width, height, alpha=False, is_data=True)
+    _save(np.repeat(bake.read_file(rendered)[..., 3:], 3, axis=2), path)
+
+
+def join_pictures(pictures: Sequence[Path], path: Path) -> None:
+    """Writes pictures of one size next to each other, from left to right, into one PNG, atomically."""
+    _save(np.concatenate([bake.read_file(picture)[..., :3] for picture in pictures], axis=1), path)
+
+
+def _save(pixels: np.ndarray, path: Path) -> None:
+    """Writes an opaque picture, (H, W, 3) from its lowest row, as a PNG, atomically."""
+    height, width, _ = pixels.shape
+    image = bpy.data.images.new("Vibe Picture", width, height, alpha=False, is_data=True)
     try:
-        mask.pixels.foreach_set(np.repeat(alpha, 4, axis=2).ravel())
+        image.pixels.foreach_set(np.pad(pixels, ((0, 0), (0, 0), (0, 1)), constant_values=1.0).ravel())
         with whole(path) as part:
-            mask.filepath_raw, mask.file_format = str(part), "PNG"
-            mask.save()
+            image.filepath_raw, image.file_format = str(part), "PNG"
+            image.save()
     finally:
-        bpy.data.images.remove(mask)
+        bpy.data.images.remove(image)
 
 
 def is_black(picture: Path) -> bool:

@@ -20,7 +20,7 @@ LOOKING = "Optimizing"
 _PAUSE = 0.02  # seconds between two steps of `drive`: the engine needs the core
 
 T = TypeVar("T")
-_Answer = TypeVar("_Answer", messages.Result, messages.Finished)
+_Answer = TypeVar("_Answer", messages.Result, messages.Finished, messages.Checked)
 
 
 class Driver:
@@ -135,7 +135,7 @@ class Driver:
             yield self.stage
         return work.result()
 
-    def _ask(self, request: messages.Vibe | messages.Finish) -> None:
+    def _ask(self, request: messages.Vibe | messages.Finish | messages.Check) -> None:
         self._engine.send(request)
         self._last_word_at = time.monotonic()
         if self._stopping:

@@ -11,8 +11,9 @@ from typing import Any
 import bpy
 
 from ..core.schema_import import labels, messages, schema
-from ..scene import bindings, snapshot
+from ..scene import bindings, keyframes, moments, snapshot
 from ..scene import steps as step_list
+from ..scene.moments import Moment
 from ..scene.steps import Change, Steps
 from . import before_image
 
@@ -147,6 +148,32 @@ def forget(scene: bpy.types.Scene) -> None:
     settings.strength, settings.show_original = 1.0, False
     settings.vibed_prompt = settings.vibed_goals = settings.vibed_like = settings.vibed_preset = ""
     settings.variant = 0
+
+
+def keyframe(scene: bpy.types.Scene) -> list[str]:
+    """Makes what is shown the look of the current frame, and writes keyframes for it and for the frames before.
+
+    Returns:
+        What has been left alone, and why, in words for the artist.
+
+    Raises:
+        VibeError: The moments in the file are damaged.
+    """
+    settings = scene.vibe
+    if settings.show_original:
+        settings.show_original = False
+    pivot = list(settings.pivot)
+    found = [moment for moment in moments.of(scene) if moment.frame != scene.frame_current]
+    keyframes.set_aside(scene)  # which sets all values to what they are at this frame
+    current = bindings.read(scene, (), pivot)
+    changes = {change.name: change.values()[0] for change in settings.changes if change.name in current}
+    values = {key: list(current[key]) for key in changes}
+    base = {key: list(before) for key, before in changes.items()}
+    for moment in found:  # what the artist has deleted does not come back
+        moment.values = {key: value for key, value in moment.values.items() if key in current}
+    return moments.show(
+        scene, [*found, Moment(scene.frame_current, settings.vibed_prompt, values, base, pivot)]
+    )
 
 
 def keep(scene: bpy.types.Scene) -> None:

@@ -17,7 +17,7 @@ from ..core.schema_import import messages, schema
 from ..engine.process import Engine
 from ..export import reading
 from ..render import reference
-from ..scene import snapshot
+from ..scene import keyframes, snapshot
 from . import before_image, preview
 from .driver import Driver
 
@@ -54,6 +54,7 @@ class SceneSession(Driver):
         self._subject: list[str] = []
         self._pivot = (0.0, 0.0, 0.0)
         self._before_path = Path()  # of the before image
+        self._keyed = False  # whether keyframes are set aside for it
         self._shown: dict[str, list[float]] | None = None  # values of the look that is in the scene
         self._options = settings.engine_options(context)
         self._choice = settings.choice()
@@ -71,6 +72,7 @@ class SceneSession(Driver):
         self.look, self.words = other.look, other.words
         self.preview, self.before = other.preview, other.before
         self._subject, self._pivot, self._shown = other._subject, other._pivot, other._shown
+        self._keyed, other._keyed = other._keyed, False
 
     def show_again(self) -> None:
         """Shows the newest look again, which a file that was saved, or an undo, has left out."""
@@ -105,6 +107,7 @@ class SceneSession(Driver):
             self.stage = READING
             scene = self._find_scene()
             with self._without_look(scene):
+                self._keyed |= keyframes.are_shown(scene)
                 captured = reading.prepare_and_capture(scene, self._choice)
                 # The camera may move before the picture comes.
                 self._before_path = before_image.path_of(scene)
@@ -121,6 +124,9 @@ class SceneSession(Driver):
         self._shown = None
         if scene := self._scene_if_there():
             preview.hide(scene)
+            if self._keyed:
+                keyframes.bring_back(scene)
+        self._keyed = False
 
     def _restore(self, start: int, vibed: bool) -> None:
         """Takes back what the export has added, unless an undo or another file has done so already. No look may be shown."""

@@ -14,7 +14,7 @@ from bpy.types import Scene
 from ..core import rendered, stored_journal
 from ..core.journal import Journal
 from ..core.schema_import import schema
-from . import steps
+from . import keyframes, steps
 from .subject import forget_subject
 
 KEY = "vibe_snapshot"
@@ -32,9 +32,10 @@ def exists(scene: Scene) -> bool:
 
 
 def forget(scene: Scene) -> None:
-    """Keeps the scene as it is now, for good."""
+    """Keeps the scene as it is now, with its keyframes, for good."""
     if exists(scene):
         del scene[KEY]
+    keyframes.forget(scene)
 
 
 def revert(scene: Scene) -> list[str]:
@@ -47,10 +48,11 @@ def revert(scene: Scene) -> list[str]:
         VibeError: There is no snapshot, or one of a newer version, or a damaged one.
     """
     journal = _load(scene)
+    lost = keyframes.take_away(scene)
     forget(scene)  # first: it counts as a user of what is to be removed
     steps.forget(scene)
     forget_subject(scene)
-    lost = journal.undo()
+    lost += journal.undo()
     rendered.layer(scene).update()
     return lost
 
@@ -63,7 +65,7 @@ def mark(scene: Scene) -> int:
 def rollback(scene: Scene, first: int) -> None:
     """Undoes everything recorded since `mark`; removes a snapshot that is then empty."""
     journal = _load(scene)
-    forget(scene)
+    del scene[KEY]
     journal.undo(first)
     if first:
         stored_journal.store(scene, KEY, journal)
@@ -71,13 +73,18 @@ def rollback(scene: Scene, first: int) -> None:
 
 @contextmanager
 def transaction(scene: Scene) -> Iterator[Journal]:
-    """A journal for changes inside the block: kept in the snapshot, or undone after an exception."""
+    """A journal for changes inside the block: kept in the snapshot, or undone after an exception.
+
+    Keyframes of ours are set aside, as they would hide the changes.
+    """
     whole = _load(scene) if exists(scene) else Journal()  # first: a damaged one stops us here
-    journal = Journal()
+    journal, keyed = Journal(), keyframes.set_aside(scene)
     try:
         yield journal
     except BaseException:
         journal.undo()
+        if keyed:
+            keyframes.bring_back(scene)
         raise
     if journal.entries:
         whole.extend(journal)

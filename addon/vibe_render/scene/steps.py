@@ -258,6 +258,7 @@ def old_value(key: str, before: Known, new: Sequence[float]) -> Sequence[float]:
         before.get(key)
         or before.get(schema.material_copies.copied_key(key))
         or before.get(backgrounds.WORLD_OF_BACKDROP.get(key, ""))
+        or (backgrounds.NO_HORIZON if key == backgrounds.HORIZON_KEY else None)
         or ((0.0,) if dark else new)
     )
 

@@ -20,7 +20,7 @@ from ..run import result
 from ..run.notes import shortfall, word_notes, words_of
 from ..run.session import Session
 from ..run.state import addon_state
-from ..scene import snapshot
+from ..scene import keyframes, moments, snapshot
 from . import steps
 from .bases import allowed, result_obstacle
 from .drawing import GROUP_ICONS, HEX_COLOR, before_after, colored, columns, icon, paragraph, see_rendered
@@ -67,9 +67,12 @@ class ResultPanel:
         row = layout.row(align=True)
         row.scale_y = 1.3
         row.operator("vibe.keep", icon="FILE_TICK")
+        row.operator("vibe.keyframe", icon="KEYFRAME")
         row.operator("vibe.revert", icon="LOOP_BACK")
         if reason := result_obstacle(context):
             paragraph(layout, context, reason, "INFO", faint=True)
+        if keyframes.exist(context.scene):
+            paragraph(layout, context, _keyframes_note(context.scene), "KEYFRAME", faint=True)
         if settings.changes:  # Before, After and Strength change the scene itself
             column = layout.column(align=True)
             row = column.row(align=True)
@@ -94,6 +97,18 @@ class ResultPanel:
                 *shortened_notes(notes),
             ]:  # below what is always there
                 paragraph(layout, context, note, "INFO", faint=True)
+
+
+def _keyframes_note(scene: bpy.types.Scene) -> str:
+    """The frames that have keyframes, and what becomes of them if they are set aside."""
+    try:
+        numbers = [str(moment.frame) for moment in moments.of(scene)]
+    except schema.VibeError as error:
+        return str(error)
+    frames = f"frame{'s' if len(numbers) > 1 else ''} {', '.join(numbers)}"
+    if keyframes.are_shown(scene):
+        return f"Keyframes at {frames}. Go to another frame for another look"
+    return f"Keyframes at {frames} are set aside. Keyframe adds {scene.frame_current} and brings them back"
 
 
 def _draw_verdicts(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
@@ -225,9 +240,40 @@ class VIBE_OT_keep(_Vibed):
     bl_label = "Keep"
     bl_options: ClassVar[set[str]] = {"UNDO"}
 
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        aside = keyframes.exist(context.scene) and not keyframes.are_shown(context.scene)
+        reason = "Keyframe this look first: the keyframes of the others are set aside" if aside else ""
+        return allowed(cls, result_obstacle(context) or reason)
+
     def execute(self, context: bpy.types.Context) -> set[str]:
         result.keep(context.scene)
         addon_state.forget()
+        return {"FINISHED"}
+
+
+class VIBE_OT_keyframe(_Vibed):
+    """Keyframe all values of the result at the current frame. Values go from one keyframed look to the next in even steps"""
+
+    bl_idname = "vibe.keyframe"
+    bl_label = "Keyframe"
+    bl_options: ClassVar[set[str]] = {"UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        unchanged = "" if context.scene.vibe.changes else "The result has changed nothing"
+        return allowed(cls, result_obstacle(context) or unchanged)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        try:
+            left = result.keyframe(context.scene)
+        except schema.VibeError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if left:
+            self.report({"WARNING"}, f"{len(left)} values were left alone. {left[0]}")
+        else:
+            self.report({"INFO"}, f"The look is keyframed at frame {context.scene.frame_current}")
         return {"FINISHED"}
 
 
@@ -274,4 +320,4 @@ class VIBE_OT_why(bpy.types.Operator):
         return {"CANCELLED"}
 
 
-CLASSES = (VIBE_OT_revert, VIBE_OT_keep, VIBE_OT_variant, VIBE_OT_why)
+CLASSES = (VIBE_OT_revert, VIBE_OT_keep, VIBE_OT_keyframe, VIBE_OT_variant, VIBE_OT_why)

@@ -2,6 +2,7 @@
 """Checks of the options of a vibe, whichever side reads them. A mistake raises VibeError."""
 
 import argparse
+import itertools
 import re
 import tempfile
 from collections.abc import Iterable, Sequence
@@ -44,6 +45,53 @@ def prompt(text: str, like: str = "", goals: str = "", then: Sequence[str] = ())
         remedy = "A sentence or two is best."
         raise VibeError(f"The prompt has {length} characters, more than {LONGEST_PROMPT}.", remedy)
     return text
+
+
+def moments(given: argparse.Namespace) -> list[tuple[int, str]]:
+    """Frames and looks of `--moments`, in their order; none with `--markers` or without moments.
+
+    Raises:
+        VibeError: They are not written as frames and looks, or other options contradict them.
+    """
+    text, markers = getattr(given, "moments", ""), getattr(given, "markers", False)
+    if not (text.strip() or markers):
+        return []
+    name = "--moments" if text.strip() else "--markers"
+    names = ["prompt", "like", "goals", "then", "frames", "grade_each", "check_every"]
+    names += ["markers"] if text.strip() else []
+    if clash := [f"--{each.replace('_', '-')}" for each in names if getattr(given, each, None)]:
+        raise VibeError(f"{name} gives the look of each frame.", f"Leave out {' and '.join(clash)}.")
+    if (getattr(given, "variants", None) or 1) > 1:
+        raise VibeError(f"{name} finds one look for each frame.", "Leave out --variants.")
+    return timed(text) if text.strip() else []
+
+
+def timed(text: str) -> list[tuple[int, str]]:
+    """Frames and looks as people write them; raises VibeError for what is not written so, or only one.
+
+    >>> timed("1: noon; 120: the cup: copper, at dusk")
+    [(1, 'noon'), (120, 'the cup: copper, at dusk')]
+    """
+    found: list[tuple[int, str]] = []
+    for part in filter(str.strip, text.split(";")):
+        match = re.fullmatch(r"\s*(-?\d+)\s*:\s*(\S.*?)\s*", part, re.DOTALL)
+        if not match:
+            remedy = 'Write FRAME: LOOK; FRAME: LOOK, as in "1: noon; 120: golden hour".'
+            raise VibeError(f"{part.strip()!r} is no frame with a look.", remedy)
+        found.append((int(match[1]), prompt(match[2])))
+    return in_order(found)
+
+
+def in_order(found: list[tuple[int, str]]) -> list[tuple[int, str]]:
+    """Moments that are at least two, each at a later frame than the one before."""
+    if len(found) < 2:
+        remedy = "Add a second one, or use --prompt with --frames."
+        raise VibeError("There is only one moment." if found else "There are no moments.", remedy)
+    for (first, _), (second, look) in itertools.pairwise(found):
+        if second <= first:
+            message = f"Frame {second}, {look!r}, does not come after frame {first}."
+            raise VibeError(message, "Write the moments in the order of their frames, each frame once.")
+    return found
 
 
 def numbers(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> None:

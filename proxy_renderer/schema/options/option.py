@@ -11,6 +11,7 @@ T = TypeVar("T")
 HEADINGS = {
     "task": "",
     "shots": "shots that share a look: each scene, through each camera, at each frame, and one set of values for all",
+    "moments": "moments: a look at each of several frames, and keyframes from one to the next",
     "effort": "effort",
     "picture": "a reference image",
     "reach": "what may change",

@@ -157,6 +157,12 @@ TASK = (
            manifest=("shots",)),
     Option("frames", "", "frames, as in 1,50,100-102 (default: the one that the scene was saved at); what is "
            "animated stays so", "shots", unit="1,50,100", manifest=("shots",)),
+    Option("check_every", 0, "after the search, measure every N-th frame of the scene, and list those where a word is no "
+           "longer visible", "shots", bounds=(0, 10000), manifest=()),
+    Option("moments", "", 'frames and their looks, instead of --prompt: "1: noon; 120: golden hour; 200: moonlit night"',
+           "moments", unit="TEXT", manifest=()),
+    Option("markers", False, "the names of the scene's timeline markers are the looks at their frames", "moments",
+           manifest=()),
     Option("effort", "standard", f"{_EFFORT} (default: standard)", "effort", choices=tuple(BUDGETS),
            panel=Panel("Effort", "How long the search may take", default="STANDARD")),
 )

@@ -29,12 +29,12 @@ from .trails import (
 LIGHT, BACKDROP = "light", "backdrop"
 _ROTATION = "Vibe Rotation"
 _LEFT = 200.0  # from a node of ours to the next
-_HORIZON = "world/backdrop_horizon"
+HORIZON_KEY = "world/backdrop_horizon"
 WORLD_OF_BACKDROP = {f"world/backdrop_{name}": f"world/{name}" for name in ("color", "tint", "strength")} | {
-    _HORIZON: ""
+    HORIZON_KEY: ""
 }
 """The parameters of a backdrop, and those of the world that it starts from; a new backdrop has no horizon."""
-_NO_HORIZON = (1.0, 1.0, 1.0)
+NO_HORIZON = (1.0, 1.0, 1.0)
 _HIGHEST = 0.6  # height of the horizon in the image, of 1, from which the camera looks down on what has none
 
 
@@ -293,7 +293,7 @@ def offered_backdrop(
         return {}
     offer = {key: replace(i, parameter=schema.FAMILIES[key]) for key, i in own.items()}
     if plain := offer.get("world/backdrop_color"):
-        offer[_HORIZON] = replace(plain, parameter=schema.FAMILIES[_HORIZON], value=_NO_HORIZON)
+        offer[HORIZON_KEY] = replace(plain, parameter=schema.FAMILIES[HORIZON_KEY], value=NO_HORIZON)
     return offer
 
 
@@ -313,7 +313,7 @@ def with_backdrop(
     if world is None or not named:
         return dict(values)
     future = {key: tuple(values.get(key, instance.value)) for key, instance in {**instances, **offer}.items()}
-    future[""] = _NO_HORIZON
+    future[""] = NO_HORIZON
     if all(labels.same(key, future[WORLD_OF_BACKDROP[key]], future[key]) for key in named):
         return {key: value for key, value in values.items() if key not in offer}
     _add_backdrop(journal, world)

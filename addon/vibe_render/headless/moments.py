@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Moments without a window: a vibe for each of several frames, and their keyframes in one .blend."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import tempfile
+from copy import copy
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from mathutils import Vector
+
+from ..core import rendered
+from ..core.files import Outputs
+from ..core.schema_import import checks, schema
+from ..engine.process import Engine
+from ..export import reading
+from ..render import final_render
+from ..run.notes import words_of
+from ..scene import bindings, fog, moments, scene_context
+from ..scene.moments import Moment
+from ..scene.steps import Steps
+from .arguments import Reporter
+from .scenes import open_scene, save_blend
+from .shots import Framing, RequestedShot
+from .summary import numbered
+from .vibe import HeadlessVibe, run_one
+
+STRIP = "moments.png"
+_UNNAMED = re.compile(r"F_\d+")  # Blender's own name for a marker
+_TILE, _TILE_SAMPLES = 256, 16  # longer side of an image of the strip, pixels
+_STEPS = 3  # of the strip, from one moment to the next
+
+
+def run(args: argparse.Namespace, reporter: Reporter, engine: Engine) -> None:
+    """Finds the look of each moment, each from the artist's own scene, and writes them into one .blend.
+
+    Raises:
+        VibeError: The markers are no moments, or one of the vibes failed; nothing is written.
+    """
+    queue = list(args.moments) or _of_markers(args, reporter)
+    count = len(queue)
+    found: list[Moment] = []
+    reports: list[dict[str, Any]] = []
+    with Outputs(args.out) as out, tempfile.TemporaryDirectory(prefix="vibe-") as folder:
+        while queue:
+            frame, prompt = queue.pop(0)
+            each, number = copy(args), len(found)
+            each.prompt, each.frames, each.out = prompt, [frame], Path(folder, str(number))
+            each.out.mkdir()
+            reporter.note(f"Moment {number + 1} of {count}: frame {frame}, {prompt}")
+            analysis = run_one(HeadlessVibe(each, reporter, engine), queue)
+            steps, names = Steps.of(analysis.scene), [o.name_full for o in analysis.objects]
+            found.append(Moment(frame, prompt, steps.values(), steps.base, steps.pivot, names))
+            reports.append(json.loads((each.out / "report.json").read_text(encoding="utf-8")))
+            out.copy(numbered("before.png", number), each.out / "before.png")
+        notes = _write(args, reporter, out, found)
+        out.write_json("report.json", {"moments": _rows(found, reports), "left_alone": notes})
+    reporter.result(*_closing(found, reports, notes))
+
+
+def _of_markers(args: argparse.Namespace, reporter: Reporter) -> list[tuple[int, str]]:
+    """The names of the scene's markers with their frames; those that Blender has named say nothing."""
+    scene, _, _ = open_scene(args, reporter)
+    named = [(m.frame, m.name) for m in scene.timeline_markers if not _UNNAMED.fullmatch(m.name)]
+    if not named:
+        remedy = "Name markers in the timeline after looks, such as noon, or use --moments."
+        raise schema.VibeError(f"{Path(args.scene).name} has no marker with a look as its name.", remedy)
+    return checks.in_order(sorted(named))
+
+
+def _write(args: argparse.Namespace, reporter: Reporter, out: Outputs, found: list[Moment]) -> list[str]:
+    """Writes the keyframes into the artist's scene, renders and saves it; returns what was left alone, and why."""
+    scene, choice, _ = open_scene(args, reporter)
+    framing, camera = Framing(scene), "".join(args.cameras)
+    reading.prepare_and_snapshot(scene, choice)
+
+    def show(frame: int) -> None:
+        framing.show(RequestedShot(args.scene, camera, frame))
+        rendered.layer(scene).update()
+
+    eyes, named = [], {each for moment in found for key in moment.values for each in moments.origins(key)}
+    for moment in found:
+        show(moment.frame)
+        eyes.append(scene.camera.matrix_world.translation.copy())
+        own = bindings.read(scene, (), moment.pivot)
+        moment.base |= {key: list(own[key]) for key in named if key in own}
+    subject = [scene.objects[name] for name in found[0].subject if name in scene.objects]
+    context = scene_context.SceneContext(scene, subject, Vector(found[0].pivot))
+    fog.plan_fog_box(scene, fog.fog_domain(context, eyes))
+    reporter.stage("writing keyframes")
+    notes = moments.show(scene, found)
+    reporter.stage("rendering with Cycles")
+    for number, moment in enumerate(found):
+        show(moment.frame)
+        path = out.path(numbered("after.png", number))
+        final_render.render_picture(scene, path, args.size, args.samples, args.seed)
+    with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
+        tiles = []
+        for frame in _strip([moment.frame for moment in found]):
+            show(frame)
+            tiles.append(Path(folder, f"{frame}.png"))
+            final_render.render_picture(scene, tiles[-1], _TILE, _TILE_SAMPLES, args.seed)
+        final_render.join_pictures(tiles, out.path(STRIP))
+    framing.restore()
+    save_blend(out.path("vibed.blend"))
+    return notes
+
+
+def _strip(frames: list[int]) -> list[int]:
+    """Frames of the moments, and some between them."""
+    between = [a + round(n * (b - a) / _STEPS) for a, b in pairwise(frames) for n in range(_STEPS)]
+    return sorted({*between, *frames})
+
+
+def _rows(found: list[Moment], reports: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The moments as report.json has them: the report of each vibe, with its frame and images."""
+    return [
+        {
+            "frame": moment.frame,
+            "before": numbered("before.png", number),
+            "after": numbered("after.png", number),
+            **report,
+        }
+        for number, (moment, report) in enumerate(zip(found, reports, strict=True))
+    ]
+
+
+def _closing(
+    found: list[Moment], reports: list[dict[str, Any]], notes: list[str]
+) -> tuple[list[str], bool, list[str]]:
+    """The lines for people at the end, whether the search was stopped, and the words that are not visible."""
+    lines, missing = [f"Note: {note}" for note in notes], []
+    for moment, report in zip(found, reports, strict=True):
+        missed = words_of(report["verdicts"], "missed")
+        lines.append(
+            f"Frame {moment.frame}: {moment.prompt}."
+            + (f" Not visible: {', '.join(missed)}." if missed else "")
+        )
+        missing += missed
+    lines.append(f"Keyframes from frame {found[0].frame} to {found[-1].frame}. {STRIP} shows the way.")
+    return lines, any(report["stopped"] for report in reports), missing

@@ -1,0 +1,310 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Moments: looks at frames of one scene, and the keyframes that lead from each to the next in steps that look even."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from bpy.types import NodeSocket, Object, Scene, bpy_struct
+from mathutils import Vector
+
+from ..core import compat, rendered
+from ..core.color import from_oklab, to_oklab
+from ..core.journal import Journal, resolve
+from ..core.schema_import import labels, schema
+from ..core.value_slots import PropertySlot
+from . import bindings, keyframes, snapshot, steps
+from .keyframes import Track
+from .nodes import backgrounds, owned
+
+ByKey = dict[str, list[float]]
+VERSION = 1
+_PIECES = 16  # of the way between two moments: straight lines between them are within 1 % of the even steps
+_TOLERANCE = 0.005, 2e-4  # of a value, and of its range: a key that is missed by less is left out
+_UNCHANGED = 1e-6  # of a value: what Blender's 32-bit numbers may make of it
+_BRIGHT = ("power", "strength", "backdrop_strength", "emission")
+_TURNING = ("azimuth", "rotation")
+
+
+@dataclass
+class Moment:
+    """A look at a frame.
+
+    Attributes:
+        values: By key, of what the look changes.
+        base: By key, of the same scene without the look: of all those, and more.
+        pivot: The subject's center, world space.
+        subject: Names of its objects.
+    """
+
+    frame: int
+    prompt: str
+    values: ByKey
+    base: ByKey
+    pivot: list[float]
+    subject: list[str] = field(default_factory=list)
+
+
+def of(scene: Scene) -> list[Moment]:
+    """The moments of a scene, in the order of their frames. Raises VibeError if they cannot be read."""
+    try:
+        raw = json.loads(scene.get(keyframes.MOMENTS, '{"moments": []}'))
+        found = [Moment(**row) for row in raw["moments"]]
+        for moment in found:
+            if not moment.values.keys() <= moment.base.keys():
+                raise ValueError("no base")
+            for key, value in (*moment.values.items(), *moment.base.items()):
+                if len(value) != labels.parameter(key).components or not all(map(math.isfinite, value)):
+                    raise ValueError(key)
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
+        raise schema.VibeError("The moments in this file are damaged.", "Revert, and start again.") from error
+    return found
+
+
+def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
+    """Writes looks at their frames, as keyframes, in place of those of ours that are there.
+
+    What only one of them has is in the scene at all frames, a light without power. Values with the artist's own keyframes
+    or drivers stay.
+
+    Returns:
+        What has been left alone, and why, in words for the artist.
+    """
+    moments = sorted(moments, key=lambda moment: moment.frame)
+    keyframes.take_away(scene)
+    base, looks = completed(moments)
+    start = snapshot.mark(scene)
+    left: dict[str, str] = {}
+    try:
+        for moment, look in zip(moments, looks, strict=True):
+            left |= bindings.write(scene, look, _objects(scene, moment), moment.pivot)
+        tracks = _tracks(scene, moments, base, looks) + _cards(scene, moments, looks)
+        notes = keyframes.add(scene, tracks)
+    except BaseException:
+        if snapshot.exists(scene):
+            snapshot.rollback(scene, start)
+        raise
+    rows = [asdict(moment) for moment in moments]
+    scene[keyframes.MOMENTS] = json.dumps({"version": VERSION, "moments": rows}, ensure_ascii=False)
+    scene.frame_set(scene.frame_current)
+    return [*(f"{labels.title(key)} stays: {reason}" for key, reason in left.items()), *notes]
+
+
+def completed(moments: Sequence[Moment]) -> tuple[ByKey, list[ByKey]]:
+    """The scene's values without the looks, and each look with the keys of all of them.
+
+    What a look does not change is as in the scene without it. A light that it lacks is dark, and otherwise as in the
+    nearest look that has it. Azimuths go on from the one before by the short way.
+    """
+    base: ByKey = {}
+    looks: list[ByKey] = [{} for _ in moments]
+    for key in dict.fromkeys(key for moment in moments for key in moment.values):
+        having = [moment for moment in moments if key in moment.values]
+        last: list[float] | None = None
+        for moment, look in zip(moments, looks, strict=True):
+            near = min(having, key=lambda other: abs(other.frame - moment.frame))
+            known = moment.base | moment.values
+            value = next((known[origin] for origin in origins(key) if origin in known), near.base[key])
+            look[key] = last = _short_way(key, last, value)
+        base[key] = having[0].base[key]
+    return base, looks
+
+
+def origins(key: str) -> tuple[str, ...]:
+    """The keys of the values that one may have without a look: a copy of a material its original's, a backdrop the world's."""
+    return key, schema.material_copies.copied_key(key), backgrounds.WORLD_OF_BACKDROP.get(key, key)
+
+
+def _short_way(key: str, last: list[float] | None, value: list[float]) -> list[float]:
+    if last is None or schema.split_key(key)[2] not in _TURNING:
+        return value
+    return [last[0] + (value[0] - last[0] + 180.0) % 360.0 - 180.0]
+
+
+def between(key: str, first: Sequence[float], last: Sequence[float], share: float) -> list[float]:
+    """A value on the way from one to another, in steps that look even; exact at both ends.
+
+    Temperatures go by mireds, colors through OKLab, lights by stops, azimuths straight, and all else along its scale.
+    """
+    if share in (0.0, 1.0) or list(first) == list(last):
+        return list(last if share else first)
+    parameter = labels.parameter(key)
+    if parameter.unit == "K":
+        return [1.0 / _straight(1.0 / first[0], 1.0 / last[0], share)]
+    if parameter.kind == "color":
+        found = from_oklab(_straight(to_oklab(np.array(first)), to_oklab(np.array(last)), share))
+        return [min(float(v), max(1.0, *first, *last)) for v in found]  # the way may leave the gamut
+    if parameter.name in _BRIGHT:
+        return [_by_stops(first[0], last[0], share)]
+    if parameter.name in _TURNING:
+        return [_straight(first[0], last[0], share)]
+    return steps.along(key, first, (first, last), share)
+
+
+def _straight(first: Any, last: Any, share: float) -> Any:
+    return first + share * (last - first)
+
+
+def _by_stops(first: float, last: float, share: float) -> float:
+    """By stops; from or to 0 nearly by watts, so that two lights that swap keep the scene as bright as it is."""
+    dim = 0.0 if min(first, last) > 0.0 else max(first, last)
+    return math.exp(_straight(math.log(first + dim), math.log(last + dim), share)) - dim
+
+
+def _tracks(scene: Scene, moments: Sequence[Moment], base: ByKey, looks: Sequence[ByKey]) -> list[Track]:
+    """The properties that the looks change, with their values by frame.
+
+    All that the values mean in Blender is written, and what was written is read: so lights move on arcs, and every
+    parameter is keyframed through its own binding.
+    """
+    samples = _samples(moments, looks)
+    journal, pivot = Journal(), Vector(moments[-1].pivot)
+    found: dict[
+        tuple[int, str, str], dict[int | None, Any]
+    ] = {}  # values by frame; None for the scene without looks
+    seen: list[int | None] = []
+    try:
+        for frame, look, place in ((None, base, moments[-1].pivot), *samples):
+            _follow(journal, scene, Vector(place) - pivot)
+            pivot = Vector(place)
+            bindings.put(journal, scene, look, (), pivot)
+            rendered.layer(scene).update()
+            for entry in journal.entries:
+                slot = entry["id"], entry.get("path", ""), entry.get("name", "")
+                if entry["op"] == "set" and _is_number(entry["old"]) and slot not in found:
+                    old = entry["old"]  # which it has had until now
+                    found[slot] = dict.fromkeys(seen, tuple(old) if isinstance(old, list) else old)
+            for (number, path, name), values in found.items():
+                values[frame] = PropertySlot(resolve(journal.ids[number], path), name).get()
+            seen.append(frame)
+        frames = [moment.frame for moment in moments]
+        tracks = [
+            track
+            for (number, path, name), values in found.items()
+            for track in _curves(resolve(journal.ids[number], path), name, values, frames)
+        ]
+    finally:
+        journal.undo()
+        rendered.layer(scene).update()
+    return tracks
+
+
+def _samples(moments: Sequence[Moment], looks: Sequence[ByKey]) -> list[tuple[int, ByKey, list[float]]]:
+    """Frames from the first moment to the last, each with all values and the pivot there."""
+    found = [(moments[0].frame, looks[0], moments[0].pivot)]
+    for (one, first), (other, last) in pairwise(zip(moments, looks, strict=True)):
+        count = min(other.frame - one.frame, _PIECES)
+        for number in range(1, count + 1):
+            frame = one.frame + round(number * (other.frame - one.frame) / count)
+            share = (frame - one.frame) / (other.frame - one.frame)
+            look = {key: between(key, first[key], last[key], share) for key in first}
+            pivot = [_straight(a, b, share) for a, b in zip(one.pivot, other.pivot, strict=True)]
+            found.append((frame, look, pivot))
+    return found
+
+
+def _follow(journal: Journal, scene: Scene, way: Vector) -> None:
+    """Moves lights of ours with the subject: they turn around its center, and look at it."""
+    for light in (o for o in scene.objects if o.type == "LIGHT" and owned.MARK in o) if way.length else ():
+        journal.set(light, "location", light.location + way)
+    rendered.layer(scene).update()
+
+
+def _cards(scene: Scene, moments: Sequence[Moment], looks: Sequence[ByKey]) -> list[Track]:
+    """Cards before lights fade in and out with their light: their shadow would fall into the light of others."""
+    tracks = []
+    for card in (o for o in scene.objects if o.get(owned.MARK) == owned.CARD and o.parent):
+        keys = [f"light/{card.parent.name}/{name}" for name in ("power", "strength")]
+        lit = [any(look.get(key, [0.0])[0] for key in keys) for look in looks]
+        with snapshot.transaction(scene) as journal:
+            opacity = _opacity(journal, card)
+        frames = (moment.frame for moment in moments)
+        tracks.append(Track(opacity, "default_value", 0, dict(zip(frames, map(float, lit), strict=True))))
+    return tracks
+
+
+def _opacity(journal: Journal, card: Object) -> NodeSocket:
+    """The opacity of a card, which gets a material for it."""
+    if not card.data.materials:
+        material = journal.new("materials", owned.CARD)
+        owned.mark_owned(material, owned.CARD)
+        tree = compat.enable_nodes(material)
+        tree.nodes.clear()
+        kinds = ("BsdfTransparent", "BsdfDiffuse", "MixShader", "OutputMaterial")
+        clear, gray, mix, output = (tree.nodes.new(f"ShaderNode{kind}") for kind in kinds)
+        mix.name = owned.CARD
+        for source, target in (
+            (clear, mix.inputs[1]),
+            (gray, mix.inputs[2]),
+            (mix, output.inputs["Surface"]),
+        ):
+            tree.links.new(source.outputs[0], target)
+        journal.append_material(card.data, material)
+    return card.data.materials[0].node_tree.nodes[owned.CARD].inputs[0]
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, bool | int | float | list)
+
+
+def _flags(values: Mapping[int, bool]) -> dict[int, bool]:
+    """A flag at the frames where it changes; what is hidden at one frame and seen at the next is there on the way."""
+    frames = list(values)
+    held = {a: values[a] and values[b] for a, b in pairwise([*frames, frames[-1]])}
+    changes = [b for a, b in pairwise(frames) if held[a] != held[b]]
+    return {frame: held[frame] for frame in (frames[0], *changes)}
+
+
+def _curves(
+    owner: bpy_struct, name: str, values: dict[int | None, Any], frames: Sequence[int]
+) -> list[Track]:
+    """The curves of a property's components that change, with keys at the moments and as many between them as it takes."""
+    base = values.pop(None)
+    by_frame = {frame: value for frame, value in values.items() if frame is not None}
+    if not owner.bl_rna.properties[name].is_animatable:
+        return []
+    if isinstance(base, bool):
+        changes = any(flag != base for flag in by_frame.values())
+        return [Track(owner, name, 0, _flags(by_frame))] if changes else []
+    rows = np.array([np.atleast_1d(value) for value in (base, *by_frame.values())], float)
+    if name == "rotation_quaternion":  # the negative is the same rotation
+        for before, now in pairwise(rows):
+            now *= math.copysign(1.0, before @ now)
+    tracks = []
+    for index, column in enumerate(rows.T):
+        if np.ptp(column) > _UNCHANGED * max(np.abs(column).max(), 1.0):
+            tracks.append(Track(owner, name, index, _thinned(list(by_frame), column[1:], frames)))
+    return tracks
+
+
+def _thinned(every: list[int], values: np.ndarray, frames: Sequence[int]) -> dict[int, float]:
+    """Values by frame, at the moments, and between them only where a straight line would miss them."""
+    kept = {every.index(frame) for frame in frames}
+    for one, other in pairwise(sorted(kept)):
+        _keep(np.array(every, float), values, one, other, kept)
+    return {every[i]: float(values[i]) for i in sorted(kept)}
+
+
+def _keep(frames: np.ndarray, values: np.ndarray, one: int, other: int, kept: set[int]) -> None:
+    """Adds the key between two others that a straight line misses most, and goes on in both halves."""
+    if other - one < 2:
+        return
+    inside = slice(one, other + 1)
+    line = np.interp(frames[inside], frames[[one, other]], values[[one, other]])
+    allowed = _TOLERANCE[0] * np.abs(values[inside]) + _TOLERANCE[1] * np.ptp(values) + 1e-9
+    missed = np.abs(line - values[inside]) / allowed
+    worst = one + int(missed.argmax())
+    if missed.max() > 1.0:
+        kept.add(worst)
+        _keep(frames, values, one, worst, kept)
+        _keep(frames, values, worst, other, kept)
+
+
+def _objects(scene: Scene, moment: Moment) -> list[Object]:
+    return [scene.objects[name] for name in moment.subject if name in scene.objects]
