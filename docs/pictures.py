@@ -97,10 +97,10 @@ PROGRESS = (0, 25, 1185, 815)
 GRID = (1330, 60, 1920, 1006)
 """What is cut out of the screenshot of presets.jpg."""
 
-FIRST_LOOK = (("marks", 1), ("running", 1), ("search", 6), ("result", 1))
-"""Screenshots of first-look.webp, and how many of each."""
+COLUMN = (1790, 160, 2306, 1333)
+"""What is cut out of the screenshots of first-look.webp: the panel down to the result."""
 
-_FRAME, _LAST = 700, 3500  # milliseconds of an animation's frames, and of its last one
+_FRAME, _LAST, _DARK = 1500, 4500, "#1d1d1d"  # milliseconds of an animation's frames, and of its last one
 LIGHT_MIX = (1290, 308, 1548, 722)
 """What is cut out of the screenshot of light-mix.jpg, at the usual scale."""
 
@@ -147,19 +147,29 @@ def panel(shots: Path) -> None:
     save(sheet, "panel.jpg")
     save(cut("tour/*_running.png", PROGRESS, 0.75), "progress.jpg")
     save(cut("presets/*_grid.png", GRID, 1.0), "presets.jpg")
-    first_look(shots / "tour")
+    first_look(shots / "tour_double")
 
 
 def first_look(shots: Path) -> None:
-    """A vibe from the words to the result, as an animation."""
-    files: list[Path] = []
-    for name, most in FIRST_LOOK:
-        found = sorted(shots.glob(f"*_{name}.png"))
-        files += found[:: max(len(found) // most, 1)][:most]
-    frames = [Image.open(file).convert("RGB").resize((960, 600), Image.Resampling.LANCZOS) for file in files]
+    """A vibe from the words to the result, as an animation: the panel, and the scene before and after."""
+    stages = [
+        ("marks", "bust-before"),
+        ("running", "bust-before"),
+        ("search", "bust-before"),
+        ("result", "bust"),
+    ]
+    frames = []
+    for name, render in stages:
+        if not (found := sorted(shots.glob(f"*_{name}.png"))):
+            continue
+        frame = Image.new("RGB", (1040, 600), _DARK)
+        panel = Image.open(found[-1]).convert("RGB").crop(COLUMN)
+        frame.paste(panel.resize((264, 600), Image.Resampling.LANCZOS), (0, 0))
+        frame.paste(Image.open(HERE / "gallery" / f"{render}.jpg").resize((768, 432)), (268, 84))
+        frames.append(frame)
     times = [_FRAME] * (len(frames) - 1) + [_LAST]
     out = HERE / "first-look.webp"
-    frames[0].save(out, save_all=True, append_images=frames[1:], duration=times, loop=0, quality=70, method=6)
+    frames[0].save(out, save_all=True, append_images=frames[1:], duration=times, loop=0, quality=80, method=6)
     print(f"{out}: {out.stat().st_size / 1000:.0f} kB")
 
 
