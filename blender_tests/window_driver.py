@@ -97,6 +97,8 @@ def choosing(screen):
 
     before, scene = values(), bpy.context.scene
     scene.vibe.prompt = PROMPT  # without one, a line below the button says so
+    words = addon_state.readings  # their lines push the panels below down
+    yield from screen.wait(lambda: words.newest.prompt == PROMPT, 120, "words are read")
     yield 0.5
     yield from header(screen, AFFECT)
     yield from a_result(screen, variants=2)

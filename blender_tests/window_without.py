@@ -55,7 +55,7 @@ def earlier_prompts(screen):
 def single_values(screen):
     """The list is opened, a value locked in it, and all set free."""
     locks = bpy.context.scene.vibe.locks
-    yield from header(screen, 79, "vibe.look_for_engine")  # Affect
+    yield from header(screen, 107, "vibe.look_for_engine")  # Affect
     yield from screen.find("new_lights", 620)
     yield from screen.open(screen.observed["found"]["new_lights"][1] + 32, 0.4)
     yield from screen.wait(lambda: bpy.context.window_manager.vibe_values.rows, 30, "the list")
@@ -79,7 +79,7 @@ def a_preset(screen):
     shutil.rmtree(
         library.preset_folder(), ignore_errors=True
     )  # so that ours are at the same places every time
-    top = yield from header(screen, 51, "vibe.look_for_engine", 375)
+    top = yield from header(screen, 79, "vibe.look_for_engine", 375)
     yield from screen.click_at(top + 82, 0.45)  # Browse; nothing tells that its grid is there
     yield 1.5
     screen.shoot("grid")
