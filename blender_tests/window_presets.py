@@ -37,7 +37,7 @@ def presets(screen):
     yield 0.5
     yield from header(screen, PRESETS)
     top = yield from screen.top_of("vibe.run", 227)
-    yield from screen.click_at(top + 91, 0.45)  # Browse: a popover's button says nothing of itself
+    yield from screen.click_at(top + 119, 0.45)  # Browse: a popover's button says nothing of itself
     yield 1.5
     screen.shoot("grid")
     yield from search(screen, held, top)
@@ -56,13 +56,13 @@ def search(screen, held, top):
     """Words are typed into the grid's search field, and pictures' buttons are clicked; it is below Browse."""
     from bl_ext.user_default.vibe_render.looks import library
 
-    yield from screen.click_at(top + 131, 0.45)
+    yield from screen.click_at(top + 159, 0.45)
     screen.type("misty")
     screen.press("Return")
     yield 1.0
     own = held.chosen
     for number, place in enumerate((0.18, -0.3)):  # the second and the first of those that are left
-        yield from screen.click_at(top + 271, place)
+        yield from screen.click_at(top + 299, place)
         yield from screen.wait(lambda n=number: (held.chosen == own) == bool(n), 30, "a picture is chosen")
         yield 0.7
         screen.shoot(f"search_{number + 1}")

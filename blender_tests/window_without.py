@@ -80,10 +80,10 @@ def a_preset(screen):
         library.preset_folder(), ignore_errors=True
     )  # so that ours are at the same places every time
     top = yield from header(screen, 79, "vibe.look_for_engine", 375)
-    yield from screen.click_at(top + 82, 0.45)  # Browse; nothing tells that its grid is there
+    yield from screen.click_at(top + 110, 0.45)  # Browse; nothing tells that its grid is there
     yield 1.5
     screen.shoot("grid")
-    yield from screen.click_at(top + 402, 0.4)  # Moonlight
+    yield from screen.click_at(top + 430, 0.4)  # Moonlight
     yield from screen.wait(lambda: snapshot.exists(bpy.context.scene), 60, "the preset is applied")
     screen.observed["preset"] = bpy.context.scene.vibe.vibed_preset
     screen.press("Escape")
