@@ -23,7 +23,7 @@ from window_mix import light_mix
 from window_presets import presets
 from window_scene import a_scene, effort, same, values
 from window_screen import Screen
-from window_steps import AFFECT, CHANGES, PROMPT, a_result, header, open_panel, running
+from window_steps import AFFECT, CHANGES, PROMPT, a_result, header, open_panel, prompted, running
 from window_still import still
 from window_tour import tour, tour_double
 from window_without import without_engine
@@ -96,10 +96,7 @@ def choosing(screen):
     from bl_ext.user_default.vibe_render.scene import snapshot
 
     before, scene = values(), bpy.context.scene
-    scene.vibe.prompt = PROMPT  # without one, a line below the button says so
-    words = addon_state.readings  # their lines push the panels below down
-    yield from screen.wait(lambda: words.newest.prompt == PROMPT, 120, "words are read")
-    yield 0.5
+    yield from prompted(screen)
     yield from header(screen, AFFECT)
     yield from a_result(screen, variants=2)
     screen.shoot("result")

@@ -3,7 +3,7 @@
 
 import bpy
 from window_scene import values
-from window_steps import LIGHT_MIX, PROMPT, header
+from window_steps import LIGHT_MIX, header, prompted
 
 
 def light_mix(screen):
@@ -14,8 +14,7 @@ def light_mix(screen):
     bpy.context.scene.render.engine = "CYCLES"
     bpy.ops.ed.undo_push(message="Cycles")
     before = values()
-    bpy.context.scene.vibe.prompt = PROMPT  # without one, a line below the button says so
-    yield 0.5
+    yield from prompted(screen)
     yield from header(screen, LIGHT_MIX)
     yield from screen.click_on("vibe.mix_render", 320)
     yield from screen.wait(lambda: addon_state.mix, 300, "the lights are rendered")

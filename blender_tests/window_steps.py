@@ -25,6 +25,15 @@ def open_panel(screen):
     yield 0.5
 
 
+def prompted(screen):
+    """The prompt is there, and its words are marked: without it a line is below the button, and the words push panels down."""
+    from bl_ext.user_default.vibe_render.run.state import addon_state
+
+    bpy.context.scene.vibe.prompt = PROMPT
+    yield from screen.wait(lambda: addon_state.readings.newest.prompt == PROMPT, 120, "words are read")
+    yield 0.5
+
+
 def running(screen):
     """A long vibe is started, and its first picture awaited."""
     from bl_ext.user_default.vibe_render.run.state import addon_state
