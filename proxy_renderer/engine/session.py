@@ -141,11 +141,15 @@ class EngineSession:
             shots=values if len(values) > 1 else [],
         )
 
+    def _last(self, verb: str) -> tuple[pipeline.Outcome, Encoder]:
+        """The outcome of the last `run`, and its encoder; raises VibeError if there was none."""
+        if self._outcome is None or self._encoder is None:
+            raise VibeError(f"There is nothing to {verb}.", "Send a vibe first.")
+        return self._outcome, self._encoder
+
     def draw(self) -> None:
         """Draws the prediction and the variants of every shot; raises VibeError if there was no `run` before."""
-        outcome, encoder = self._outcome, self._encoder
-        if outcome is None or encoder is None:
-            raise VibeError("There is nothing to draw.", "Send a vibe first.")
+        outcome, encoder = self._last("draw")
         rows: list[list[tuple[str, Image.Image]]] = []  # a column for each variant
         for number, (shot, state) in enumerate(zip(self.shots, outcome.shots, strict=True)):
             size, job = picture_size(state.scene.resolution, self.options.size), Path(shot.job)
@@ -162,9 +166,7 @@ class EngineSession:
 
         Raises VibeError if there was no `run` before.
         """
-        outcome, encoder = self._outcome, self._encoder
-        if outcome is None or encoder is None:
-            raise VibeError("There is nothing to finish.", "Send a vibe first.")
+        outcome, encoder = self._last("finish")
         before, after = (pictures.load_picture(Path(p)) for p in (request.before, request.after))
         shape, shot = (after.shape[1], after.shape[0]), self.shots[request.shot]
         names, mask = self._predicted[request.shot]
@@ -197,9 +199,7 @@ class EngineSession:
 
     def check(self, request: messages.Check) -> messages.Checked:
         """Measures Cycles' pictures of another frame by the words of this vibe; raises VibeError if there was no `run` before."""
-        outcome, encoder = self._outcome, self._encoder
-        if outcome is None or encoder is None:
-            raise VibeError("There is nothing to check.", "Send a vibe first.")
+        outcome, encoder = self._last("check")
         scene = load_scene(Path(request.job))
         before, after = (
             torch.from_numpy(pictures.load_picture(Path(p))) for p in (request.before, request.after)

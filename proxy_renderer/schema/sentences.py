@@ -14,14 +14,15 @@ _FACTORS = {
     "two times": 2.0, "three times": 3.0, "triple": 3.0,
 }  # fmt: skip
 _SHARE = r"(?P<share>half|a half|a third|a quarter|\d{1,3} ?(?:%|percent))"
-_REMOVE = "without|remove|lose|drop|kill|ditch|no more|get rid of|(?:take|turn|switch) (?:away|out|off)"
+_REMOVE = "without|remove|lose|drop|ditch|no more|get rid of|take (?:away|out|off)"
+_AMOUNTS = "saturation|contrast|vignette|haze|fog|mist|bloom|glow|warmth"  # of air and grade; a lamp that is off is dark
 _NOT = "(?:but )?not(?: on)?(?: the)?(?! (?:that|so|as|too|quite) )"
 _FORMS = (
     ("show", rf"(?:(?:go|take it|take me|return|revert) )?(?:back )?to {_STEP}"),
     ("show", rf"{_STEP} (?:was|is) better(?:,? go back)?"),
     (
         "show",
-        r"(?:go back to )?the (?:one|look|version) (?P<step>before)|(?:the )?(?P<previous>previous)(?: \w+)?",
+        r"(?:go back to )?the (?:one|look|version) (?P<step>before)|(?:the )?previous(?: \w+)?",
     ),
     ("show", r"undo(?: that| it| the last(?: step)?)?|go back|(?:go )?(?:one|a) step back"),
     ("show", r"(?:go |take me |take it )?back to (?:the )?(?P<what>[^,]+)"),
@@ -32,7 +33,6 @@ _FORMS = (
     ("between", r"(?:some(?:thing|where) )?(?:in )?between (?:those|these|the) two"),
     ("between", rf"half ?way back to {_STEP}"),
     ("between", r"half ?way back to (?:the )?(?P<what>[^,]+)"),
-    ("between", rf"meet in the middle with {_STEP}"),
     ("between", rf"{_HALF}(?: this one| this| it)? (?:with|and) {_STEP}"),
     ("strength", r"(?P<factor>half|twice|double)(?: as| the)? (?:strong|much|strength|that|of that)"),
     (
@@ -48,7 +48,7 @@ _FORMS = (
         rf"(?:{_REMOVE}) (?:the |any |all )?(?P<what>[^,]+?)"
         r"(?: completely| entirely| altogether)?(?:,? (?:but |and )?keep .+)?",
     ),
-    ("without", r"(?:the )?(?P<what>\w+) (?:out|off)(?: again)?(?:, .+ stays?)?"),
+    ("without", rf"(?:the )?(?P<what>{_AMOUNTS}) (?:out|off)(?: again)?(?:, .+ stays?)?"),
     ("instead", r"not the (?P<what>[^,.!]+), the (?P<new>[^,]+)"),
     ("instead", rf"{_NOT} (?P<what>[^,.!]+)[,.!]+ ?(?:only|just) (?:the )?(?P<new>.+)"),
     (
@@ -75,11 +75,12 @@ _START = re.compile(
 )
 _WORDS = "|".join(sorted(_FACTORS, key=len, reverse=True))
 _POWERFUL = rf"\b(?P<factor>{_WORDS}) as (?:strong|bright|intense|powerful)\b"
-_COMPARED = rf"\b(?P<factor>{_WORDS})(?: as much)?(?: of)?(?: the)? (?=\w)"
-_PERCENT = r"(?P<more>more|less) (?P<what>\w+),? (?:like |about |by )?(?P<share>\d{1,3}) ?(?:%|percent)(?: (?:more|less))?"
-_SHARE_AFTER = (
-    r",? (?:like|about|maybe|by) (?P<sign>\+?)(?P<share>half|\d{1,3} ?(?:%|percent))(?: (?:more|less))?$"
-)
+_TIMES = "|".join(
+    word for word in _FACTORS if not word.startswith("a ")
+)  # "a third darker" is no third of it
+_COMPARED = rf"\b(?P<factor>{_TIMES})(?: as much)?(?: of)?(?: the)? (?=\w)"
+_PERCENT = r"(?P<sign>more|less) (?P<what>\w+),? (?:like |about |by )?(?P<share>\d{1,3} ?(?:%|percent))(?: (?:more|less))?"
+_SHARE_AFTER = r",? (?:like|about|maybe|by) \+?(?P<share>half|\d{1,3} ?(?:%|percent))(?: (?:more|less))?$"
 _LESS = re.compile(r"\b(?:less|darker|dimmer|weaker|softer|thinner|lower|cooler)\b", re.I)
 _STOPS = (
     r"\b(?:about |by )?(?P<count>a third of a|third of a|half a|a|one|two|three|1/3|1/2|2/3) (?:f-?)?stops?(?: (?P<way>brighter|darker"
@@ -89,7 +90,7 @@ _COUNTS = {"two": 2.0, "three": 3.0, "half a": 0.5, "1/2": 0.5, "2/3": 2 / 3} | 
     ("a third of a", "third of a", "1/3"), 1 / 3
 )
 _DOWN = ("darker", "down", "under", "less")
-_AMOUNT = r"(?:(?:bring|turn|dial|pull|push|take) )?(?:the )?(saturation|contrast|vignette|haze|fog|mist|bloom|glow|warmth)"
+_AMOUNT = rf"(?:(?:bring|turn|dial|pull|push|take) )?(?:the )?({_AMOUNTS})"
 _PLAINER = (
     (r"\ba (?:touch|tad|little bit|hint|shade|trifle)\b(?! of)|\bsomewhat\b|\bslightly\b", "a bit"),
     (r"\ba lot\b|\b(?:way|far)(?= (?:\w+er|more|less)\b)", "much"),
@@ -162,12 +163,11 @@ def plain(sentence: str) -> tuple[str, float]:
         factor = _FACTORS[found["factor"].lower()]
         text = text.replace(found[0], "brighter" if factor > 1.0 else "dimmer")
     elif found := re.search(_PERCENT, text, re.I):
-        share = float(found["share"]) / 100.0
-        factor = 1.0 + share if found["more"].lower() == "more" else 1.0 - share
-        text = text.replace(found[0], f"{found['more']} {found['what']}")
+        factor = _factor(found.groupdict())
+        text = text.replace(found[0], f"{found['sign']} {found['what']}")
     elif found := re.search(_SHARE_AFTER, text, re.I):
-        named = {"share": found["share"], "sign": "less" if _LESS.search(text) else "more"}
-        factor, text = _factor(named), text.replace(found[0], "")
+        factor = _factor({"share": found["share"], "sign": "less" if _LESS.search(text) else "more"})
+        text = text.replace(found[0], "")
     elif found := re.search(_COMPARED, text, re.I):
         factor = _FACTORS[found["factor"].lower()]
         text = text.replace(found[0], "more " if factor > 1.0 else "less ")

@@ -22,6 +22,10 @@ from .types import SceneDescription
 TIES = ("link", "around", "joiner", "comparison", "exception")  # they say how neighbors belong together
 _LONGEST = 5  # words in a phrase
 _SHORTEST, _SHORTEST_FOREIGN = 4, 6  # characters of a word that may be mistyped
+_OF_A_CAMERA = (
+    "beyond",
+    "focus",
+)  # lists of words that no value gives, unless they name a thing in the scene
 _COMPARED = ("finish", "grade", "mood", "atmosphere")  # slots of "glossier", "moodier", "drier"
 _NAME_ALIKE, _ALIKE = 0.86, 0.84  # share of characters that a mistyped name, and any other word, has right
 _BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*=+]|#(?![0-9a-f]{6}\b)|\s[-–—/]\s|/")
@@ -182,7 +186,7 @@ class Lexer:
             noun,
             in_scene,
             v.intensity.get(spelling),
-            frozenset(kind for kind in lists if kind != "beyond" or not in_scene),
+            frozenset(kind for kind in lists if kind not in _OF_A_CAMERA or not in_scene),
             name=spelling,
         )
 

@@ -42,7 +42,19 @@ def test_a_sentence_about_steps_is_told_from_a_look(sentence, kind, number, fact
 
 
 @pytest.mark.parametrize(
-    "sentence", ["a bit warmer", "back light", "no fog", "warmer, but leave the sky", "between the trees", ""]
+    "sentence",
+    [
+        "a bit warmer",
+        "back light",
+        "no fog",
+        "warmer, but leave the sky",
+        "between the trees",
+        "",
+        "lamp off",
+        "lights out",
+        "turn off the lamp",
+        "kill the rim light",
+    ],
 )
 def test_a_look_is_no_sentence_about_steps(sentence):
     assert about_steps(sentence) is None
@@ -66,6 +78,7 @@ def test_a_look_is_no_sentence_about_steps(sentence):
         ("floor not that shiny", "floor less shiny", 0.0),
         ("backdrop darker, like half", "backdrop darker", 0.5),
         ("fog thicker, maybe 50% more", "fog thicker", 1.5),
+        ("key a third darker", "key a third darker", 0.0),
         ("a bit warmer still", "a bit warmer", 0.0),
         ("sat down a bit", "less saturation a bit", 0.0),
         ("and a rim light", "a rim light", 0.0),

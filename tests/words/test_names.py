@@ -263,3 +263,8 @@ def test_of_several_of_a_shape_none_is_guessed_and_names_come_first():
 def test_what_is_in_focus_is_not_painted(focus: str) -> None:
     parsed = parse(f"warm light, {focus} the red cup in front", scene({"Cup": "Clay", "Wall": "Plaster"}))
     assert [a.entry for a in parsed.attributes] == ["warm light"]
+
+
+def test_a_thing_that_is_called_focus_is_painted() -> None:
+    parsed = parse("make the focus red, warm light", scene({"Focus": "Plastic", "Wall": "Plaster"}))
+    assert ("red", ("Plastic",)) in [(a.entry, a.owners) for a in parsed.attributes]

@@ -129,9 +129,8 @@ def start_compositor(journal: Journal, scene: Scene) -> NodeTree:
     if COMPOSITOR_IS_GROUP:
         tree = journal.new("node_groups", "Vibe Compositor", "CompositorNodeTree")
         tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
-        with bpy.context.temp_override(
-            scene=scene
-        ):  # else it shows the scene that is open, which it makes a user of
+        # Else the node shows the scene that is open, and is a user of it.
+        with bpy.context.temp_override(scene=scene):
             layers = tree.nodes.new("CompositorNodeRLayers")
         output = tree.nodes.new("NodeGroupOutput")
         layers.location = (-600.0, 0.0)

@@ -66,12 +66,12 @@ class MeasuredPicture:
             return self
         to_cones, from_cones = gray.new_tensor(CONES_FROM_REC709), gray.new_tensor(REC709_FROM_CONES)
         light = to_cones @ (gray / luminance(gray))
-        level = (_MIDDLE / luminance(gray)).clamp(1.0, _DIM) ** _ADAPTED
+        dimness = _MIDDLE / luminance(gray)
+        level = dimness.clamp(1.0, _DIM) ** _ADAPTED
         scale = level / (_ADAPTED * light + (1.0 - _ADAPTED) * to_cones.sum(1))
         display = linear_from_srgb(self.display)
         adapted = display @ (from_cones @ (scale[:, None] * to_cones)).T
-        white = luminance(gray) / _MIDDLE
-        glow = (luminance(display[where].detach()).mean() / white - 1.0).clamp(0.0, 1.0)
+        glow = (luminance(display[where].detach()).mean() * dimness - 1.0).clamp(0.0, 1.0)
         return replace(self, display=srgb_from_linear(torch.lerp(adapted, display, glow)))
 
     @cached_property
