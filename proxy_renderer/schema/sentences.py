@@ -37,7 +37,7 @@ _FORMS = (
     ("strength", r"(?P<factor>half|twice|double)(?: as| the)? (?:strong|much|strength|that|of that)"),
     (
         "strength",
-        rf"(?:[^,]*\btoo\b[^,]*, )?(?:dial|tone|turn|bring|pull) (?:it|that|this)(?: down| back) (?:by )?{_SHARE}",
+        rf"(?:[^,]*\btoo\b[^,]*, )?(?:dial|tone|turn|bring|pull) (?:it|that|this)(?: down| back) (?:by |to )?{_SHARE}",
     ),
     (
         "strength",
@@ -73,6 +73,22 @@ _START = re.compile(
     r"^(?:(?:and|but|now|then|also|plus|please|hm+|ok|okay|actually|nice|make (?:it|that|this)|keep everything(?: else)?(?: as it is)?,? but)\b[ ,.]*)+",
     re.I,
 )
+_SEEMS = r"(?:'s|\b (?:is|are|gets?|got|goes|went|looks?|feels?|reads?|seems?)\b)"
+_COMPLAINT = re.compile(
+    rf"(?:the )?(?P<thing>[\w -]+?){_SEEMS} [^,;.]*[,;.]+ (?P<act>[^,;.]*\b(?:it|them)\b.*)", re.I
+)
+"""A thing, what is wrong with it, and what to do with it: "the lamp is burning out the wall, halve it"."""
+_RESEMBLES = re.compile(
+    r"(?:it |this |that )?(?:still )?(?:looks?|feels?|reads?) (?:more )?like [^,;.]*[,;.]+ ", re.I
+)
+"""What it looks like now, before what is to be done."""
+_PRONOUNS = ("it", "this", "that", "i", "we", "they", "these", "those", "there", "still")
+_REASON = re.compile(
+    r"(?:[,;.]? (?:so that|so (?:the|it|we|i|you)|because|since (?:the|it)|as (?:if|though))\b"
+    r"|[,;.] (?:i|we|you|they) (?:can|could|cannot|can't)\b|[,;.] (?:it|that|this)(?:'s| is| looks?| feels?| reads?)\b).*",
+    re.I,
+)
+"""Why something is to be done: its words are no looks."""
 _WORDS = "|".join(sorted(_FACTORS, key=len, reverse=True))
 _POWERFUL = rf"\b(?P<factor>{_WORDS}) as (?:strong|bright|intense|powerful)\b"
 _TIMES = "|".join(
@@ -83,14 +99,15 @@ _PERCENT = r"(?P<sign>more|less) (?P<what>\w+),? (?:like |about |by )?(?P<share>
 _SHARE_AFTER = r",? (?:like|about|maybe|by) \+?(?P<share>half|\d{1,3} ?(?:%|percent))(?: (?:more|less))?$"
 _LESS = re.compile(r"\b(?:less|darker|dimmer|weaker|softer|thinner|lower|cooler)\b", re.I)
 _STOPS = (
-    r"\b(?:about |by )?(?P<count>a third of a|third of a|half a|a|one|two|three|1/3|1/2|2/3) (?:f-?)?stops?(?: (?P<way>brighter|darker"
-    r"|up|down|over|under|more|less)\b)?"
+    r"\b(?:about |by )?(?P<count>a third of a|third of a|half a|a|one|two|three|1/3|1/2|2/3) (?:f-?)?stops?(?P<half> and a half)?"
+    r"(?: (?P<way>brighter|darker|up|down|over|under|more|less)\b)?"
 )
 _COUNTS = {"two": 2.0, "three": 3.0, "half a": 0.5, "1/2": 0.5, "2/3": 2 / 3} | dict.fromkeys(
     ("a third of a", "third of a", "1/3"), 1 / 3
 )
 _DOWN = ("darker", "down", "under", "less")
 _AMOUNT = rf"(?:(?:bring|turn|dial|pull|push|take) )?(?:the )?({_AMOUNTS})"
+_MOVE = "(?:bring|take|pull|push|knock|lift|move|swing|rotate|turn|put|shift)"
 _PLAINER = (
     (r"\ba (?:touch|tad|little bit|hint|shade|trifle)\b(?! of)|\bsomewhat\b|\bslightly\b", "a bit"),
     (r"\ba lot\b|\b(?:way|far)(?= (?:\w+er|more|less)\b)", "much"),
@@ -103,6 +120,17 @@ _PLAINER = (
     (r",? (?:but|and) not (?:on )?(?=the\b)", ", but leave "),
     (rf"\b{_AMOUNT} up\b", r"more \1"),
     (rf"\b{_AMOUNT} down\b", r"less \1"),
+    (rf"\b{_MOVE} (?:(?:it|this|that) )?((?:the [^,;.]+? )?)(?:up|down) (?=brighter|darker)", r"\1"),
+    (rf"\b{_MOVE} (?:(?:it|this|that) )?((?:the [^,;.]+? )?)up\b", r"\1brighter"),
+    (rf"\b{_MOVE} (?:(?:it|this|that) )?((?:the [^,;.]+? )?)down\b", r"\1darker"),
+    (
+        rf"\b{_MOVE} (?:the )?([\w ]+?) (?:a?round |over |more |further )*(?:to|on|towards?|from) the (left|right|back|front)\b",
+        r"\1 from the \2",
+    ),
+    (rf"\b{_MOVE} (the [\w ]+?) (?:more |further )?towards? (?=\w+$)", r"\1 more "),
+    (r"\badd (?:some|a bit of|a little) ", "add "),
+    (r"(\bno \w+) (?:at all|whatsoever)\b", r"\1"),
+    (r",? (?:without|but not) (?:touching|changing|affecting|moving) ", ", but leave "),
 )
 
 
@@ -152,12 +180,12 @@ def plain(sentence: str) -> tuple[str, float]:
     >>> plain("And now twice as much fog")
     ('more fog', 2.0)
     """
-    text = _START.sub("", _TAIL.sub("", " ".join(sentence.split())))
+    text = _wish(_START.sub("", _TAIL.sub("", " ".join(sentence.split()))))
     factor = 0.0
     if found := re.search(_STOPS, text, re.I):
-        way = (found["way"] or "").lower()
-        stops = _COUNTS.get(found["count"].lower(), 1.0) * (-1.0 if way in _DOWN else 1.0)
-        factor = 2.0**stops
+        ways = (found["way"] or text[: found.start()]).lower().split()
+        stops = _COUNTS.get(found["count"].lower(), 1.0) + (0.5 if found["half"] else 0.0)
+        factor = 2.0 ** (-stops if set(ways) & set(_DOWN) else stops)
         text = text.replace(found[0], "darker" if factor < 1.0 else "brighter")
     elif found := re.search(_POWERFUL, text, re.I):
         factor = _FACTORS[found["factor"].lower()]
@@ -174,3 +202,12 @@ def plain(sentence: str) -> tuple[str, float]:
     for pattern, word in _PLAINER:
         text = re.sub(pattern, word, text, flags=re.I)
     return text.strip(), factor
+
+
+def _wish(text: str) -> str:
+    """What is to be done, without what is wrong now and without reasons."""
+    text = _REASON.sub("", _RESEMBLES.sub("", text))
+    found = _COMPLAINT.fullmatch(text)
+    if found and found["thing"].lower() not in _PRONOUNS:
+        return re.sub(r"\b(?:it|them)\b", f"the {found['thing']}", found["act"], count=1, flags=re.I)
+    return text
