@@ -221,11 +221,11 @@ class Journal:
                     owner.links.new(_socket(owner, entry["old"], "outputs"), target)
 
     def _remove(self, added: list[tuple[str, ID]]) -> None:
-        """Removes data-blocks without users; objects always, because their collections use them, and collections once empty."""
+        """Removes data-blocks without users; objects always, because their collections use them, and collections also once empty."""
 
         def is_free(block: ID) -> bool:
             if isinstance(block, bpy.types.Collection):
-                return not block.all_objects and not block.children
+                return not (block.users and (block.all_objects or block.children))
             return isinstance(block, bpy.types.Object) or block.users == block.use_fake_user
 
         while free := [pair for pair in added if is_free(pair[1])]:

@@ -169,6 +169,7 @@ def change_lines(instances: dict[str, schema.Instance], values: dict[str, Any]) 
     for key, value in values.items():
         instance = instances.get(key)
         if instance is None:  # of a light that has been added
+            rows += [(1.0, f"{labels.title(key)}.")] if schema.light_links.link_of(key) else []
             continue
         before, after = instance.value, tuple(value)
         if labels.same(key, before, after):

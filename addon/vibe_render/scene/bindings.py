@@ -17,8 +17,8 @@ from ..core import rendered
 from ..core.journal import Journal
 from ..core.schema_import import labels, schema
 from ..core.value_slots import ValueSlot
+from . import light_links, prepare, scene_context, snapshot
 from . import locators as at
-from . import prepare, scene_context, snapshot
 from .light_types import type_of
 from .nodes import backgrounds
 from .nodes.backgrounds import BACKDROP, LIGHT
@@ -245,6 +245,9 @@ def put(
         rest[key] = owner.locked or slot.locked
         if not rest[key]:
             slot.set(journal, row.codec.encode(tuple(map(float, values[key]))))
+    rest |= dict.fromkeys(filter(schema.light_links.link_of, values), "") | light_links.put(
+        journal, scene, values
+    )
     return {key: reason for key, reason in rest.items() if reason}
 
 
