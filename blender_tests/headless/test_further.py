@@ -76,7 +76,7 @@ def test_revert_takes_all_steps_back(vibed):
     [
         (["--then=warmer"], "has no look to go on from"),
         (["--then= "], "The step is empty"),
-        (["--prompt=red box", "--then=warmer", "--frames=1,2"], "goes on from one shot"),
+        (["--prompt=red box", "--then=warmer", "--frames=1,2"], "--then is for one shot"),
         (["--prompt=red box", "--then=back to step 5"], "There is no step 5"),
     ],
 )

@@ -27,7 +27,7 @@ from ..looks import transfer
 from ..render import anchors, final_render
 from ..run.driver import Driver, drive
 from ..run.notes import words_of
-from ..scene import bindings
+from ..scene import bindings, own_keys
 from ..scene.steps import Change, Steps
 from ..scene.subject import remember_subject
 from . import summary
@@ -179,6 +179,7 @@ class HeadlessVibe(Driver):
         if args.grade_each or number == siblings[-1]:
             if not args.grade_each:
                 shots.restore()
+            own_keys.release(analysis.scene)
             save_blend(out.path(summary.blend_of(args, shots, number)))
         self._measured.append((yield from self._answer(messages.Finished)))
         out.copy("compare.png", compared)
@@ -201,7 +202,7 @@ class HeadlessVibe(Driver):
             except schema.VibeError as error:  # the subject is hidden
                 self._sequence.append({"frame": frame, "lost": [], "note": error.message})
                 continue
-            with bindings.trial(scene, self._steps.base, (), self._steps.pivot):
+            with own_keys.as_before(scene), bindings.trial(scene, self._steps.base, (), self._steps.pivot):
                 final_render.render_picture(scene, before, *_CHECKED, self._args.seed)
             final_render.render_picture(scene, after, *_CHECKED, self._args.seed)
             self._ask(messages.Check(str(folder), str(before), str(after)))

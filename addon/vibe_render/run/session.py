@@ -13,7 +13,7 @@ from ..core.schema_import import atomic, messages, schema
 from ..engine.process import Engine
 from ..export import darkness
 from ..render import anchors, final_render, reference
-from ..scene import bindings, keyframes, snapshot
+from ..scene import bindings, keyframes, own_keys, snapshot
 from ..scene.prepare import separate_materials, shared_materials
 from ..scene.steps import Change, Steps
 from ..scene.subject import remember_subject
@@ -100,6 +100,8 @@ class Session(SceneSession):
         self._vibed, start = snapshot.exists(scene), snapshot.mark(scene)
         self._keyed |= keyframes.are_shown(scene)
         try:
+            if scene.vibe.offset_keys:
+                own_keys.hold(scene)
             if self._change.values:
                 bindings.write(scene, self._change.values, (), self._change.steps.pivot)
             yield from self._export()

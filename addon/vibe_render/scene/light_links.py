@@ -28,6 +28,12 @@ def states(collection: Collection | None) -> States:
     return found
 
 
+def read(scene: Scene) -> dict[str, schema.Values]:
+    """The links of ours in a scene, by key."""
+    receivers = (o.light_linking.receiver_collection for o in scene.objects if o.type == "LIGHT")
+    return {key: (1.0,) for each in receivers if each for key in each.get(_LINKS, ())}
+
+
 def put(journal: Journal, scene: Scene, values: Mapping[str, Sequence[float]]) -> dict[str, str]:
     """Links lights of a scene, or takes links of ours away, as values say by key; other keys are left out.
 

@@ -20,7 +20,7 @@ from ..run import result
 from ..run.notes import shortfall, word_notes, words_of
 from ..run.session import Session
 from ..run.state import addon_state
-from ..scene import keyframes, moments, snapshot
+from ..scene import keyframes, moments, own_keys, snapshot
 from . import steps
 from .bases import allowed, result_obstacle
 from .drawing import GROUP_ICONS, HEX_COLOR, before_after, colored, columns, icon, paragraph, see_rendered
@@ -36,6 +36,9 @@ _STATES = {
     "unmeasured": ("Set, not measured", "DOT"),
 }
 """State of a word's verdict -> its words and its sign."""
+
+
+HELD = "Your own keyframes are set aside. Keep moves them with the look"
 
 
 class ResultPanel:
@@ -71,6 +74,9 @@ class ResultPanel:
         row.operator("vibe.revert", icon="LOOP_BACK")
         if reason := result_obstacle(context):
             paragraph(layout, context, reason, "INFO", faint=True)
+        layout.prop(settings, "offset_keys")
+        if own_keys.are_held(context.scene):
+            paragraph(layout, context, HELD, "KEYFRAME", faint=True)
         if keyframes.exist(context.scene):
             paragraph(layout, context, _keyframes_note(context.scene), "KEYFRAME", faint=True)
         if settings.changes:  # Before, After and Strength change the scene itself
@@ -262,7 +268,8 @@ class VIBE_OT_keyframe(_Vibed):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         unchanged = "" if context.scene.vibe.changes else "The result has changed nothing"
-        return allowed(cls, result_obstacle(context) or unchanged)
+        held = HELD if own_keys.are_held(context.scene) else ""
+        return allowed(cls, result_obstacle(context) or unchanged or held)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
