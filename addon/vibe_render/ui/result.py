@@ -21,7 +21,7 @@ from ..run.notes import shortfall, word_notes, words_of
 from ..run.session import Session
 from ..run.state import addon_state
 from ..scene import keyframes, moments, own_keys, snapshot
-from . import steps
+from . import sequence, steps
 from .bases import allowed, result_obstacle
 from .drawing import GROUP_ICONS, HEX_COLOR, before_after, colored, columns, icon, paragraph, see_rendered
 from .scope import draw_lock
@@ -90,6 +90,7 @@ class ResultPanel:
             _draw_variants(layout, variants, settings.variant)
         if session and not settings.variant:  # what is visible was measured on the first variant
             _draw_verdicts(layout, context, session)
+            sequence.draw(layout, context, session)
         steps.draw(layout, context)
         if settings.changes:
             draw_changes(layout, context)
