@@ -204,7 +204,8 @@ def _draw_changes(
         else:
             values.alignment = "RIGHT"
             values.label(text=result.arrow(change.name, *change.values()))
-        draw_lock(row, context.scene.vibe, change.name)
+        if not schema.light_links.link_of(change.name):  # no search changes a link
+            draw_lock(row, context.scene.vibe, change.name)
     if context.scene.vibe.show_reasons and why:
         most = columns(context)
         text = why if len(why) <= most else f"{why[: most - 1].rstrip()}…"
