@@ -6,13 +6,16 @@ import numpy as np
 import pytest
 import small_scenes as scenes
 import torch
+from dump import difference, dump
 from vibe_render.export import reading
 from vibe_render.render import anchors
+from vibe_render.scene import bindings, light_links, snapshot
 from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
+from proxy_renderer.schema.light_links import LightLink
 
 
 @pytest.fixture
@@ -82,3 +85,42 @@ def test_linked_shadows_and_glows_are_said_to_be_left_out(balls, tmp_path):
     warnings = "\n".join(reading.export_scene(balls, tmp_path, SubjectChoice(("Left",))).warnings)
     assert "Shadow linking of Point is left out" in warnings
     assert "Left is linked to some objects" in warnings
+
+
+def linking(light):
+    """The names of a light's receivers by state."""
+    found = light_links.states(light.light_linking.receiver_collection)
+    return {state: {o.name for o in objects} for state, objects in found.items()}
+
+
+@pytest.mark.parametrize("own", ["", "EXCLUDE"])
+def test_links_of_words_are_written_predicted_and_reverted(balls, tmp_path, own):
+    """Also those of a light that the artist has linked."""
+    if own:
+        link(balls, own, child=False)
+    reading.export_scene(balls, tmp_path / "before", SubjectChoice(("Left",)))
+    snapshot.forget(balls)
+    before, lamp = dump(), balls.objects["Point"]
+    links = LightLink("Point", False, ("Floor",)), LightLink("Spot", True, ("Right",))
+    predicted = load_scene(tmp_path / "before")
+    for each in links:
+        predicted = predicted.with_link(each, "'not on the floor'")
+    values = {each.key: [1.0] for each in links}
+    assert bindings.write(balls, values, (), (0.0, 0.0, 0.0)) == {}
+    assert linking(lamp) == {"INCLUDE": set(), "EXCLUDE": {"Floor", *(["Left"] if own else [])}}
+    assert linking(balls.objects["Spot"])["INCLUDE"] == {"Right"}
+    reading.export_scene(balls, tmp_path / "after", SubjectChoice(("Left",)))
+    assert [x.unlit for x in load_scene(tmp_path / "after").lights] == [x.unlit for x in predicted.lights]
+
+    bindings.write(balls, {key: [0.0] for key in values}, (), (0.0, 0.0, 0.0))  # a step that is switched off
+    assert balls.objects["Spot"].light_linking.receiver_collection is None
+    assert linking(lamp)["EXCLUDE"] == ({"Left"} if own else set())
+    assert snapshot.revert(balls) == []
+    assert difference(before, dump()) == {}
+
+
+def test_a_light_that_cannot_be_linked_is_said(balls):
+    key = LightLink("Lantern", True, ("Left",)).key
+    assert bindings.write(balls, {key: [1.0]}, (), (0.0, 0.0, 0.0)) == {
+        key: "there is no such light in this scene"
+    }

@@ -6,6 +6,7 @@ import json
 import bpy
 import pytest
 from headless_runs import QUICK, run_headless, save_scene
+from vibe_render.scene import snapshot
 
 pytestmark = pytest.mark.slow
 DARKER = ["--then=darker", "--then=half as strong", "--then=back to the first"]
@@ -75,7 +76,7 @@ def test_revert_takes_all_steps_back(vibed):
     [
         (["--then=warmer"], "has no look to go on from"),
         (["--then= "], "The step is empty"),
-        (["--prompt=red box", "--then=warmer", "--frames=1,2"], "goes on from one shot"),
+        (["--prompt=red box", "--then=warmer", "--frames=1,2"], "--then is for one shot"),
         (["--prompt=red box", "--then=back to step 5"], "There is no step 5"),
     ],
 )
@@ -85,3 +86,19 @@ def test_what_cannot_be_is_one_line(shot, tmp_path, arguments, problem):
     line = next(line for line in output.splitlines() if problem in line)
     assert line.count(". ") >= 1  # with what to do
     assert "Traceback" not in output
+
+
+def test_a_light_is_linked_by_a_further_sentence(shot):
+    """A sentence that names no look: nothing is searched."""
+    out = shot.parent / "linked"
+    words = ["--prompt=warm light", "--then=the area light does not light the floor"]
+    code, output = run_headless("run", shot, *words, f"--out={out}", *QUICK)
+    assert code == 0, output
+    assert "Area light: not on Floor." in output
+    assert report(out)["steps"][-1]["values"] == {"light/Area (not on Floor)/linked": [1.0]}
+    bpy.ops.wm.open_mainfile(filepath=str(out / "vibed.blend"))
+    linking = bpy.data.objects["Area"].light_linking
+    assert [o.name for o in linking.receiver_collection.objects] == ["Floor"]
+    assert snapshot.revert(bpy.context.scene) == []
+    assert linking.receiver_collection is None
+    assert not bpy.data.collections

@@ -9,7 +9,7 @@ import pytest
 from dump import changes, dump
 from headless_runs import QUICK, run_headless, save_scene
 from vibe_render.core import compat
-from vibe_render.scene import keyframes, moments
+from vibe_render.scene import keyframes, moments, snapshot
 
 pytestmark = pytest.mark.slow
 
@@ -93,9 +93,35 @@ def test_a_sequence_is_checked(shot, tmp_path):
     assert (out / "sequence.png").is_file()
 
 
+def test_keyframes_of_the_artist_move_with_a_look(shot, tmp_path):
+    bpy.ops.wm.open_mainfile(filepath=str(shot))
+    lamp = bpy.data.objects["Area"].data
+    for frame, energy in ((1, 200.0), (11, 400.0)):
+        lamp.energy = energy
+        lamp.keyframe_insert("energy", frame=frame)
+    bpy.context.scene.frame_set(1)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "faded.blend"))
+    out = tmp_path / "out"
+    arguments = ["--prompt=very dim light", "--offset-keys", f"--out={out}"]
+    code, output = run_headless("run", tmp_path / "faded.blend", *arguments, *QUICK)
+    assert code == 0, output
+    bpy.ops.wm.open_mainfile(filepath=str(out / "vibed.blend"))
+    scene, lamp = bpy.context.scene, bpy.data.objects["Area"].data
+    powers = []
+    for frame in (1, 11):
+        scene.frame_set(frame)
+        powers.append(lamp.energy)
+    assert powers[0] < 150.0
+    assert powers[1] == pytest.approx(2.0 * powers[0])
+    assert snapshot.revert(scene) == []
+    scene.frame_set(11)
+    assert lamp.energy == 400.0
+
+
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [
+        (["--moments=1: noon; 5: night", "--offset-keys"], "--offset-keys"),
         (["--markers"], "There is only one moment"),
         (["--moments=1: noon; 5: xqzt"], "xqzt"),
         (["--moments=5: noon; 1: night"], "does not come after frame 5"),

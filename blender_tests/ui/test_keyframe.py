@@ -7,7 +7,7 @@ from dump import contents, difference
 from results import FOUND, PIVOT, PROMPT
 from small_scenes import studio
 from vibe_render.run import result
-from vibe_render.scene import bindings, keyframes, moments
+from vibe_render.scene import bindings, keyframes, moments, own_keys
 
 from proxy_renderer.schema import messages
 
@@ -115,3 +115,19 @@ def test_undo_takes_back_one_press(two):
     bpy.ops.ed.redo()
     assert [moment.frame for moment in moments.of(bpy.context.scene)] == [1, 101]
     assert read(bpy.context.scene, 1, "light/Area/power") == pytest.approx(7.0)
+
+
+def test_keep_moves_the_artists_own_keyframes(addon):
+    studio(addon)
+    lamp = bpy.data.lights["Area"]
+    for frame, power in ((1, 20.0), (11, 40.0)):
+        lamp.energy = power
+        lamp.keyframe_insert("energy", frame=frame)
+    addon.frame_set(11)
+    own_keys.hold(addon)
+    find(addon, "dimmer", {"light/Area/power": [10.0]})
+    assert not bpy.ops.vibe.keyframe.poll()  # which writes curves of its own
+    assert [c.name for c in addon.vibe.changes] == ["light/Area/power"]
+    assert bpy.ops.vibe.keep() == {"FINISHED"}
+    assert [read(addon, frame, "light/Area/power") for frame in (1, 11)] == pytest.approx([5.0, 10.0])
+    assert not own_keys.are_held(addon)

@@ -12,6 +12,7 @@ from results import FOUND, PIVOT, PROMPT
 from small_scenes import studio
 from vibe_render import ui
 from vibe_render.run import result
+from vibe_render.run.sequence import CheckedFrame
 from vibe_render.run.state import addon_state
 from vibe_render.ui import panels, setup
 from vibe_render.ui.engine_state import engine_state
@@ -67,8 +68,9 @@ def test_the_decision_comes_at_once_below_the_images(engineless, tmp_path, monke
         Image.new("RGB", (32, 18)).save(path)
     facts = {"scene": engineless.name, "report": report, "variants": [], "prediction_error": 0.5}
     session = SimpleNamespace(
-        **images, **facts, anchor_notes=[], warnings=[], discard=lambda: None, cancel=lambda: None
-    )
+        **images, **facts, anchor_notes=[], warnings=[], discard=lambda: None, cancel=lambda: None,
+        sequence=(CheckedFrame(21, ["red"]),), checking=False,
+    )  # fmt: skip
     monkeypatch.setattr(addon_state, "session", session)
     seen = drawn(ResultPanel)
     first = seen.index("Before")
@@ -76,6 +78,8 @@ def test_the_decision_comes_at_once_below_the_images(engineless, tmp_path, monke
     assert seen[first : first + 6] == ["Before", "image", "After, as predicted", *decision]
     rest = ("vibe.revert", "show_original", "strength", "Visible: fog", "further", "vibe_changes", "vibe.run")
     assert in_order((*rest, "vibe.preset_save"), seen)
+    listed = next(text for text in seen if text.startswith("Frame 21: no longer"))
+    assert in_order(("vibe.check_sequence", listed, "further"), seen)
     at = seen.index("Not visible: red")
     assert seen[at + 2 : at + 6] == ["color of the vase is ", "swatch", ", wanted ", "swatch"]
 

@@ -4,14 +4,17 @@
 import bpy
 import pytest
 from dump import contents, difference
+from panel_layout import drawn
 from results import FOUND, PIVOT, PROMPT, read
 from small_scenes import studio
 from vibe_render.run import result
 from vibe_render.run.state import addon_state
 from vibe_render.scene import bindings
 from vibe_render.scene.steps import BY_HAND, Steps
+from vibe_render.ui.result import ResultPanel
 
 from proxy_renderer.schema import messages
+from proxy_renderer.schema.light_links import LightLink
 
 WORDS = {
     "light/Area/power": "thick fog",
@@ -160,3 +163,24 @@ def test_a_further_sentence_searches_from_the_result(addon):
     assert addon_state.session.report["goals"]["holds"] is True
     assert bpy.ops.vibe.revert() == {"FINISHED"}
     assert not {k for k in difference(before, contents()) if ".vibe." not in k}
+
+
+def test_a_link_of_a_light_is_a_change_that_its_step_takes_back(addon):
+    studio(addon)
+    before = contents()
+    target = LightLink("Area", False, (addon.objects[0].name,)).key
+    report = {"parameters": {target: {"reason": "'not on the floor'"}}}
+    result.apply(addon, PROMPT, messages.Result({target: [1.0]}, report, "prediction.png"), (), PIVOT)
+    linking = addon.objects["Area"].light_linking
+    assert changed(addon) == {target: (1.0,)}
+    drawn(ResultPanel)
+    assert act(1, "SWITCH") == {"FINISHED"}
+    assert linking.receiver_collection is None
+    assert act(1, "SWITCH") == {"FINISHED"}
+    assert linking.receiver_collection
+    addon.vibe.strength = 0.2
+    assert linking.receiver_collection is None
+    addon.vibe.strength = 1.0
+    assert linking.receiver_collection
+    assert bpy.ops.vibe.revert() == {"FINISHED"}
+    assert difference(before, contents()) == {}

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ..guidance.encoder import load_encoder
+from ..optimize.links import linked
 from ..optimize.looks import EarlyLook, Looks
 from ..optimize.progress import BEFORE
 from ..optimize.scene_words import described
@@ -100,7 +101,7 @@ class Glances:
         """
         options = messages.Options.from_dict(request.options)
         found = [self._scene(request.job)]
-        stage = set_stage(found, request.prompt, options.new_lights, options.target)
+        stage = linked(set_stage(found, request.prompt, options.new_lights, options.target), options)
         (scene,) = stage.scenes
         _, (shot,) = gathered([ShotInput(scene)], options, lambda _: self._proxy(scene, options))
         if stopped():
@@ -120,7 +121,7 @@ class Glances:
         return self._found
 
     def _proxy(self, scene: SceneData, options: messages.Options) -> Proxy:
-        parameters = tuple(scene.instances)
+        parameters = (*scene.instances, *scene.links)
         if parameters not in self._proxies:
             device = pick_device(options.device)
             encoder = load_encoder(options.encoder or None, device)

@@ -54,7 +54,9 @@ def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
     """Records of all parameters of the scene: moved is on the perceptual scale; a priority of 0 comes first, None is irrelevant."""
     after = outcome.vector.values(outcome.u)
     lower, upper = (outcome.vector.plain(b) for b in outcome.vector.bounds(outcome.ranges))
-    return {
+    links = outcome.shots[0].scene.links.items()
+    none = {"before": 0.0, "after": 1.0, "lower": 0.0, "upper": 1.0, "moved": 1.0, "priority": None}
+    return {key: {**none, "optimized": False, "reason": said} for key, said in links} | {
         key: {
             "before": plain(instance.value),
             "after": plain(after[key]),

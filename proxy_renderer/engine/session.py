@@ -17,6 +17,7 @@ from ..guidance import regions
 from ..guidance.encoder import Encoder, load_encoder
 from ..optimize import pipeline
 from ..optimize.anchoring import BlenderPictures
+from ..optimize.links import linked
 from ..optimize.progress import Observer
 from ..optimize.rounds.method import load_method
 from ..optimize.shots import ShotInput, picture_size
@@ -87,6 +88,7 @@ class EngineSession:
         written = read(Path(options.goals)) if options.goals else None
         self.prompt = written.prompt if written else self.prompt
         stage = set_stage(scenes, self.prompt, options.new_lights, options.target, written, options.goes_on)
+        stage = linked(stage, options)
         if options.goes_on:
             options = replace(options, rounds=min(options.rounds, _FURTHER))
         clock.lap("load scene")

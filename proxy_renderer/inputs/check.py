@@ -48,8 +48,10 @@ def shots(scenes: Sequence[Path], arguments: argparse.Namespace) -> list[Path]:
         raise VibeError("Only .blends can share a look.", "Give bare meshes one at a time.")
     if several and "camera" in checks.groups(arguments.groups):
         raise VibeError("Shots that share a look keep their cameras.", "Leave camera out of --groups.")
-    if arguments.check_every and several:
-        raise VibeError("--check-every follows one shot.", "Leave out more scenes, --cameras and --frames.")
+    for name in ("check_every", "offset_keys"):
+        if several and getattr(arguments, name):
+            flag = f"--{name.replace('_', '-')}"
+            raise VibeError(f"{flag} is for one shot.", "Leave out more scenes, --cameras and --frames.")
     if arguments.grade_each and not several:
         raise VibeError("--grade-each is for several shots.", "Name --cameras, --frames or more scenes.")
     return list(dict.fromkeys(scenes))

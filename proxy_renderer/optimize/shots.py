@@ -175,9 +175,11 @@ def gathered(
     instances, names = shared_parameters(views, ("camera", "film") if options.grade_each else ("camera",))
     vector = ParameterVector(lock(instances, options.groups, options.lock, options.camera))
     vector = vector.taking(added_values(views[0].scene))
+    vector.links = tuple(views[0].scene.links)
     shots = []
     for view, mine in zip(views, names, strict=True):
         own = vector.view(mine).taking(added_values(view.scene))
+        own.links = tuple(view.scene.links)
         shots.append(ShotState(view.scene, mine, own, proxy(view.scene), view.source))
     return vector, shots
 

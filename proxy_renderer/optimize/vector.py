@@ -42,6 +42,7 @@ class ParameterVector:
         # keys whose values are written though nothing has moved them: lights that are added, and in a further
         # shot values that the words name and the first shot has already
         self.taken: frozenset[str] = frozenset()
+        self.links: tuple[str, ...] = ()  # keys of light links, which are written with every change
         self._home = torch.zeros(self.size, dtype=torch.float64)
         self._home = self.encode({key: instance.value for key, instance in self.instances.items()})
 
@@ -114,9 +115,10 @@ class ParameterVector:
         return out
 
     def changes(self, u: Tensor) -> dict[str, Values]:
-        """Values of u (N,) that differ from the artist's, and those that are taken."""
+        """Values of u (N,) that differ from the artist's, those that are taken, and links of lights."""
         values = self.values(u)
-        return {k: v for k, v in values.items() if k in self.taken or v != self.instances[k].value}
+        changed = {k: v for k, v in values.items() if k in self.taken or v != self.instances[k].value}
+        return changed | dict.fromkeys(self.links, (1.0,))
 
     def plain(self, u: Tensor) -> dict[str, Values]:
         """Values of u (N,) as plain numbers, without regard to the artist's."""

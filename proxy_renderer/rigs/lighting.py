@@ -52,6 +52,7 @@ class Lighting:
     scenes: list[SceneData]
     plan: LightPlan
     notes: tuple[str, ...]
+    parts: Mapping[str, str]  # light -> the part that it plays
 
 
 def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add: bool = True) -> Lighting:
@@ -82,7 +83,9 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     plan = LightPlan(entries, chosen.served, grade, wishes_of_rig(chosen, lights, stage))
     own = ((each, "your light" if each.own else "an added light") for each in lights)
     notes = (f"{each.light.part.capitalize()}: {each.name}, {what}." for each, what in own)
-    return Lighting(list(scenes), plan, (f"Light: {rig.says}", *notes))
+    return Lighting(
+        list(scenes), plan, (f"Light: {rig.says}", *notes), {x.name: x.light.part for x in lights}
+    )
 
 
 def _with_lights(scene: SceneData, lights: Sequence[Placed], stage: LightStage) -> SceneData:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..schema import PARAMETERS, Instance, Values, material_copies
+from ..schema.light_links import LightLink
 from ..schema.orbit import Matrix, Vector
 
 Array = np.ndarray
@@ -182,12 +183,27 @@ class SceneData:
     bounces: int = 4  # how often surfaces scatter light on; only 0 makes a difference
     # the values of materials that the camera does not see, whose light it sees
     unseen: Mapping[str, Values] = field(default_factory=dict)
+    links: Mapping[str, str] = field(
+        default_factory=dict
+    )  # key of a light's link, see `LightLink` -> its words
 
     def with_lights(self, names: Collection[str]) -> SceneData:
         """The scene with some of the lights on standby in it."""
         lights = tuple(replace(light, added=True) for light in self.standby.lights if light.name in names)
         theirs = {key: i for key, i in self.standby.instances.items() if i.owner in names}
         return replace(self, lights=(*self.lights, *lights), instances={**self.instances, **theirs})
+
+    def with_link(self, link: LightLink, said: str) -> SceneData:
+        """The scene with a light linked to objects, as the words in quotes ask for."""
+        every = set(range(len(self.objects)))
+        named = {number for number in every if self.objects[number].name in link.objects}
+        lights = [
+            replace(x, unlit=tuple(sorted(every - named if link.only else {*x.unlit} | named)))
+            if x.name == link.light
+            else x
+            for x in self.lights
+        ]
+        return replace(self, lights=tuple(lights), links={**self.links, link.key: said})
 
     def with_copies(self, copies: Mapping[str, Collection[str]]) -> SceneData:
         """The scene with copies of materials, each on the objects that are to wear it."""

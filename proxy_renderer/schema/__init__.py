@@ -4,7 +4,7 @@
 Standard library and relative imports only: building the extension copies this folder into it.
 """
 
-from . import added_lights, labels, limits, material_copies, orbit, radiometry
+from . import added_lights, labels, light_links, limits, material_copies, orbit, radiometry
 from .errors import VibeError
 from .limits import BUDGETS, Budget
 from .options.checks import frame_numbers
@@ -25,6 +25,6 @@ from .parameters import (
 
 __all__ = [
     "BUDGETS", "FAMILIES", "GROUPS", "PARAMETERS", "REFERENCES", "VERSION", "Budget", "Instance",
-    "Parameter", "Scale", "Values", "VibeError", "added_lights", "frame_numbers", "labels", "limits",
-    "matches", "material_copies", "orbit", "radiometry", "schema_hash", "split_key",
+    "Parameter", "Scale", "Values", "VibeError", "added_lights", "frame_numbers", "labels", "light_links",
+    "limits", "matches", "material_copies", "orbit", "radiometry", "schema_hash", "split_key",
 ]  # fmt: skip

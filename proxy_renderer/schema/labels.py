@@ -4,6 +4,7 @@
 import math
 import re
 
+from .light_links import LINKED, is_on, link_of
 from .parameters import FAMILIES, Parameter, Values, split_key
 
 GROUP_TITLES = {
@@ -28,7 +29,8 @@ _UNITS = {
 def parameter(key: str) -> Parameter:
     """The schema row of an instance's key."""
     group, _, name = split_key(key)
-    return FAMILIES[f"{group}/{name}"]
+    family = f"{group}/{name}"
+    return LINKED if family == LINKED.family else FAMILIES[family]
 
 
 def words(name: str) -> str:
@@ -41,13 +43,17 @@ def title(key: str) -> str:
 
     >>> title("light/Key/power"), title("material/Clay/roughness"), title("volume/density"), title("film/saturation")
     ('Key light: Power', 'Clay: Roughness', 'Fog: Density', 'Saturation')
+    >>> title("light/Rim (only on Bottle)/linked")
+    'Rim light: only on Bottle'
     """
     group, owner, name = split_key(key)
     if group == "film":
         return words(name)
+    link = link_of(key)
+    owner = link.light if link else owner
     if group == "light" and owner and not _LIGHT_WORDS.search(owner):
         owner += " light"
-    return f"{owner or GROUP_TITLES.get(group, group)}: {words(name)}"
+    return f"{owner or GROUP_TITLES.get(group, group)}: {link or words(name)}"
 
 
 def titles(keys: list[str], most: int = 3) -> str:
@@ -65,6 +71,8 @@ def text(key: str, values: Values) -> str:
     row = parameter(key)
     if row.kind == "color":
         return " ".join(f"{v:.2f}" for v in values)
+    if row is LINKED:
+        return "yes" if is_on(values) else "no"
     if row.unit == "stops":
         stops = round(values[0], 2)
         return f"{stops:+g} stops" if stops else "0 stops"

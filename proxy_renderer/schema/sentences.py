@@ -62,6 +62,10 @@ _FORMS = (
         rf"(?:,|,? and|,? but)? {_NOT} (?P<what>[^,.!]+)(?:[,.!].*)?",
     ),
 )
+# "The rim light not on the wall" is about no step: it says which objects a light lights.
+_LINKS = re.compile(
+    r"\b\w*(?:light|lamp|spot|sun|key|fill|rim)s? (?:not on|(?:(?:does|do|should) not|\w+n't) \w+) ", re.I
+)
 _MATCHES = [(kind, re.compile(rf"(?:{form})[.!]*", re.I)) for kind, form in _FORMS]
 
 _LEAD = re.compile(
@@ -151,6 +155,8 @@ def about_steps(sentence: str) -> AboutSteps | None:
     AboutSteps(kind='instead', number=-1, factor=1.0, what='table', new='wall')
     """
     text = _TAIL.sub("", " ".join(sentence.split()))
+    if _LINKS.search(text):
+        return None
     for kind, form in _MATCHES:
         if not (found := form.fullmatch(text) or form.fullmatch(_LEAD.sub("", text))):
             continue

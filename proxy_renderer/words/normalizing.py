@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from .lexicon.entries import normalize
 from .lexicon.languages import any_of, singular, thing_words
 from .lexicon.vocabulary import Vocabulary, hour_entry, kelvin_entry
+from .linking import without_links
 from .names import parts, scene_names
 from .scene import REGIONS, SceneIndex, fit_rank, materials_of
-from .types import GLOW, SceneDescription
+from .types import GLOW, SaidLink, SceneDescription
 
 _CLOCK = re.compile(r"\b(at )?(\d{1,2})(?:[:.]([0-5]\d))? ?([ap]\.?m\b\.?|o'clock)?(?![\w:])", re.IGNORECASE)
 _KELVINS = re.compile(r"\b(\d{1,2}[.,' ]?\d{3}|\d{3,5})[\s-]*(?:k|kelvins?|degrees kelvin)\b", re.IGNORECASE)
@@ -30,17 +31,20 @@ Protection = tuple[str, tuple[str, ...]]
 
 @dataclass(frozen=True)
 class Normalized:
-    """A prompt in the words that its reader knows; `text` is without the passages of `protections`."""
+    """A prompt in the words that its reader knows; `text` is without the passages of `protections` and `links`."""
 
     text: str
     keyed: list[KeyedSpan]
     protections: list[Protection]
+    links: list[SaidLink]
+    notes: list[str]  # on links that name nothing
 
 
 def normalized(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> Normalized:
     """A prompt in English, normalized."""
     own = {name.lower(): name for name in (*scene.lights, *scene.materials, *scene.object_materials)}
     text = _KELVINS.sub(_kelvins, _CLOCK.sub(_hour, text.replace("’", "'")))
+    text, links, notes = without_links(text, scene, vocabulary)
     text, protections = _without_protections(_spoken(text, scene, own, vocabulary), scene, vocabulary)
     said, spans = "", []
     for number, part in enumerate(text.split(_MARK)):  # every other part is after a key
@@ -48,7 +52,7 @@ def normalized(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> No
             key = max((key for key in own if said.endswith(_IS.format(key))), key=len)
             spans.append((own[key], len(said), len(said) + len(part)))
         said += part
-    return Normalized(said, spans, protections)
+    return Normalized(said, spans, protections, links, notes)
 
 
 def _hour(match: re.Match[str]) -> str:

@@ -101,7 +101,7 @@ def refuse_without_look(prompt: str) -> None:
     scene, vocabulary = SceneDescription(), default_vocabulary()
     glossed, mixed, normal = _opened(prompt, scene, vocabulary)
     found = looks(normal.text, scene, vocabulary, glossed.unknown)
-    if not found.looks:
+    if not (found.looks or normal.links or normal.notes):
         raise _without_look(glossed, mixed, undone=bool(found.wishes))
 
 
@@ -163,6 +163,8 @@ def read(
         names = ", ".join(key.partition("/")[2] or key for key in kept)
         parsed.notes.append(f"'{passage}': {names or 'what no word names'} stays as it is.")
     parsed.protected = tuple(dict.fromkeys(key for _, kept in normal.protections for key in kept))
+    parsed.links = tuple(normal.links)
+    parsed.notes += normal.notes
     if beyond:
         parsed.notes.append(
             f"{_quoted(beyond)}: no value of a material, light, world, fog or film gives that."
@@ -171,8 +173,10 @@ def read(
         parsed.notes.append(f"{_quoted(undone)}: {_THINGS_STAY}")
     if mixed:
         parsed.notes.append(f"Some of the prompt is in a language that is not understood. {understood()}")
-    if not parsed.attributes or (mixed and all(a.guess or a.cause for a in parsed.attributes)):
-        parsed.unknown = _without_look(glossed, mixed, bool(undone), reading.lacking)
+    if not (parsed.attributes or parsed.links) or (
+        mixed and parsed.attributes and all(a.guess or a.cause for a in parsed.attributes)
+    ):
+        parsed.unknown = _without_look(glossed, mixed, bool(undone), [*reading.lacking, *normal.notes])
     complete(parsed, vocabulary, reading.subject, reading.mentioned, scene.sky)
     if glossed.language:
         retelling.retell(parsed)

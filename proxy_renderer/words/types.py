@@ -215,6 +215,17 @@ class PromptWord:
         return {name: value for name, value in asdict(self).items() if name != "others"}
 
 
+@dataclass(frozen=True)
+class SaidLink:
+    """Words that say which objects a light is to light."""
+
+    text: str  # the words, as the prompt has them
+    only: bool  # whether it lights only these objects, or all but them
+    objects: tuple[str, ...]
+    role: str  # "key", "fill" or "rim" of a light that the scene may lack; "" for one that is named
+    lights: tuple[str, ...] = ()  # names of those that the scene has
+
+
 @dataclass
 class Parsed:
     """A prompt, understood."""
@@ -227,5 +238,6 @@ class Parsed:
     guesses: dict[str, str] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)  # on how the prompt was read, a sentence each
     protected: tuple[str, ...] = ()  # owners that are to stay: "material/Plaster", "light/Key", "world"
+    links: tuple[SaidLink, ...] = ()  # what it says of the objects that lights light
     words: tuple[PromptWord, ...] = ()  # its look words and what is left out, in the order of the text
     unknown: VibeError | None = None  # why nothing in it is understood; None where something is

@@ -55,6 +55,8 @@ def test_a_sentence_about_steps_is_told_from_a_look(sentence, kind, number, fact
         "lights out",
         "turn off the lamp",
         "kill the rim light",
+        "the rim light not on the wall",
+        "the lamp does not light the wall",
     ],
 )
 def test_a_look_is_no_sentence_about_steps(sentence):

@@ -16,6 +16,9 @@ from bpy.types import ID, FCurve, Node, NodeSocket, NodeTree, bpy_struct
 JournalEntry = dict[str, Any]
 KEYFRAMES = "Vibe Render"
 """The group of our curves, among those of the artist's in an action."""
+HELD = "vibe_held"
+"""The property of an action that names its curves that are the artist's and muted by us."""
+Keys = list[list[float]]  # of each keyframe: its value, and those of its left and right handle
 _GONE = (LookupError, ValueError, AttributeError, ReferenceError)
 """Errors of Blender where something is not as it was."""
 
@@ -122,6 +125,18 @@ class Journal:
         self.entries.append({"op": "curve", **self._place(block), "curve": path, "index": index})
         return curve
 
+    def hold(self, block: ID, curve: FCurve, key: str, was: float) -> None:
+        """Mutes a curve of the artist's, so that a value can change, by its key; `was` is what the curve gives now."""
+        entry = {"op": "held", **self._place(block), "curve": curve.data_path, "index": curve.array_index}
+        self.entries.append({**entry, "keys": keys_of(curve), "key": key, "was": was})
+        mark_held(curve, True)
+
+    def held(self) -> list[tuple[JournalEntry, Any, FCurve]]:
+        """The entries of `hold`, the first one first, each with what its curve animates and the curve, if it is still there."""
+        entries = [e for e in self.entries if e["op"] == "held" and self.ids[e["id"]]]
+        blocks = ((entry, resolve(self.ids[entry["id"]], entry["path"])) for entry in entries)
+        return [(entry, block, curve) for entry, block in blocks if (curve := _curve(block, entry))]
+
     def curves(self) -> list[tuple[ID, FCurve]]:
         """The curves that it has added and that are still there, each with what it animates."""
         entries = ((self.ids[e["id"]], e) for e in self.entries if e["op"] == "curve")
@@ -204,6 +219,10 @@ class Journal:
         owner = resolve(block, entry["path"])
         if op == "curve":
             _channelbag(owner).fcurves.remove(_curve(owner, entry))
+        elif op == "held":
+            curve = _curve(owner, entry)
+            mark_held(curve, False)
+            set_keys(curve, entry["keys"])
         elif op == "action":
             _drop_action(owner, entry)
         elif op == "set":
@@ -221,11 +240,11 @@ class Journal:
                     owner.links.new(_socket(owner, entry["old"], "outputs"), target)
 
     def _remove(self, added: list[tuple[str, ID]]) -> None:
-        """Removes data-blocks without users; objects always, because their collections use them, and collections once empty."""
+        """Removes data-blocks without users; objects always, because their collections use them, and collections also once empty."""
 
         def is_free(block: ID) -> bool:
             if isinstance(block, bpy.types.Collection):
-                return not block.all_objects and not block.children
+                return not (block.users and (block.all_objects or block.children))
             return isinstance(block, bpy.types.Object) or block.users == block.use_fake_user
 
         while free := [pair for pair in added if is_free(pair[1])]:
@@ -297,6 +316,34 @@ def _channelbag(block: ID) -> Any:
 def _curve(block: ID, entry: JournalEntry) -> FCurve | None:
     bag = _channelbag(block)
     return bag.fcurves.find(entry["curve"], index=entry["index"]) if bag else None
+
+
+def held_name(curve: FCurve) -> str:
+    """The name of a curve among those of its action that are held."""
+    return f"{curve.data_path}[{curve.array_index}]"
+
+
+def mark_held(curve: FCurve, held: bool) -> None:
+    """Mutes a curve of the artist's and remembers that, or ends both."""
+    action, name = curve.id_data, held_name(curve)
+    names = [each for each in action.get(HELD, ()) if each != name] + [name] * held
+    curve.mute = held
+    if names:
+        action[HELD] = names
+    elif HELD in action:
+        del action[HELD]
+
+
+def keys_of(curve: FCurve) -> Keys:
+    """The values of a curve's keyframes."""
+    return [[p.co.y, p.handle_left.y, p.handle_right.y] for p in curve.keyframe_points]
+
+
+def set_keys(curve: FCurve, keys: Keys) -> None:
+    """Gives a curve's keyframes other values; raises ValueError if it has got other ones since."""
+    for point, (value, left, right) in zip(curve.keyframe_points, keys, strict=True):
+        point.co.y, point.handle_left.y, point.handle_right.y = value, left, right
+    curve.update()
 
 
 def _drop_action(block: ID, entry: JournalEntry) -> None:

@@ -9,7 +9,9 @@ import bpy
 from bpy.types import Node, NodeSocket, NodeTree, Object, bpy_struct
 
 from . import compat
-from .journal import KEYFRAMES, address
+from .journal import HELD, KEYFRAMES, address, held_name
+
+ANIMATED = "is animated or driven here"
 
 
 def of_property(owner: bpy_struct, name: str) -> str:
@@ -30,12 +32,13 @@ def _animated(owner: bpy_struct, name: str) -> str:
     paths = [c.data_path for c in compat.curves(block) if not _is_set_aside(c)]
     if tree != block:
         paths += [f"node_tree.{c.data_path}" for c in compat.curves(tree) if not _is_set_aside(c)]
-    return f'"{block.name}" is animated or driven here' if full in paths else ""
+    return f'"{block.name}" {ANIMATED}' if full in paths else ""
 
 
 def _is_set_aside(curve: bpy.types.FCurve) -> bool:
-    """Whether it is a curve of ours that is muted while another look is searched."""
-    return curve.mute and curve.group is not None and curve.group.name == KEYFRAMES
+    """Whether it is muted by us: a curve of ours while another look is searched, or one of the artist's that is to move."""
+    ours = curve.group is not None and curve.group.name == KEYFRAMES
+    return curve.mute and (ours or held_name(curve) in curve.id_data.get(HELD, ()))
 
 
 def of_pose(obj: Object) -> str:

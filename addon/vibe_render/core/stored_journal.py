@@ -89,6 +89,11 @@ def _is_entry(entry: Any, count: int) -> bool:
         return isinstance(entry.get("had"), bool) and isinstance(entry.get("slot"), str)
     if op == "curve":
         return isinstance(entry.get("curve"), str) and isinstance(entry.get("index"), int)
+    if op == "held":
+        place = entry.get("curve"), entry.get("key"), entry.get("index")
+        keys = entry.get("keys")
+        rows = [*keys, entry.get("was")] if isinstance(keys, list) else [None]
+        return list(map(type, place)) == [str, str, int] and all(map(_are_numbers, rows))
     if op == "link":
         ends = [entry.get("source"), entry.get("target")]
         return all(map(_is_end, ends)) and (entry.get("old") is None or _is_end(entry["old"]))
@@ -101,8 +106,11 @@ def _is_entry(entry: Any, count: int) -> bool:
         return _is_index(old.get("id"), count)
     if isinstance(old, str):
         return name == "lightgroup" or old in _TEXTS.get(str(name), ())
-    numbers = old if isinstance(old, list) else [old]
-    return old is None or all(isinstance(v, bool | int | float) for v in numbers)
+    return old is None or _are_numbers(old)
+
+
+def _are_numbers(value: Any) -> bool:
+    return all(isinstance(v, bool | int | float) for v in (value if isinstance(value, list) else [value]))
 
 
 def _is_index(value: Any, count: int) -> bool:

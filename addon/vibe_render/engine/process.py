@@ -20,8 +20,8 @@ from .find import engine_environment, find_python, own_group
 
 _ABANDON_TIMEOUT = 10.0  # seconds that an engine may take to end a vibe that was given up
 
-_REQUESTS = messages.Vibe | messages.Glance | messages.Finish
-_ANSWERS = (messages.Result, messages.Glanced, messages.Finished, messages.Error)
+_REQUESTS = messages.Vibe | messages.Glance | messages.Finish | messages.Check
+_ANSWERS = (messages.Result, messages.Glanced, messages.Finished, messages.Checked, messages.Error)
 
 _Item: TypeAlias = messages.Message | schema.VibeError | None  # None: the engine's output has ended
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import bpy
 import numpy as np
-from bpy.types import Collection, Object
+from bpy.types import Object
 from mathutils import Vector
 
 from ..core import rendered
@@ -20,7 +20,7 @@ from ..core.compat import assign
 from ..core.journal import Journal
 from ..core.schema_import import schema
 from ..render import bake
-from ..scene import bindings, orbits, prepare, scene_context
+from ..scene import bindings, light_links, orbits, prepare, scene_context
 from ..scene.light_types import type_of
 from ..scene.nodes import backgrounds, layers, light_nodes
 from .analysis import SceneAnalysis
@@ -196,22 +196,12 @@ def _unlit_objects(light: Object, objects: Sequence[tuple[str, str]]) -> list[in
     collection = light.light_linking.receiver_collection
     if collection is None:
         return []
-    included, excluded = _linked_names(collection, "INCLUDE"), _linked_names(collection, "EXCLUDE")
+    by_state = light_links.states(collection).values()
+    included, excluded = ({o.name_full for o in linked} for linked in by_state)
     rows = [{name for name in names if name} for names in objects]
     return [
         number for number, names in enumerate(rows) if names & excluded or (included and not names & included)
     ]
-
-
-def _linked_names(collection: Collection, state: str) -> set[str]:
-    """Names of the objects that a collection of receivers has in a state."""
-    pairs = zip(collection.objects, collection.collection_objects, strict=True)
-    names = {o.name_full for o, row in pairs if row.light_linking.link_state == state}
-    children = zip(collection.children, collection.collection_children, strict=True)
-    for child, row in children:
-        if row.light_linking.link_state == state:
-            names |= {o.name_full for o in child.all_objects}
-    return names
 
 
 def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[str, schema.Instance]]:

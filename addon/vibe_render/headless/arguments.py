@@ -62,9 +62,12 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         if not (args.moments or args.markers):
             checks.prompt(args.prompt, args.like, args.goals, args.then)
         if max(map(len, (args.scenes, args.cameras, args.frames))) > 1:
-            one = "--then goes on from" if args.then else "--check-every follows" if args.check_every else ""
+            one = next((name for name in ("then", "check_every", "offset_keys") if getattr(args, name)), "")
             if one:
-                raise schema.VibeError(f"{one} one shot.", "Leave out more scenes, --cameras and --frames.")
+                flag = options.named(one).flag
+                raise schema.VibeError(
+                    f"{flag} is for one shot.", "Leave out more scenes, --cameras and --frames."
+                )
         args.groups = checks.groups(args.groups)
         checks.locks(args.lock)
         checks.targets(args.target)

@@ -16,7 +16,7 @@ from ..core import rendered
 from ..core.schema_import import schema
 from ..export import reading
 from ..export.job_folder import SceneJob
-from ..scene import bindings, fog
+from ..scene import bindings, fog, own_keys
 from ..scene.steps import Change
 from ..scene.subject import SubjectChoice
 from .arguments import Reporter
@@ -154,7 +154,8 @@ class ShotList:
 
     def _shown(self, number: int) -> tuple[bpy.types.Scene, SubjectChoice]:
         shot = self.shots[number]
-        if self._framing is None or self._open != shot.scene:
+        opens = self._framing is None or self._open != shot.scene
+        if opens:
             args = copy(self._args)
             args.scene = shot.scene
             scene, self.choice, bare = open_scene(args, self._reporter)
@@ -162,7 +163,10 @@ class ShotList:
             self.bare = self.bare or (bare and not self.jobs)
             if self._change.values:
                 bindings.write(scene, self._change.values, (), self._change.steps.pivot)
+        assert self._framing is not None
         self._framing.show(shot)
+        if opens and self._args.offset_keys:
+            own_keys.hold(bpy.context.scene)
         return bpy.context.scene, self.choice
 
     def _eyes(self, scene: bpy.types.Scene, number: int) -> Sequence[Vector]:

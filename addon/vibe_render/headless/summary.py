@@ -17,6 +17,7 @@ from ..export.job_folder import copied_values
 from ..export.notes import shortened_notes
 from ..render.light_groups import LightLayer
 from ..run.notes import model_lines, verdict_lines, word_notes
+from ..run.sequence import CheckedFrame, frame_line
 from ..scene.nodes.mix import PASS
 from .shots import ShotList
 
@@ -142,13 +143,19 @@ def closing_lines(
     return lines
 
 
-def sequence_lines(rows: Sequence[dict[str, Any]]) -> list[str]:
-    """A line for each checked frame where a word is no longer visible, or a single one if there is none."""
-    lines = [f"Frame {row['frame']}: {row['note']}" for row in rows if "note" in row]
-    lines += [
-        f"Frame {row['frame']}: no longer visible: {', '.join(row['lost'])}." for row in rows if row["lost"]
+def sequence_rows(frames: Sequence[CheckedFrame]) -> list[dict[str, Any]]:
+    """Checked frames as report.json has them."""
+    return [
+        {"frame": each.frame, "lost": each.lost}
+        | ({"note": each.note} if each.note else {"verdicts": each.verdicts})
+        for each in frames
     ]
-    if lost := [str(row["frame"]) for row in rows if row["lost"]]:
+
+
+def sequence_lines(rows: Sequence[CheckedFrame]) -> list[str]:
+    """A line for each checked frame where a word is no longer visible, or a single one if there is none."""
+    lines = [line for each in rows if (line := frame_line(each))]
+    if lost := [str(each.frame) for each in rows if each.lost]:
         lines.append(
             f"To search one look for them too, run it with --frames {','.join(lost)} and the frame above."
         )
@@ -169,6 +176,7 @@ def change_lines(instances: dict[str, schema.Instance], values: dict[str, Any]) 
     for key, value in values.items():
         instance = instances.get(key)
         if instance is None:  # of a light that has been added
+            rows += [(1.0, f"{labels.title(key)}.")] if schema.light_links.link_of(key) else []
             continue
         before, after = instance.value, tuple(value)
         if labels.same(key, before, after):

@@ -21,13 +21,14 @@ from ..core import preferences
 from ..core.files import Outputs
 from ..core.schema_import import command_line, messages, schema
 from ..engine.process import Engine
-from ..export import darkness, reading
+from ..export import darkness
 from ..export.analysis import SceneAnalysis
 from ..looks import transfer
 from ..render import anchors, final_render
-from ..run.driver import Driver, drive
+from ..run.driver import drive
 from ..run.notes import words_of
-from ..scene import bindings
+from ..run.sequence import SequenceDriver
+from ..scene import bindings, own_keys
 from ..scene.steps import Change, Steps
 from ..scene.subject import remember_subject
 from . import summary
@@ -36,7 +37,6 @@ from .scenes import save_blend
 from .shots import ShotList
 from .summary import Stopwatch, numbered
 
-_CHECKED = 256, 16  # longer side in pixels and samples of the images of a sequence that is checked
 _SAMPLES_BEFORE = 16
 """The most that the picture before takes: it is only compared with, and the denoiser does the rest."""
 
@@ -64,7 +64,7 @@ def on_interrupt(act: Callable[[], Any]) -> None:
     threading.Thread(target=watch, daemon=True).start()
 
 
-class HeadlessVibe(Driver):
+class HeadlessVibe(SequenceDriver):
     """One vibe of all shots of a command line."""
 
     def __init__(
@@ -78,7 +78,6 @@ class HeadlessVibe(Driver):
         self._steps = self._change.steps
         self._shots = ShotList(args, self._job, reporter, self._change)
         self._measured: list[messages.Finished] = []
-        self._sequence: list[dict[str, Any]] = []  # what was checked at other frames
         self._skipped: dict[str, str] = {}  # by key, why a value was not written
         self._lights: dict[str, dict[str, list[str]]] = {}  # by file, its passes with what shines in each
         self._unlit = False  # whether the first shot, which the engine tells about, is black before the vibe
@@ -103,11 +102,11 @@ class HeadlessVibe(Driver):
                 fields["steps"] = self._steps.rows()
                 if self._lights:
                     fields["lights"] = self._lights
-                if self._sequence:
-                    fields["sequence"] = self._sequence
+                if self.sequence:
+                    fields["sequence"] = summary.sequence_rows(self.sequence)
                 self._out.write_json("report.json", fields)
             lines = summary.closing_lines(self._shots, result, self._measured, self._skipped)
-            lines += summary.sequence_lines(self._sequence)
+            lines += summary.sequence_lines(self.sequence)
             missed = words_of(self._measured[0].verdicts, "missed")
             self._reporter.result(lines, result.stopped, missed)
         return self._shots.jobs[-1].analysis
@@ -179,6 +178,7 @@ class HeadlessVibe(Driver):
         if args.grade_each or number == siblings[-1]:
             if not args.grade_each:
                 shots.restore()
+            own_keys.release(analysis.scene)
             save_blend(out.path(summary.blend_of(args, shots, number)))
         self._measured.append((yield from self._answer(messages.Finished)))
         out.copy("compare.png", compared)
@@ -189,30 +189,17 @@ class HeadlessVibe(Driver):
 
     def _check_sequence(self) -> Generator[str]:
         """Measures frames of the scene with the look, and shows those where a word is no longer visible."""
-        job, seen = self._shots.show(0), words_of(self._measured[0].verdicts, "visible")
-        scene, pictures = job.analysis.scene, []
-        for frame in range(scene.frame_start, scene.frame_end + 1, self._args.check_every):
-            self._reporter.stage(f"checking frame {frame}")
-            scene.frame_set(frame)
-            folder = self._job / f"frame-{frame}"
-            before, after = (folder / name for name in ("before.png", "after.png"))
-            try:
-                reading.export_scene(scene, folder, self._shots.choice, job.analysis)
-            except schema.VibeError as error:  # the subject is hidden
-                self._sequence.append({"frame": frame, "lost": [], "note": error.message})
-                continue
-            with bindings.trial(scene, self._steps.base, (), self._steps.pivot):
-                final_render.render_picture(scene, before, *_CHECKED, self._args.seed)
-            final_render.render_picture(scene, after, *_CHECKED, self._args.seed)
-            self._ask(messages.Check(str(folder), str(before), str(after)))
-            checked = yield from self._answer(messages.Checked)
-            lost = [word for word in words_of(checked.verdicts, "missed") if word in seen]
-            self._sequence.append({"frame": frame, "lost": lost, "verdicts": checked.verdicts})
-            pictures += [after] if lost else []
-        if pictures:
+        job, args = self._shots.show(0), self._args
+        scene, seen = job.analysis.scene, words_of(self._measured[0].verdicts, "visible")
+        frames = range(scene.frame_start, scene.frame_end + 1, args.check_every)
+        yield from self._check_frames(scene, frames, seen, self._shots.choice, args.seed, job.analysis)
+        if pictures := [each.picture for each in self.sequence if each.picture and each.lost]:
             final_render.join_pictures(pictures, self._out.path("sequence.png"))
         self._shots.restore()
         self._stopwatch.lap("check the sequence")
+
+    def _show_frame(self, frame: int) -> None:
+        self._reporter.stage(f"checking frame {frame}")
 
     def _values(self, number: int, result: messages.Result) -> dict[str, Any]:
         """The values to write into a shot's scene, with those of the other shots of the same .blend.

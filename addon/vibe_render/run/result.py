@@ -11,7 +11,7 @@ from typing import Any
 import bpy
 
 from ..core.schema_import import labels, messages, schema
-from ..scene import bindings, keyframes, moments, snapshot
+from ..scene import bindings, keyframes, moments, own_keys, snapshot
 from ..scene import steps as step_list
 from ..scene.moments import Moment
 from ..scene.steps import Change, Steps
@@ -62,6 +62,7 @@ def show(scene: bpy.types.Scene, steps: Steps) -> None:
     """
     settings = scene.vibe
     current = bindings.read(scene, (), steps.pivot)
+    current = dict.fromkeys(filter(schema.light_links.link_of, steps.values()), (0.0,)) | current
     values = {key: tuple(value) for key, value in steps.values().items() if key in current}
     differing = {k: v for k, v in values.items() if not step_list.same(k, v, current[k])}
     skipped = bindings.write(scene, differing, (), steps.pivot)
@@ -181,6 +182,7 @@ def keep(scene: bpy.types.Scene) -> None:
     settings = scene.vibe
     if settings.show_original:
         settings.show_original = False
+    own_keys.release(scene)
     snapshot.forget(scene)
     step_list.forget(scene)
     before_image.forget(scene)

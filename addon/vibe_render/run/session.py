@@ -13,12 +13,14 @@ from ..core.schema_import import atomic, messages, schema
 from ..engine.process import Engine
 from ..export import darkness
 from ..render import anchors, final_render, reference
-from ..scene import bindings, keyframes, snapshot
+from ..scene import bindings, keyframes, own_keys, snapshot
 from ..scene.prepare import separate_materials, shared_materials
 from ..scene.steps import Change, Steps
-from ..scene.subject import remember_subject
+from ..scene.subject import SubjectChoice, remember_subject
 from . import before_image, result
+from .notes import words_of
 from .scene_session import READING, SceneSession
+from .sequence import SequenceDriver
 
 ANCHORING = "Comparing with Cycles"
 PAUSING = (READING, ANCHORING)
@@ -26,14 +28,15 @@ PAUSING = (READING, ANCHORING)
 SILENT = 30.0  # seconds without a message from the engine, after which the panel says so
 
 
-class Session(SceneSession):
-    """One vibe of the open scene.
+class Session(SceneSession, SequenceDriver):
+    """One vibe of the open scene, and then a check of its frames.
 
     Attributes:
         prompt: The words; "" for none.
         like: Name of the picture; "" for none.
         shared: What to do about materials that other things use too: "ASK", "ALL" or "SINGLE".
         question: Such materials with their other users, by name, while it waits for the artist's answer.
+        checking: Whether frames are checked.
     """
 
     patience = 900.0
@@ -50,6 +53,7 @@ class Session(SceneSession):
         self.prompt, self.like = self._change.sentence, self.like if self._change.first else ""
         self.shared = settings.shared if ask or settings.shared != "ASK" else "ALL"
         self.question: dict[str, list[str]] = {}
+        self.checking = False
         self._vibed = False  # whether an earlier vibe is in the scene
         saved = preferences.get(context)
         self._key = saved.vlm_key if saved else ""
@@ -79,9 +83,28 @@ class Session(SceneSession):
                 "Make room, or choose another folder for temporary files in Blender's preferences.",
             ) from error
 
+    @property
+    def can_stop(self) -> bool:
+        """Whether there is a best look so far, which `stop` would take."""
+        return super().can_stop and not self.checking
+
+    def check(self, scene: bpy.types.Scene, every: int) -> None:
+        """Lets the next steps check frames of the scene, from its first to its last; `sequence` has them then."""
+        frames = range(scene.frame_start, scene.frame_end + 1, every)
+        seen, choice = (
+            words_of(self.report.get("verdicts", ()), "visible"),
+            SubjectChoice(tuple(self._subject)),
+        )
+        self.checking = True
+        self._steps = self._check_frames(scene, frames, seen, choice, self._options.seed)
+
     def cancel(self) -> None:
-        """Ends a vibe that is given up or has failed; the scene is as it was."""
+        """Ends a vibe, or a check of its frames, that is given up or has failed; the scene is as it was."""
         self._steps.close()
+        if self.checking:
+            self.checking, self.sequence = False, ()
+            self._engine.abandon()
+            return
         self._take_look_away()
         if self.asked and self._result is None:
             if self.silence > SILENT:
@@ -100,6 +123,8 @@ class Session(SceneSession):
         self._vibed, start = snapshot.exists(scene), snapshot.mark(scene)
         self._keyed |= keyframes.are_shown(scene)
         try:
+            if scene.vibe.offset_keys:
+                own_keys.hold(scene)
             if self._change.values:
                 bindings.write(scene, self._change.values, (), self._change.steps.pivot)
             yield from self._export()

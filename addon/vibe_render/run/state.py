@@ -86,14 +86,18 @@ class AddonState:
         """Ends the session; one that failed leaves the scene as it was."""
         if self.session and failure:
             self.session.cancel()
+        if self.session:
+            self.session.checking = False
         self.running, self.failure = False, failure
 
     def cancel(self) -> None:
-        """Gives the vibe up; the scene is as it was."""
+        """Gives the vibe up, or the check of its frames, which leaves the result; the scene is as it was."""
+        checking = self.session and self.session.checking
         if self.session and self.running:
             self.session.cancel()
         self.end()
-        self.forget()
+        if not checking:
+            self.forget()
 
     def forget(self) -> None:
         """Drops the last session with its pictures, and its failure."""
@@ -117,6 +121,7 @@ class AddonState:
     def close(self) -> None:
         """Ends session and engine, when the add-on is switched off or Blender ends."""
         self.cancel()
+        self.forget()
         self.forget_mix()
         self.end_live()
         self.close_engine()

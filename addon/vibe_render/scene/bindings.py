@@ -17,8 +17,8 @@ from ..core import rendered
 from ..core.journal import Journal
 from ..core.schema_import import labels, schema
 from ..core.value_slots import ValueSlot
+from . import light_links, prepare, scene_context, snapshot
 from . import locators as at
-from . import prepare, scene_context, snapshot
 from .light_types import type_of
 from .nodes import backgrounds
 from .nodes.backgrounds import BACKDROP, LIGHT
@@ -123,7 +123,7 @@ BINDINGS: tuple[ParameterBinding, ...] = (
 # fmt: on
 
 
-def _slots(
+def slots(
     context: scene_context.SceneContext, groups: Sequence[str] = schema.GROUPS
 ) -> Iterator[tuple[ParameterBinding, scene_context.Owner, ValueSlot]]:
     """Every value that the scene has, group by group, owner by owner, in the order of the rows."""
@@ -156,7 +156,7 @@ def instances(
     context = scene_context.SceneContext(scene, tuple(subject), Vector(pivot), everything)
     lengths = scene_context.scene_lengths(context)
     by_key = {}
-    for row, owner, slot in _slots(context, groups):
+    for row, owner, slot in slots(context, groups):
         reference = {"": 1.0, **lengths, **owner.lengths}[row.parameter.reference]
         value = row.codec.decode(slot.get())
         locked = owner.locked or slot.locked
@@ -166,8 +166,9 @@ def instances(
 
 
 def read(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, schema.Values]:
-    """The value of every parameter that the scene has, by key; arguments as for `instances`."""
-    return {key: instance.value for key, instance in instances(scene, subject, pivot).items()}
+    """The value of every parameter that the scene has, by key, and links of lights; arguments as for `instances`."""
+    found = {key: instance.value for key, instance in instances(scene, subject, pivot).items()}
+    return found | light_links.read(scene)
 
 
 def write(
@@ -238,13 +239,16 @@ def put(
         journal, scene, {o for group, o, _ in map(schema.split_key, values) if group == "material"}
     )
     context = scene_context.SceneContext(scene, tuple(subject), Vector(pivot), everything=True)
-    for row, owner, slot in list(_slots(context)):
+    for row, owner, slot in list(slots(context)):
         key = row.parameter.key(owner.name)
         if key not in values:
             continue
         rest[key] = owner.locked or slot.locked
         if not rest[key]:
             slot.set(journal, row.codec.encode(tuple(map(float, values[key]))))
+    rest |= dict.fromkeys(filter(schema.light_links.link_of, values), "") | light_links.put(
+        journal, scene, values
+    )
     return {key: reason for key, reason in rest.items() if reason}
 
 

@@ -35,7 +35,7 @@ def add(scene: Scene, tracks: Sequence[Track]) -> list[str]:
     try:
         for track in tracks:
             block, _ = address(track.owner)
-            if reason := _obstacle(track.owner.id_data):
+            if reason := obstacle(track.owner.id_data):
                 left[block.name] = f'"{block.name}" keeps one value at all frames: {reason}.'
                 continue
             # First: curves change the value that is stored, so that is to be restored after they are gone.
@@ -48,7 +48,7 @@ def add(scene: Scene, tracks: Sequence[Track]) -> list[str]:
     return list(left.values())
 
 
-def _obstacle(block: ID) -> str:
+def obstacle(block: ID) -> str:
     """Why keyframes cannot be added to a data-block; "" where they can."""
     data = block.animation_data
     action = data.action if data else None

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from bpy.types import Camera, Light, Material, Object, Scene, World
+from bpy.types import Camera, Material, Object, Scene, World
 
 from ..core import compat, locks, rendered
 from ..core.journal import Journal
@@ -77,21 +77,17 @@ def light_extent(context: SceneContext, obj: Object) -> ValueSlot:
     return light_type.extent_slot(obj.data, _light_lock(context, obj, light_type.extent_property))
 
 
-@dataclass
-class _TemperatureSlot:
+class _TemperatureSlot(PropertySlot):
     """Value slot: the temperature of a light, where 6500 K is also what a light without one has."""
 
-    light: Light
-    locked: str
-
     def get(self) -> float:
-        return self.light.temperature if self.light.use_temperature else 6500.0
+        return self.owner.temperature if self.owner.use_temperature else 6500.0
 
     def set(self, journal: Journal, raw: float) -> None:
         if raw == self.get():
             return
-        PropertySlot(self.light, "use_temperature").set(journal, True)
-        PropertySlot(self.light, "temperature").set(journal, raw)
+        PropertySlot(self.owner, "use_temperature").set(journal, True)
+        super().set(journal, raw)
 
 
 def light_temperature(context: SceneContext, obj: Object) -> ValueSlot | None:
@@ -100,7 +96,7 @@ def light_temperature(context: SceneContext, obj: Object) -> ValueSlot | None:
         return inputs.input_slot(lambda: light_nodes.kelvin(obj.data))
     if not compat.HAS_TEMPERATURE:
         return None
-    return _TemperatureSlot(obj.data, _light_lock(context, obj, "temperature"))
+    return _TemperatureSlot(obj.data, "temperature", _light_lock(context, obj, "temperature"))
 
 
 def shader(name: str, context: SceneContext, material: Material) -> ValueSlot | None:

@@ -110,6 +110,8 @@ def completed(moments: Sequence[Moment]) -> tuple[ByKey, list[ByKey]]:
         for moment, look in zip(moments, looks, strict=True):
             near = min(having, key=lambda other: abs(other.frame - moment.frame))
             known = moment.base | moment.values
+            if schema.light_links.link_of(key):  # no curve can link a light: it is linked at all frames
+                known = near.values | known
             value = next((known[origin] for origin in origins(key) if origin in known), near.base[key])
             look[key] = last = _short_way(key, last, value)
         base[key] = having[0].base[key]

@@ -47,7 +47,7 @@ def revert(scene: Scene) -> list[str]:
     Raises:
         VibeError: There is no snapshot, or one of a newer version, or a damaged one.
     """
-    journal = _load(scene)
+    journal = load(scene)
     lost = keyframes.take_away(scene)
     forget(scene)  # first: it counts as a user of what is to be removed
     steps.forget(scene)
@@ -59,12 +59,12 @@ def revert(scene: Scene) -> list[str]:
 
 def mark(scene: Scene) -> int:
     """The number of recorded entries, for `rollback`."""
-    return len(_load(scene).entries) if exists(scene) else 0
+    return len(load(scene).entries) if exists(scene) else 0
 
 
 def rollback(scene: Scene, first: int) -> None:
     """Undoes everything recorded since `mark`; removes a snapshot that is then empty."""
-    journal = _load(scene)
+    journal = load(scene)
     del scene[KEY]
     journal.undo(first)
     if first:
@@ -77,7 +77,7 @@ def transaction(scene: Scene) -> Iterator[Journal]:
 
     Keyframes of ours are set aside, as they would hide the changes.
     """
-    whole = _load(scene) if exists(scene) else Journal()  # first: a damaged one stops us here
+    whole = load(scene) if exists(scene) else Journal()  # first: a damaged one stops us here
     journal, keyed = Journal(), keyframes.set_aside(scene)
     try:
         yield journal
@@ -91,7 +91,8 @@ def transaction(scene: Scene) -> Iterator[Journal]:
         stored_journal.store(scene, KEY, whole)
 
 
-def _load(scene: Scene) -> Journal:
+def load(scene: Scene) -> Journal:
+    """The journal of what has been touched since `take`; raises as `revert`."""
     if not exists(scene):
         raise schema.VibeError(
             "This scene has no snapshot to revert to.", "Only a vibed scene can be reverted."

@@ -252,14 +252,14 @@ def same(key: str, first: Sequence[float], other: Sequence[float]) -> bool:
 
 
 def old_value(key: str, before: Known, new: Sequence[float]) -> Sequence[float]:
-    """The value that a change replaces. A light that was not there was dark, a backdrop the world's."""
-    dark = schema.split_key(key)[2] in ("power", "strength")
+    """The value that a change replaces. A light or a link that was not there was off, a backdrop the world's."""
+    off = schema.split_key(key)[2] in ("power", "strength", "linked")
     return (
         before.get(key)
         or before.get(schema.material_copies.copied_key(key))
         or before.get(backgrounds.WORLD_OF_BACKDROP.get(key, ""))
         or (backgrounds.NO_HORIZON if key == backgrounds.HORIZON_KEY else None)
-        or ((0.0,) if dark else new)
+        or ((0.0,) if off else new)
     )
 
 

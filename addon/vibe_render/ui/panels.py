@@ -25,6 +25,7 @@ from . import (
     result,
     run,
     scope,
+    sequence,
     setup,
     steps,
     words,
@@ -95,6 +96,7 @@ CLASSES: tuple[type, ...] = (
     *prompt_history.CLASSES,
     *result.CLASSES,
     *steps.CLASSES,
+    *sequence.CLASSES,
     *presets.CLASSES,
     *preset_files.CLASSES,
     _panel("main", MainPanel),
@@ -112,6 +114,7 @@ CLASSES: tuple[type, ...] = (
 def _before_load(*_: object) -> None:
     """A vibe belongs to its file: it ends before Blender opens another, and its pictures go."""
     addon_state.cancel()
+    addon_state.forget()
     addon_state.forget_mix()
     addon_state.end_live()
 

@@ -202,6 +202,9 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
     edited: IntProperty(
         description="Number of the step that the further sentence replaces; 0 for another step", min=0
     )
+    check_every: IntProperty(
+        name="Every", description="Frames from one that is checked to the next", default=10, min=1
+    )
     vibed_prompt: StringProperty()
     vibed_goals: StringProperty()  # as JSON, for presets
     vibed_like: StringProperty(description="The picture that the look comes from, if any")

@@ -20,8 +20,8 @@ from ..run import result
 from ..run.notes import shortfall, word_notes, words_of
 from ..run.session import Session
 from ..run.state import addon_state
-from ..scene import keyframes, moments, snapshot
-from . import steps
+from ..scene import keyframes, moments, own_keys, snapshot
+from . import sequence, steps
 from .bases import allowed, result_obstacle
 from .drawing import GROUP_ICONS, HEX_COLOR, before_after, colored, columns, icon, paragraph, see_rendered
 from .scope import draw_lock
@@ -36,6 +36,9 @@ _STATES = {
     "unmeasured": ("Set, not measured", "DOT"),
 }
 """State of a word's verdict -> its words and its sign."""
+
+
+HELD = "Your own keyframes are set aside. Keep moves them with the look"
 
 
 class ResultPanel:
@@ -71,6 +74,9 @@ class ResultPanel:
         row.operator("vibe.revert", icon="LOOP_BACK")
         if reason := result_obstacle(context):
             paragraph(layout, context, reason, "INFO", faint=True)
+        layout.prop(settings, "offset_keys")
+        if own_keys.are_held(context.scene):
+            paragraph(layout, context, HELD, "KEYFRAME", faint=True)
         if keyframes.exist(context.scene):
             paragraph(layout, context, _keyframes_note(context.scene), "KEYFRAME", faint=True)
         if settings.changes:  # Before, After and Strength change the scene itself
@@ -84,6 +90,7 @@ class ResultPanel:
             _draw_variants(layout, variants, settings.variant)
         if session and not settings.variant:  # what is visible was measured on the first variant
             _draw_verdicts(layout, context, session)
+            sequence.draw(layout, context, session)
         steps.draw(layout, context)
         if settings.changes:
             draw_changes(layout, context)
@@ -197,7 +204,8 @@ def _draw_changes(
         else:
             values.alignment = "RIGHT"
             values.label(text=result.arrow(change.name, *change.values()))
-        draw_lock(row, context.scene.vibe, change.name)
+        if not schema.light_links.link_of(change.name):  # no search changes a link
+            draw_lock(row, context.scene.vibe, change.name)
     if context.scene.vibe.show_reasons and why:
         most = columns(context)
         text = why if len(why) <= most else f"{why[: most - 1].rstrip()}…"
@@ -262,7 +270,8 @@ class VIBE_OT_keyframe(_Vibed):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         unchanged = "" if context.scene.vibe.changes else "The result has changed nothing"
-        return allowed(cls, result_obstacle(context) or unchanged)
+        held = HELD if own_keys.are_held(context.scene) else ""
+        return allowed(cls, result_obstacle(context) or unchanged or held)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:

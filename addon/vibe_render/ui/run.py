@@ -241,7 +241,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Sessio
         drawing.see_rendered(box, context)
     buttons = box.column(align=True)
     buttons.scale_y = 1.3
-    if not session.question:
+    if not (session.question or session.checking):
         buttons.operator("vibe.stop", text="Stop and Use Best")
     buttons.operator("vibe.cancel", icon="X")
     hint = box.row()

@@ -36,6 +36,7 @@ class ScopePanel(IdlePanel):
             column.prop(settings, "collection", text=" ")
         column.prop(settings, "shared", text="Shared Materials")
         column.prop(settings, "new_lights")
+        column.prop(settings, "offset_keys")
 
 
 class ValuesPanel(IdlePanel):

@@ -76,6 +76,8 @@ def select(
     }
     pictured = bool(now.advice.goals.pictured)
     objective = RoundObjective(shots, vector, plan, probed, (lower, upper), weights, pictured)
+    if not probed:  # words link lights, and nothing else
+        return Selection([], objective)
 
     # The loss near u over all of these keys, in shares of their ranges, and each key's part of it
     wide = vector.mark(probed) & (upper > lower)
@@ -96,9 +98,14 @@ def select(
 
 
 def relevant(plan: Plan, vector: ParameterVector, wide: Tensor) -> set[str]:
-    """Keys that a round may change, of components (N,) bool that have a range; raises VibeError if words name none of them."""
+    """Keys that a round may change, of components (N,) bool that have a range.
+
+    If words name none of them, there are none where words link lights; else that is a VibeError.
+    """
     found = {k for k, e in plan.items() if e.priority is not None and wide[vector.slices[k]].any()}
     if all(plan[key].prior > 0.0 and not plan[key].any_hue for key in found):
+        if vector.links:
+            return set()
         left_alone = [note for note in plan.notes if note.startswith(LEFT_ALONE)]
         problem = " ".join(["Nothing that the words name may change in this scene.", *left_alone])
         raise VibeError(problem, "Unlock something, allow more groups, or use other words.")

@@ -57,7 +57,7 @@ def moments(given: argparse.Namespace) -> list[tuple[int, str]]:
     if not (text.strip() or markers):
         return []
     name = "--moments" if text.strip() else "--markers"
-    names = ["prompt", "like", "goals", "then", "frames", "grade_each", "check_every"]
+    names = ["prompt", "like", "goals", "then", "frames", "grade_each", "check_every", "offset_keys"]
     names += ["markers"] if text.strip() else []
     if clash := [f"--{each.replace('_', '-')}" for each in names if getattr(given, each, None)]:
         raise VibeError(f"{name} gives the look of each frame.", f"Leave out {' and '.join(clash)}.")

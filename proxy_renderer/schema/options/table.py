@@ -163,6 +163,9 @@ TASK = (
            "moments", unit="TEXT", manifest=()),
     Option("markers", False, "the names of the scene's timeline markers are the looks at their frames", "moments",
            manifest=()),
+    Option("offset_keys", False, "values with keyframes of your own may change, too: all keys of each move by as much",
+           "moments", panel=Panel("Offset My Keyframes", "Values with keyframes of your own may change, too. Their keyframes "
+                                  "are set aside until Keep, which moves all of them by as much as the look changes the value")),
     Option("effort", "standard", f"{_EFFORT} (default: standard)", "effort", choices=tuple(BUDGETS),
            panel=Panel("Effort", "How long the search may take", default="STANDARD")),
 )

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light linking: the objects that a light lights, as the artist has it, and the collections of receivers that links of ours add."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from bpy.types import Collection, Object, Scene
+
+from ..core.journal import Journal
+from ..core.schema_import import schema
+from .nodes import owned
+
+_LINKS, _BEFORE = "vibe_links", "vibe_before"
+"""Properties of a collection of ours: the keys of its links, and the artist's receivers, which it takes the place of."""
+States = dict[str, set[Object]]  # "INCLUDE" and "EXCLUDE" -> objects
+
+
+def states(collection: Collection | None) -> States:
+    """The objects of a collection of receivers by their state; those of a child have its state."""
+    found: States = {"INCLUDE": set(), "EXCLUDE": set()}
+    if collection is None:
+        return found
+    for obj, row in zip(collection.objects, collection.collection_objects, strict=True):
+        found[row.light_linking.link_state].add(obj)
+    for child, row in zip(collection.children, collection.collection_children, strict=True):
+        found[row.light_linking.link_state].update(child.all_objects)
+    return found
+
+
+def read(scene: Scene) -> dict[str, schema.Values]:
+    """The links of ours in a scene, by key."""
+    receivers = (o.light_linking.receiver_collection for o in scene.objects if o.type == "LIGHT")
+    return {key: (1.0,) for each in receivers if each for key in each.get(_LINKS, ())}
+
+
+def put(journal: Journal, scene: Scene, values: Mapping[str, Sequence[float]]) -> dict[str, str]:
+    """Links lights of a scene, or takes links of ours away, as values say by key; other keys are left out.
+
+    Returns:
+        The keys of links that could not be set, and why.
+    """
+    rest: dict[str, str] = {}
+    wanted: dict[Object, dict[str, bool]] = {}
+    for key, value in values.items():
+        link = schema.light_links.link_of(key)
+        light = scene.objects.get(link.light) if link else None
+        if light and light.is_editable:
+            wanted.setdefault(light, {})[key] = schema.light_links.is_on(value)
+        elif link:
+            rest[key] = "it is linked from a library" if light else "there is no such light in this scene"
+    for light, keys in wanted.items():
+        _link(journal, scene, light, keys)
+    return rest
+
+
+def _link(journal: Journal, scene: Scene, light: Object, wanted: Mapping[str, bool]) -> None:
+    """Switches links of one light on or off."""
+    now = light.light_linking.receiver_collection
+    ours = now if now and _LINKS in now else None
+    before = ours.get(_BEFORE) if ours else now
+    old = list(ours[_LINKS]) if ours else []
+    new = [key for key in old if wanted.get(key, True)]
+    new += [key for key, on in wanted.items() if on and key not in new]
+    if new == old:
+        return
+    receivers = before
+    if new:
+        receivers = journal.new("collections", f"Vibe Receivers of {light.name}")
+        owned.mark_owned(receivers, "Vibe Receivers")
+        receivers[_LINKS] = new
+        if before:
+            receivers[_BEFORE] = before
+        _fill(receivers, _linked(scene, new, states(before)))
+    journal.set(light.light_linking, "receiver_collection", receivers)
+
+
+def _linked(scene: Scene, keys: Sequence[str], found: States) -> States:
+    """The artist's receivers, as links change them one after the other."""
+    for link in filter(None, map(schema.light_links.link_of, keys)):
+        named = {scene.objects[name] for name in link.objects if name in scene.objects}
+        if link.only:
+            found = {"INCLUDE": named, "EXCLUDE": set()}
+        else:
+            found = {"INCLUDE": found["INCLUDE"] - named, "EXCLUDE": found["EXCLUDE"] | named}
+    return found
+
+
+def _fill(receivers: Collection, found: States) -> None:
+    """Links objects to a new collection, in a state each."""
+    every = [(obj, state) for state, objects in found.items() for obj in objects]
+    every.sort(key=lambda pair: pair[0].name_full)
+    for obj, _ in every:
+        receivers.objects.link(obj)
+    by_object = dict(every)
+    for obj, row in zip(receivers.objects, receivers.collection_objects, strict=True):
+        row.light_linking.link_state = by_object[obj]

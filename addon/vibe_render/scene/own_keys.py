@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The artist's own keyframes of values that a look may change: set aside while it is found, then moved by as much as it changes them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import Any
+
+import bpy
+from bpy.types import ID, FCurve, NodeSocket, Scene
+from mathutils import Vector
+
+from ..core import compat, locks
+from ..core.journal import HELD, Journal, Keys, held_name, keys_of, mark_held, set_keys
+from ..core.schema_import import labels, schema
+from ..core.value_slots import PropertySlot, same
+from . import bindings, keyframes, scene_context, snapshot
+
+
+def hold(scene: Scene) -> None:
+    """Mutes the curves of all values that have no other lock: these are then as at the current frame, and may change.
+
+    Values with drivers, strips, modifiers of curves, or an action that others share, stay locked.
+    """
+    context = scene_context.SceneContext(scene, (), Vector(), everything=True)
+    with snapshot.transaction(scene) as journal:
+        for row, owner, slot in list(bindings.slots(context)):
+            if isinstance(slot, PropertySlot) and slot.locked.endswith(locks.ANIMATED) and not owner.locked:
+                _hold(journal, scene, row.parameter.key(owner.name), slot)
+
+
+def _hold(journal: Journal, scene: Scene, key: str, slot: PropertySlot) -> None:
+    block, owner = slot.owner.id_data, slot.owner
+    path = slot.name if isinstance(owner, ID) else f"{owner.path_from_id()}.{slot.name}"
+    curves = [curve for curve in compat.curves(block) if curve.data_path == path]
+    action = block.animation_data.action if block.animation_data else None
+    shared = isinstance(owner, NodeSocket) and (
+        len(owner.links) > 1 or (not block.is_embedded_data and locks.uses(block) > 1)
+    )
+    if shared or keyframes.obstacle(block) or not all(_may_move(curve, action) for curve in curves):
+        return
+    journal.set(owner, slot.name, getattr(owner, slot.name))
+    for curve in curves:
+        compat.set_to_curve(block, curve, scene.frame_current)
+    for curve in curves:
+        journal.hold(block, curve, key, _present(block, curve))
+
+
+def _may_move(curve: FCurve, action: Any) -> bool:
+    mine = curve.id_data == action and not curve.mute
+    return mine and bool(curve.keyframe_points) and not (curve.modifiers or curve.sampled_points)
+
+
+def are_held(scene: Scene) -> bool:
+    """Whether keyframes of the artist's are set aside, in a scene that has a look."""
+    return snapshot.exists(scene) and any(HELD in action for action in bpy.data.actions)
+
+
+def release(scene: Scene) -> None:
+    """Moves the curves that are set aside, all keys of each by as much as the look changes its value, and shows them."""
+    if not are_held(scene):
+        return
+    newest = {
+        (e["id"], e["path"], held_name(c)): (e, b, c) for e, b, c in snapshot.load(scene).held() if c.mute
+    }
+    for entry, block, curve in newest.values():
+        with suppress(ValueError, AttributeError):  # the artist has removed what it animates
+            was, now = entry["was"], _present(block, curve)
+            if not same(was, now):
+                set_keys(curve, _moved(keys_of(curve), labels.parameter(entry["key"]), was, now))
+        mark_held(curve, False)
+    scene.frame_set(scene.frame_current)
+
+
+def _present(block: Any, curve: FCurve) -> float:
+    """The present value of what a muted curve animates."""
+    path, _, name = curve.data_path.rpartition(".")
+    value = getattr(block.path_resolve(path) if path else block, name)
+    return float(value[curve.array_index] if hasattr(value, "__len__") else value)
+
+
+def _moved(keys: Keys, parameter: schema.Parameter, was: float, now: float) -> Keys:
+    """Keys, moved by as much as a number is from one to the other: by a factor, or on a linear scale by a difference.
+
+    Both keep the form of the curve, so that it has the new number where it had the old one.
+    """
+    if was <= 0.0 or parameter.scale.name == "linear":
+        return [[value + now - was for value in key] for key in keys]
+    return [[value * now / was for value in key] for key in keys]
+
+
+@contextmanager
+def as_before(scene: Scene) -> Iterator[None]:
+    """The artist's own curves, as they were before a look has moved them, for the duration of the block."""
+    moved = []
+    for entry, _, curve in reversed(snapshot.load(scene).held()):
+        moved.append((curve, keys_of(curve)))
+        set_keys(curve, entry["keys"])
+    scene.frame_set(scene.frame_current)
+    try:
+        yield
+    finally:
+        for curve, keys in reversed(moved):
+            set_keys(curve, keys)
+        scene.frame_set(scene.frame_current)

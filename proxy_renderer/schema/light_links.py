@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Keys of light links, which words set and no search: "light/Rim (only on Bottle, Cap)/linked" is 1 where it is so, else 0."""
+
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from .parameters import LINEAR, Parameter, split_key
+
+_ONLY, _NOT = "only on", "not on"
+LINKED = Parameter(
+    "light", "linked", "scalar", 0.0, 0.0, 1.0, "", LINEAR, "whole",
+    "Whether the light is linked to objects.", "Object > Shading > Light Linking",
+)  # fmt: skip
+_AND = ", "
+_OWNER = re.compile(rf"(.+?) \(({_ONLY}|{_NOT}) (.+)\)")
+
+
+class LightLink(NamedTuple):
+    """A light that lights `only` some objects, or all but them."""
+
+    light: str
+    only: bool
+    objects: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return f"{_ONLY if self.only else _NOT} {_AND.join(self.objects)}"
+
+    @property
+    def key(self) -> str:
+        """Its key.
+
+        >>> LightLink("Rim", True, ("Bottle", "Cap")).key
+        'light/Rim (only on Bottle, Cap)/linked'
+        """
+        return LINKED.key(f"{self.light} ({self})")
+
+
+def link_of(key: str) -> LightLink | None:
+    """The link of a key; None for the key of another value."""
+    group, owner, name = split_key(key)
+    found = _OWNER.fullmatch(owner) if f"{group}/{name}" == LINKED.family else None
+    return LightLink(found[1], found[2] == _ONLY, tuple(found[3].split(_AND))) if found else None
+
+
+def is_on(values: Sequence[float]) -> bool:
+    """Whether a link with this value is there: of a blend, from half on."""
+    return values[0] >= 0.5

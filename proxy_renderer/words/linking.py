@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Words that link lights to objects: "a rim light only on the bottle", "the lamp does not light the wall"."""
+
+import re
+
+from .attributes import fixture
+from .lexicon.entries import normalize
+from .lexicon.languages import any_of
+from .lexicon.vocabulary import Vocabulary
+from .names import best, fit, parts
+from .passage import LIGHTS
+from .scene import REGIONS, LookIndex, SceneIndex
+from .types import GLOW, SaidLink, SceneDescription
+
+_MOST = 3  # words of a light's name
+_AND = re.compile(r"\s*\b(?:and|or|nor)\b\s*")
+_CLAUSE = re.compile(r"[,.;:!]|\b(?:and|but|with|while)\b")
+_UNBOUND = "'{}': there is no {} '{}' in the scene; not used."
+
+
+def without_links(
+    text: str, scene: SceneDescription, vocabulary: Vocabulary
+) -> tuple[str, list[SaidLink], list[str]]:
+    """A prompt without the words that link lights, these, and notes on those that name nothing."""
+    links, notes = list[SaidLink](), list[str]()
+    *_, spares = patterns = vocabulary.made(_linking)
+    for pattern in patterns:
+        for match in reversed([*pattern.finditer(text)]):
+            start = max((m.end() for m in _CLAUSE.finditer(text, 0, match.start())), default=0)
+            said = text[start : match.start()]
+            noun = _light_noun(said, scene, vocabulary)
+            if not noun:
+                continue
+            objects, end = _objects(match, scene, vocabulary)
+            lights, role = _lights(noun, scene, vocabulary)
+            quote = " ".join(text[start:end].split())
+            if not (lights or role):
+                if pattern is not spares:  # a spotlight, or what else may be added
+                    continue
+                notes.append(_UNBOUND.format(quote, "light", noun))
+            elif not objects:
+                notes.append(_UNBOUND.format(quote, "object", match["what"].strip()))
+            else:
+                links.append(SaidLink(quote, pattern is not spares, objects, role, lights))
+            bare = normalize(said).split()[: -len(noun.split())] in ([], ["the"])
+            known = bare and (lights or not role)  # it asks for no other light
+            text = text[: start if known else match.start()].rstrip() + " , " + text[end:]
+    return text, links[::-1], notes
+
+
+def _linking(vocabulary: Vocabulary) -> list[re.Pattern[str]]:
+    """The ways to say what a light lights; all but the last say that it is only that."""
+    words = {kind: any_of(vocabulary.words[kind]) for kind in ("lights_only", "only", "spares")}
+    end = r"(?=\s*(?:[,.;:!]|but\b|while\b|with\b|$))"
+    texts = (
+        rf"\b{words['lights_only']} (?P<what>[^,.;:!]+?){end}",
+        rf"\bon (?P<what>[^,.;:!]+?) {words['only']}{end}",
+        rf"\b{words['spares']} (?P<what>[^,.;:!]+?){end}",
+    )
+    return [re.compile(text, re.IGNORECASE) for text in texts]
+
+
+def _light_noun(said: str, scene: SceneDescription, vocabulary: Vocabulary) -> str:
+    """The name of a light at the end of words; "" where they tell none apart from other light: "warm light"."""
+    words = normalize(said).split()
+    ends = [" ".join(words[-n:]) for n in range(min(_MOST, len(words)), 0, -1)]
+    found = next((noun for noun in ends if any(_lights(noun, scene, vocabulary))), "")
+    told = (noun for noun in ends[-1:] if vocabulary.nouns.get(noun) in LIGHTS and fixture(noun, vocabulary))
+    return found or next(told, "")
+
+
+def _lights(noun: str, scene: SceneDescription, vocabulary: Vocabulary) -> tuple[tuple[str, ...], str]:
+    """The lights of the scene that a noun names, or the role of lights that it stands for."""
+    alone = " ".join(word for word in noun.split() if word not in vocabulary.lists["anylight"])
+    index = scene.made(SceneIndex, vocabulary)
+    named = (n for said in dict.fromkeys((noun, alone)) if parts(said) for n in index.named(parts(said)))
+    own = (n for n in named if n.kind == "lights" and any(sign.startswith("light ") for sign in n.signs))
+    names = {name: None for n in own for name in sorted(n.names) if not name.startswith(GLOW)}
+    kind = vocabulary.nouns.get(noun, "")
+    role = next((vocabulary.roles[word] for word in noun.split() if word in vocabulary.roles), "")
+    is_light = kind in LIGHTS and fixture(noun, vocabulary)
+    return tuple(names), (kind if kind in ("fill", "rim") else role) if is_light else ""
+
+
+def _objects(
+    match: re.Match[str], scene: SceneDescription, vocabulary: Vocabulary
+) -> tuple[tuple[str, ...], int]:
+    """The objects that nouns after a link name, and where the link ends: before "and warm fog"."""
+    found, start = dict[str, None](), match.start("what")
+    pieces = [*_AND.finditer(match["what"])]
+    ends = [*(piece.start() for piece in pieces), len(match["what"])]
+    begins = [0, *(piece.end() for piece in pieces)]
+    for number, (begin, end) in enumerate(zip(begins, ends, strict=True)):
+        named = _called(match["what"][begin:end], scene, vocabulary)
+        if number and not named:
+            return tuple(found), start + ends[number - 1]
+        found |= dict.fromkeys(named)
+    return tuple(found), match.end()
+
+
+def _called(noun: str, scene: SceneDescription, vocabulary: Vocabulary) -> tuple[str, ...]:
+    """The objects that a noun names: by their names, by what they are in the image, or as the subject or all around it."""
+    fillers = vocabulary.lists["stop"] | vocabulary.lists["definite"]
+    noun = " ".join(word for word in normalize(noun).split() if word not in fillers)
+    if not noun:
+        return ()
+    index = scene.made(SceneIndex, vocabulary)
+    ways = {name: fit(parts(noun), parts(name), vocabulary) for name in scene.objects}
+    surest = best(ways.values())
+    whole = [name for name, way in ways.items() if way and way == surest]
+    if whole:
+        return tuple(dict.fromkeys(each for name in whole for each in (name, *index.parts_of(name))))
+    materials = scene.made(LookIndex, vocabulary).meant(noun, ())
+    region = REGIONS.get(vocabulary.nouns.get(noun, ""), "")
+    return tuple(
+        name
+        for name, its in scene.objects.items()
+        if not materials.isdisjoint(scene.object_materials.get(name, ())) or (its == region and not materials)
+    )
