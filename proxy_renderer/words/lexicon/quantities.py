@@ -118,11 +118,11 @@ def read_claim(text: str) -> ClaimText:
     numbers = "one number" if count == 1 else f"{count} numbers, joined by commas,"
     for wrong, problem, remedy in (
         (match["part"] not in PARTS, "names no part of the picture", f"Choose from: {', '.join(PARTS)}."),
-        (bool(color) != (measure in _TINTS), "needs a color, or has one too many", "Write '#rrggbb' after tints only."),
+        (bool(color) != (measure in _TINTS), "needs a color, or has one too many", "Write '#rrggbb' after a measure of tints, and after no other."),
         ({len(lower), len(upper)} != {count}, "has another count of numbers than its measure", f"Write {numbers} at each end."),
         (any(map(gt, lower, upper)), "has a lower end above the upper one", "Swap them."),
         (away, "asks for a change away from its interval", "Turn the sign of the change."),
-        (not framed, "has no part of the frame after 'in'", "Write left, upper, right and lower end as shares: 'in 0,0,0.5,1'."),
+        (not framed, "has no part of the frame after 'in'", "Write its ends as shares of the frame: 'in 0,0,0.5,1'."),
         (by and change is not None, "has two changes", "Leave out 'by' or 'or'."),
     ):  # fmt: skip
         if wrong:
