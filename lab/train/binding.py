@@ -17,9 +17,8 @@ from lab.train.sentences.glossed import glossed
 from lab.train.sentences.labels import LabeledSentence
 from lab.train.sentences.right import right_pairs
 from lab.train.sentences.stand_in import stand_in
-from proxy_renderer.words.features import reading
 from proxy_renderer.words.lexicon.vocabulary import Vocabulary, shipped_vocabulary
-from proxy_renderer.words.model import FILE, FactWeights, likeliest_row
+from proxy_renderer.words.model import FILE, FactWeights, likeliest_row, reading
 from proxy_renderer.words.parser import prepared
 
 _SMALL = 0.02  # weights nearer to 0 are left out of the file

@@ -19,7 +19,7 @@ from ..scene.data import Material
 from ..scene.values import RenderValues
 from ..schema import Values
 from ..schema.parameters import Region
-from ..words.types import Corners, LightDescription, MaterialLook, SceneDescription
+from ..words.types import LightDescription, MaterialLook, SceneDescription
 from .scene_facts import light_descriptions, mean_luminance
 
 _SIDE = 64  # rays along each side of the image
@@ -37,31 +37,6 @@ _NEAR = 0.08  # of the scene's height: two levels within it are one
 _WALL = 0.4  # least share of a wall among several, of the largest one's
 _STEP, _NEAR_GROUND = 0.02, 0.25  # of the scene's height: a floor lies so far above its ground
 _TALL, _HIGH = 0.4, 0.6  # of the scene's height: least height of walls, and where roofs begin
-_PLACE_SIDE = 100  # pixels of the square image that places are measured in
-
-
-def placed(scene: SceneData) -> tuple[dict[str, tuple[float, float, float]], dict[str, Corners]]:
-    """Of each object before the camera: x (-1 left, 1 right), y (0 near, 1 far), and its share of the image's width; and all boxes.
-
-    An object that reaches behind the camera, such as a floor, has no place.
-    """
-    view = view_of(scene, RenderValues(scene, {}, "cpu"), (_PLACE_SIDE, _PLACE_SIDE))
-    mesh, seen, boxes = scene.mesh, {}, dict[str, Corners]()
-    corners = torch.from_numpy(mesh.vertices.astype(np.float32)).T
-    depth = -(view.rotation.T @ (corners - view.position[:, None]))[2].detach().numpy()
-    across = view.project(corners)[0].detach().numpy() / _PLACE_SIDE
-    order = np.argsort(mesh.object, kind="stable")
-    ends = np.searchsorted(mesh.object[order], np.arange(len(scene.objects) + 1))
-    for number, thing in enumerate(scene.objects):
-        own = np.unique(mesh.faces[order[ends[number] : ends[number + 1]]])
-        if len(own):
-            corner = mesh.vertices[own].min(0), mesh.vertices[own].max(0)
-            boxes[thing.name] = tuple(map(float, corner[0])), tuple(map(float, corner[1]))
-        if len(own) and depth[own].min() > view.clip[0]:
-            low, high = across[own].min(), across[own].max()
-            seen[thing.name] = (float(low + high - 1.0), float(depth[own].mean()), float(high - low))
-    far = max((place[1] for place in seen.values()), default=1.0)
-    return {name: (x, y / far, width) for name, (x, y, width) in seen.items()}, boxes
 
 
 def described(*scenes: SceneData) -> SceneDescription:
@@ -80,7 +55,6 @@ def described(*scenes: SceneData) -> SceneDescription:
             names = worn.setdefault(scene.objects[o].name, [])
             names += [scene.materials[m].name] * (scene.materials[m].name not in names)
     looks = present_looks(scenes[0]) if scenes else {}
-    where, boxes = placed(scenes[0]) if scenes else ({}, {})
     dark = {name for name, look in looks.items() if not look.glows}  # with a strength, but a black color
     subjects = [name for name, region in objects.items() if region == "subject"]
     return SceneDescription(
@@ -90,8 +64,6 @@ def described(*scenes: SceneData) -> SceneDescription:
         object_materials={name: tuple(worn.get(name, ())) for name in objects},
         lights=lights,
         glows=tuple(dict.fromkeys(n for scene in scenes for n in glowing(scene) if n not in dark)),
-        places=where,
-        boxes=boxes,
         looks=looks,
         sky=not scenes or sees_sky(scenes[0]),
         emitters={name: glow for scene in reversed(scenes) for name, glow in glows(scene).items()},

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The sum of bound look words: objects with their attributes, colors with shades, and the lights that a prompt tells apart."""
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable
+from dataclasses import replace
 from itertools import permutations, product
 
 from ..color.constants import Lab
@@ -20,7 +20,6 @@ from .passage import LIGHTS, Passage
 from .types import Attribute, Parsed, PromptObject
 
 NamedThing = tuple[str, Region, tuple[str, ...]]  # name, region and materials
-_DARKEST = 12.0  # L* of a color below which no light has it
 _COLORED = dict.fromkeys(LIGHTS, "lighting") | {"fog": "atmosphere", "glow": "material"}
 """Kind of thing -> slot that a color word about it counts for."""
 _OUTER = {"surroundings", "atmosphere", "setting", "fog"}  # slots and kinds around the subject
@@ -37,8 +36,7 @@ def complete(
     parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[NamedThing], sky: bool = True
 ) -> None:
     """Fills in the objects of a prompt whose attributes are bound, and relations of words to each other."""
-    bound = _all_shaded(_qualified(parsed.attributes, vocabulary), parsed.prompt.lower(), vocabulary)
-    parsed.attributes = _with_lamps(bound, vocabulary)
+    parsed.attributes = _with_lamps(_all_shaded(parsed, vocabulary), vocabulary)
     if not sky:  # a sky that the camera does not see is its light alone: what colors it colors the image
         hidden = (a.kind == "sky" and a.color for a in parsed.attributes)
         both = zip(parsed.attributes, hidden, strict=True)
@@ -48,17 +46,7 @@ def complete(
     parsed.notes = list(dict.fromkeys(parsed.notes))
 
 
-def _qualified(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Attribute]:
-    """Attributes that no later word takes back: "dark, but not too dark"; "the fog is too thick" asks for less."""
-    later = {(a.entry, a.kind, a.owners): i for i, a in enumerate(attributes) if a.word.startswith("not ")}
-    kept = [a for i, a in enumerate(attributes) if later.get((a.entry, a.kind, a.owners), i) <= i]
-    classes = {a.entry: vocabulary.entries[a.entry].classes for a in kept if a.entry in vocabulary.entries}
-    much = [(a.kind, classes[a.entry]) for a in kept if a.word.startswith("too ") and classes.get(a.entry)]
-    return [a for a in kept if a.negated or a.cause or a.color or (a.kind, classes.get(a.entry)) not in much]
-
-
 def _objects(attributes: list[Attribute], subject: str, things: list[NamedThing]) -> list[PromptObject]:
-    """The prompt's objects with their attributes, the subject first."""
     main = next((name for name, region, _ in things if region == "subject"), subject) or "subject"
     objects: dict[tuple[str, Region], PromptObject] = {(main, "subject"): PromptObject(main, "subject")}
     objects |= {
@@ -126,19 +114,16 @@ def shaded(attribute: Attribute, word: str, entry: str, strength: float, vocabul
     return replace(attribute, word=f"{word} {attribute.word}", color=color)
 
 
-def _all_shaded(attributes: list[Attribute], prompt: str, vocabulary: Vocabulary) -> list[Attribute]:
-    """The attributes, with a word that changes colors and the color right after it as one, where both are of one object."""
+def _all_shaded(parsed: Parsed, vocabulary: Vocabulary) -> list[Attribute]:
+    """The attributes, with a word that changes colors and the color of one object right after it as one: "washed out green"."""
     found: list[Attribute] = []
-    for each in attributes:
-        before = found[-1] if found else each
-        changes = before.slot == "color" and not (before.color or before.negated or before.cause)
-        same = (before.kind, before.owners) == (each.kind, each.owners)
+    for each in parsed.attributes:
+        before, prompt = found[-1] if found else each, parsed.prompt.lower()
+        same = (before.kind, before.owners, None, "") == (each.kind, each.owners, before.color, before.cause)
         whole = each
-        if changes and same and f"{before.word} {each.word}" in prompt:
+        if same and not before.negated and f"{before.word} {each.word}" in prompt:
             whole = shaded(each, before.word, before.entry, before.strength, vocabulary)
-        if whole is not each:
-            found.pop()
-        found.append(whole)
+        found = [*found[: len(found) - (whole is not each)], whole]
     return found
 
 
@@ -223,100 +208,53 @@ def _tone(attribute: Attribute, vocabulary: Vocabulary) -> Values | None:
 # Lights that are described one by one: "a hard key from the left, warm, and a cold rim from behind"
 
 
-@dataclass
-class LightPhrases:
-    """The lights that a prompt describes one by one."""
+def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> dict[int, tuple[int, ...]]:
+    """Place of an item -> the numbers, from 1, of the lights that it describes; other items are left out.
 
-    # place of an item -> the numbers, from 1, of the lights that it belongs to; items that belong to none are left
-    # out
-    of: dict[int, tuple[int, ...]] = field(default_factory=dict)
-    roles: dict[int, str] = field(default_factory=dict)  # number of a light -> "fill" or "rim", if named so
-    gone: set[int] = field(default_factory=set)  # places of items that describe what is to be replaced
-
-    def role(self, place: int) -> str:
-        """The role of the light that an item belongs to; "" if none is said."""
-        return next((self.roles[n] for n in self.of.get(place, ()) if n in self.roles), "")
-
-
-def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> LightPhrases:
-    """The lights of a prompt.
-
-    A light is described from the words that lead its name up to the next light or the next thing, and goes on in parts of the
-    sentence that name nothing: "a softbox from the left, large and warm". "Both" and "all" speak of every light before them.
+    A description begins with the words that lead a light's name and goes on in parts of the sentence that name nothing: "a softbox
+    from the left, large and warm". Each color after "two rim lights" is one of these. "Both" and "all" speak of every light before.
     """
-    found, words = LightPhrases(), vocabulary.words
-    number = 0  # of the last light
-    several = False  # lights were counted before they are described
-    spoken_of: tuple[int, ...] = ()  # lights that words say something of now
-    counted: list[int] = []  # places of a description of lights that are counted: "two rim lights"
-    listed: list[int] = []  # the numbers of these lights
+    found: dict[int, tuple[int, ...]] = {}
+    number, spoken_of, words, several = 0, tuple[int, ...](), vocabulary.words, False
+    counted, listed = list[int](), list[int]()  # places of "two rim lights", and the numbers of these
     for places in _segments(passage, vocabulary):
         items = [passage.items[place] for place in places]
         goes_on = all(_goes_on(item, rigs, vocabulary) for item in items)
+        expected = several or bool(spoken_of)
+        heads = [n for n, item in enumerate(items) if _is_light(item, rigs, vocabulary, expected)]
         counts = any("count" in item.lists for item in items) and not any(i.names_a_look for i in items)
-        following = passage.items[places[-1] + 1 : places[-1] + 2]
-        heads = [n for n, i in enumerate(items) if _is_light(i, rigs, vocabulary, several or bool(spoken_of))]
-        if counts and any(item.noun == "light" for item in items):  # "two lights only: a pink one ..."
+        if counts and any(item.noun == "light" for item in items):  # "two lights: a pink one ..."
             several, spoken_of = True, ()
-        elif _exchanges(items, vocabulary) and any(i.text in words["exchanged"] for i in following):
-            found.gone |= {*places}  # "replace the lamp with ..."
-            spoken_of = ()
-        elif heads and not any("negation" in item.lists for item in items[: heads[0]]):  # a light is named
+        elif heads and not any("negation" in item.lists for item in items[: heads[0]]):
             number += 1
             spoken_of = (number,)
-            found.of |= dict.fromkeys(places, spoken_of)
-            first = [item.text.split() for item in items]
-            is_counted = any("count" in item.lists for item in items)
-            is_counted |= any(len(text) > 1 and text[0] in vocabulary.lists["count"] for text in first)
-            counted, listed = (places if is_counted else []), []
-            if role := next((item.noun for item in items if item.noun in ("fill", "rim")), ""):
-                found.roles[number] = role
+            found |= dict.fromkeys(places, spoken_of)
+            first = {word for item in items for word in item.text.split()[:1]}
+            counted, listed = ([] if first.isdisjoint(vocabulary.lists["count"]) else places), []
         elif counted and goes_on and any(item.color for item in items):
-            # One of the counted lights gets a color: "two rims from behind: orange on the left, blue on the right"
             number += bool(listed)
             listed.append(number)
             spoken_of = (number,)
-            found.of |= dict.fromkeys(places, spoken_of) | dict.fromkeys(counted, tuple(listed))
-            if role := found.roles.get(listed[0], ""):
-                found.roles[number] = role
+            found |= dict.fromkeys(places, spoken_of) | dict.fromkeys(counted, tuple(listed))
         elif not goes_on:
             spoken_of = ()
         elif spoken_of and any(item.text in words["together"] for item in items):
             spoken_of = tuple(range(1, number + 1))
-        for place, item in zip(places, items, strict=True):
-            # "cup, warm light, pale blue": a color there may be a thing's
-            if spoken_of and (place in found.of or item.color is None or item.text.endswith("white")):
-                found.of[place] = spoken_of
+        # "cup, warm light, pale blue": a color there may be a thing's
+        plain = [p for p, i in zip(places, items, strict=True) if i.color is None or i.text.endswith("white")]
+        found |= dict.fromkeys(plain if spoken_of else (), spoken_of)
     return found
 
 
 def _segments(passage: Passage, vocabulary: Vocabulary) -> list[list[int]]:
-    """Places of the items, parted where a clause begins and at words that join or end a description.
-
-    A comma between adjectives parts nothing: "a small, hard lamp".
-    """
-    words, parts, part = vocabulary.words, list[list[int]](), list[int]()
+    """Places of the items, parted where a clause begins and at words that join or end a description."""
+    parts: list[list[int]] = []
     for place, item in enumerate(passage.items):
-        before = [passage.items[p] for p in part]
-        begins = place in passage.starts and not _awaits_a_noun(before)
-        exchanged = item.text in words["exchanged"] and _exchanges(before, vocabulary)
-        if part and (begins or exchanged or "joiner" in item.lists or item.text in words["consequence"]):
-            parts.append(part)
-            part = []
-        part.append(place)
-    return [*parts, part] if part else parts
-
-
-def _awaits_a_noun(items: Sequence[Token]) -> bool:
-    """Whether words end with an article and adjectives: "as a crisp"."""
-    articles = [n for n, item in enumerate(items) if "article" in item.lists and "definite" not in item.lists]
-    tail = items[max(articles, default=len(items)) + 1 :]
-    return bool(tail) and all((i.adjective or i.color) and not (i.noun or i.scene) for i in tail)
-
-
-def _exchanges(items: Sequence[Token], vocabulary: Vocabulary) -> bool:
-    """Whether words say that one thing takes the place of another: "replace the lamp"."""
-    return any(item.text in vocabulary.words["exchanges"] for item in items)
+        joins = "joiner" in item.lists or item.text in vocabulary.words["consequence"]
+        if not parts or joins or place in passage.starts:
+            parts.append([])
+        parts[-1].append(place)
+    return parts
 
 
 def _is_light(item: Token, rigs: RigTable, vocabulary: Vocabulary, expected: bool) -> bool:
@@ -332,8 +270,10 @@ def _is_light(item: Token, rigs: RigTable, vocabulary: Vocabulary, expected: boo
 
 def _goes_on(item: Token, rigs: RigTable, vocabulary: Vocabulary) -> bool:
     """Whether an item names no other thing and no setup, so that it may go on about the light before it."""
-    known = item.names_a_look or item.filler or item.lists or item.strength is not None
     setup = item.entry in rigs.rigs and item.entry not in rigs.modifiers
     rest = "others" in item.lists and item.text not in vocabulary.words["together"]
-    names = item.scene or rest or setup or "action" in item.lists
-    return bool(known) and item.noun in ("", "glow") and not names
+    return (
+        item.known
+        and item.noun in ("", "glow")
+        and not (item.scene or rest or setup or "action" in item.lists)
+    )

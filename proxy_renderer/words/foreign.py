@@ -131,18 +131,18 @@ def pieces(
     """All pieces of a prompt, in its order: the longest wordings, `names` of the scene (folded) and English `phrases`."""
     cuts, found = list(_cuts(text, lexicon, names)), list[Piece]()
     while cuts:
-        for count in range(min(_LONGEST, len(cuts)), 0, -1):
-            if piece := _piece(text, cuts[:count], lexicon, names, phrases):
-                found.append(piece)
-                del cuts[:count]
-                break
+        counts = range(min(_LONGEST, len(cuts)), 0, -1)
+        each = ((n, _piece(text, cuts[:n], lexicon, names, phrases)) for n in counts)
+        count, piece = next((n, piece) for n, piece in each if piece)
+        found.append(piece)
+        del cuts[:count]
     return found
 
 
 def _cuts(text: str, lexicon: LanguageLexicon, names: frozenset[str]) -> Iterator[Piece]:
     """Words and marks; where words are not written apart, those that the lexicon or the scene knows."""
     for match in _PARTS.finditer(text):
-        start, word = match.start(), match.group()
+        start, word = match.span()[0], match[0]
         apart = lexicon.spaces or not _SPACELESS.search(word)
         for part in [word] if apart else cut(word, lexicon.forms | names):
             yield Piece(part, start, start + len(part), "unknown")
@@ -204,8 +204,7 @@ class Retelling:
 
     def own(self, english: str) -> str:
         """The artist's words for English ones; these themselves where they are not from the prompt."""
-        found = self._find(english, again=True)
-        return self._text(found) if found else english
+        return self._text(self._find(english, again=True)) or english
 
     def english(self, word: str) -> str:
         """The English words for one of the prompt; "" where the prompt lacks it."""
@@ -238,21 +237,19 @@ class Retelling:
         return []
 
     def _text(self, found: list[Piece]) -> str:
-        """The prompt's words, in its order."""
         spans = sorted({(piece.start, piece.end) for piece in found})
-        text, last = "", spans[0][0]
-        for start, end in spans:
-            gap = self.gloss.prompt[last:start]
+        text = ""
+        for (_, last), (start, end) in zip([(0, 0), *spans], spans, strict=False):
+            gap = self.gloss.prompt[last:start] if text else ""
             text += (" " if gap.strip() else gap) + self.gloss.prompt[start:end]
-            last = end
         return text
 
 
 def understood() -> str:
     """Advice for a prompt in another language, in one line."""
     *first, last = ("English", *(lexicon.name for lexicon in lexicons()))
-    names = f"{', '.join(first)} and {last}"
-    return f"{names} are understood: write for example 'glossy teal, soft warm light, slight vignette'."
+    remedy = "write for example 'glossy teal, soft warm light, slight vignette'."
+    return f"{', '.join(first)} and {last} are understood: {remedy}"
 
 
 def other_language(text: str) -> Literal["", "some", "all"]:
@@ -270,6 +267,5 @@ def other_language(text: str) -> Literal["", "some", "all"]:
 
 @cache
 def _small_words() -> frozenset[str]:
-    """Small words of languages that have no lexicon."""
     lines = (Path(__file__).with_name("languages") / "unread.txt").read_text("utf-8").splitlines()
     return frozenset(word for line in lines if not line.startswith("#") for word in line.split())

@@ -8,6 +8,7 @@ from collections.abc import Collection, Container, Iterator
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from operator import ne
+from typing import Any
 
 from ..color.floats import is_hex, srgb_from_hex
 from ..color.shades import shade
@@ -98,8 +99,7 @@ class Lexer:
     def _unslashed(self, pair: re.Match[str]) -> str:
         """ "Blue/green" as "blue green", where that is one color."""
         words, colors = pair[0].lower().split("/"), self.vocabulary.colors
-        one = " ".join(words)
-        return one if one in colors or compound(words, colors) else pair[0]
+        return " ".join(words) if " ".join(words) in colors or compound(words, colors) else pair[0]
 
     def _spelled(self, words: list[str]) -> list[str]:
         """The words that are meant by those typed in a hurry, by "on" at the end, and by "bluegreen" and "lightblue"."""
@@ -117,9 +117,6 @@ class Lexer:
         tokens: list[Token] = []
         start = 0
         while start < len(words):
-            if tokens and self._covers(words[start], tokens[-1]):
-                start += 1
-                continue
             for count in range(min(_LONGEST, len(words) - start), 0, -1):
                 part = words[start : start + count]
                 if self._ends_in_thing(part):
@@ -131,11 +128,6 @@ class Lexer:
                     start += count
                     break
         return tokens
-
-    def _covers(self, word: str, thing: Token) -> bool:
-        """Whether a word names the surface of the thing before it and wishes for no material: "wet frog skin"."""
-        named = (thing.scene or "thing" in thing.lists or thing.noun) and not thing.names_a_look
-        return bool(named) and word in self.vocabulary.words["coverings"] and word not in self.names
 
     def _cuts_a_phrase(self, words: list[str], start: int, end: int) -> bool:
         """Whether words take the first word of a listed phrase that is no surface: "warm golden" of "golden hour"."""
@@ -193,7 +185,7 @@ class Lexer:
     def _guess(self, token: Token) -> Token:
         """The known word that is meant, where the other one can only be a slip of the keyboard."""
         text, foreign = token.text, token.text in self.foreign
-        is_thing = singular(text) in thing_words().rows
+        is_thing = singular(text) in thing_words()
         token.unsure = not (foreign or is_thing) and self.vocabulary.made(Nearest).may_be_a_look(text)
         if len(text) < (_SHORTEST_FOREIGN if foreign else _SHORTEST) or table().is_english(text):
             return token
@@ -220,46 +212,35 @@ def _misspellable(v: Vocabulary) -> list[str]:
     return sorted(w for w in {*v.synonyms, *v.colors, *v.adjectives} if " " not in w and len(w) > 3)
 
 
-def _composed(words: list[str], vocabulary: Vocabulary) -> Token | None:
+def _composed(words: list[str], v: Vocabulary) -> Token | None:
     """A color or material with the words that shift it: "warm golden", "very dark blue", "dark walnut"; None for others."""
-    text, v = " ".join(words), vocabulary
+    text = " ".join(words)
     if v.slot(text) == "grade":  # "deep blacks" are shadows
         return None
     made_of = words[0] in v.colors and words[0] in v.synonyms  # "ruby red lips" are red
     if not made_of and (color := compound(words, v.colors)):
         return Token(text, color=color, name=text)
-    led = [(leading, rest) for leading, rest in _led_by_shades(words, v) if text not in v.colors]
-    found = [_shaded_color(leading, rest, v) for leading, rest in led]
-    found += [_shaded_material(leading, rest, v) for leading, rest in led if text not in v.synonyms]
+    found = (_shaded(leading, rest, v) for leading, rest in _led_by_shades(words, v) if text not in v.colors)
     return next(filter(None, found), None)
 
 
-def _shaded_color(leading: list[str], rest: list[str], v: Vocabulary) -> Token | None:
-    """A color with shade words before it: "very dark blue", "dusty rose"."""
-    last = " ".join(rest)
+def _shaded(leading: list[str], rest: list[str], v: Vocabulary) -> Token | None:
+    """A color with shade words before it, "dusty rose", or a material with its own color, lighter or darker: "dark oak"."""
+    last, shades, is_lighter = " ".join(rest), _shades(leading, v), leading[-1] in v.words["lightness"]
     name = last if last in v.colors else last.removesuffix("s")
+    text, entry = " ".join([*leading, last]), v.entry(last)
     color = v.colors.get(name) or compound(rest, v.colors)
-    if color is None or v.slot(last) == "grade":  # "faded sepia" is no paler brown
-        return None
-    shades = _shades(leading, v)
-    for arguments in shades:
-        color = shade(color, *arguments)
-    both = leading[-1] in v.words["lightness"] and last in v.adjectives
-    return Token(
-        " ".join([*leading, last]), color=color, adjective=last if both else "",
-        name=" ".join([*leading, name]), shades=shades if both else (),
-    )  # fmt: skip
-
-
-def _shaded_material(leading: list[str], rest: list[str], v: Vocabulary) -> Token | None:
-    """A material with its own color, lighter or darker: "dark oak", "very pale wood"."""
-    name = " ".join(rest)
-    entry = v.entry(name)
-    if entry is None or entry.slot != "material" or leading[-1] not in v.words["lightness"]:
-        return None
-    if all(effect.name != "base_color" for effect in entry.effects):
-        return None
-    return Token(" ".join([*leading, name]), entry.name, name=name, shades=_shades(leading, v))
+    if color and v.slot(last) != "grade":  # "faded sepia" is no paler brown
+        for arguments in shades:
+            color = shade(color, *arguments)
+        both: dict[str, Any] = (
+            {"adjective": last, "shades": shades} if is_lighter and last in v.adjectives else {}
+        )
+        return Token(text, color=color, name=" ".join([*leading, name]), **both)
+    tints = entry and entry.slot == "material" and any(e.name == "base_color" for e in entry.effects)
+    if entry and tints and is_lighter and text not in v.synonyms:
+        return Token(text, entry.name, name=text, shades=shades)
+    return None
 
 
 def _led_by_shades(words: list[str], v: Vocabulary) -> Iterator[tuple[list[str], list[str]]]:

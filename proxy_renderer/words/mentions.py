@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The places of a prompt where things, lights and parts of the image are named: nouns, lists, exceptions, one of several."""
+"""The places of a prompt where things, lights and parts of the image are named: nouns, lists and exceptions."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import replace
-from itertools import chain
-from typing import Literal
+from itertools import product
 
 from .lexer import Token
 from .lexicon.vocabulary import Vocabulary
@@ -26,17 +25,7 @@ from .types import SceneDescription
 
 _LONGEST = 3  # tokens of a name
 _SURE = (*(f"{s} {way}" for s in ("material", "object", "group", "light") for way in FITS[:2]),)
-_BY_LOOK = frozenset({"material exact", "by look"})
 _NO_NOUNS = {"negation", "comparison", "exception", "action", "undo", "beyond"}
-# Picks
-_ONE = ("one", "ones")
-_NEAR = 3  # items from a word that picks to its noun
-_RANKS = {
-    "left": ("x", 0), "right": ("x", -1), "middle": ("off", 0), "near": ("depth", 0), "far": ("depth", -1),
-    "big": ("size", -1), "small": ("size", 0), "first": ("name", 0), "second": ("name", 1), "third": ("name", 2),
-    "fourth": ("name", 3), "fifth": ("name", 4), "last": ("name", -1),
-}  # fmt: skip
-"""A way to pick one of several -> by what these are ordered, and the place of the one."""
 # Lists and exceptions are patterns over a row of letters, one for each token. Nouns: T a thing, K a light, N another name, and a noun
 # that is a look; M a part of the image, I anything else without a name in the scene; n are their other tokens. Others: Q "all",
 # O "the rest", L a look, _ filler, u unknown, . what is known, a comma between clauses, and those of _LETTERS.
@@ -72,29 +61,15 @@ def mentions(passage: Passage, index: SceneIndex, vocabulary: Vocabulary) -> lis
         if found:
             single.append(found)
         start = found.end + 1 if found else start + 1
-    single = [
-        m for m, after in zip(single, [*single[1:], None], strict=False) if not _owns(m, after, passage)
-    ]
-    single = with_picks(passage, single, index, vocabulary)
-    excepted = _NounRow(passage, single, vocabulary).excepted()
+    row = _NounRow(passage, single, vocabulary)
+    excepted, lists = row.excepted(), row.joined()
     single = [replace(mention, excepted=mention.start in excepted) for mention in single]
-    lists = (_joined(run, index.words) for run in _NounRow(passage, single, vocabulary).joined())
-    return [*single, *filter(None, lists)]
-
-
-def _owns(noun: NounMention, after: NounMention | None, passage: Passage) -> bool:
-    """Whether a thing is only named for a part of it that follows: the bottle of "the bottle's cap"."""
-    if after is None or after.start != noun.end + 1:
-        return False
-    both = [{n for each in m.named if each.kind == "things" for n in each.names} for m in (noun, after)]
-    apart = passage.items[noun.end].clause != passage.items[after.start].clause
-    looks = passage.items[noun.end].names_a_look or passage.items[after.start].names_a_look
-    return all(both) and both[0].isdisjoint(both[1]) and not (apart or looks)
+    by_start = {mention.start: mention for mention in single}
+    joined = (_joined([by_start[start] for start in starts], index.words) for starts in lists)
+    return [*single, *filter(None, joined)]
 
 
 class _NounFinder:
-    """Finds single nouns."""
-
     def __init__(self, passage: Passage, index: SceneIndex, vocabulary: Vocabulary) -> None:
         self.passage, self.items, self.index, self.vocabulary = passage, passage.items, index, vocabulary
         self._looks = LookIndex(index.words, vocabulary)
@@ -116,17 +91,29 @@ class _NounFinder:
         if not said or not token.lists.isdisjoint(_NO_NOUNS):
             return None
         named = [] if self._is_of_the_next(start) else self._of_one(start, said)
-        if seen := self._by_look(token, named):
+        if seen := self._looks.told(token, named):
             return self._mention(start, start, "", seen)
         noun = token.noun or "unknown" if token.presents else self._noun(start)
-        return self._mention(start, start, noun, named) if named or noun else None
+        return self._mention(start, start, noun, self._numbered(start, named)) if named or noun else None
+
+    def _numbered(self, start: int, named: list[Named]) -> list[Named]:
+        """Those of some names that have the number after a noun: "cube 2" is Cube.002."""
+        number = "".join(item.text for item in self.items[start + 1 : start + 2] if item.text.isdecimal())
+        theirs = re.compile(rf"\D0*{int(number)}$") if number else None
+        if theirs is None or not named:
+            return named
+        objects = filter(theirs.search, self.index.objects(parts(self.items[start].text)))
+        things = frozenset[str]().union(*map(self.index.worn, objects))
+        lights = frozenset(
+            n for each in named if each.kind == "lights" for n in each.names if theirs.search(n)
+        )
+        found = (("things", things, "object exact"), ("lights", lights, "light exact"))
+        return [Named(kind, names, frozenset({sign})) for kind, names, sign in found if names] or named
 
     def _mention(self, start: int, end: int, noun: str, named: list[Named]) -> NounMention:
         """A noun with the light that it means: "key light" the key, "light" light in general ("")."""
-        text, roles = " ".join(i.text for i in self.items[start : end + 1]), self.vocabulary.roles
-        last = self.items[end]
-        role = next((roles[word] for word in last.text.split() if word in roles), "")
-        role = last.noun if last.noun in ("fill", "rim") else role
+        text, last = " ".join(i.text for i in self.items[start : end + 1]), self.items[end]
+        role = last.noun if last.noun in ("fill", "rim") else self.vocabulary.role(last.text)
         return NounMention(start, end, text, noun, role, tuple(named))
 
     def _of_several(self, start: int, count: int) -> list[Named]:
@@ -141,7 +128,6 @@ class _NounFinder:
     def _of_one(self, start: int, said: tuple[str, ...]) -> list[Named]:
         """Names of a token by itself, by its last word if by nothing else, or with a mistake."""
         token = self.items[start]
-        plural = token.text.endswith("s")
         named = self.index.named(said) or self._lamps(said)
         if token.text in self.vocabulary.roles:  # a "blue rim" is of light, though glasses have rims
             named = [n for n in named if n.kind == "lights"] or self._surely(named)
@@ -149,18 +135,9 @@ class _NounFinder:
         if not named and len(said) > 1 and token.noun != "tone":  # "the whole picture" hangs on no wall
             named, said = self.index.named(last), last
         if said == last and last[0] in self.vocabulary.lists["anylight"]:  # though one may be called "Light"
-            named = [n for n in named if n.signs != {"light exact"} and (plural or not _is_translated([n]))]
-        if "stop" in token.lists and not token.noun:
-            return self._surely(named)
-        return named or ([] if token.known else self.index.modeled(said[-1]))
-
-    def _by_look(self, token: Token, named: list[Named]) -> list[Named]:
-        """Materials by their present look or shape, which also tell apart the materials of a name."""
-        things = [n for n in named if n.kind == "things"]
-        if things and token.presents:
-            return [replace(n, names=self._looks.narrowed(n.names, token.presents)) for n in things]
-        names = frozenset[str]() if named else self._looks.meant(token.text, token.presents)
-        return [Named("things", names, _BY_LOOK)] if names else []
+            plural = token.text.endswith("s")
+            named = [n for n in named if n.signs != {"light exact"} and (plural or not _is_translated(n))]
+        return self._surely(named) if "stop" in token.lists and not token.noun else named
 
     def _is_of_the_next(self, start: int) -> bool:
         """Whether a look is said of the thing after it: "red" of "red leather seats" is no red lamp."""
@@ -198,9 +175,9 @@ class _NounFinder:
         return token.noun or ("light" if gives_light else "unknown")
 
 
-def _is_translated(named: list[Named]) -> bool:
+def _is_translated(named: Named) -> bool:
     """Whether no name has the very word: "wooden" of "wood planks"."""
-    return all(sign.endswith("synonym") for n in named for sign in fit_signs(n))
+    return all(sign.endswith("synonym") for sign in fit_signs(named))
 
 
 class _NounRow:
@@ -220,15 +197,14 @@ class _NounRow:
     def excepted(self) -> set[int]:
         """Places where nouns begin that the prompt leaves out."""
         spans = [match.span(1) for pattern in _EXCEPTED for match in pattern.finditer(self._letters)]
-        return {noun.start for span in spans for noun in self._within(*span, _NOUNS)}
+        return {place for span in spans for place in self._nouns_in(*span, _NOUNS)}
 
-    def joined(self) -> list[list[NounMention]]:
-        """The lists of nouns that have nothing said between them."""
-        return [list(self._within(*match.span(), _LISTABLE)) for match in _JOINED.finditer(self._letters)]
+    def joined(self) -> list[list[int]]:
+        """Places where the nouns of each list begin that have nothing said between them."""
+        return [self._nouns_in(*match.span(), _LISTABLE) for match in _JOINED.finditer(self._letters)]
 
-    def _within(self, start: int, end: int, letters: str) -> Iterator[NounMention]:
-        places = (self._places[i] for i in range(start, end) if self._letters[i] in letters)
-        return (self._nouns[place] for place in places)
+    def _nouns_in(self, start: int, end: int, letters: str) -> list[int]:
+        return [self._places[i] for i in range(start, end) if self._letters[i] in letters]
 
     def _letter(self, place: int, token: Token) -> str:
         if place in self._inside:
@@ -252,24 +228,19 @@ def _joined(run: list[NounMention], words: SceneDescription) -> NounMention | No
     """One mention of several nouns: the surest names of each, once of all sources and once of materials; None if nothing."""
     if not any(mention.named for mention in run):
         return None
-    found = []
-    for kind, first in (
-        (k, f) for k in ("things", "lights") for f in ("material", "object", "first", "whole")
-    ):
+    found: dict[tuple[str, frozenset[str]], Named] = {}
+    for kind, first in product(("things", "lights"), ("material", "object", "first", "whole")):
         each = [surest(m, kind, first) or _region(m, kind, words) for m in run]
         every = [named for named in each if named]
         if len(every) == len(run):
-            names = frozenset().union(*(n.names for n in every))
+            names = frozenset[str]().union(*(n.names for n in every))
             shared = frozenset.intersection(*(n.signs for n in every))
             least_sure = {*fit_signs(max(every, key=fit_rank))}  # a list is no surer
             signs = shared | least_sure | {"joined", f"joined {first}"}
-            found.append(Named(kind, names, signs))
-    text = " and ".join(mention.text for mention in run)
-    excepted = all(mention.excepted for mention in run)
-    named = {(n.kind, n.names): n for n in reversed(found)}
-    return NounMention(
-        run[0].start, run[-1].end, text, named=tuple(named.values()), members=len(run), excepted=excepted
-    )
+            found.setdefault((kind, names), Named(kind, names, signs))
+    text, excepted = " and ".join(mention.text for mention in run), all(mention.excepted for mention in run)
+    named = (*found.values(),)
+    return NounMention(run[0].start, run[-1].end, text, named=named, members=len(run), excepted=excepted)
 
 
 def _region(mention: NounMention, kind: str, words: SceneDescription) -> Named | None:
@@ -279,103 +250,10 @@ def _region(mention: NounMention, kind: str, words: SceneDescription) -> Named |
     return Named(kind, names, frozenset()) if names else None
 
 
-def with_picks(
-    passage: Passage, single: list[NounMention], index: SceneIndex, vocabulary: Vocabulary
-) -> list[NounMention]:
-    """The mentions of a prompt, each with the one of several that is picked: "the left ball", "the one on the right", "ribbon B"."""
-    found = {mention.start: _with_number(passage, mention, index) for mention in single}
-    for place, item in enumerate(passage.items):
-        # A word such as "left", or a place such as "on the right"
-        *before, last = item.text.split()
-        placed = not before or before[0] in vocabulary.lists["around"]
-        way = vocabulary.picks.get(last) if placed else None
-        if way is None or item.wished:
-            continue
-        noun = _noun_of(passage, place, single)
-        groups = [_group(noun, index)] if noun else []
-        if not noun:  # the noun of "the left one" is one that came before, or the subject, or all objects
-            groups = [g for m in single if m.end < place and len(g := _group(m, index)) > 1][-1:]
-            if any(after.text in _ONE for after in passage.items[place + 1 : place + 2]):
-                regions = index.words.objects
-                groups += [[o for o, region in regions.items() if region == "subject"], [*regions]]
-        one = next((o for g in groups if (o := _picked(way, g, index.words))), "")
-        if one:
-            target = noun or found.get(place) or NounMention(place, place, item.text)
-            known = found.get(target.start, target)
-            found[target.start] = replace(_picking(known, index.worn(one), f"picked {way}"), picked=one)
-    return [found[start] for start in sorted(found)]
-
-
-def _with_number(passage: Passage, mention: NounMention, index: SceneIndex) -> NounMention:
-    """A noun with the number or letter after it: "cube 2" is Cube.002, "ribbon B" Ribbon_B, "area" and "area 1" are lights."""
-    after = passage.items[mention.end + 1 : mention.end + 2]
-    said, group = after[0].text if after else "", _group(mention, index)
-    ends = {name: re.split(r"[\W_]+", name)[-1].lower() for name in group} if len(group) > 1 and said else {}
-    same = [name for name, end in ends.items() if _bare(end) == _bare(said)]
-    if len(same) == 1:
-        return replace(_picking(mention, index.worn(same[0]), "picked by number"), picked=same[0])
-    number = said if said.isdecimal() else ""
-    every = (n.names for n in mention.named if n.kind == "lights" and len(n.names) > 1)
-    lamps = sorted(frozenset().union(*every)) if number or mention.noun != "light" else []
-    meant = [name for name in lamps if _bare("".join(re.findall(r"\d+$", name))) == _bare(number)]
-    return _picking(mention, frozenset(meant), "picked by number", "lights") if len(meant) == 1 else mention
-
-
-def _bare(number: str) -> str:
-    return str(int(number)) if number.isdecimal() else number
-
-
-def _picking(
-    mention: NounMention, names: frozenset[str], sign: str, kind: Literal["things", "lights"] = "things"
-) -> NounMention:
-    """A noun that means some materials or lights above all; its other names stay known."""
-    known = [n for n in mention.named if n.kind == kind and n.names == names]
-    signs = frozenset().union(*(n.signs for n in known), {"picked", sign})
-    rest = [n for n in mention.named if n not in known]
-    return replace(mention, named=(*rest, Named(kind, names, signs)))
-
-
 def named_objects(mention: NounMention, index: SceneIndex) -> list[str]:
     """The objects that a noun means by their names."""
-    if mention.picked:
-        return [mention.picked]
     if all(named.kind != "things" for named in mention.named):  # a lamp is one, light is none
         return []
     said = parts(mention.text)
     # "table lamp" of a lamp
     return next((found for n in range(len(said)) if (found := index.objects(said[n:]))), [])
-
-
-def _group(mention: NounMention, index: SceneIndex) -> list[str]:
-    """The objects whose names a noun fits best."""
-    return index.objects(parts(mention.text)) if mention.noun != "light" else []
-
-
-def _noun_of(passage: Passage, place: int, single: list[NounMention]) -> NounMention | None:
-    """The noun that a word picks one of: right after it ("the left ball"), or before it ("the ball on the left")."""
-    items = passage.items
-    known = (m for m in single if m.text not in _ONE and (m.named or m.noun != "unknown"))
-    near = [m for m in known if items[m.start].clause == items[place].clause and not m.covers(place)]
-    after = (m for m in near if place < m.start <= place + _NEAR)
-    right_after = (m for m in after if all(i.names_a_look for i in passage.content(place + 1, m.start)))
-    led_back = []
-    for mention in (m for m in reversed(near) if m.end < place <= m.end + _NEAR):
-        between = items[mention.end + 1 : place]
-        ties = any(token.ties for token in between) or " " in items[place].text
-        led_back += [mention] if ties and all(token.filler or token.ties for token in between) else []
-    return next(chain(right_after, led_back), None)
-
-
-def _picked(way: str, group: list[str], words: SceneDescription) -> str:
-    """The one of a group of objects that a word picks, by a key of `_RANKS`; "" where it cannot be told."""
-    by, index = _RANKS[way]
-    ranks: dict[str, tuple[float, str]] = {}
-    for name in group:
-        if by == "name":  # "Ball", "Ball.001"
-            ranks[name] = int((re.findall(r"\d+", name) or [0])[-1]), name
-        elif name in words.places:  # from left to right, from near to far, by size
-            x, depth, size = words.places[name]
-            ranks[name] = {"x": x, "off": abs(x), "depth": depth, "size": size}[by], ""
-    order = sorted(ranks, key=lambda name: ranks[name])
-    differs = len(order) > max(index, 1) and ranks[order[0]] != ranks[order[-1]]
-    return order[index] if differs else ""

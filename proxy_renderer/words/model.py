@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The fitted weights, and the row of targets of a prompt that is likeliest by them: a conditional random field.
+"""Facts about look words and what they may describe, their fitted weights, and the likeliest row: a conditional random field.
 
 `lab/train/binding.py` makes the weights.
 """
@@ -8,14 +8,33 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .passage import Passage
-from .targets import NOWHERE, PromptPairs, TargetPair
+from .lexer import TIES, Lexer, Token
+from .lexicon.vocabulary import Vocabulary
+from .mentions import mentions
+from .own_nouns import OwnNouns
+from .passage import Passage, PromptLook, passage, with_changes
+from .scene import Named, NounMention, SceneIndex, fit_rank
+from .targets import (
+    LAMPS,
+    MATTER,
+    NOWHERE,
+    SURFACE,
+    TINGE,
+    PromptPairs,
+    Sense,
+    Target,
+    TargetPair,
+    sense_at,
+    targets,
+)  # fmt: skip
+from .types import SceneDescription
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,6 +47,7 @@ ALIKE = (
     "same, color and color", "same, color and material", "same, material and color", "same, material and material",
 )  # fmt: skip
 """Ways in which their targets do; with a word about light also "same, SLOT and SLOT"."""
+_FAR = 4  # items from which a distance says no more
 _LIKELY = 8  # targets of a look word that its links to others may decide between
 _LEAST = 1e-300  # probability of what is next to impossible
 FactWeights = dict[str, float]
@@ -156,3 +176,216 @@ def _alike(one: TargetPair, other: TargetPair) -> str:
     if a.mention >= 0 and a.mention == b.mention:
         return "same noun"
     return "same kind" if a.kind == b.kind else "others"
+
+
+# Facts
+
+
+class ClauseForms:
+    """The clauses of one prompt: which items are looks and nouns, what leads a word, what a clause ends with."""
+
+    def __init__(self, passage: Passage, mentions: list[NounMention], vocabulary: Vocabulary) -> None:
+        self.passage, self.mentions, self.vocabulary = passage, mentions, vocabulary
+        self.look_at = {look.index for look in passage.looks}
+        self.noun_at = {i for m in mentions for i in range(m.start, m.end + 1) if m.members == 1}
+        self.places: dict[int, list[int]] = defaultdict(list)  # clause -> places of its items
+        for place, item in enumerate(passage.items):
+            self.places[item.clause].append(place)
+        self.spares = any(mention.excepted for mention in mentions)
+
+    def sort_of(self, token: Token) -> str:
+        """The slot of what a look word means; "adjective" where that depends on what it describes."""
+        if token.entry:
+            return self.vocabulary.entries[token.entry].slot
+        return "color" if token.color else "adjective"
+
+    def role(self, place: int) -> str:
+        """ "noun", "look", a tie, or "other"."""
+        if place in self.noun_at:
+            return "noun"
+        if place in self.look_at:
+            return "look"
+        return next((tie for tie in TIES if tie in self.passage.items[place].lists), "other")
+
+    def lead(self, index: int) -> str:
+        """The word before a look word and its neighbors that are looks too: "on" of "on a glossy black floor"."""
+        items = self.passage.items
+        for place in reversed([p for p in self.places[items[index].clause] if p < index]):
+            item = items[place]
+            passed = place in self.look_at or "article" in item.lists
+            if passed and place not in self.noun_at:
+                continue
+            if item.ties:
+                return f"'{item.text}' after {'a look' if place - 1 in self.look_at else 'others'}"
+            return f"'{item.text}'" if item.filler else "a noun" if place in self.noun_at else "others"
+        return "nothing"
+
+    def turn(self, clause: int) -> str:
+        """The end of the clause before: "after a clause that ends in light"."""
+        if clause == 0:
+            return "after nothing"
+        last = next((p for p in reversed(self.places[clause - 1]) if p in self.noun_at | self.look_at), None)
+        if last is None:
+            return "after a clause of neither"
+        token = self.passage.items[last]
+        what = token.noun or ("a name" if last in self.noun_at else self.sort_of(token))
+        return f"after a clause that ends in {what}"
+
+
+class PairFeatures:
+    """The facts about the pairs of one look word, as `binding.json` names them."""
+
+    def __init__(self, look: PromptLook, forms: ClauseForms) -> None:
+        self.look, self.token, self.forms = look, look.token, forms
+        self.items, self.mentions = forms.passage.items, forms.mentions
+        covering = [m for m in self.mentions if m.covers(look.index)]
+        # A lake in the scene makes "lake" another word; surfaces stay what they are.
+        named = look.token.entry and forms.sort_of(look.token) not in SURFACE
+        self._name = " and name" if named and any(_is_of_object(n) for m in covering for n in m.named) else ""
+        self._sort, self._lead = forms.sort_of(look.token) + self._name, forms.lead(look.index)
+        self._turn = forms.turn(self.items[look.index].clause)
+        self._unnamed = [*self._unnamed_facts(is_noun=bool(covering))]
+
+    def of(self, target: Target, sense: Sense) -> Iterator[str]:
+        """The facts about one pair."""
+        kind, token = target.kind, self.token
+        group = "matter" if kind in MATTER else "lamp" if kind in LAMPS else kind
+        word = f"'{token.adjective or token.entry or 'a color'}'{self._name}"  # all colors are one
+        yield f"a {self._sort} word of {kind}"
+        yield from (f"{word} at {group}", f"{word} of {kind}", f"{sense.way} at {group}")
+        if "thing" in token.lists:
+            yield f"a thing too at {group}: led by {self._lead}"
+        if token.color and " " in token.text:
+            yield f"color that is {token.text.split()[0]} at {group}"
+        if token.color and token.text.endswith("s") and not token.name.endswith("s"):
+            yield f"plural color at {group}"
+        if token.color and token.entry:
+            yield f"color and entry at {group}"
+        if target.mention >= 0:
+            yield from self._named_facts(target, self.mentions[target.mention], group)
+        else:
+            yield from (f"{kind} unnamed: {fact}" for fact in self._unnamed)
+            yield f"{self._sort} of {kind} unnamed: {self._turn}"
+
+    def _unnamed_facts(self, is_noun: bool) -> Iterator[str]:
+        """Facts about all targets that no noun names: what is named instead, and where the look word stands."""
+        look, items = self.look.index, self.items
+        clause = items[look].clause
+        others = [m for m in self.mentions if not m.covers(look)]
+        nouns = _kinds([m for m in others if items[m.start].clause != clause])
+        yield from (f"led by {self._lead}", f"led by {self._lead}, prompt names {nouns}", self._turn)
+        # The nearest noun on each side: "white" of "piano in a white room" has the room after it
+        own = [m for m in others if items[m.start].clause == clause]
+        after = sorted((m for m in own if m.start > look), key=lambda m: (m.start, m.end))[:1]
+        before = sorted((m for m in own if m.end < look), key=lambda m: (m.end, m.start))[-1:]
+        sides = [(m, look, m.start, "after") for m in after] + [(m, m.end, look, "before") for m in before]
+        for mention, low, high, side in sides:
+            right = "right " if self.forms.look_at.issuperset(range(low + 1, high)) else ""
+            yield f"{_kinds([mention])} {right}{side}"
+        places = [p for p in self.forms.places[clause] if not items[p].filler]
+        if len(places) == 1:
+            yield "alone"
+        if is_noun:
+            yield f"noun too{self._name}"
+        for place in [p for p in places if p > look][:1]:
+            yield from (f"before {self.forms.role(place)}", f"before '{items[place].text}'")
+            if "hour" in items[place].lists:
+                yield f"a {self._sort} word before an hour"
+
+    def _named_facts(self, target: Target, mention: NounMention, group: str) -> Iterator[str]:
+        """Facts about what a noun names: how the noun and the look word stand to each other, and how the noun fits."""
+        if mention.covers(self.look.index):
+            yield f"itself at {group}{self._name}"
+            return
+        yield from (f"{group} by {sign}" for sign in target.signs)
+        side = "after" if mention.start > self.look.index else "before"
+        low, high = (self.look.index, mention.start) if side == "after" else (mention.end, self.look.index)
+        apart = self.items[high].clause - self.items[low].clause
+        where = f"{side}, {('same clause', 'next clause')[apart] if apart in (0, 1) else 'far clause'}"
+        yield from self._place_facts(mention, group, where, low, high)
+        if mention.excepted:
+            yield f"{where}: spared {group}"
+        elif self.forms.spares:
+            yield f"{target.kind} where something is spared"
+        yield f"{target.kind} by noun {mention.noun or 'of the scene'}"
+        if self.token.adjective and any(mention.covers(place) for place in self.forms.look_at):
+            yield f"'{self.token.adjective}' of {target.kind} by a noun that is a look"
+        # How sure it is that the noun names this
+        ranks = {n.names: fit_rank(n) for n in mention.named}
+        surest = ranks.get(target.names, 0) <= min(ranks.values(), default=0)
+        yield f"{group} {'surest' if surest else 'less sure'}"
+        singular = mention.members == 1 and not mention.text.endswith("s")
+        if len(target.names) > 1 and target.kind != "others" and singular:
+            yield f"several at {group} by a singular"
+            yield from (f"several at {group} by a singular, {sign}" for sign in target.signs)
+
+    def _place_facts(
+        self, mention: NounMention, group: str, where: str, low: int, high: int
+    ) -> Iterator[str]:
+        """Side, distance and clause of a noun, the ties between it and the look word, and the tie before it."""
+        items, side = self.items, where.partition(",")[0]
+        between = self.forms.passage.content(low + 1, high)
+        yield f"{where}: {group}"
+        if not between and items[high].clause == items[low].clause:
+            yield f"{side}: {group} adjoins a {self._sort} word"
+        yield f"{where}: {min(len(between), _FAR)} between"
+        yield f"{where}: look led by {self._lead}"
+        for place in (place for place in range(low + 1, high) if items[place].ties):
+            over = f"{where} over {items[place].text}"
+            own = side == "after" and not self.forms.look_at.isdisjoint(range(place, high))
+            yield from (over, f"{over}, {'with' if own else 'without'} a look after it")
+        if mention.members > 1:
+            yield f"{where}: joined"
+        before = [items[p] for p in self.forms.places[items[mention.start].clause] if p < mention.start]
+        for item in reversed(before):
+            if item.ties:
+                yield f"{where} led by {item.text}"
+                yield from (f"{where} led by a {tie}" for tie in TIES if tie in item.lists)
+            if not item.filler:
+                return
+        if not items[mention.start].filler:
+            yield f"{where}: first of its clause"
+
+
+def _is_of_object(named: Named) -> bool:
+    signs = (sign for sign in named.signs if not sign.endswith("synonym"))
+    return named.kind == "things" and any(sign.startswith("object") for sign in signs)
+
+
+def _kinds(mentions: list[NounMention]) -> str:
+    kinds = {n.kind for m in mentions for n in m.named} | {m.noun for m in mentions if m.noun and not m.named}
+    return " and ".join(sorted(kinds)) if len(kinds) <= 2 else "many"
+
+
+def looks(
+    text: str, words: SceneDescription, vocabulary: Vocabulary, foreign: Collection[str] = ()
+) -> Passage:
+    """A prompt with its look words, of which nothing is bound; `foreign` are words of another language that are left in it."""
+    clauses = with_changes(Lexer(vocabulary, words, foreign).clauses(text), vocabulary)
+    return passage(clauses, vocabulary)
+
+
+def reading(
+    text: str, words: SceneDescription, vocabulary: Vocabulary, foreign: Collection[str] = ()
+) -> PromptPairs:
+    """The pairs of a prompt, see `looks`."""
+    found = looks(text, words, vocabulary, foreign)
+    nouns = mentions(found, words.made(SceneIndex, vocabulary), vocabulary)
+    every, own = targets(nouns, words), OwnNouns(found, nouns, vocabulary)
+    forms, pairs = ClauseForms(found, nouns, vocabulary), []
+    for look in found.looks:
+        may_be = [*every, Target(TINGE)] if found.tinged(look) else every
+        if changed := own.changed(look.index):  # in a change phrase only what its object names
+            theirs = {number for number, noun in enumerate(nouns) if noun.covers(changed.start)}
+            may_be = [t for t in may_be if t.mention in theirs or t.kind == TINGE] or may_be
+        senses = ((target, sense_at(look.token, target.kind, vocabulary)) for target in may_be)
+        facts = PairFeatures(look, forms)
+        itself = {number for number, noun in enumerate(nouns) if noun.covers(look.index)}
+        pairs.append(
+            [
+                TargetPair(look, t, sense, tuple(sorted({*facts.of(t, sense)})), t.mention in itself)
+                for t, sense in senses
+                if sense
+            ]
+        )
+    return PromptPairs(found, nouns, pairs)

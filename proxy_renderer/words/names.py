@@ -1,44 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Names in a scene: as somebody would say them, which are parts of others, and how well words of a prompt fit them."""
 
-import math
 import re
-import tomllib
+from collections import defaultdict
 from collections.abc import Iterable
-from functools import cache, lru_cache
-from pathlib import Path
-from typing import Any
+from functools import lru_cache
 
-from ..schema.material_copies import copied
 from ..schema.parameters import Region
 from .lexicon.entries import normalize
-from .lexicon.languages import folded, senses, singular
+from .lexicon.languages import folded, name_words, senses, singular
 from .lexicon.vocabulary import Vocabulary
 from .types import SceneDescription
 
-FITS = (
-    "exact", "all", "last", "whole", "synonym", "part", "part's synonym", "detail's whole", "guessed",
-)  # fmt: skip
+FITS = ("exact", "all", "last", "whole", "synonym", "part", "part's synonym", "detail's whole")
 """Ways in which words fit a name, the surest first."""
 _NAMES = 16_384  # names of scenes that are cached
-
-
-@cache
-def _rows() -> dict[str, Any]:
-    """The rows of lexicon/names.toml."""
-    return tomllib.loads((Path(__file__).with_name("lexicon") / "names.toml").read_text("utf-8"))
-
-
-@cache
-def name_words(kind: str) -> frozenset[str]:
-    """Words of one row of lexicon/names.toml: "pipeline", "counted", "primitives", "order", "limbs" or "details"."""
-    return frozenset(_rows()[kind].split())
-
-
-@cache
-def things_shaped(primitive: str) -> frozenset[str]:
-    """What people model from a primitive: a "Cylinder" may be a mug."""
-    return frozenset(_rows()["shapes"].get(primitive, "").split())
 
 
 def _spaced(name: str) -> list[str]:
@@ -79,48 +55,20 @@ def scene_names(words: SceneDescription) -> frozenset[str]:
 
 def limbs(words: SceneDescription) -> dict[str, tuple[str, ...]]:
     """Object -> its parts that are objects of their own: the duck's head, the only teapot's lid."""
-    parts_of_things = name_words("limbs") | name_words("details")
     heads: dict[Region, set[str]] = {"subject": set(), "surroundings": set()}
-    theirs: dict[Region, dict[str, list[str]]] = {"subject": {}, "surroundings": {}}
+    theirs: dict[tuple[Region, str], list[str]] = defaultdict(list)
     for name, region in words.objects.items():
         whole, _, last = plain_name(name).rpartition(" ")
-        if last not in parts_of_things:
+        if last in name_words("limbs"):
+            theirs[region, whole].append(name)
+        elif last not in name_words("details"):
             heads[region].add(plain_name(name))
-        elif last in name_words("limbs"):
-            theirs[region].setdefault(whole, []).append(name)
     found = {}
     for name, region in words.objects.items():
-        spoken, alone = plain_name(name), heads[region] == {plain_name(name)}
-        wholes = {spoken, *([""] if alone else [])} if spoken in heads[region] else set()
-        found[name] = tuple(limb for whole, its in theirs[region].items() if whole in wholes for limb in its)
-    for part, whole in _inside(words).items():
-        found[whole] = tuple(dict.fromkeys((*found[whole], part)))
+        spoken, named = plain_name(name), heads[region]
+        wholes = [spoken, ""] if named == {spoken} else [spoken] if spoken in named else []
+        found[name] = tuple(limb for whole in wholes for limb in theirs.get((region, whole), ()))
     return found
-
-
-def _inside(words: SceneDescription) -> dict[str, str]:
-    """Limb, or shape without a name -> the smallest named object around it that wears one of its materials: a couch's cushion."""
-    general = name_words("limbs") | name_words("details") | name_words("primitives")
-    worn = {name: {copied(m)[0] for m in its} for name, its in words.object_materials.items()}
-    loose = {name for name in words.boxes if general.issuperset(plain_name(name).split())}
-    wearers: dict[str, list[str]] = {}
-    for name in sorted(words.boxes.keys() - loose):
-        for material in worn[name]:
-            wearers.setdefault(material, []).append(name)
-
-    def holds(whole: str, part: str) -> bool:
-        ends = zip(*words.boxes[whole], *words.boxes[part], strict=True)
-        return all(2 * low <= a + b <= 2 * high for low, high, a, b in ends)
-
-    def size(name: str) -> float:
-        return math.prod(high - low for low, high in zip(*words.boxes[name], strict=True))
-
-    around = {
-        name: [whole for m in sorted(worn[name]) for whole in wearers.get(m, ()) if holds(whole, name)]
-        for name in words.boxes
-        if name in loose
-    }
-    return {name: min(wholes, key=size) for name, wholes in around.items() if wholes}
 
 
 @lru_cache(_NAMES)

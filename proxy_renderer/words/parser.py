@@ -1,28 +1,32 @@
 # SPDX-License-Identifier: Apache-2.0
 """Understands a prompt: which look words there are, what each of them describes, and why."""
 
+from __future__ import annotations
+
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import InitVar, dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from ..schema import VibeError
 from ..schema.limits import LONGEST_PROMPT
 from ..schema.options import checks
 from ..schema.targets import GENERAL, NOT_USED, OFFERED, joined
 from .attributes import complete
-from .features import looks
 from .foreign import Gloss, Retelling, gloss, other_language, understood
 from .lexer import Token
 from .lexicon.entries import normalize
+from .lexicon.languages import any_of, singular, thing_words
 from .lexicon.user_words import default_vocabulary
-from .lexicon.vocabulary import Vocabulary
-from .model import FactWeights, scores
-from .normalizing import Normalized, normalized
+from .lexicon.vocabulary import Vocabulary, hour_entry, kelvin_entry
+from .linking import without_links
+from .model import FactWeights, looks, scores
+from .names import parts, scene_names
 from .own_nouns import with_own_materials
 from .reader import PromptReading, read_words
+from .scene import REGIONS, SceneIndex, fit_rank, materials_of
 from .targets import described_name, key_numbers, plain_key, sense_at, target_name
-from .types import Candidate, Parsed, PromptWord, SceneDescription
+from .types import GLOW, Attribute, Candidate, Parsed, PromptWord, SaidLink, SceneDescription
 
 _TAG = re.compile(r"</?[a-zA-Z][^<>]{0,200}>|\x1b\[[0-9;]*[A-Za-z]|[\x00-\x08\x0e-\x1f\x7f]")
 _THINGS_STAY = "things are not added, moved or removed, only their look changes."
@@ -31,35 +35,44 @@ _MOST = 16  # objects, and lights, that a word is offered besides
 _TARGETS, _FACTS = 4, 4  # lines of `why` for each look word, and facts in each line
 
 
-@dataclass(frozen=True)
+_CLOCK = re.compile(r"\b(at )?(\d{1,2})(?:[:.]([0-5]\d))? ?([ap]\.?m\b\.?|o'clock)?(?![\w:])", re.IGNORECASE)
+_KELVINS = re.compile(r"\b(\d{1,2}[.,' ]?\d{3}|\d{3,5})[\s-]*(?:k|kelvins?|degrees kelvin)\b", re.IGNORECASE)
+_COLDEST, _HOTTEST = 600, 40000  # kelvins that somebody may ask for; 4K and 8K are sizes of images
+_PAIR = re.compile(
+    r"""["']?(\w(?:[\w -]|\.(?=\w)){0,60}?)["']?\s*[:=]\s*["']?([^:=,;.{}"'\n]{1,40}?)["']?(?=\s*(?:[,;.}]|$))"""
+)
+_MOST_WORDS = 4  # words of a value; more are a sentence of their own
+_AND = re.compile(r"\s*(?:,|\band\b|\bor\b)\s*")
+
+Protection = tuple[str, tuple[str, ...]]
+"""A passage that says that something stays, "leave the cup alone", and the owners that stay; none if it names nothing."""
+
+
 class Understood:
-    """A prompt, read once against one description of a scene, for everyone who needs to know what it says."""
+    """A prompt, read once against one description of a scene, for everyone who needs to know what it says.
 
-    prompt: str  # as the artist typed it
-    scene: SceneDescription  # the names in the scene; with copies of materials that the words need
-    told: InitVar[Iterable[str]] = ()  # "copper=Cup": targets that the artist has chosen for words
-    # the look words of the prompt and the words that are left out, in its order
-    words: tuple[PromptWord, ...] = field(default=(), init=False)
-    unknown: VibeError | None = field(default=None, init=False)  # why nothing is understood, if so
-    _parsed: Parsed = field(default_factory=lambda: Parsed(""), init=False, repr=False)
+    Attributes:
+        prompt: As the artist typed it.
+        scene: The names in the scene; with copies of materials that the words need.
+        words: The look words of the prompt and the words that are left out, in its order.
+        unknown: Why nothing is understood; None where something is.
+    """
 
-    def __post_init__(self, told: Iterable[str]) -> None:
-        """Reads the prompt."""
+    def __init__(self, prompt: str, scene: SceneDescription, told: Iterable[str] = ()) -> None:
+        """Reads the prompt; `told` are targets that the artist has chosen for words: "copper=Cup"."""
+        self.prompt, self.scene, self._parsed = prompt, scene, Parsed("")
+        self.unknown: VibeError | None
         vocabulary = default_vocabulary()
         try:
-            text = _opened(self.prompt, self.scene, vocabulary)[2].text
-            found = looks(text, self.scene, vocabulary)
-            scene, stuck = with_own_materials(found, self.scene, vocabulary)
-            object.__setattr__(self, "scene", scene)
-            parsed = read(self.prompt, scene, vocabulary, told=checks.targets(told))
+            found = looks(_opened(prompt, scene, vocabulary)[2].text, scene, vocabulary)
+            self.scene, stuck = with_own_materials(found, scene, vocabulary)
+            self._parsed = parsed = read(prompt, self.scene, vocabulary, told=checks.targets(told))
             parsed.notes += stuck.values()
             parsed.protected = (*parsed.protected, *(f"material/{name}" for name in stuck))
+            self.unknown = parsed.unknown
         except VibeError as error:
-            object.__setattr__(self, "unknown", error)
-        else:
-            object.__setattr__(self, "_parsed", parsed)
-            object.__setattr__(self, "words", parsed.words)
-            object.__setattr__(self, "unknown", parsed.unknown)
+            self.unknown = error
+        self.words = self._parsed.words
 
     @property
     def parsed(self) -> Parsed:
@@ -93,11 +106,7 @@ def _opened(prompt: str, scene: SceneDescription, vocabulary: Vocabulary) -> tup
 
 
 def refuse_without_look(prompt: str) -> None:
-    """Refuses a prompt that says nothing in any scene, before Blender is started.
-
-    What its look words describe is read later, against the scene, see `Understood`. Raises VibeError if it is empty, too
-    long, in a language that is not understood, or has no look word.
-    """
+    """Refuses a prompt that says nothing in any scene, before Blender is started; raises VibeError as `parse` does."""
     scene, vocabulary = SceneDescription(), default_vocabulary()
     glossed, mixed, normal = _opened(prompt, scene, vocabulary)
     found = looks(normal.text, scene, vocabulary, glossed.unknown)
@@ -106,7 +115,6 @@ def refuse_without_look(prompt: str) -> None:
 
 
 def _without_look(glossed: Gloss, mixed: bool, undone: bool, lacking: Iterable[str] = ()) -> VibeError:
-    """The error for a prompt in which no look is understood."""
     language = glossed.language or ("English" if mixed else "")
     return VibeError(
         f"Nothing in the prompt '{glossed.prompt[:60]}' names a look{f' in {language}' if language else ''}"
@@ -138,7 +146,7 @@ def read(
     weights: FactWeights | None = None,
     told: Mapping[str, str] | None = None,
 ) -> Parsed:
-    """The look words of a prompt, bound to subject, surroundings, lights or the film; `unknown` says why nothing is understood.
+    """The look words of a prompt, bound to what they describe; `unknown` says why nothing is understood.
 
     The artist has `told` for words what they describe: a name in the scene, "lights", "not used" and so on. Raises VibeError
     if the prompt is empty, too long, or in a language that is not understood, or if a target cannot be.
@@ -146,29 +154,22 @@ def read(
     vocabulary = vocabulary or default_vocabulary()
     glossed, mixed, normal = _opened(prompt, scene, vocabulary)
     retelling = Retelling(glossed)
+    english = {w: retelling.english(w) for w in map(plain_key, told or ()) if glossed.language}
     reading = read_words(
-        normal.text,
-        scene,
-        vocabulary,
-        weights,
-        foreign=glossed.unknown,
-        keyed=normal.keyed,
-        targets=told,
-        english={word: retelling.english(word) for word in map(plain_key, told or ()) if glossed.language},
+        normal.text, scene, vocabulary, weights, foreign=glossed.unknown, targets=told, english=english
     )
-    parsed, beyond = reading.parsed, reading.pairs.passage.beyond
-    undone = [" ".join(words) for words in reading.pairs.passage.wishes]
+    parsed, passage = reading.parsed, reading.pairs.passage
     parsed.prompt = glossed.prompt
-    for passage, kept in normal.protections:
-        names = ", ".join(key.partition("/")[2] or key for key in kept)
-        parsed.notes.append(f"'{passage}': {names or 'what no word names'} stays as it is.")
     parsed.protected = tuple(dict.fromkeys(key for _, kept in normal.protections for key in kept))
     parsed.links = tuple(normal.links)
     parsed.notes += normal.notes
-    if beyond:
-        parsed.notes.append(
-            f"{_quoted(beyond)}: no value of a material, light, world, fog or film gives that."
-        )
+    for text, kept in normal.protections:
+        names = ", ".join(key.partition("/")[2] or key for key in kept)
+        parsed.notes.append(f"'{text}': {names or 'what no word names'} stays as it is.")
+    undone = [" ".join(words) for words in passage.wishes]
+    if passage.beyond:
+        nothing = "no value of a material, light, world, fog or film gives that."
+        parsed.notes.append(f"{_quoted(passage.beyond)}: {nothing}")
     if undone:
         parsed.notes.append(f"{_quoted(undone)}: {_THINGS_STAY}")
     if mixed:
@@ -180,15 +181,107 @@ def read(
     complete(parsed, vocabulary, reading.subject, reading.mentioned, scene.sky)
     if glossed.language:
         retelling.retell(parsed)
-        if glossed.unknown:
-            lacks = f"The prompt was read as {glossed.language}, which lacks: {_quoted(glossed.unknown)}."
-            parsed.notes.append(lacks)
+    if glossed.language and glossed.unknown:
+        lacks = f"The prompt was read as {glossed.language}, which lacks: {_quoted(glossed.unknown)}."
+        parsed.notes.append(lacks)
     parsed.words = _prompt_words(reading, parsed, retelling.own)
     return parsed
 
 
 def _quoted(words: Iterable[str]) -> str:
     return ", ".join(f"'{word}'" for word in dict.fromkeys(words))
+
+
+# Numbers as sentences say them, and what is to stay as it is
+
+
+@dataclass(frozen=True)
+class Normalized:
+    """A prompt in the words that its reader knows; `text` is without the passages of `protections` and `links`."""
+
+    text: str
+    protections: list[Protection]
+    links: list[SaidLink]
+    notes: list[str]  # on links that name nothing
+
+
+def normalized(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> Normalized:
+    """A prompt in English, normalized."""
+    names = scene_names(scene) | {name.lower() for name in (*scene.lights, *scene.materials, *scene.objects)}
+
+    def sentence(pair: re.Match[str]) -> str:
+        """ "fog: none, cup: copper" as "no fog, the cup is copper"."""
+        key, value = pair[1].strip().lower(), pair[2].strip()
+        if value.lower() in vocabulary.words["off"]:
+            return f"no {key}"
+        if key in names or singular(key) in thing_words():
+            return f"the {key} is {value}"
+        short = len(value.split()) <= _MOST_WORDS
+        return f"{value} {key}" if short and key in vocabulary.nouns else pair[0]
+
+    text = _KELVINS.sub(_kelvins, _CLOCK.sub(_hour, _PAIR.sub(sentence, text.replace("’", "'"))))
+    text, links, notes = without_links(text, scene, vocabulary)
+    found, rest = list[Protection](), text
+    for number, pattern in enumerate(vocabulary.made(_protecting)):
+        for match in pattern.finditer(text):
+            kept = tuple(dict.fromkeys(_kept(match["what"], scene, vocabulary)))
+            if kept or number == 0:  # "keep it warm", "the light stays soft" protect nothing
+                found.append((match[0].strip(), kept))
+                rest = rest.replace(match[0].strip(), ",")
+    return Normalized(rest if rest.strip(" ,.;") else text, found, links, notes)
+
+
+def _hour(match: re.Match[str]) -> str:
+    """ "3 am" as "night", "at 17:30" as "at golden hour"."""
+    at, hour, minutes, half = match[1] or "", int(match[2]), match[3], (match[4] or "").lower()
+    if hour > 24 or not (half or (at and minutes)):
+        return match[0]
+    if half[:1] in ("a", "p"):
+        hour = hour % 12 + 12 * (half[0] == "p")
+    return at + hour_entry(hour % 24)
+
+
+def _kelvins(match: re.Match[str]) -> str:
+    """ "3,200K" as "3200 kelvin", the name of an entry."""
+    kelvins = int(re.sub(r"\D", "", match[1]))
+    return kelvin_entry(kelvins) if _COLDEST <= kelvins <= _HOTTEST else match[0]
+
+
+def _protecting(v: Vocabulary) -> list[re.Pattern[str]]:
+    """The ways to say that something stays; the first one says so whatever it names."""
+    words = {kind: any_of(v.words[kind]) for kind in ("leave", "alone", "forbid", "keep", "stays", "stay")}
+    end = r"(?=\s*(?:[,.;:!]|and\b|but\b|while\b|$))"
+    one = rf"{any_of(v.lists['definite'])} [\w-]+(?: [\w-]+)?"
+    thing = rf"(?:{one}|[\w-]+(?: [\w-]+)?)"
+    alone = rf"(?: {words['alone']}| put)?{end}"
+    texts = (
+        rf"\b{words['leave']}\b(?P<what>[^,.;:]*?)\b{words['alone']}\b",
+        rf"\b{words['forbid']} (?P<what>[^,.;:]+?){end}",
+        rf"\b{words['keep']} (?P<what>{one}){end}",
+        rf"\b(?P<what>{thing}(?:(?:,| and) {thing})+) {words['stay']}{alone}",
+        rf"\b(?P<what>{one}) {words['stays']}{alone}",
+    )
+    return [re.compile(text, re.IGNORECASE) for text in texts]
+
+
+def _kept(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> Iterator[str]:
+    """The owners of parameters that nouns name: "material/Plaster", "light/Key", "world"."""
+    index, groups = scene.made(SceneIndex, vocabulary), {"things": "material", "lights": "light"}
+    fillers = vocabulary.lists["stop"] | vocabulary.lists["definite"]
+    for phrase in _AND.split(normalize(text)):
+        noun = " ".join(w for w in phrase.split() if w not in fillers)
+        named = index.named(parts(noun)) if parts(noun) else []
+        surest = min(map(fit_rank, named), default=None)
+        names = [(n.kind, name) for n in named if fit_rank(n) == surest for name in sorted(n.names)]
+        if names:
+            yield from (n if k == "lights" and n.startswith(GLOW) else f"{groups[k]}/{n}" for k, n in names)
+            continue
+        # A general noun: the background is what lies around, and the world; the fill is a light's role
+        kind = vocabulary.nouns.get(noun, "")
+        role = vocabulary.role(noun)
+        yield from (f"material/{name}" for name in sorted(materials_of(REGIONS.get(kind, ""), scene)))
+        yield from (f"light/{name}" for name, light in scene.lights.items() if role and light.role == role)
+        yield from ["world"] if kind in ("surroundings", "sky") else []
 
 
 # Accounts for people
@@ -214,35 +307,34 @@ def _prompt_words(
     reading: PromptReading, parsed: Parsed, own: Callable[[str], str]
 ) -> tuple[PromptWord, ...]:
     """The look words of a prompt and the words that are left out, in its order; `own` gives its words for English ones."""
-    looks = (_look_word(reading, parsed, number, own) for number in range(len(reading.chosen)))
     numbers = key_numbers([pair.look.text for pair in reading.chosen])
-    both = zip(looks, numbers, strict=True)
-    words = [replace(word, key=normalize(word.key) + number) for word, number in both if word]
+    words = []
+    for number, end in enumerate(numbers):
+        said = [a for a in parsed.attributes if a.look == number and not a.cause]
+        if said or number in reading.unused:  # others are part of another word, or of a name
+            words.append(_look_word(reading, number, said, end, own))
     known = {word.text for word in words}
     words += [PromptWord(text, text) for text in dict.fromkeys(parsed.ignored) if text not in known]
     return _placed(words, parsed.prompt)
 
 
 def _look_word(
-    reading: PromptReading, parsed: Parsed, number: int, own: Callable[[str], str]
-) -> PromptWord | None:
-    """A look word; None where it is part of another word, or a later word takes it back."""
+    reading: PromptReading, number: int, said: list[Attribute], end: str, own: Callable[[str], str]
+) -> PromptWord:
+    """A look word with the attributes that it became; `end` is that of its key."""
     pair = reading.chosen[number]
-    attributes = [a for a in parsed.attributes if a.look == number and not a.cause]
-    if not attributes and number not in reading.unused:
-        return None
-    names = dict.fromkeys(pair.chosen or described_name(a, reading.scene) for a in attributes)
+    names = dict.fromkeys(pair.chosen or described_name(a, reading.scene) for a in said)
     candidates = _candidates(reading, number, next(iter(names), NOT_USED))
     offered = _offered(pair.look.token, reading.scene, reading.vocabulary)
-    first = attributes[0] if attributes else None
+    first = said[0] if said else Attribute(own(pair.look.text), "", "", "whole")
     return PromptWord(
-        text=first.word if first else own(pair.look.text),
-        key=own(pair.look.text),
-        entry=first.entry if first else "",
+        text=first.word,
+        key=normalize(own(pair.look.text)) + end,
+        entry=first.entry,
         strength=pair.look.strength,
         negated=pair.look.negated,
         target=joined(names) if names else NOT_USED,
-        thing=first.thing if first and first.thing not in first.word else "",
+        thing=first.thing if first.thing not in first.word else "",
         confidence=candidates[0].probability,
         candidates=candidates,
         others=tuple(name for name in offered if name not in {c.name for c in candidates}),
@@ -260,22 +352,18 @@ def _candidates(reading: PromptReading, number: int, target: str) -> tuple[Candi
             found[name] = found.get(name, 0.0) + probability
     if chosen.chosen or number in reading.absent:
         found[target] = 1.0
-    likely = sorted(found, key=lambda name: (name != target, -found[name]))
-    likely = [n for n in likely if n == target or (found[n] >= _LEAST and n != NOT_USED)]
+    others = {n: p for n, p in found.items() if p >= _LEAST and n not in (target, NOT_USED)}
+    likely = [target, *sorted(others, key=lambda name: -others[name])]
     return tuple(Candidate(name, round(found[name], 3)) for name in likely)
 
 
 def _offered(token: Token, scene: SceneDescription, vocabulary: Vocabulary) -> Iterator[str]:
     """Names in a scene that a word can describe, the largest in the image first, and general ones."""
-
-    def fits(kind: str) -> bool:
-        return sense_at(token, kind, vocabulary) is not None
-
-    if fits("things"):
+    if sense_at(token, "things", vocabulary):
         yield from scene.made(_largest, vocabulary)
-    if fits("lights"):
+    if sense_at(token, "lights", vocabulary):
         yield from [*scene.lights][:_MOST]
-    yield from (name for name in OFFERED if fits(GENERAL[name]))
+    yield from (name for name in OFFERED if sense_at(token, GENERAL[name], vocabulary))
 
 
 def _largest(scene: SceneDescription, _: Vocabulary) -> list[str]:
@@ -292,10 +380,9 @@ def _placed(words: Iterable[PromptWord], prompt: str) -> tuple[PromptWord, ...]:
     """Words with their places in a prompt, in its order; those that it says in other letters come last."""
     found, end = [], 0
     for word in words:
-        pattern = re.compile(
-            r"[\W_]+".join(map(re.escape, re.findall(r"#?[^\W_]+", word.text))), re.IGNORECASE
-        )
-        match = (pattern.search(prompt, end) or pattern.search(prompt)) if pattern.pattern else None
+        text = r"[\W_]+".join(map(re.escape, re.findall(r"#?[^\W_]+", word.text)))
+        pattern = re.compile(text or r"(?!)", re.IGNORECASE)
+        match = pattern.search(prompt, end) or pattern.search(prompt)
         end = match.end() if match and word.candidates else end
         found.append(replace(word, place=match.span() if match else None))
     return tuple(sorted(found, key=lambda word: word.place or (len(prompt), len(prompt))))

@@ -78,12 +78,6 @@ class Passage:
         following = (other for other in self.looks if other.index == look.index + 1 and other.token.color)
         return next((other for other in following if self.items[other.index].clause == clause), None)
 
-    def adjoin(self, one: PromptLook, other: PromptLook) -> bool:
-        """Whether nothing but an intensity stands between two look words."""
-        between = self.items[one.index + 1 : other.index]
-        parted = self.starts.intersection(range(one.index + 1, other.index + 1))
-        return not parted and all(item.strength is not None for item in between)
-
     def content(self, start: int, end: int) -> list[Token]:
         """The items from start to end that say something, without `end`."""
         return [item for item in self.items[max(start, 0) : end] if not item.filler]
@@ -131,7 +125,8 @@ def _looks(
             continue
         following = next(iter(found.content(index + 1, len(found.items))), None)
         absent = negated and token.noun in vocabulary.absent and not token.entry  # "no shadows" is a look too
-        if token.strength is not None and _is_intensity(token, following, vocabulary):
+        before_a_look = following and following.clause == token.clause and following.names_a_look
+        if token.strength is not None and (before_a_look or not token.names_a_look):  # no "strong light"
             strength = min(max(strength * token.strength, WEAKEST), STRONGEST)
             prefix.append(token.text)
         elif token.lists & {"negation", "undo"}:
@@ -148,22 +143,12 @@ def _looks(
             prefix, strength = [], 1.0
 
 
-def _is_intensity(token: Token, following: Token | None, vocabulary: Vocabulary) -> bool:
-    """Whether "strong" strengthens the next look word ("strong fog"), or is itself one ("strong light")."""
-    if not token.names_a_look:
-        return True
-    if following is None or following.clause != token.clause or not following.names_a_look:
-        return False
-    nouns = (following.noun, "lamp") if following.noun in LIGHTS else (following.noun,)
-    return vocabulary.adjectives.get(token.adjective, {}).keys().isdisjoint(nouns)
-
-
 def is_object(token: Token, vocabulary: Vocabulary) -> bool:
     """Whether a word names an object: one of the scene, of a kind with a surface, or of the list of things."""
     if token.noun:
         return token.noun in ("surroundings", "subject")
     structure = any(token.text in vocabulary.words[kind] for kind in STRUCTURES)
-    return token.scene or structure or (singular(token.text) in thing_words().rows and not token.known)
+    return token.scene or structure or (singular(token.text) in thing_words() and not token.known)
 
 
 def with_changes(clauses: list[list[Token]], vocabulary: Vocabulary) -> list[list[Token]]:

@@ -4,7 +4,7 @@
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from ..color.floats import oklab_from_srgb
@@ -12,13 +12,12 @@ from ..schema import Values
 from ..schema.material_copies import copied
 from .lexer import Token
 from .lexicon.vocabulary import Vocabulary
-from .names import FITS, best, fit, is_detail, limbs, name_words, parts, plain_name, things_shaped
+from .names import FITS, best, fit, is_detail, limbs, parts, plain_name
 from .passage import STRUCTURES
 from .types import GLOW, MaterialLook, SceneDescription
 
 REGIONS = {"surroundings": "surroundings", "subject": "subject", "unknown": "subject"}
 """Kinds of nouns that mean a part of the image where nothing of the scene is called so -> the part."""
-_VAGUE = FITS.index("guessed")  # from here on a name is only guessed
 _TYPES = {"SUN": "sun", "SPOT": "spot"}  # types of lights that people call by name
 _WORDS = 512  # words of prompts whose names are cached
 # Present looks
@@ -26,14 +25,12 @@ _NEAR = 0.11  # OKLab distance, lightness at less than half, within which a colo
 _LIGHTNESS = 0.4  # weight of lightness in that distance
 _CLEAR = 1.4  # how many times farther away the next color has to be
 _ALIKE = 0.05  # distance within which two materials have one color
-_MOST_OF_IT = 0.6  # share of what unnamed shapes cover, from which one of them is meant
 _SAME = 0.1  # OKLab distance within which a part looks like its whole
 _GRAY = 0.04  # chroma below which a hue says nothing
 _PALER, _STRONGER = 0.5, 1.6  # chroma that a color may have, in multiples of its name's
-_SHAPED = 0.6  # factor on the distance of a material with the shape that the noun says
 _SEEN = 0.001  # share of the image from which somebody would speak of a material
 _MAIN = 3.0  # how many times larger than others of its color a material is that one noun means
-_GUESSED = frozenset({"object guessed", "whole"})  # signs of an object that is guessed by its shape or color
+_BY_LOOK = frozenset({"material exact", "by look"})
 _Found = tuple[Iterable[str], tuple[str, ...]]  # names, and the signs by which they were found
 
 
@@ -58,7 +55,6 @@ class NounMention:
     named: tuple[Named, ...] = ()  # what it may name in the scene
     members: int = 1  # of several nouns, how many
     excepted: bool = False  # the prompt leaves it out: "everything but the floor"
-    picked: str = ""  # the object that it picks of several: "the left ball"
 
     def covers(self, index: int) -> bool:
         """Whether an item is one of its own."""
@@ -102,7 +98,7 @@ def taken(mentions: Iterable[NounMention], words: SceneDescription) -> frozenset
     names: set[str] = set()
     for mention in mentions:
         best = surest(mention, "things", "object") if mention.members == 1 else None
-        if mention.excepted and (best is None or fit_rank(best) >= _VAGUE):
+        if mention.excepted and best is None:
             names |= materials_of(REGIONS.get(mention.noun, ""), words)
         names |= best.names if best else set()
     return frozenset(names)
@@ -123,9 +119,6 @@ class SceneIndex:
             for name, its in self._parts.items()
         }
         self._worn_by_limbs = {name for worn in self._limbs.values() for name in worn}
-        primitives = name_words("primitives")
-        # object without a telling name -> the shape that it is modeled from
-        self._shapes = {o: its[-1] for o, its in self._objects.items() if its and primitives.issuperset(its)}
         self._found = lru_cache(_WORDS)(self._find)
 
     def named(self, said: tuple[str, ...]) -> list[Named]:
@@ -137,35 +130,6 @@ class SceneIndex:
         ways = self._ways(said, self._objects)
         surest = best(ways.values())
         return [name for name, way in ways.items() if way == surest]
-
-    def modeled(self, noun: str) -> list[Named]:
-        """The materials of the object that nobody has named, and that is modeled from what such things are: a mug's "Cylinder".
-
-        Of several it is the one that covers most of the image that they cover.
-        """
-        shown = {o: self._share(o) for o, shape in self._shapes.items() if noun in things_shaped(shape)}
-        if not shown and noun in name_words("accessories"):
-            return self._second()
-        largest = max(shown, key=shown.__getitem__, default="")
-        if len(shown) > 1 and shown[largest] <= _MOST_OF_IT * sum(shown.values()):
-            return []
-        names = self.worn(largest)
-        return [Named("things", names, _GUESSED)] if names else []
-
-    def _second(self) -> list[Named]:
-        """The materials in the subject's second color, if that is clearly more than a third one: a ribbon around its box."""
-        looks = {m: look for m in materials_of("subject", self.words) if (look := self.words.looks.get(m))}
-        main = max(looks.values(), key=lambda look: look.share, default=None)
-        others = {m: x for m, x in looks.items() if main and x.color and not is_alike(x.color, main.color)}
-        second = max(others.values(), key=lambda look: look.share, default=None)
-        its = {m: x.share for m, x in others.items() if second and is_alike(x.color, second.color)}
-        clear = sum(its.values()) > _MOST_OF_IT * sum(look.share for look in others.values())
-        return [Named("things", frozenset(its), _GUESSED)] if clear else []
-
-    def _share(self, name: str) -> float:
-        """The share of the image that an object covers."""
-        looks = (self.words.looks.get(material) for material in self.worn(name))
-        return sum(look.worn.get(name, 0.0) for look in looks if look)
 
     def parts_of(self, name: str) -> tuple[str, ...]:
         """The parts of an object that are objects of their own."""
@@ -254,57 +218,47 @@ class LookIndex:
         looks = words.looks.items()
         self._looks = {n: look for n, look in looks if look.share >= _SEEN and n in words.materials}
 
-    def meant(self, noun: str, presents: Iterable[Token]) -> frozenset[str]:
-        """The materials that a noun with its present looks clearly means; none where they cannot be told."""
+    def told(self, noun: Token, named: list[Named]) -> list[Named]:
+        """The materials that a noun clearly means by its present look or shape, also of those that it names."""
+        color = next((look.color for look in noun.presents if look.color), None)
+        things = [n for n in named if n.kind == "things"]
+        if noun.presents and things:
+            return [replace(n, names=self._of_color(color, n.names) or n.names) for n in things]
+        shaped = frozenset() if named else self._shaped(noun.text)
+        if color and not named:
+            shaped = self._of_color(color, shaped) or self._of_color(color, self._looks.keys())
+        elif len(shaped) > 1 and not noun.text.endswith("walls"):
+            return []
+        return [Named("things", shaped, _BY_LOOK)] if shaped else []
+
+    def _shaped(self, noun: str) -> frozenset[str]:
+        """The materials with the shape that a noun says: "the roof"."""
         words = {noun, noun.rpartition(" ")[2]}
         kinds = {kind for kind in STRUCTURES if words & self._vocabulary.words[kind]}
-        there = frozenset().union(*(look.structures for look in self._looks.values()))
+        there = frozenset[str]().union(*(look.structures for look in self._looks.values()))
         kinds = next(({kind} for kind in ("floor", "walls") if kind in kinds & there), kinds)
-        shaped = [name for name, look in self._looks.items() if kinds & look.structures]
-        color = next((look.color for look in presents if look.color), None)
-        if color is None:
-            return frozenset(shaped if len(shaped) == 1 or kinds == {"walls"} else ())
-        return self._colored(color, shaped, plural=noun.endswith("s"))
+        return frozenset(name for name, look in self._looks.items() if kinds & look.structures)
 
-    def narrowed(self, names: frozenset[str], presents: Iterable[Token]) -> frozenset[str]:
-        """Those of some materials that have a present look; all where none is known to."""
-        color = next((look.color for look in presents if look.color), None)
-        known = [n for n in names if n in self._looks]
-        if color is None or len(known) < 2:
-            return names
-        distances = {n: self._distance(color, self._looks[n]) for n in known}
-        best = min(distances.values())
-        return frozenset(n for n in known if distances[n] <= best + _ALIKE) if best < _NEAR else names
+    def _of_color(self, color: Values | None, names: Iterable[str]) -> frozenset[str]:
+        """Those of some materials that have a color; none where another one is nearly as near, and not much smaller."""
+        far = {n: _distance(color, self._looks[n]) for n in names if color and n in self._looks}
+        nearest = min(far.values(), default=math.inf)
+        alike = (
+            {n for n, distance in far.items() if distance <= nearest + _ALIKE} if nearest < _NEAR else set()
+        )
+        near = {n for n, distance in far.items() if distance < _CLEAR * (nearest + _ALIKE)} - alike
+        least = min((self._looks[n].share for n in alike), default=0.0)
+        clear = all(least >= _MAIN * self._looks[n].share for n in near)
+        return frozenset(alike if clear else ())
 
-    def _colored(self, color: Values, shaped: list[str], plural: bool) -> frozenset[str]:
-        """The materials of a color, if no other comes near; of several that a singular means, the main one."""
-        distances = {
-            name: self._distance(color, look) * (_SHAPED if name in shaped else 1.0)
-            for name, look in self._looks.items()
-        }
-        best = min(distances.values(), default=math.inf)
-        if best > _NEAR:
-            return frozenset()
-        alike = [name for name, distance in distances.items() if distance <= best + _ALIKE]
-        near = [name for name, distance in distances.items() if distance < _CLEAR * (best + _ALIKE)]
-        if not plural:
-            alike = [max(alike, key=lambda name: (name in shaped, self._looks[name].share))]
-        rivals = [name for name in near if name not in alike]
-        # Rivals have to cover far less of the image, or to have another shape.
-        if shaped and {*alike} <= {*shaped}:
-            is_main = {*rivals}.isdisjoint(shaped)
-        else:
-            least = min(self._looks[name].share for name in alike)
-            is_main = all(least >= _MAIN * self._looks[name].share for name in rivals)
-        return frozenset(alike if is_main else ())
 
-    def _distance(self, color: Values, look: MaterialLook) -> float:
-        """Distance of a material from the color of a name; lightness counts less, and how strong the color is hardly."""
-        if look.color is None:
-            return math.inf
-        (light, *named), (own_light, *own) = oklab_from_srgb(color), oklab_from_srgb(look.color)
-        strong, length = math.hypot(*named), math.hypot(*own)
-        hues = min(strong, length) > _GRAY
-        factor = min(max(strong / length, 1 / _STRONGER), 1 / _PALER) if hues else 1.0
-        lighter = 0.0 if look.glows else _LIGHTNESS * (light - own_light)
-        return math.hypot(lighter, *(a - factor * b for a, b in zip(named, own, strict=True)))
+def _distance(color: Values, look: MaterialLook) -> float:
+    """Distance of a material from the color of a name; lightness counts less, and how strong the color is hardly."""
+    if look.color is None:
+        return math.inf
+    (light, *named), (own_light, *own) = oklab_from_srgb(color), oklab_from_srgb(look.color)
+    strong, length = math.hypot(*named), math.hypot(*own)
+    hues = min(strong, length) > _GRAY
+    factor = min(max(strong / length, 1 / _STRONGER), 1 / _PALER) if hues else 1.0
+    lighter = 0.0 if look.glows else _LIGHTNESS * (light - own_light)
+    return math.hypot(lighter, *(a - factor * b for a, b in zip(named, own, strict=True)))

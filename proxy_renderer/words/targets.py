@@ -159,7 +159,6 @@ def _elsewhere(token: Token, kind: str, vocabulary: Vocabulary) -> Iterator[str]
 
 
 def _describes(entry: str, kind: str, vocabulary: Vocabulary) -> bool:
-    """Whether an entry says something of a kind of target."""
     slot = vocabulary.entries[entry].slot
     if kind in LAMPS:
         effects = vocabulary.entries[entry].effects
@@ -167,7 +166,7 @@ def _describes(entry: str, kind: str, vocabulary: Vocabulary) -> bool:
     return (kind in MATTER and slot in SURFACE) or slot in _SLOTS.get(kind, ())
 
 
-# Targets by their names: `--target copper=Cup`, `Cup: copper`
+# Targets by their names: `--target copper=Cup`
 
 
 def target_name(target: Target, scene: SceneDescription) -> str:
@@ -218,7 +217,6 @@ def with_choices(
     row: Sequence[TargetPair],
     choices: Mapping[str, str],
     english: Mapping[str, str],
-    keyed: Mapping[int, str],
     scene: SceneDescription,
     vocabulary: Vocabulary,
 ) -> tuple[list[TargetPair], list[str]]:
@@ -227,7 +225,6 @@ def with_choices(
     Args:
         choices: Word of the prompt -> a name in the scene, several with " + ", or one of `schema.targets.GENERAL`.
         english: Word of the prompt -> the same in English, where the prompt is in another language.
-        keyed: Number of a look word -> the name in the scene that the prompt itself sets before it: "Cup: copper".
 
     Returns:
         The pairs, and the words with a choice that are no look words of the prompt.
@@ -238,32 +235,25 @@ def with_choices(
     targets = {key: _target(plain_key(key), name, scene) for key, name in choices.items()}
     used, found = set[str](), list[TargetPair]()
     for number, pair in enumerate(row):
-        same = [other for other in row[: number + 1] if other.look.text == pair.look.text]
+        same = sum(other.look.text == pair.look.text for other in row[: number + 1])
         said = {pair.look.text, pair.look.token.text}
-        fits = (k for k in choices if said & _spellings(k, english) and _number(k) in (0, len(same)))
-        key = next(fits, "")
-        name = choices[key] if key else keyed.get(number, "")
-        if name:
-            target = targets[key] if key else _target(pair.look.text, name, scene)
-            sense = sense_at(pair.look.token, target.kind, vocabulary)
-            if key and sense is None:
-                problem = f"'{plain_key(key)}' can say nothing of {name!r}."
+        if key := next((key for key in choices if _means(key, said, same, english)), ""):
+            sense = sense_at(pair.look.token, targets[key].kind, vocabulary)
+            if sense is None:
+                problem = f"'{plain_key(key)}' can say nothing of {choices[key]!r}."
                 raise VibeError(problem, "Choose another target, or 'not used'.")
             used.add(key)
-            pair = TargetPair(pair.look, target, sense, (), chosen=name) if sense else pair
+            pair = TargetPair(pair.look, targets[key], sense, (), chosen=choices[key])
         found.append(pair)
     return found, [plain_key(key) for key in choices if key not in used]
 
 
-def _spellings(key: str, english: Mapping[str, str]) -> set[str]:
-    """The words by which the reader may know the word of a key, normalized."""
-    translated = normalize(english.get(plain_key(key), ""))
-    return {normalize(plain_key(key)), translated, *translated.split()} - {""}
-
-
-def _number(key: str) -> int:
-    """Which of several equal words a key means; 0 for all of them."""
-    return int(key[len(plain_key(key)) + 1 :] or 0)
+def _means(key: str, said: set[str], number: int, english: Mapping[str, str]) -> bool:
+    """Whether a key is that of a word that is said so; of several, of the one with a number."""
+    word = plain_key(key)
+    translated = normalize(english.get(word, ""))
+    called = {normalize(word), translated, *translated.split()}
+    return not said.isdisjoint(called) and key in (word, f"{word}{NUMBER}{number}")
 
 
 def _target(word: str, name: str, scene: SceneDescription) -> Target:

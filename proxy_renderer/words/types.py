@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 Part = Literal["subject", "surroundings", "sky", "picture"]  # of a claim; the sky is what is seen of it
-Corners = tuple[tuple[float, ...], tuple[float, ...]]  # the least and the greatest corner of an object
 
 
 @dataclass(frozen=True)
@@ -80,9 +79,6 @@ class SceneDescription:
     lights: dict[str, LightDescription] = field(default_factory=dict)  # light name -> its description
     glows: tuple[str, ...] = ()  # names of materials that emit light
     groups: dict[str, tuple[str, ...]] = field(default_factory=dict)  # collection or parent -> objects
-    # object name -> x (-1 left, 1 right), y (0 near, 1 far), and size as a share of the image's width
-    places: dict[str, tuple[float, float, float]] = field(default_factory=dict)
-    boxes: Mapping[str, Corners] = field(default_factory=dict)  # object -> least and greatest corner, m
     # material name -> its present look; empty where only names are known
     looks: Mapping[str, MaterialLook] = field(default_factory=dict)
     sky: bool = True  # whether the camera sees the sky

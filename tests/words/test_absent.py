@@ -78,7 +78,6 @@ ROBOT = SceneDescription(
     object_materials={
         "Head": ("Gold",), "Body": ("Gold",), "gear": ("Gear",), "arm.001": ("Coal",), "Plane": ("Ground",)
     },
-    places={"Head": (0.0, 0.5, 0.15), "Body": (0.0, 0.5, 0.3)},
     looks={
         "Gold": MaterialLook(share=0.2, worn={"Head": 0.08, "Body": 0.12}, structures=frozenset({"wall"})),
         "Gear": MaterialLook(share=0.03, worn={"gear": 0.03}),

@@ -560,11 +560,6 @@ def test_lists_and_trailing_words(prompt, entry, kind):
     assert attributes[0].owners == ("M",) or "cup" not in prompt
 
 
-def test_not_too_qualifies_what_was_said_before():
-    strengths = [a.strength for a in parse("dark, but not too dark", SceneDescription()).attributes]
-    assert strengths == [0.5]
-
-
 def test_a_place_in_the_dark_is_about_what_is_around():
     parsed = parse("neon pink sign in the dark", SceneDescription())
     assert parsed.objects[0].name == "sign"

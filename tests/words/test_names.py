@@ -7,10 +7,10 @@ from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.schema import FAMILIES, Instance
 from proxy_renderer.words import names as fitted
-from proxy_renderer.words.features import reading
 from proxy_renderer.words.lexicon.languages import senses
 from proxy_renderer.words.lexicon.user_words import extend
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.model import reading
 from proxy_renderer.words.names import fit, is_detail, is_of_surfaces, kind_of, plain_name
 from proxy_renderer.words.parser import parse
 from proxy_renderer.words.types import SceneDescription
@@ -215,13 +215,6 @@ def test_paint_the_crate_names_no_paint() -> None:
     assert {a.owners for a in parse("paint the crate blue", scene(things)).attributes} == {("Wood",)}
 
 
-@pytest.mark.parametrize("covering", sorted(shipped_vocabulary().words["coverings"]))
-def test_the_covering_of_a_thing_is_the_thing(covering: str) -> None:
-    """Nobody who writes "wet frog skin" wishes for human skin on the frog."""
-    parsed = parse(f"wet frog {covering}", scene({"Frog": "Green", "Tray": "Steel"}))
-    assert [(a.entry, a.owners) for a in parsed.attributes] == [("wet", ("Green",))]
-
-
 def test_names_are_fitted_by_the_artists_own_vocabulary(tmp_path):
     path = tmp_path / "own.toml"
     path.write_text("[look.kryptonite]\nslot = 'material'\nwishes = ['material/roughness 0.1..0.2 !2']\n")
@@ -234,22 +227,6 @@ def test_names_are_fitted_by_the_artists_own_vocabulary(tmp_path):
 def test_what_is_remembered_of_names_is_bounded():
     for cached in (plain_name, fitted.parts, senses):
         assert cached.cache_info().maxsize
-
-
-@pytest.mark.parametrize(
-    ("prompt", "meant"),
-    [
-        ("deep blue mug", "glass.of"),
-        ("a gold ribbon", "line"),
-        ("the sphere glows", "round"),
-        ("the ball is red", "round"),
-        ("warm light, a red hat", ""),
-    ],
-)
-def test_a_thing_that_no_name_tells_is_the_only_one_of_its_shape(prompt, meant):
-    words = scene({"Cylinder": "glass.of", "BezierCurve": "line", "Sphere": "round", "Head": "skin"})
-    owners = {name for a in parse(prompt, words).attributes for name in a.owners}
-    assert owners == ({meant} if meant else set())
 
 
 def test_of_several_of_a_shape_none_is_guessed_and_names_come_first():

@@ -95,24 +95,6 @@ def test_what_is_meant_is_found(prompt, meant):
     assert said(prompt) == meant
 
 
-def test_several_things_of_a_name_share_a_list_of_colors():
-    balls = ("Ball", "Ball.001", "Ball.002")
-    scene = SceneDescription(
-        objects=dict.fromkeys(balls, "subject"),
-        materials=dict.fromkeys(("A", "B", "C"), "subject"),
-        object_materials={ball: (name,) for ball, name in zip(balls, "ABC", strict=True)},
-    )
-    shared = {"red": ("A",), "green": ("B",), "blue": ("C",)}
-    assert said("red, green and blue balls", scene) == shared
-    assert said("glossy red and white balls", scene) == {
-        "glossy": ("A", "B", "C"),
-        "red": ("A", "C"),
-        "white": ("B",),
-    }
-    assert said("red balls, white background", scene) == {"red": ("A", "B", "C"), "white": ("surroundings",)}
-    assert said("red, white and black background", scene)["black"] == ("surroundings",)
-
-
 def test_colors_between_colors_are_mixed():
     by_name = {a.entry: a.color for a in parse("a grey-blue cup, a greenish yellow wall", TABLE).attributes}
     red, green, blue = by_name["grey blue"]

@@ -25,7 +25,6 @@ def scene(name):
         {wearer: tuple(worn) for wearer, worn in rows["object_materials"].items()},
         {light: LightDescription(*said) for light, said in rows["lights"].items()},
         tuple(rows.get("glows", ())),
-        places={thing: tuple(place) for thing, place in rows.get("places", {}).items()},
     )
 
 

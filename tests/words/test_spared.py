@@ -3,8 +3,8 @@
 
 import pytest
 
-from proxy_renderer.words.features import reading
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.model import reading
 from proxy_renderer.words.types import SceneDescription
 
 HARBOR = SceneDescription(

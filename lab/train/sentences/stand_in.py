@@ -59,7 +59,6 @@ def stand_in(scene: LabeledScene) -> SceneStandIn:
         lights={x.name: LightDescription(x.type, x.role, x.turn, x.lights) for x in scene.lights},
         glows=scene.glows,
         groups=_groups(scene),
-        places=scene.places,
         emitters={name: _glow(scene, name) for name in scene.glows},
         world_share=_SKY if scene.sky else 0.0 if scene.materials_of("surroundings") else None,
     )

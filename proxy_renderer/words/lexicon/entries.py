@@ -145,7 +145,6 @@ def _wrong(problem: str, remedy: str) -> VibeError:
 
 
 def _ends(text: str, numbers: str) -> tuple[Values, Values]:
-    """Both ends of a range: "0.03..0.15"."""
     try:
         low, high = (tuple(float(v) for v in side.split(",")) for side in numbers.split(".."))
     except ValueError:
@@ -191,10 +190,10 @@ def read_entry(name: str, row: dict[str, Any]) -> VocabularyEntry:
     for text in (*row.get("wishes", ()), *row.get("never", ())):
         if "/" in text and not may_serve(OWNERS[parse_effect(text).owner], slot):
             problem = f"'{name}' is of slot {slot} and may not change a material: '{text}'"
-            remedy = (
+            other = (
                 "Remove that effect and use light, world, volume or film, or give the entry one of the slots"
             )
-            raise _wrong(problem, f"{remedy} {', '.join(SURFACES)}.")
+            raise _wrong(problem, f"{other} {', '.join(SURFACES)}.")
     return VocabularyEntry(
         name,
         slot,

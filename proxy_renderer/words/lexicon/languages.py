@@ -36,10 +36,15 @@ def folded(word: str) -> str:
 
 
 @cache
-def _plurals() -> dict[str, str]:
-    """Plurals that no ending tells -> the word for one."""
+def name_words(kind: str) -> frozenset[str]:
+    """Words of one row of names.toml: "pipeline", "counted", "primitives", "order", "limbs", "details" or "plurals"."""
     rows = tomllib.loads(Path(__file__).with_name("names.toml").read_text("utf-8"))
-    return dict(pair.split("/") for pair in rows["plurals"].split())
+    return frozenset(rows[kind].split())
+
+
+@cache
+def _plurals() -> dict[str, str]:
+    return dict(pair.split("/") for pair in name_words("plurals"))
 
 
 def singular(word: str) -> str:
@@ -114,18 +119,15 @@ def load(path: Path) -> LanguageLexicon:
     content = tomllib.loads(path.read_text("utf-8"))
     rows = {name: {e: listed(row) for e, row in content.get(name, {}).items()} for name in TABLES}
     meanings: dict[Wording, Meaning] = {}
-    for name in TABLES:
-        for english, wordings in rows[name].items():
-            for wording in wordings:
-                words = folded(wording).replace("’", "'").replace("'", "' ").replace("-", " ").split()
-                meanings.setdefault(tuple(words), Meaning(english, name))
+    every = ((name, e, wording) for name in TABLES for e in rows[name] for wording in rows[name][e])
+    for name, english, wording in every:
+        words = folded(wording).replace("’", "'").replace("'", "' ").replace("-", " ").split()
+        meanings.setdefault(tuple(words), Meaning(english, name))
     settings = content["language"]
-    endings = tuple(
-        (typed, base) for typed, _, base in (e.partition("/") for e in listed(settings.get("endings", "")))
-    )
-    return LanguageLexicon(
-        settings["name"], settings["spaces"], endings, meanings, rows["looks"], rows["things"]
-    )
+    pairs = (pair.partition("/") for pair in listed(settings.get("endings", "")))
+    endings = tuple((typed, base) for typed, _, base in pairs)
+    looks, things = rows["looks"], rows["things"]
+    return LanguageLexicon(settings["name"], settings["spaces"], endings, meanings, looks, things)
 
 
 def listed(row: str) -> list[str]:
@@ -133,38 +135,24 @@ def listed(row: str) -> list[str]:
     return [part.strip() for part in row.split(",") if part.strip()]
 
 
-@dataclass(frozen=True)
-class ThingWords:
-    """Names of the same thing."""
-
-    rows: dict[str, frozenset[str]]  # word -> the rows that it is in, each named by its first word
-    joined: tuple[str, ...]  # of those, the words that a name without spaces may contain, the longest first
-
-
 @lru_cache(_CACHED)
 def senses(word: str) -> frozenset[str]:
     """Rows of things that a word, or a few, of a prompt or of a name in a scene may mean, and the word itself."""
-    things, plain = thing_words(), singular(folded(word))
-    found = things.rows.get(plain, frozenset())
+    rows, plain = thing_words(), singular(folded(word))
+    found = rows.get(plain, frozenset())
     if not found and not word.isascii():
-        found = frozenset().union(*(things.rows[part] for part in things.joined if part in plain))
+        found = frozenset().union(*(rows[part] for part in _spaceless() if part in plain))
     if not found and not table().is_english(plain.rpartition(" ")[2]):  # "black" does not end in "Lack"
         ends = (plain[start:] for start in range(len(plain) - _SHORTEST + 1))
-        found = next((things.rows[end] for end in ends if end in things.rows), found)
+        found = next((rows[end] for end in ends if end in rows), found)
     return found | {plain}
 
 
 @cache
-def _thing_tables() -> dict[str, dict[str, str]]:
-    text = Path(__file__).with_name("things.toml").read_text("utf-8")
-    tables: dict[str, dict[str, str]] = tomllib.loads(text)
-    return tables
-
-
-@cache
-def thing_words() -> ThingWords:
-    """The words that are shipped: of things.toml, and of the lexicons that are names of things."""
-    named = _thing_tables()["things"] | _thing_tables()["more"]
+def thing_words() -> dict[str, frozenset[str]]:
+    """Word for a thing -> the rows of things.toml that it is in, each named by its first word; other languages, too."""
+    tables = tomllib.loads(Path(__file__).with_name("things.toml").read_text("utf-8"))
+    named: dict[str, str] = tables["things"] | tables["more"]
     kinds = shipped_vocabulary().nouns  # "light" is any light, not the one that is called so
     every = [(name, listed(others)) for name, others in named.items()]
     for lexicon in lexicons():
@@ -174,6 +162,10 @@ def thing_words() -> ThingWords:
     for name, words in every:
         for word in (name, *words):
             rows[singular(folded(normalize(word)))].add(name)
-    frozen = {word: frozenset(names) for word, names in rows.items()}
-    longest = sorted((word for word in frozen if not word.isascii()), key=len, reverse=True)
-    return ThingWords(frozen, tuple(longest))
+    return {word: frozenset(names) for word, names in rows.items()}
+
+
+@cache
+def _spaceless() -> tuple[str, ...]:
+    """Words that a name without spaces may contain, the longest first."""
+    return tuple(sorted((word for word in thing_words() if not word.isascii()), key=len, reverse=True))

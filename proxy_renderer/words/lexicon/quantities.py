@@ -15,6 +15,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
+from operator import gt
 from pathlib import Path
 
 from ...schema import Values, VibeError
@@ -102,33 +103,34 @@ def read_claim(text: str) -> ClaimText:
     if not match or (match["lower"] is None and match["upper"] is None):
         remedy = "Write 'PART MEASURE LOWER..UPPER', then 'or CHANGE' if a change is enough."
         raise VibeError(f"'{text}' is not a claim.", remedy)
-    if match["part"] not in PARTS:
-        raise VibeError(f"'{text}' names no part of the picture.", f"Choose from: {', '.join(PARTS)}.")
-    if bool(match["color"]) != (match["measure"] in _TINTS):
-        remedy = "Write '#rrggbb' after a measure of tints, and after no other."
-        raise VibeError(f"'{text}' needs a color, or has one too many.", remedy)
-    count = _NUMBERS.get(match["measure"], 1)
+    measure, box, by, color = (
+        match["measure"],
+        _numbers(match["box"]),
+        bool(match["by"]),
+        match["color"] or "",
+    )
+    count = _NUMBERS.get(measure, 1)
     lower = _numbers(match["lower"]) or (-math.inf,) * count
     upper = _numbers(match["upper"]) or (math.inf,) * count
-    if len(lower) != count or len(upper) != count:
-        remedy = f"Write {'one number' if count == 1 else f'{count} numbers, joined by commas,'} at each end."
-        raise VibeError(f"'{text}' has another count of numbers than its measure.", remedy)
-    if any(low > high for low, high in zip(lower, upper, strict=True)):
-        raise VibeError(f"'{text}' has a lower end above the upper one.", "Swap them.")
     change = float(match["change"]) if match["change"] else None
-    if change and (count > 1 or not math.isfinite((lower if change > 0 else upper)[0])):
-        raise VibeError(f"'{text}' asks for a change away from its interval.", "Turn the sign of the change.")
-    box = _numbers(match["box"])
-    if box and not (len(box) == 4 and 0.0 <= box[0] < box[2] <= 1.0 and 0.0 <= box[1] < box[3] <= 1.0):
-        remedy = "Write its left, upper, right and lower end as shares of the frame: 'in 0,0,0.5,1'."
-        raise VibeError(f"'{text}' has no part of the frame after 'in'.", remedy)
-    by = bool(match["by"])
-    if by and change is not None:
-        raise VibeError(f"'{text}' has two changes.", "Leave out 'by' or 'or'.")
-    near, color = not match["any"], match["color"] or ""
+    away = change and (count > 1 or not math.isfinite((lower if change > 0 else upper)[0]))
+    framed = not box or (len(box) == 4 and 0.0 <= box[0] < box[2] <= 1.0 and 0.0 <= box[1] < box[3] <= 1.0)
+    numbers = "one number" if count == 1 else f"{count} numbers, joined by commas,"
+    for wrong, problem, remedy in (
+        (match["part"] not in PARTS, "names no part of the picture", f"Choose from: {', '.join(PARTS)}."),
+        (bool(color) != (measure in _TINTS), "needs a color, or has one too many", "Write '#rrggbb' after a measure of tints, and after no other."),
+        ({len(lower), len(upper)} != {count}, "has another count of numbers than its measure", f"Write {numbers} at each end."),
+        (any(map(gt, lower, upper)), "has a lower end above the upper one", "Swap them."),
+        (away, "asks for a change away from its interval", "Turn the sign of the change."),
+        (not framed, "has no part of the frame after 'in'", "Write its ends as shares of the frame: 'in 0,0,0.5,1'."),
+        (by and change is not None, "has two changes", "Leave out 'by' or 'or'."),
+    ):  # fmt: skip
+        if wrong:
+            raise VibeError(f"'{text}' {problem}.", remedy)
     weight, reason = float(match["weight"] or 1.0), match["reason"] or ""
-    part, measure = match["part"], match["measure"]
-    return ClaimText(part, measure, lower, upper, change, near, color, box, weight, reason, by)
+    return ClaimText(
+        match["part"], measure, lower, upper, change, not match["any"], color, box, weight, reason, by
+    )
 
 
 def _numbers(text: str | None) -> Values:
@@ -179,18 +181,14 @@ class QuantityTable:
 def quantities() -> QuantityTable:
     """The table that is shipped."""
     rows = tomllib.loads(Path(__file__).with_name("quantities.toml").read_text("utf-8"))
-    by_name = {}
+    by_name, seen = {}, dict[str, float]()
     for name, row in rows.items():
         classes = {each: tuple(map(read_claim, texts)) for each, texts in row.get("classes", {}).items()}
         ways = row.get("exclusive", False), row.get("softly", False)
         by_name[name] = Quantity(name, row["says"], *ways, classes, row.get("softer", {}))
-    return QuantityTable(
-        by_name,
-        {parameter: name for name, row in rows.items() for parameter in row.get("parameters", ())},
-        {measure: name for name, row in rows.items() for measure in row.get("measures", ())},
-        {
-            measure: steps or math.inf
-            for row in rows.values()
-            for measure, steps in row.get("seen", {}).items()
-        },
+        seen |= {measure: steps or math.inf for measure, steps in row.get("seen", {}).items()}
+    parameters, measures = (
+        {each: name for name, row in rows.items() for each in row.get(key, ())}
+        for key in ("parameters", "measures")
     )
+    return QuantityTable(by_name, parameters, measures, seen)

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,8 +25,6 @@ TIMES = ("time", "season", "hour")  # kinds that have a sky
 _DISTANCES = {"POINT": 1.8, "SPOT": 5.0, "AREA": 3.0, "SUN": 0.0}
 _SIZES = {"POINT": 0.1, "SPOT": 0.08, "AREA": 1.2, "SUN": 0.5}
 _KELVINS = (1000.0, 20000.0)
-
-
 _DARK_SKY = -3.0  # stops of a sky from which it is night
 
 
@@ -76,13 +74,12 @@ class Rig:
     air: float | None = None
     grade: tuple[Effect, ...] = ()
     lights: tuple[RigLight, ...] = ()  # its lights, the key first
+    under_sky: bool = False  # whether its sky is that of an hour that the prompt names too
 
     @property
     def has_dark_sky(self) -> bool:
         """Whether its sky is that of a night."""
         return self.sky is not None and self.sky <= _DARK_SKY
-
-    under_sky: bool = False  # whether its sky is that of an hour that the prompt names too
 
     @property
     def keeps_own_light(self) -> bool:
@@ -196,54 +193,57 @@ def _line(text: str, name: str) -> int:
     return next((text[: h.start()].count("\n") + 1 for h in heads if h[1] == name), 1)
 
 
+_RIG_NUMBERS, _RIG_COLORS = ("exposure", "own", "world", "sky", "air"), ("world_color", "sky_color")
+_ROWS = {*_RIG_NUMBERS, *_RIG_COLORS, "words", "entries", "says", "kind", "adds", "grade", "lights"}
+_CHOICES = {
+    "part": PARTS,
+    "source": tuple(SOURCES),
+    "reach": REACHES,
+    "through": THROUGH,
+    "pattern": ("", *PATTERNS),
+}
+"""Row of a light -> what it may be."""
+_LIGHT_NUMBERS = ("distance", "size", "kelvin", "stops")
+_LIGHT_ROWS = {*_CHOICES, *_LIGHT_NUMBERS, "from", "side", "color", "names"}
+
+
 def _rig(name: str, row: dict[str, Any]) -> Rig:
-    known = {f.name for f in fields(Rig)} - {"name", "under_sky"}
-    _only(row, known)
-    entries = _words(row.get("entries", ""))
-    numbers: dict[str, Any] = {
-        key: float(row[key]) for key in ("exposure", "own", "world", "sky", "air") if key in row
-    }
-    lights = tuple(_light(light) for light in row.get("lights", ()))
+    _only(row, _ROWS)
+    entries, lights = _words(row.get("entries", "")), tuple(map(_light, row.get("lights", ())))
     if not lights and not entries:
         raise VibeError("it has no light.", "Give it a row lights = [...].")
+    if "says" not in row:
+        raise VibeError("it lacks the row says.", "Add it.")
+    words, entries = (name, *_words(row.get("words", ""))), tuple(dict.fromkeys((name, *entries)))
+    values: dict[str, Any] = {key: float(row[key]) for key in _RIG_NUMBERS if key in row}
+    values |= {key: _color(row.get(key, "")) for key in _RIG_COLORS}
+    grade, kind = tuple(map(parse_effect, row.get("grade", ()))), row.get("kind", "source")
+    _one_of("kind", kind, KINDS)
     return Rig(
-        name=name,
-        words=(name, *_words(row.get("words", ""))),
-        entries=tuple(dict.fromkeys((name, *entries))),
-        says=row["says"] if "says" in row else _missing("says"),
-        kind=_one_of("kind", row.get("kind", "source"), KINDS),
-        adds=bool(row.get("adds", False)),
-        world_color=_color(row.get("world_color", "")),
-        sky_color=_color(row.get("sky_color", "")),
-        grade=tuple(map(parse_effect, row.get("grade", ()))),
-        lights=lights,
-        **numbers,
+        name, words, entries, row["says"], kind, row.get("adds", False), grade=grade, lights=lights, **values
     )
-
-
-_NO_ROWS = {"type", "azimuth", "elevation", "mirrored", "own"}
-_LIGHT_ROWS = {"source", "from", "side"} | {f.name for f in fields(RigLight)} - _NO_ROWS
 
 
 def _light(row: dict[str, Any]) -> RigLight:
     _only(row, _LIGHT_ROWS)
-    part, source = row.get("part", "key"), row.get("source", "area")
-    _one_of("part", part, PARTS)
-    _one_of("source", source, tuple(SOURCES))
-    reach, through = row.get("reach", "subject"), row.get("through", "")
-    _one_of("reach", reach, REACHES)
-    _one_of("through", through, THROUGH)
-    azimuth, elevation = map(float, row["from"]) if "from" in row else _missing("from = [azimuth, elevation]")
-    kind, color = SOURCES[source], _color(row.get("color", ""))
-    kelvin = float(row.get("kelvin", 0.0 if color else 5600.0))
-    if kelvin and not _KELVINS[0] <= kelvin <= _KELVINS[1]:
-        raise VibeError(f"{kelvin:g} K is no color of light.", "Write 1000 to 20000.")
-    return RigLight(
-        part, kind, azimuth, elevation, row.get("side", "either") == "either",
-        float(row.get("distance", _DISTANCES[kind])), float(row.get("size", _SIZES[kind])),
-        kelvin, color, float(row.get("stops", 0.0)), reach, frozenset(_words(row.get("names", ""))), "", through,
-        _one_of("pattern", row.get("pattern", ""), ("", *PATTERNS)),
-    )  # fmt: skip
+    texts = {"part": "key", "source": "area", **{key: row[key] for key in _CHOICES if key in row}}
+    for what, text in texts.items():
+        _one_of(what, text, _CHOICES[what])
+    if "from" not in row:
+        raise VibeError("it lacks the row from = [azimuth, elevation].", "Add it.")
+    kind, color = SOURCES[texts.pop("source")], _color(row.get("color", ""))
+    values: dict[str, Any] = {
+        "distance": _DISTANCES[kind],
+        "size": _SIZES[kind],
+        "kelvin": 0.0 if color else 5600.0,
+    }
+    values |= {what: float(row[what]) for what in _LIGHT_NUMBERS if what in row}
+    if values["kelvin"] and not _KELVINS[0] <= values["kelvin"] <= _KELVINS[1]:
+        raise VibeError(f"{values['kelvin']:g} K is no color of light.", "Write 1000 to 20000.")
+    values |= texts | {"color": color, "names": frozenset(_words(row.get("names", "")))}
+    azimuth, elevation = map(float, row["from"])
+    mirrored = row.get("side", "either") == "either"
+    return RigLight(type=kind, azimuth=azimuth, elevation=elevation, mirrored=mirrored, **values)
 
 
 def _words(text: str) -> tuple[str, ...]:
@@ -256,16 +256,11 @@ def _color(text: str) -> str:
     return text
 
 
-def _only(row: Mapping[str, Any], known: set[str]) -> None:
+def _only(row: Iterable[str], known: Iterable[str]) -> None:
     for key in row:
-        _one_of("row", key, tuple(sorted(known)))
+        _one_of("row", key, sorted(known))
 
 
-def _one_of(what: str, value: str, known: tuple[str, ...]) -> str:
+def _one_of(what: str, value: str, known: Collection[str]) -> None:
     if value not in known:
         raise VibeError(f"'{value}' is no {what}.", f"Use one of: {', '.join(k for k in known if k)}.")
-    return value
-
-
-def _missing(row: str) -> Any:
-    raise VibeError(f"it lacks the row {row}.", "Add it.")

@@ -47,7 +47,6 @@ class Vocabulary:
     painted: dict[str, tuple[Effect, ...]]  # kind of thing -> effects of a color word on it
     adjectives: dict[str, dict[str, str]]  # word -> kind of thing (or "otherwise") -> entry name
     absent: dict[str, str]  # kind of thing -> entry that the lack of it means: "no shadows"
-    picks: dict[str, str]  # word -> which one of several it picks out, see `mentions.with_picks`
     words: dict[str, frozenset[str]]  # "lightness", "off", ... -> words that are looked for by themselves
     roles: dict[str, str]  # word of a light's name -> the role of that light
     typed: dict[str, str]  # word that is typed in a hurry -> the word that is meant
@@ -77,6 +76,10 @@ class Vocabulary:
         """The slot of a phrase on its own; "" where it is no look."""
         entry = self.entry(phrase)
         return entry.slot if entry else ""
+
+    def role(self, name: str) -> str:
+        """The role of a light that words name: the key of "key light"; "" for none."""
+        return next((self.roles[word] for word in name.split() if word in self.roles), "")
 
     def stems(self, word: str, degree: str) -> tuple[str, ...]:
         """Words that a "comparative" or "superlative" may be made of: "cold" of "colder", "dry" of "drier"."""
@@ -115,19 +118,23 @@ def load(text: str, colors: str) -> Vocabulary:
     looks = {normalize(name): row for name, row in rows["look"].items()} | kelvins
     entries = {name: read_entry(name, row) for name, row in looks.items()}
     synonyms: dict[str, str] = {}
-    for word, name in ((word, entry.name) for entry in entries.values() for word in entry.words):
-        synonyms.setdefault(word, name)
+    for entry in entries.values():
+        check_opposite(entry, entries)
+        for word in entry.words:
+            synonyms.setdefault(word, entry.name)
     synonyms |= {name: name for name in entries}  # at their places, which decide between words as near
     adjectives = {
         normalize(w): {k: normalize(e) for k, e in kinds.items()} for w, kinds in rows["adjective"].items()
     }
     adjectives |= {name: dict.fromkeys(("light", "fill", "rim", "otherwise"), name) for name in kelvins}
-    for entry in entries.values():
-        check_opposite(entry, entries)
-    for word, kinds in adjectives.items():
-        if unknown := ", ".join({*kinds.values()} - entries.keys()):
-            problem = f"Vocabulary: the adjective '{word}' names no entry '{unknown}'."
-            raise VibeError(problem, "Name an entry.")
+    elsewhere = {
+        k: {w: e for e, ws in each.items() for w in _words(ws)} for k, each in rows["elsewhere"].items()
+    }
+    said = [(word, name) for word, kinds in adjectives.items() for name in kinds.values()]
+    said += [both for words in elsewhere.values() for both in words.items()]
+    for word, name in said:
+        if name not in entries:
+            raise VibeError(f"Vocabulary: the word '{word}' names no entry '{name}'.", "Name an entry.")
     grammar = rows["grammar"]
     return Vocabulary(
         entries,
@@ -140,11 +147,10 @@ def load(text: str, colors: str) -> Vocabulary:
         {kind: tuple(map(parse_effect, effects)) for kind, effects in rows["painted"].items()},
         adjectives,
         grammar.get("absent", {}),
-        _by_word(grammar["picks"]),
         {kind: _words(words) for kind, words in grammar["words"].items()},
         _by_word(grammar["roles"]),
         _by_word(grammar["typed"]),
-        _read_elsewhere(rows["elsewhere"], entries, adjectives),
+        elsewhere,
         grammar["endings"],
     )
 
@@ -156,28 +162,8 @@ def check_opposite(entry: VocabularyEntry, entries: Container[str]) -> None:
         raise VibeError(problem, "Name an entry.")
 
 
-def _read_elsewhere(
-    rows: dict[str, dict[str, str]],
-    entries: dict[str, VocabularyEntry],
-    adjectives: dict[str, dict[str, str]],
-) -> dict[str, dict[str, str]]:
-    """The rows of [elsewhere], by the words that they list."""
-    found: dict[str, dict[str, str]] = {kind: {} for kind in rows}
-    each = ((k, e, normalize(w)) for k in rows for e in rows[k] for w in rows[k][e].split(","))
-    for kind, entry, word in each:
-        if entry not in entries or (word not in entries and word not in adjectives):
-            unknown = word if entry in entries else entry
-            problem = f"Vocabulary: '{unknown}' at a {kind} is neither entry nor adjective."
-            raise VibeError(problem, "Name one.")
-        if word in found[kind]:
-            raise VibeError(f"Vocabulary: '{word}' at a {kind} is in two rows.", "Keep one.")
-        found[kind][word] = entry
-    return found
-
-
 @cache
 def _hours() -> dict[str, Any]:
-    """hours.toml."""
     return tomllib.loads(Path(__file__).with_name("hours.toml").read_text("utf-8"))
 
 
@@ -211,7 +197,6 @@ def kelvin_entry(kelvins: float) -> str:
 
 
 def _kelvin_rows(kelvins: int) -> dict[str, Any]:
-    """The rows of the entry of a color temperature, as in vocabulary.toml."""
     tint = "warm" if kelvins < _WARM else "cool" if kelvins > _COOL else ""
     range_ = f"{kelvins * (1 - _REACH):.0f}..{kelvins * (1 + _REACH):.0f}"
     return {

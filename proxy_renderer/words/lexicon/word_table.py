@@ -175,7 +175,6 @@ class Nearest:
         return list(chosen.values())[:count]
 
     def _likeness(self, word: str) -> np.ndarray | None:
-        """Cosines of a word with the known words; None where it has no vector."""
         vector = self._table.vector(word)
         if vector is None:
             return None
