@@ -16,8 +16,7 @@ from typing import Any
 from ..inputs import check
 from ..schema import VibeError, frame_numbers
 from ..schema.options import checks, command_line
-from ..schema.options.option import Option
-from ..schema.options.table import TABLE
+from ..schema.options.table import TABLE, Option
 
 _KEY = re.compile(r"\s*([^=#\[\]{},]+?)\s*=")
 _TABLE = re.compile(r"\s*\[.*\]\s*(#.*)?$")

@@ -20,9 +20,8 @@ from typing import Any, TextIO
 
 from PIL import Image
 
-from ..blender import crashes
-from ..blender.crashes import temporary
-from ..blender.launch import blender_side, environment
+from ..blender import launch
+from ..blender.launch import blender_side, environment, temporary
 from ..blender.meshes import prepared
 from ..schema import VibeError, labels
 from .manifest import Job, Limits
@@ -224,7 +223,7 @@ class Worker:
         process, self._process = self._process, None
         if process is None:
             return
-        crashes.kill(process.pid)
+        launch.kill(process.pid)
         process.wait()
         assert process.stdin is not None
         with contextlib.suppress(OSError):
@@ -263,7 +262,7 @@ class _Watch:
         if now < self._next:
             return
         self._next = now + _TICK
-        used = crashes.memory(pid)
+        used = launch.memory(pid)
         self.peak_gb = max(self.peak_gb, round(used / 1e9, 3))
         if used > self._limits.memory_gb * 1e9:
             problem = f"It used {used / 1e9:.1f} GB of memory, more than {self._limits.memory_gb:g}."

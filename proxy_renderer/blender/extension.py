@@ -5,8 +5,6 @@ The zip holds the add-on, the schema that it reads, and the engine's code, which
 engine is a process of its own, for which the add-on's *Set Up Engine* makes an environment.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import shutil
 import subprocess

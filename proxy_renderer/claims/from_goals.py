@@ -8,7 +8,7 @@ from itertools import product
 from typing import Any
 
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
-from ..goals.picture import beside_picture
+from ..goals.relative import beside_picture
 from ..goals.resolve import Goals
 from ..goals.wish import Wish
 from ..schema import Values

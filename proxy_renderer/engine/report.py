@@ -14,10 +14,9 @@ from ..claims.claim import Claim, ShotClaims
 from ..claims.measures import MEASURES
 from ..color.tensors import linear_from_srgb
 from ..goals.written import as_json
-from ..optimize.anchoring import BlenderPictures
 from ..optimize.pipeline import Outcome
 from ..optimize.rounds.method import VARIABLE
-from ..optimize.shots import LOCKED, ShotState
+from ..optimize.shots import LOCKED, BlenderPictures, ShotState
 from ..render.gbuffer import GBuffer
 from ..schema import Values, labels
 from ..schema.messages import word_states, words_of

@@ -10,7 +10,7 @@ import torch
 
 from ..color import arrays
 from ..color.floats import srgb_from_linear
-from ..planning.glow import glowing, glows
+from ..planning.light_levels import glowing, glows
 from ..render.geometry.camera import view_of
 from ..render.geometry.samples import pixel_centers
 from ..render.material.textures import geometry_of

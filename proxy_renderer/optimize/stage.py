@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 
 from ..claims.claim import Claim
 from ..claims.from_goals import claims_of
-from ..goals.further import further
+from ..goals.relative import further
 from ..goals.resolve import Goals, goals_or_why
 from ..goals.written import WrittenGoals
 from ..planning.acting import goals_without_rig
 from ..planning.advice import OfflineAdvisor
-from ..planning.missing import asks_for_backdrop, missing_lights
+from ..planning.support import asks_for_backdrop, missing_lights
 from ..planning.types import LightPlan
 from ..rigs.chosen import chosen_rig
 from ..rigs.lighting import OFF, Lighting, lighting

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from ..color.floats import linear_from_srgb, srgb_from_lab
 from ..goals.contradictions import CASTS
-from ..goals.picture import beside_picture
+from ..goals.relative import beside_picture
 from ..goals.resolve import Goals
 from ..goals.wish import Wish
 from ..schema import Instance, Values

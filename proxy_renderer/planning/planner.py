@@ -14,11 +14,10 @@ from ..words.lexicon.user_words import default_vocabulary
 from ..words.lexicon.vocabulary import Vocabulary
 from ..words.types import GLOW, Attribute, SceneDescription
 from .acting import STAGES, acts, goals_without_rig, grade_of, is_usual, stage_of
-from .color_ranges import named_color, painted
 from .light_levels import Sources, WorldLook, facing_radiance
 from .owners import BACKDROP, SEEN, Owners, protected
 from .picture_ranges import beside_words
-from .ranges import clip, effect_range, within
+from .ranges import clip, effect_range, named_color, painted, within
 from .support import added_power, supports
 from .types import LEFT_ALONE, LightPlan, Plan, PlanEntry
 

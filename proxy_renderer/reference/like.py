@@ -14,7 +14,7 @@ import torch
 from torch import Tensor
 
 from ..claims.measures import MEASURES
-from ..goals.picture import FACTS
+from ..goals.relative import FACTS
 from ..goals.resolve import Goals
 from ..goals.wish import Wish
 from ..planning.advice import NO_PROMPTS, Advice, Advisor

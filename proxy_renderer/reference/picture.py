@@ -9,8 +9,7 @@ import numpy as np
 from ..color.arrays import srgb_from_linear
 from ..inputs import check
 from ..schema import VibeError
-from .encoded_files import read_encoded
-from .linear_files import read_exr, read_radiance
+from .files import read_encoded, read_exr, read_radiance
 
 _SEAM = 2.5  # how many times as much as neighbors the first and the last column of a panorama may differ
 _POLE = 0.06  # greatest deviation along the first and the last row of a panorama, each of which is one point

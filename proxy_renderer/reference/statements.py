@@ -13,9 +13,8 @@ from torch import Tensor
 
 from ..claims.claim import Claim
 from ..claims.measures import MEASURES
-from ..claims.measures.color import grayness
+from ..claims.measures.color import corner_falls, grayness
 from ..claims.measures.picture import MeasuredPicture
-from ..claims.measures.tone import corner_falls
 from ..color.tensors import lab_from_srgb
 from ..render.gbuffer import GBuffer
 from ..schema import Values

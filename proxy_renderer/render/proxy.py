@@ -29,7 +29,7 @@ from .surface.surfaces import RenderState
 from .surface.view_cache import ViewCache
 from .transport.fog import DIRECTIONS, FogMedium, SingleScattering
 from .transport.indirect import IndirectLight
-from .transport.radiance_table import RadianceTable
+from .transport.secondary_hits import RadianceTable
 
 _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")
 

@@ -10,8 +10,7 @@ import torch
 
 from ..color import arrays
 from ..color.floats import hex_from_srgb, linear_from_srgb, luminance, mixed, srgb_from_hex, srgb_from_linear
-from ..planning.glow import glows
-from ..planning.light_levels import kelvin_color
+from ..planning.light_levels import glows, kelvin_color
 from ..planning.types import LightPlan, PlanEntry
 from ..render.material.textures import geometry_of
 from ..scene import SceneData

@@ -8,8 +8,7 @@ from typing import Any
 from ..color.floats import hex_from_srgb
 from ..goals.resolve import Goals, goals_of, resolved
 from ..goals.wish import Wish
-from ..planning.advice import Advice, OfflineAdvisor
-from ..planning.captions import Prompts, compose
+from ..planning.advice import Advice, OfflineAdvisor, Prompts, compose
 from ..planning.planner import plan as confine
 from ..planning.types import LightPlan, Plan, PlanEntry
 from ..schema import Instance, VibeError

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..color.floats import is_hex, srgb_from_hex
-from ..planning.captions import Prompts
+from ..planning.advice import Prompts
 from ..planning.ranges import clip
 from ..planning.types import PlanEntry
 from ..schema import Instance, Values

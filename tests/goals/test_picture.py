@@ -11,7 +11,7 @@ from goal_parts import ROOM, plan_of, read
 
 from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.goals import written
-from proxy_renderer.goals.picture import beside_picture
+from proxy_renderer.goals.relative import beside_picture
 from proxy_renderer.goals.resolve import Goals
 from proxy_renderer.goals.wish import Wish
 from proxy_renderer.planning.acting import goals_without_rig

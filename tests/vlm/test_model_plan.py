@@ -17,7 +17,7 @@ from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import pipeline
 from proxy_renderer.optimize.scene_words import described
 from proxy_renderer.optimize.shots import ShotInput
-from proxy_renderer.planning.captions import Prompts
+from proxy_renderer.planning.advice import Prompts
 from proxy_renderer.planning.types import Plan
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import FAMILIES, Instance, VibeError

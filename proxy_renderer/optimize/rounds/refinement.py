@@ -17,7 +17,7 @@ from torch import Tensor
 
 from ...claims.claim import Claim, outside
 from ...goals.resolve import Goals
-from ...planning.captions import Prompts
+from ...planning.advice import Prompts
 from ...planning.types import Plan
 from ...reference.like import Reference
 from ...schema import Values

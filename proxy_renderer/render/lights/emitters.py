@@ -19,9 +19,9 @@ from ...scene import Light
 from ..geometry.vectors import cosine_directions, cross, dot, unit
 from ..geometry.visibility import RayGeometry, sphere_points
 from ..material.shading_inputs import ShadingInputs
-from .clusters import k_means
 from .light_source import clipped_sphere
 from .light_types import PointLight
+from .shadows import k_means
 
 _LEAST = 0.25  # radiance from which a surface counts as a lamp; less is no brighter than what lamps light
 _POINTS = 4096

@@ -22,7 +22,7 @@ from ..material.shading_inputs import ShadingInputs, used
 from ..transport.fog import FogMedium
 from ..transport.glow import BLURS
 from ..transport.indirect import IndirectLight
-from ..transport.radiance_table import RadianceTable
+from ..transport.secondary_hits import RadianceTable
 from .direct_lights import DirectLight, ViewSamples
 from .principled import IncidentLight, ReflectedRadiance, shade
 from .view_cache import ViewCache

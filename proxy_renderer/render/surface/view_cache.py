@@ -18,9 +18,9 @@ from ..geometry.gather_points import SparseWeights
 from ..geometry.samples import take
 from ..geometry.vectors import dot, unit
 from ..geometry.visibility import RayGeometry, Surface, facing
-from ..lights.clusters import LightClusters
 from ..lights.environment import GLOSSY, SATIN, Sky
 from ..lights.light_source import LightSource
+from ..lights.shadows import LightClusters
 from ..material.textures import MaterialTextures
 from ..transport.indirect import FinalGather
 from ..transport.indirect_fog import IndirectFogRays

@@ -25,8 +25,7 @@ from ..material.textures import MaterialTextures
 from .fog import FogMedium, LightPaths
 from .glow import GlowShares, LobeRays, glow_of
 from .indirect_fog import IndirectFog
-from .radiance_table import RadianceTable
-from .secondary_hits import SecondaryHits
+from .secondary_hits import RadianceTable, SecondaryHits
 
 _DIFFUSE_RAYS = 16
 _GLOSSY_RAYS = 8
