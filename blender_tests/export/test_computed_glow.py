@@ -12,7 +12,7 @@ from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.planning.light_levels import glows
+from proxy_renderer.planning.glow import glows
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy

@@ -26,10 +26,7 @@ _OF_THE_COMMAND = (
 
 
 def build(out: Path) -> Path:
-    """Builds and validates OUT/vibe_render-VERSION.zip, for Blender's "Install from Disk"; raises VibeError if that fails.
-
-    It remembers which Python built it, so that on this computer Blender finds the engine.
-    """
+    """Builds and validates OUT/vibe_render-VERSION.zip, which remembers this Python; raises VibeError if that fails."""
     tool = _blender_tool()
     with tempfile.TemporaryDirectory() as scratch:
         package = Path(scratch) / "vibe_render"

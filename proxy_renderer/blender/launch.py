@@ -243,10 +243,7 @@ def start(arguments: Sequence[str], scratch: Path | None = None, **options: Any)
 
 
 def events(process: subprocess.Popen[str], tail: deque[str]) -> Iterator[dict[str, Any]]:
-    """The events among the lines that Blender's side prints, as they come.
-
-    All other lines, Blender's own and broken events, go to the tail.
-    """
+    """The events among the lines that Blender's side prints, as they come; all other lines go to the tail."""
     assert process.stdout is not None
     for line in process.stdout:
         if line.startswith(_MARK):

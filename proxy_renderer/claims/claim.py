@@ -172,10 +172,7 @@ class Claim:
     def aim(
         self, value: Tensor, before: Tensor | None, ends: tuple[Tensor, Tensor] | None = None
     ) -> tuple[Tensor, Tensor, Tensor]:
-        """As `in_steps`, by weight, with ends inside of what satisfies it: the interval that is sought.
-
-        Its `ends` are the same for every value of a type: those that it has returned before can be given.
-        """
+        """As `in_steps`, by weight, with ends inside of what satisfies it; `ends` of an earlier value of its type can be given."""
         if ends is None:
             _, lower, upper = self.in_steps(value.detach(), before)
             half = (upper - lower) / 2

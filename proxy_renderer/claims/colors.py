@@ -133,10 +133,7 @@ def _of_all_light(attribute: Attribute, tint: Claim, srgb: Values) -> Iterator[C
 
 
 def of_material(attribute: Attribute, others: Iterable[Attribute], vocabulary: Vocabulary) -> Iterator[Claim]:
-    """Claims of a material with a color of its own: gold tints the object, coal is as dark as coal is.
-
-    A color that `others`, all attributes of the prompt, name replaces that of a material that may have any, as leather.
-    """
+    """Claims of a material with a color of its own, as gold; one that may have any, as leather, yields to a color of `others`."""
     entry, part = vocabulary.entries.get(attribute.entry), attribute.part
     if entry is None or entry.slot != "material" or part == "picture":
         return
@@ -168,11 +165,7 @@ def _colors(color: Attribute, material: Attribute) -> bool:
 
 
 def darkened(claim: Claim, darkest: float) -> Claim:
-    """A claim about an object's color or lightness, eased for an image that is to be dark; other claims stay.
-
-    The whole image has at most L* `darkest`. Blue nights are no light blue, but no gray either: chroma is what a color is
-    known by.
-    """
+    """A claim about an object's color or lightness, eased for an image of at most L* `darkest`: blue nights are no light blue."""
     if darkest >= _DIM:
         return claim
     if claim.measure == "lightness" and claim.part != "picture":

@@ -96,10 +96,7 @@ def _shared(rig: Sequence[Claim]) -> list[Claim]:
 
 
 def beside_paint(light: Sequence[Claim], claims: Sequence[Claim]) -> Iterator[Claim]:
-    """A rig's claims, without those that the paint of a subject decides: a red one has no cool highlights, and a dark one stays dark.
-
-    The light's color is then measured around it.
-    """
+    """A rig's claims, without those that the subject's paint decides: the light's color is then measured around the subject."""
     painted = any(c.part == "subject" and c.measure in ("color", "tint") for c in claims)
     for claim in light:
         if painted and claim.measure == "highlight_warmth":
@@ -169,10 +166,7 @@ def _cosine(first: Claim, second: Claim) -> float:
 
 
 def _allowing_colors(claim: Claim, usual: bool, colors: Sequence[Claim]) -> Claim:
-    """A claim about the whole image, eased for the named colors of what fills it.
-
-    Muted colors are still colors, and a gallery with a dark backdrop is no light image, though galleries are.
-    """
+    """A claim about the whole image, eased for the named colors of what fills it: muted colors are still colors."""
     named = [lab_from_srgb(c.color) for c in colors if c.measure == "color" and c.color and not c.materials]
     if claim.part != "picture" or not named:
         return claim
@@ -205,10 +199,7 @@ def _measured(claim: Claim) -> tuple[object, ...]:
 
 
 def _least_lightness(colors: Sequence[Claim], claims: Sequence[Claim]) -> list[Claim]:
-    """Colored light is no dark light: where no word says how light the image is, it stays as light as the color is.
-
-    A tint could be had by exposing less, where it would drown the other colors.
-    """
+    """The least lightness of colored light, where no word says one: exposing less would drown the other colors."""
     tints = [c.color for c in colors if (c.part, c.measure) == ("picture", "tint") and c.color]
     if not tints or any(map(_is_brightness, claims)):
         return []

@@ -74,10 +74,7 @@ def _hue(b: Tensor, a: Tensor) -> Tensor:
 def ciede2000(
     lab1: Float[Tensor, "*#pixels 3"], lab2: Float[Tensor, "*#pixels 3"]
 ) -> Float[Tensor, "*#pixels"]:
-    """Perceived difference (...) of two colors in Lab (..., 3): 1 is just visible.
-
-    Source: Sharma, Wu, Dalal, "The CIEDE2000 color-difference formula", 2005; kL = kC = kH = 1.
-    """
+    """Perceived difference (...) of two colors in Lab (..., 3): 1 is just visible (Sharma, Wu and Dalal 2005; kL = kC = kH = 1)."""
     (l1, a1, b1), (l2, a2, b2) = lab1.unbind(-1), lab2.unbind(-1)
     c7 = ((_length(a1, b1) + _length(a2, b2)) / 2) ** 7
     stretch = 1.5 - 0.5 * (c7 / (c7 + 25.0**7)).clamp_min(_TINY).sqrt()
@@ -152,10 +149,7 @@ _BLUE = (
 
 
 def blackbody(kelvin: Tensor) -> Tensor:
-    """Linear Rec.709 (..., 3), luminance about 1, of a light of a temperature (...), as Blender multiplies it in.
-
-    Below 800 K and above 12000 K nothing changes any more.
-    """
+    """Linear Rec.709 (..., 3) of a light's temperature (...) from 800 to 12000 K, luminance about 1, as Blender multiplies it in."""
     t = kelvin.clamp(800.0, 12000.0)
     i = torch.bucketize(t.detach(), t.new_tensor(_KNOTS), right=True)
     r, g, b = (t.new_tensor(table)[i].unbind(-1) for table in (_RED, _GREEN, _BLUE))

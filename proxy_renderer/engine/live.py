@@ -94,10 +94,7 @@ class Glances:
         self._proxies: dict[tuple[str, ...], Proxy] = {}
 
     def look(self, request: messages.Glance, stopped: Callable[[], bool]) -> EarlyLook | None:
-        """The look of a glance, None if it was `stopped`, or no word is known yet; raises VibeError if the job cannot be read.
-
-        An image of the artist's own values is left in the job folder.
-        """
+        """The look of a glance; None if it was `stopped`, or no word is known. Raises VibeError if the job cannot be read."""
         options = messages.Options.from_dict(request.options)
         found = [self._scene(request.job)]
         stage = set_stage(found, request.prompt, options.new_lights, options.target)

@@ -267,12 +267,9 @@ def _read_words(wire: Wire) -> None:
 
 
 def _warm_up() -> None:
-    """Imports torch, and loads the embedded encoder and the vocabulary; what fails here is reported by the vibe that needs it.
-
-    It runs in a thread of low priority, because nobody has asked for anything yet, where a thread can have one of its own.
-    """
+    """Imports torch, and loads the embedded encoder and the vocabulary; what fails here is reported by the vibe that needs it."""
     if sys.platform == "linux":
-        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _LOW_PRIORITY)
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _LOW_PRIORITY)  # nobody has asked yet
     try:
         from ..guidance.encoder import load_encoder
         from ..words.lexicon.user_words import default_vocabulary

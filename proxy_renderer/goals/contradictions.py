@@ -136,10 +136,7 @@ def _axis(claim: ClaimText) -> tuple[object, ...]:
 
 
 def _disjoint_claims(first: Wish, later: Wish) -> bool:
-    """Whether two wishes claim intervals of one measure that have nothing in common.
-
-    Surroundings are a part of the image: what is usual of them, or implied, gives way to a word for all of the image.
-    """
+    """True if two wishes claim disjoint intervals of a measure; usual surroundings yield to a word for the whole image."""
     yields = later.implied or later.usual > 0
     return any(
         _apart(a, b)

@@ -122,10 +122,7 @@ def _by_rank(wishes: Sequence[Wish]) -> tuple[list[Wish], list[Lost]]:
 
 
 def _unseen(kept: Sequence[Wish], lost: Sequence[Lost]) -> dict[int, Wish]:
-    """Words whose visible wishes all gave way -> the first winner. What else such a word wishes for only supports these.
-
-    Of a material each quantity counts by itself: wet concrete is no less of concrete for being wet.
-    """
+    """Words whose visible wishes all gave way -> the first winner. Of a material each quantity counts by itself."""
     main = (each for each in reversed(lost) if each.wish.is_seen and each.wish.attribute.slot not in SURFACES)
     winners = {id(each.wish.attribute): each.winner for each in main}
     sought = {id(wish.attribute) for wish in kept if wish.is_seen}

@@ -211,10 +211,7 @@ class WrittenGoals:
     holds: bool = False  # whether the rest of the image stays
 
     def within(self, words: SceneDescription) -> Goals:
-        """The goals in a scene: what describes a material or a light that is not there describes all of its region.
-
-        What a reference image says of such a material is left out.
-        """
+        """The goals in a scene: a word for a material or light that it lacks describes the region; of an image it is left out."""
         known = {*words.lights, *(f"{GLOW}{name}" for name in words.glows)}
         bound, gone, notes = dict[int, Attribute](), set[int](), list[str]()
         for a in self.attributes:

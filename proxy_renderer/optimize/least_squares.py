@@ -146,10 +146,7 @@ class LinearModel:
         return 1.0 - float(rest.norm()) / length
 
     def corrected(self, seen: Assessment, move: Tensor) -> LinearModel:
-        """The model at x, whose slopes agree with what was seen at x + move (n,), not zero (Broyden 1965).
-
-        Values that a component does not change, it still does not (Schubert 1970).
-        """
+        """The model at x, whose nonzero slopes agree with what was seen at x + move (n,), not zero (Broyden 1965, Schubert 1970)."""
         along = move / move.square().sum()
         moved = (self.slopes != 0) * move  # (M, n)
         missing = seen.values - self.here.values - self.slopes @ move

@@ -34,10 +34,7 @@ class Looks:
             self._seen = shot.gbuffer(self._home)
 
     def planned(self, advisor: Advisor) -> tuple[Tensor, Advice]:
-        """Lines 2 to 5 and 7 of Algorithm 1 on the artist's scene: the result (N,) of the words alone, and the advice.
-
-        Raises VibeError if no word of the prompt is known.
-        """
+        """Lines 2 to 5 and 7 of Algorithm 1: what the words alone give (N,), and the advice; raises VibeError if no word is known."""
         vector, home = self._shot.vector, self._home
         advice = self._shot.advised(advisor, home, self._described)
         ranges = feasible_ranges(advice.plan, vector.instances, vector.values(home))

@@ -156,10 +156,7 @@ class RoundObjective:
         return self._weights.prior * prior + self._weights.hue * hue
 
     def stiffness(self, chosen: Tensor) -> Tensor:
-        """(n, n) curvature of `held` by the places of the n chosen components (N,) in their ranges.
-
-        Only theirs is computed: a scene may have thousands.
-        """
+        """(n, n) curvature of `held` by the places of the n chosen components (N,) in their ranges; a scene may have thousands."""
         prior = 2.0 * self._weights.prior * torch.diag(self._pull[chosen])
         rest, places = torch.zeros_like(self._pull), chosen.nonzero(as_tuple=True)
 
@@ -170,10 +167,7 @@ class RoundObjective:
         return prior + self._weights.hue * hue
 
     def slopes(self, u: Tensor, chosen: Tensor) -> Slopes:
-        """The change of what is judged at u (N,) by the n chosen components (N,): forward or backward, whichever is cheaper.
-
-        What supports the words is not moved for the finish of a surface: a darker room is not a duller sofa.
-        """
+        """Slopes at u (N,) over the n chosen components (N,). Supports may not fake a finish: a darker room is not a duller sofa."""
         found = self._slopes(u, chosen)
         assert found.here.finish is not None
         faked = found.here.finish[:, None] & self._supports[chosen]
@@ -356,10 +350,7 @@ class _ForwardShot:
         return self._proxy.develop(latent, values)
 
     def add(self, slopes: Tensor, gradients: Sequence[Tensor], move: Tensor) -> None:
-        """Adds what the scene's parameters change to slopes (M + 1, N), from gradients (M + 1, ...) of the leaves.
-
-        Components are moved by (N,), 0 for those that are not chosen.
-        """
+        """Adds the effects of moves (N,) of the scene's parameters to slopes (M + 1, N), from gradients (M + 1, ...) of the leaves."""
         moved = self._shot.vector.along(self._u, move)
         for key in sorted(self._scene):
             part = self._shot.vector.slices[key]

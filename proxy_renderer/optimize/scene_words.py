@@ -10,7 +10,7 @@ import torch
 
 from ..color import arrays
 from ..color.floats import srgb_from_linear
-from ..planning.light_levels import glowing, glows
+from ..planning.glow import glowing, glows
 from ..render.geometry.camera import view_of
 from ..render.geometry.samples import pixel_centers
 from ..render.material.textures import geometry_of
@@ -41,10 +41,7 @@ _PLACE_SIDE = 100  # pixels of the square image that places are measured in
 
 
 def placed(scene: SceneData) -> tuple[dict[str, tuple[float, float, float]], dict[str, Corners]]:
-    """Of each object before the camera: x (-1 left, 1 right), y (0 near, 1 far), and its share of the image's width; and all boxes.
-
-    An object that reaches behind the camera, such as a floor, has no place.
-    """
+    """Of objects in front of the camera: x (-1 to 1), y (0 near, 1 far), share of the image's width; and the boxes of all."""
     view = view_of(scene, RenderValues(scene, {}, "cpu"), (_PLACE_SIDE, _PLACE_SIDE))
     mesh, seen, boxes = scene.mesh, {}, dict[str, Corners]()
     corners = torch.from_numpy(mesh.vertices.astype(np.float32)).T
@@ -264,10 +261,7 @@ def _extent(height: np.ndarray) -> tuple[float, float]:
 
 
 def _parts(height: np.ndarray, slope: np.ndarray, scene: tuple[float, float, float]) -> Iterator[str]:
-    """Structures that a material may be.
-
-    A scene has the height of its lowest point, its extent upward, and the height that the subject stands on.
-    """
+    """Structures that a material may be, by the scene's lowest height, its extent upward, and the height the subject stands on."""
     low, tall, stands = scene
     level = height[slope > _LEVEL]
     if len(level) > _MOST * len(height) and abs(np.median(level) - low) < _NEAR * tall:

@@ -169,10 +169,7 @@ class ShotState:
         return advisor.advise(image.display, self.vector.instances, now)
 
     def anchored(self, u: Tensor, number: int, slack: float = _HERE) -> ShotState:
-        """The shot with its proxy corrected at u (N,) by a picture of Cycles, for a round from 0; itself where there is none.
-
-        Nor is one taken where the last is nearer than the slack, a share of a component's whole range.
-        """
+        """The shot with its proxy corrected at u (N,) by a picture of Cycles, if there is one and none within the slack."""
         distance = self.anchor.distance(u)
         if self.source is None or distance <= slack:
             return self
@@ -301,10 +298,7 @@ def _alike(a: Instance, b: Instance) -> bool:
 def lock(
     instances: Mapping[str, Instance], groups: Sequence[str], locks: Sequence[str], camera: bool
 ) -> dict[str, Instance]:
-    """Instances with the artist's locks: what may not change says why; without groups only the camera may not, unless it is named.
-
-    Raises VibeError for a group that does not exist and a pattern that nothing matches.
-    """
+    """Instances with the artist's locks, and why; without groups the camera is locked. Raises VibeError for what names nothing."""
     if strange := [g for g in groups if g not in GROUPS]:
         raise VibeError(f"Unknown group {strange[0]!r}.", f"Use some of: {', '.join(GROUPS)}.")
     for pattern in locks:

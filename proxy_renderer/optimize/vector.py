@@ -188,10 +188,7 @@ def feasible_ranges(
 
 
 def nearest_turn(instance: Instance, lower: Values, upper: Values, value: Values) -> tuple[Values, Values]:
-    """The range of an angle, turned by whole circles within the hard bounds so that it lies nearest to the value.
-
-    An azimuth of -170 is ten degrees from the range [180, 200], not 350. Other parameters' ranges stay.
-    """
+    """The range of an angle, turned by whole circles to lie nearest to the value: -170 is ten degrees from the range [180, 200]."""
     if instance.parameter.unit != "deg" or instance.parameter.upper - instance.parameter.lower < 2 * _TURN:
         return lower, upper
 

@@ -63,10 +63,7 @@ def _redirected(goals: Goals, owners: Owners) -> dict[int, Attribute]:
 
 
 def _would_hide(gel: Attribute, wishes: Sequence[Wish], owners: Owners) -> bool:
-    """Whether a color of light, without a direction, leaves nothing of the subject's: "orange pumpkin, purple light".
-
-    The key then stays for the one, and the other lights get the other.
-    """
+    """True if a color of light, without a direction, leaves nothing of the subject's: "orange pumpkin, purple light"."""
     effects = (e for wish in wishes if not wish.implied for e in wish.effects)
     directed = any(e.owner in ("light", "key") and e.name == "azimuth" for e in effects)
     said = (wish.attribute for wish in wishes)

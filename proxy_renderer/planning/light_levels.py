@@ -1,17 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Light on a surface that faces it, of lights and of surfaces that emit, as values give it and as the view displays it."""
+"""Light on a surface that faces it, as values give it and as the view displays it."""
 
 import math
 from bisect import bisect_left
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
-import numpy as np
-
 from ..color.floats import luminance
-from ..scene import SceneData
 from ..schema import Instance, Values, radiometry
-from ..words.types import Glow, SceneDescription
+from ..words.types import SceneDescription
 
 # L* on an sRGB display of scene-linear grays, measured on Blender's own OCIO config; the rest as AgX.
 _GRAYS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.18, 0.3, 0.5, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0)
@@ -104,45 +101,3 @@ def kelvin_color(kelvin: float) -> Values:
     mireds = 1e6 / kelvin - 1e6 / 6500.0
     tint = [math.exp(m * mireds) for m in _MIRED]
     return tuple(v / max(tint) for v in tint)
-
-
-_MOST = 1.0  # a surface that glows all around gives white surfaces its own radiance
-
-
-def glowing(scene: SceneData) -> list[str]:
-    """Names of the materials that emit light, without those that are in slots which no face has."""
-    lit = {i.owner for i in scene.instances.values() if i.parameter.name == "emission" and i.value[0] > 0}
-    return [material.name for material in scene.materials if material.name in lit]
-
-
-def glows(scene: SceneData) -> dict[str, Glow]:
-    """Of every material that may glow: what its surfaces would give to a white surface at the subject.
-
-    The sum of area x |cosine| / (pi d^2) over its triangles, d at least half the subject's height; nothing is taken to
-    stand in the way.
-    """
-    mesh, pivot = scene.mesh, np.array(scene.pivot)
-    names = glowing(scene)
-    near = (0.5 * float(scene.references.get("subject_height", 0.0))) ** 2
-    found: dict[str, Glow] = {}
-    for number, material in enumerate(scene.materials):
-        faces = np.flatnonzero(mesh.material == number)
-        if material.name not in names or not len(faces):
-            continue
-        corners = mesh.vertices[mesh.faces[faces]].astype(float)
-        # as long as its area
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2.0
-        way = corners.mean(1) - pivot
-        square = np.maximum((way**2).sum(1), max(near, 1e-12))
-        light = np.abs((normal * way).sum(1)) / (math.pi * square**1.5)
-        x, y, _ = (way * light[:, None]).sum(0)
-        objects = {scene.objects[o].name for o in np.unique(mesh.object[faces]).tolist()}
-        computed = material.maps.get("emission_color")
-        color = computed.image.reshape(-1, 3).mean(0).tolist() if computed else (1.0, 1.0, 1.0)
-        levels = material.maps.get("emission")
-        strength = float(levels.image[..., 0].mean()) if levels else 1.0
-        azimuth = math.degrees(math.atan2(x, -y))
-        found[material.name] = Glow(
-            min(float(light.sum()), _MOST), azimuth, tuple(sorted(objects)), tuple(color), strength
-        )
-    return found

@@ -269,10 +269,7 @@ class SceneMaterials:
         return not glow or (attribute.color is not None and effect.owner == "material")
 
     def _whole(self, names: list[str]) -> list[str]:
-        """Of the materials of a thing those that make it up: "red car" means neither its tyres nor a screw.
-
-        A small one that looks like a large one is no part of its own: the fender is as gray as the hood.
-        """
+        """Of the materials of a thing those that make it up, and small ones that look like these: "red car" means no tyres."""
         shares: dict[str, float] = {}
         for name in names:  # all of a kind, or none: not the one tyre that is seen best
             kind = kind_of(name)

@@ -83,10 +83,7 @@ def _cosine(one: tuple[float, float], other: tuple[float, float]) -> float:
 
 
 def beside_words(plan: Plan, goals: Goals, instances: Mapping[str, Instance], vocabulary: Vocabulary) -> Plan:
-    """A plan of words, with what a picture's wishes let change; without a picture the same plan.
-
-    What words name is theirs. What only supports them, as a material that is to stand out, is the picture's to say.
-    """
+    """A plan of words, with what a picture's wishes let change of what words do not name; without a picture the same plan."""
     pictured = beside_picture(goals, vocabulary).pictured
     if not pictured:
         return plan
@@ -134,10 +131,7 @@ def _acts_on(effect: Effect, instance: Instance) -> bool:
 
 
 def _lit(colors: LightColors, instance: Instance) -> tuple[Values, Values]:
-    """Ends for a color of light, as dark as the artist's or lighter; the artist's own hue is not among them.
-
-    It would open the range to hues between the two, which neither has.
-    """
+    """Ends for a color of light, as dark as the artist's or lighter, without hues between the artist's and those of the casts."""
     level = max(instance.value)
     strong, weak = colors.key if instance.role == "key" else colors.fill
     lower = tuple(max(level * v, least) for v, least in zip(strong, instance.lower, strict=True))

@@ -42,10 +42,7 @@ def supports(
     entries: dict[str, PlanEntry],
     owners: Owners,
 ) -> dict[str, PlanEntry]:
-    """Entries that replace those of untouched parameters; never those of locked or named ones.
-
-    All of them hold the artist's value, but for the power of a light that is added, which has none.
-    """
+    """Entries that replace those of untouched parameters, and hold the artist's value, which an added light's power lacks."""
     reaches = dict(_reaches(parsed, instances, sources, owners))
     free = {key for key in reaches if entries[key].priority is None and not instances[key].locked}
     found = {}

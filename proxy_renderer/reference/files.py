@@ -37,10 +37,7 @@ def small_size(width: int, height: int) -> tuple[int, int]:
 
 
 def shrunk_linear(color: np.ndarray, alpha: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Means of areas of a linear image (H, W, 3), each pixel weighted by its alpha (H, W) in [0, 1]: both at `small_size`.
-
-    The color is 0 where the alpha is.
-    """
+    """Means of areas of a linear image (H, W, 3), weighted by alpha (H, W) in [0, 1], and of the alpha, at `small_size`."""
     size = small_size(color.shape[1], color.shape[0])
     weight = _mean(alpha, size)
     sums = np.stack([_mean(color[..., c] * alpha, size) for c in range(3)], -1)
@@ -61,10 +58,7 @@ _FLAGS = ImageCms.Flags.BLACKPOINTCOMPENSATION
 
 
 def to_srgb(picture: Image.Image, icc: bytes) -> tuple[np.ndarray, np.ndarray | None, list[str]]:
-    """sRGB (H, W, 3) in [0, 1] of a small picture, alpha (H, W) or None, and what was done, a sentence each.
-
-    It may be L, RGB, CMYK, LAB, YCbCr or HSV, the first two also with alpha, as its profile (b"" for none) fits.
-    """
+    """sRGB (H, W, 3) in [0, 1] of a small picture by its profile (b"" for none), alpha (H, W) or None, and notes in sentences."""
     alpha = None
     if picture.mode in ("LA", "RGBA", "La", "RGBa"):
         straight = picture.convert("RGBA") if picture.mode in ("RGBA", "RGBa") else picture.convert("LA")

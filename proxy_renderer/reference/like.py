@@ -46,10 +46,7 @@ class Reference:
 
     @classmethod
     def of(cls, options: Options, scene: SceneData) -> Reference | None:
-        """The picture that the options name, or None. Linear light is shown as the scene shows its own.
-
-        Raises VibeError if it cannot be read.
-        """
+        """The picture that the options name, or None, linear light as the scene shows its own; raises VibeError if unreadable."""
         if not options.like:
             return None
         path = Path(options.like)

@@ -53,10 +53,7 @@ class PictureRegions:
 
 
 def regions_of(display: np.ndarray, alpha: np.ndarray | None = None) -> PictureRegions:
-    """The regions of a picture (H, W, 3), sRGB-encoded in [0, 1], whose pixels count as `alpha` (H, W) says.
-
-    A cutout has no subject: what was around it is not known.
-    """
+    """The regions of an sRGB picture (H, W, 3) in [0, 1] whose pixels count as `alpha` (H, W) says; a cutout has no subject."""
     seen = np.ones(display.shape[:2], bool) if alpha is None else alpha > _TRANSPARENT
     planes = torch.from_numpy(_filled(display, seen)).permute(2, 0, 1)[None]
     small = _resized(planes, _SMALL)

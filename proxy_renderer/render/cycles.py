@@ -71,10 +71,7 @@ class Correction:
         view: View,
         cache: ViewCache,
     ) -> Correction:
-        """Compares a picture with the proxy's of the same values and size.
-
-        `whole` (3, P) is the proxy's, `parts` its pictures (3, P) of each owner's light alone, `colors` those lights' (3,).
-        """
+        """Compares a picture with the proxy's: `whole` (3, P), `parts` (3, P) of each owner's light alone, and their `colors` (3,)."""
         guide = _names(cache.samples.center_hits, cache.geometry).view(cache.depth.shape)
         known_owners = [owner for owner in picture.parts if owner in parts]
         reference = _flat(picture.whole).to(whole)
@@ -110,10 +107,7 @@ class Correction:
         cache: ViewCache,
         before: Callable[[], Tensor],
     ) -> Tensor:
-        """Corrected samples (3, N) of another view: sample by sample, so that outlines stay smooth; gradients pass.
-
-        `before` makes the proxy's samples (3, N) of θ₀ for this camera.
-        """
+        """Corrected samples (3, N) of another view, so that outlines stay smooth; `before` makes the proxy's of θ₀."""
         if self._kept is None or self._kept[0] is not cache:
             with torch.no_grad():
                 self._kept = cache, self._look_up(cache.samples, cache.geometry, view, before)
@@ -170,10 +164,7 @@ def _compared(reference: Tensor, whole: Tensor, guide: Tensor) -> tuple[Tensor, 
 
 
 def _shares(picture: CyclesPicture, known_owners: list[str], proxy: Tensor, guide: Tensor) -> Tensor:
-    """Shares (G, 3, P) that the known owners and the rest have in the picture; they add up to 1.
-
-    The noisy parts are smoothed relative to the proxy's, whose shadows have sharp edges.
-    """
+    """Shares (G, 3, P) of the known owners and the rest, smoothed relative to the proxy's sharp shadows; their sum is 1."""
     other = sum((p for o, p in picture.parts.items() if o not in known_owners), picture.rest)
     noisy = _flat(torch.stack([*(picture.parts[owner] for owner in known_owners), other])).to(proxy)
     model = proxy.clamp_min(0.0) + _HAZY * proxy.abs().mean()
@@ -261,10 +252,7 @@ class CyclesPicture:
 
     @staticmethod
     def load(path: Path | str, groups: Mapping[str, str]) -> CyclesPicture:
-        """Reads what the add-on's `anchoring.render_anchor` has written; `groups` are its light groups' owners by name.
-
-        Raises VibeError if the file cannot be read, or lacks a picture.
-        """
+        """Reads an anchor that Blender has rendered, its light groups' owners by name; raises VibeError if a picture is missing."""
         layers = _layers(Path(path))
         denoised = "Noisy Image" in layers  # some builds of Blender have no denoiser
         layers.setdefault("Noisy Image", layers.get("Combined", np.empty(0)))

@@ -147,10 +147,7 @@ class Proxy:
         return functional.pad(light, (0, frame.cache.samples.place.shape[1] - light.shape[1]))
 
     def anchor(self, values: Mapping[str, Tensor], picture: CyclesPicture) -> Correction:
-        """Corrects all renders from now on by Cycles' picture of these values, which has the proxy's size.
-
-        A proxy of another size can be given the correction as well. Raises VibeError if the picture has another size.
-        """
+        """Corrects renders from now on by Cycles' picture of these values; raises VibeError if its size is not the proxy's."""
         if picture.size != self.size:
             remedy = "Ask for that size."
             raise VibeError(f"Cycles' picture has {picture.size} pixels instead of {self.size}.", remedy)

@@ -55,10 +55,7 @@ def with_source(rig: Rig, other: Rig) -> Rig:
 
 
 def at_an_hour(rig: Rig, hour: Rig) -> Rig:
-    """A setup under the sky of an hour or a weather, which may darken it a little; of several skies under the darkest.
-
-    A sun has the color that it has at that hour.
-    """
+    """A setup under the sky of an hour or a weather, of several the darkest; suns have their color at that hour."""
     if rig.under_sky and rig.sky is not None and (hour.sky is None or hour.sky > rig.sky):
         return rig
     sun = next((light for light in hour.lights[:1] if light.type == "SUN"), None)
@@ -78,10 +75,7 @@ def at_an_hour(rig: Rig, hour: Rig) -> Rig:
 
 
 def in_a_style(rig: Rig, style: Rig) -> Rig:
-    """A setup as dark as a dark style has its shadows and its background, developed as the style is.
-
-    Where a sun shines, or an hour has its sky, nothing is darker.
-    """
+    """A setup as dark as a dark style, and developed as it is; nothing is darker where a sun shines or an hour has its sky."""
     has_own_sky = rig.under_sky or any(light.type == "SUN" for light in rig.lights[:1])
     darker = {
         name: theirs if mine is None else min(mine, theirs)

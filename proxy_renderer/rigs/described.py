@@ -196,10 +196,7 @@ def _places(said: Iterable[Attribute], table: RigTable) -> list[tuple[str, Modif
 
 
 def _direction(said: Iterable[Attribute], table: RigTable) -> tuple[float | None, float | None]:
-    """Azimuth and elevation that words give a light, degrees; None for what they leave open.
-
-    Of "back left" it is half way between both; a mere "side" gives way to other words.
-    """
+    """Azimuth and elevation that words give a light, degrees, or None; "back left" is half way, and a mere "side" gives way."""
     places = _places(said, table)
     turns = {entry: m.azimuth for entry, m in places if m.azimuth is not None}
     if len(turns) > 1:

@@ -96,10 +96,7 @@ def measured(
     rig: Rig,
     ambient: float,
 ) -> Levels:
-    """The levels of a rig whose lights have trial values with a power.
-
-    The radiance of the scene's own world, `ambient`, counts for rigs that leave the scene lit as it is.
-    """
+    """The levels of a rig whose lights have trial values; `ambient` counts for rigs that leave the scene lit as it is."""
     given = {key: torch.tensor(value) for key, value in values.items()}
     lamps = {lamp.light.name: lamp for lamp in light_sources(scene, RenderValues(scene, given, "cpu"))}
     sheds = {

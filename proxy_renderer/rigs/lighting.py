@@ -10,7 +10,8 @@ import torch
 
 from ..color import arrays
 from ..color.floats import hex_from_srgb, linear_from_srgb, luminance, mixed, srgb_from_hex, srgb_from_linear
-from ..planning.light_levels import glows, kelvin_color
+from ..planning.glow import glows
+from ..planning.light_levels import kelvin_color
 from ..planning.types import LightPlan, PlanEntry
 from ..render.material.textures import geometry_of
 from ..scene import SceneData
@@ -193,10 +194,7 @@ def _world_luminance(scene: SceneData, values: Mapping[str, Values], part: str =
 
 
 def _sky(scene: SceneData, rig: Rig, hazy: bool) -> dict[str, Values]:
-    """What the camera sees of the world: the light that is displayed with the rig's color and lightness.
-
-    A color that cannot be so light is darker: a pure sky is worth more than a pale one.
-    """
+    """Values for the sky to be displayed with the rig's color and lightness; a color that cannot be so light is darker."""
     if rig.sky is None or "world/backdrop_strength" not in scene.instances:
         return {}
     color = linear_from_srgb(srgb_from_hex(_sky_color(rig)))
@@ -220,10 +218,7 @@ def _sky(scene: SceneData, rig: Rig, hazy: bool) -> dict[str, Values]:
 
 
 def _ends_of_sky(rig: Rig, shown: Values, hazy: bool) -> tuple[Values, Values]:
-    """What is displayed of a sky at the top of the image, and at the horizon.
-
-    A clear sky goes from the color of the light that it sheds to the sun's. It is lightest at the horizon, and so is a lit backdrop.
-    """
+    """Colors displayed at the sky's top, and lighter at the horizon; a clear sky goes from its light's color to the sun's."""
     clear = rig.sky_color and not hazy
     spread = _SPREAD * max(1.0 - luminance(shown), 0.0)
     ends = []
@@ -267,11 +262,7 @@ def _within(scene: SceneData, values: dict[str, Values]) -> dict[str, Values]:
 
 
 def _air(scene: SceneData, rig: Rig, parsed: Parsed, served: Sequence[Attribute]) -> dict[str, Values]:
-    """The air of a rig, where no other word of the prompt speaks of it: a sandstorm brings its own.
-
-    Haze has the color that words give the sky behind it. At night it is darker: in the light of a lamp, white haze would be a
-    bright wall.
-    """
+    """The air of a rig, where no word speaks of it; haze has the color of the named sky, and is dark at night."""
     density, color = (scene.instances.get(f"volume/{name}") for name in ("density", "color"))
     said = any(a.slot == "atmosphere" and not a.cause and a not in served for a in parsed.attributes)
     found: dict[str, Values] = {}

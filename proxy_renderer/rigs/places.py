@@ -55,10 +55,7 @@ class Placed:
 
 
 def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True) -> list[Placed]:
-    """The lights of a rig, the key first, each where it reaches its target; those that reach nothing are left out.
-
-    Without `add` the scene gets no lights, and its own key is the rig's wherever it stands.
-    """
+    """The lights of a rig that reach their targets, the key first; without `add`, the scene's own key plays its part anywhere."""
     found: list[Placed] = []
     turned = 1.0
     for light in lights:

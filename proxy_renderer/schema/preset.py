@@ -64,10 +64,7 @@ def title(prompt: str) -> str:
 
 
 def loads(text: str) -> Preset:
-    """Reads the text of a preset file. Nothing in it is opened, run or looked up.
-
-    Raises VibeError: it is no preset, is of a newer version, or holds what is unknown, of the wrong type, or out of bounds.
-    """
+    """Reads the text of a preset file; nothing in it is run. Raises VibeError if it is none, is newer, or holds what is wrong."""
     try:
         raw = json.loads(text)
     except RecursionError as error:

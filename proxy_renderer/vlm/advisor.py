@@ -27,10 +27,7 @@ _PATIENCE = 2  # rounds in a row without an answer, after which the model is not
 
 
 class ModelAdvisor:
-    """Asks a model once a round, with the current picture.
-
-    The draft is made of the goals (why there are none, where nothing is understood) and of what a rig plans.
-    """
+    """Asks a model once a round, with the current picture; the draft is made of the goals and of what a rig plans."""
 
     def __init__(
         self,
@@ -50,10 +47,7 @@ class ModelAdvisor:
         self._counts = {"clipped": 0, "mended": 0, "dropped": 0, "missing": 0}
 
     def advise(self, display: Any, instances: Mapping[str, Instance], context: SceneDescription) -> Advice:
-        """The model's advice for a round; the offline planner's if the model fails.
-
-        The display is None before the first picture. Raises VibeError if neither understands the prompt.
-        """
+        """The model's advice, else the offline planner's; raises VibeError if neither understands. The first display may be None."""
         try:
             draft: Advice | None = self._offline.advise(display, instances, context)
             unknown: VibeError | None = None

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.planning.light_levels import glowing
+from proxy_renderer.planning.glow import glowing
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.schema import FAMILIES, Instance
 from proxy_renderer.words.parser import parse

@@ -15,10 +15,7 @@ _RINGS = (0.35, 0.62, 0.82)
 
 
 def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """From the darkest to the lightest twentieth, of the region or of the subject in it: (1,) L*.
-
-    A small thing in a spot of light is a picture of high contrast, however little of it is light.
-    """
+    """From the darkest to the lightest twentieth, of the region or of the subject in it, which may be small: (1,) L*."""
     subject = region_of(picture.seen, "subject") & where
     parts = [where, subject] if subject.sum() >= FEW else [where]
     light = torch.stack([lightness_below(picture, part, 0.95) for part in parts]).max()
@@ -26,10 +23,7 @@ def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def vignette(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Darkness of the corners relative to the middle ring of the whole image, in the second least darkened one: (1,) L*.
-
-    All four count, because light from one side darkens two of them. The subject is left out.
-    """
+    """Darkness of the second least darkened corner relative to the middle ring, for light from a side darkens two: (1,) L*."""
     falls = corner_falls(picture)
     return falls[min(1, len(falls) - 1)][None] if len(falls) else picture.lab.new_zeros(1)
 
@@ -153,10 +147,7 @@ def vividest(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def colorfulness(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """How colorful people call an image: (1,), 0 for gray, 82 for highly, 109 for extremely colorful.
-
-    Hasler and Süsstrunk, "Measuring colorfulness in natural images" (2003), on sRGB of 0 to 255.
-    """
+    """Colorfulness as people call it: (1,), 0 gray, 82 highly, 109 extremely (Hasler and Süsstrunk 2003, sRGB of 0 to 255)."""
     red, green, blue = (255 * picture.display[where]).unbind(-1)
     opponents = torch.stack([red - green, (red + green) / 2 - blue])
     deviation = opponents.var(1, correction=0).sum() + 1e-4
@@ -271,10 +262,7 @@ def from_above(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def veil(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Light that lies over everything, as haze does: (1,) the dark channel of a region, in percent (He, Sun and Tang 2009).
-
-    In a clear image nearly every patch has something dark or colorful in it, where one of red, green and blue is low.
-    """
+    """Light that lies over everything, as haze does: (1,) the dark channel of a region, in percent (He, Sun and Tang 2009)."""
     width = 2 * (max(where.shape) // _PATCH // 2) + 1
     least = -F.max_pool2d(-picture.display.amin(-1)[None, None], width, stride=1, padding=width // 2)[0, 0]
     return 100 * least[where].mean()[None]

@@ -31,10 +31,7 @@ _BETTER = 0.01  # correlation by which another direction has to be better than t
 def with_key_turned(
     scene: SceneData, vector: ParameterVector, u: Tensor, lower: Tensor, upper: Tensor, goal: Tensor
 ) -> Tensor:
-    """A point in the box whose key light comes from where it does in an sRGB-encoded image (H, W, 3).
-
-    It is u (N,) itself where none is better, or the light may not turn.
-    """
+    """A point in the box whose key light comes from where it does in an sRGB image (H, W, 3); u (N,) where none is better."""
     keys = [
         key
         for key, instance in vector.instances.items()

@@ -35,10 +35,7 @@ _LAST = 99  # priority of what no word names
 
 
 def find_starts(search: Search) -> list[Start]:
-    """The artist's scene; with variants or several starts, points drawn in the plan's ranges and tried in a coarse pass.
-
-    Each variant starts at one: those of least loss among which the images differ most.
-    """
+    """The artist's scene; or for each variant one of the points tried in a coarse pass: of least loss, and the most different."""
     home, options = search.vector.encode({}), search.options
     number = max(options.starts, _PER_VARIANT * options.variants if search.several else 1)
     artist = Start(home, search.shots)

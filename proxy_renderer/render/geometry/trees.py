@@ -105,10 +105,7 @@ class TriangleClass:
 def classes_of(
     mesh: SceneMesh, hidden: list[frozenset[str]], clear: np.ndarray, apart: frozenset[int]
 ) -> list[TriangleClass]:
-    """Sorts the triangles of a mesh into classes.
-
-    Objects are `hidden` from kinds of rays; `clear` (M,) materials may let light through; those `apart` get own classes.
-    """
+    """Sorts the triangles of a mesh into classes by what objects are `hidden` from, `clear` (M,) materials, and those `apart`."""
     kinds = list(dict.fromkeys(hidden))
     kind = np.array([kinds.index(h) for h in hidden])
     own = np.array([m if m in apart else -1 for m in range(len(clear))])

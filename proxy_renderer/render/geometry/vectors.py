@@ -66,10 +66,7 @@ def within(value: Tensor, low: float, high: float) -> Tensor:
 
 
 def tangents(normal: Tensor) -> tuple[Tensor, Tensor]:
-    """Two unit vectors (3, N) that make a right-handed frame with unit vectors (3, N).
-
-    Duff et al., "Building an Orthonormal Basis, Revisited", 2017.
-    """
+    """Two unit vectors (3, N) that make a right-handed frame with unit vectors (3, N) (Duff et al. 2017)."""
     x, y, z = normal.unbind(0)
     sign = torch.where(z < 0, -1.0, 1.0).to(z.dtype)
     a = -1.0 / (sign + z)

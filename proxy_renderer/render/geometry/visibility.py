@@ -112,10 +112,7 @@ class RayGeometry:
         return met[self.object]
 
     def first_hits(self, origin: Tensor, toward: Tensor, ray: str, numbers: Tensor | None = None) -> Hits:
-        """Ends of rays (3, N) of a kind with unit directions (3, N); a transparent surface stops a share of them.
-
-        Which ones depends on their `numbers` (N,), by default from 0 on: the same rays among others end in the same places.
-        """
+        """Ends of rays (3, N) of a kind; a transparent surface stops a share of them, the same by their `numbers` (N,)."""
         hits = self.nearest(origin, toward, ray)
         if not self._filter:
             return hits
@@ -159,10 +156,7 @@ class RayGeometry:
     def clear(
         self, origin: Tensor, toward: Tensor, distance: Tensor, without: int = -1, ray: str = "shadow"
     ) -> Tensor:
-        """Share (N,) of light that passes along rays (3, N), in unit directions, over distances (N,) in meters.
-
-        A material `without` that was set apart does not block them.
-        """
+        """Share (N,) of light that passes along unit directions (3, N) over meters (N,), not blocked by a material `without`."""
         passing = torch.ones(origin.shape[1], device=self.device)
         blocking = [c for c in self._classes if ray not in c.hidden]
         if without >= 0:
@@ -175,10 +169,7 @@ class RayGeometry:
         return self._filtered(origin, toward, distance, passing, veils) if veils else passing
 
     def stopping(self, surface: Surface, toward: Tensor) -> Tensor:
-        """Share (N,) of light along rays (3, N) that a surface stops.
-
-        Curved glass gathers light in its middle: its rim, where rays graze, casts shadow.
-        """
+        """Share (N,) of light along rays (3, N) that a surface stops: the rim of curved glass, where rays graze, casts shadow."""
         solid = 1.0 if self.opacity is None else self.opacity.at(surface)
         through = self.glass[surface.material] * dot(surface.normal, toward).abs()
         return solid * (1 - through)
@@ -270,10 +261,7 @@ class Surface:
 
 
 def facing(normal: Tensor, toward: Tensor) -> Tensor:
-    """Unit normals (3, N) bent so far that rays (3, N) meet them from outside.
-
-    One that looks away from the eye would put the whole surface in the dark.
-    """
+    """Unit normals (3, N) bent so far that rays (3, N) meet them from outside; else the surface would be in the dark."""
     cosine = -dot(normal, toward)
     return unit(normal - toward * (0.02 - cosine).clamp_min(0.0))
 

@@ -73,11 +73,7 @@ class EnvironmentSun:
 
 
 def split(picture: Tensor) -> tuple[Tensor, Tensor, list[EnvironmentSun]]:
-    """Separates the suns from an equirectangular picture (1, 3, H, W), bottom row first.
-
-    Returns the picture without the suns that are not wide, which is reflected; the picture without any sun; and the
-    suns, the wide ones last.
-    """
+    """Splits an equirectangular picture (1, 3, H, W): without narrow suns, without any, and the suns, the wide ones last."""
     height = min(_SEARCH_HEIGHT, picture.shape[2])
     small = interpolate(picture, (height, 2 * height), mode="area")[0].flatten(1)
     toward, solid = texels(height, 2 * height, picture.device)

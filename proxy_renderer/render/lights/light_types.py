@@ -61,10 +61,7 @@ class PointLight(LightSource):
         return DirectIrradiance(toward, distance, frontal * cosine, frontal, solid)
 
     def directivity(self, toward: Vectors, radius: Numbers | None = None) -> Numbers:
-        """Light (N,) in directions (3, N) from points to its center, relative to a light that is the same to all sides.
-
-        Its radius (N,) is seen from the points, as a tangent; None for a small one.
-        """
+        """Light (N,) in directions (3, N), relative to an even light; its radius (N,) is a tangent, None for a small one."""
         return torch.ones_like(toward[0])
 
     def surface_cosine(self, cosine: Numbers, sine2: Numbers) -> Numbers:

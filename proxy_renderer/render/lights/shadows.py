@@ -144,10 +144,7 @@ def shadow(
 
 
 class ShadowFilter:
-    """A cross-bilateral box filter over the picture: neighbors on the same smooth surface share rays.
-
-    Which they are depends on the view only, and is kept for every shadow that is traced in it.
-    """
+    """A cross-bilateral box filter over the picture: neighbors on the same smooth surface, kept for the view, share rays."""
 
     def __init__(self, samples: Samples, surface: Surface) -> None:
         width, height = samples.size

@@ -54,10 +54,7 @@ class MaterialTextures:
         return surface.uv
 
     def relative_base_color(self, surface: Surface, geometry: RayGeometry) -> Tensor | None:
-        """Base colors (3, N) at points relative to their textures' means; None where no material has a texture.
-
-        A texture baked from the exported camera is its mean (1) where that camera did not see the point.
-        """
+        """Base colors (3, N) relative to their textures' means, 1 where a bake lacks the point; None where there is no texture."""
         result = None
         for material, row in enumerate(self._scene.materials):
             index = (surface.material == material).nonzero()[:, 0]
@@ -93,10 +90,7 @@ class MaterialTextures:
         return inside & (open_ > 0)
 
     def _footprints(self, material: int, name: str, surface: Surface) -> Tensor:
-        """A base color (3, N), averaged over the footprint of each point: its distance to the next point.
-
-        Consecutive points are neighbors in the picture, and curved mirrors squeeze much into one pixel.
-        """
+        """A base color (3, N), averaged up to the next point, its neighbor in the picture: mirrors squeeze much into a pixel."""
         texture = self._scene.materials[material].maps.get(name)
         image = self._images[material, name]
         if texture is None or surface.position.shape[1] < 2:

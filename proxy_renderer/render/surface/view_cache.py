@@ -197,10 +197,7 @@ class ViewCache:
     def behind(
         self, material: int, side: int, part: slice, ior: float, lamps: Sequence[LightSource]
     ) -> RefractedHits:
-        """The view through a material's samples; traced anew for a new IOR.
-
-        Side is 0, or -1 and 1 for the IORs next to it: each is kept. The lamps stand for the clusters of lights.
-        """
+        """The view through a material's samples at an IOR, or next to it (side -1, 1); the lamps stand for the clusters of lights."""
         place = tuple(lamp.signature() for lamp in lamps)
         kept = self._through.get((material, side))
         if kept is None or abs(kept[0] - ior) > 1e-3:
@@ -235,10 +232,7 @@ class ViewCache:
         return self._outlines
 
     def worlds(self, sky: Sky, view_samples: ViewSamples) -> tuple[Tensor, ...]:
-        """Uncolored world in the mirror directions, sharp to blurred (3, N), and behind all (3, B).
-
-        A picture has a third level between the two.
-        """
+        """Uncolored world in the mirror directions, sharp to blurred (3, N), and behind all (3, B); a picture has three levels."""
         if needs_gradient(sky.turn) or (view_samples.moving and sky.pictured):
             return _worlds(sky, view_samples)
         if self._worlds is None or self._worlds[0] != sky.signature():

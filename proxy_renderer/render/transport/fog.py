@@ -187,10 +187,7 @@ class FroxelGrid:
     _end: float
 
     def look_up(self, place: Tensor, distance: Tensor) -> tuple[Tensor, Tensor]:
-        """Fog between the camera and samples at places (2, N) in pixels and distances (N,), infinite for the background.
-
-        Returns scattered light (3, N), to be added, and transmittance (N,), to be multiplied with before.
-        """
+        """Light (3, N) that fog adds before samples at places (2, N) in pixels and distances (N,), and its transmittance (N,)."""
         segments, rows, columns = self._sums.shape[2] - 1, *self._sums.shape[3:]
         cut = (torch.log1p(distance / self._near) / math.log(self._growth)).clamp(0, segments - 1)
         whole = cut.detach().floor().clamp_max(segments - 2)

@@ -35,10 +35,7 @@ _NEAR = 0.1  # first cut of a ray, of the view's distance: in thick fog, light s
 
 @dataclass(frozen=True)
 class IndirectFog:
-    """Effects of fog on indirect light at A gather points.
-
-    The S sources are those of `RadianceTable`: L lights and 2 hemispheres, then the same for light scattered twice.
-    """
+    """Effects of fog on indirect light at A gather points, from the S sources of `RadianceTable`."""
 
     ambient: Tensor  # (A,) transmittance of the world's light
     passing: Tensor  # (A,) transmittance between the point and the surfaces that light it diffusely

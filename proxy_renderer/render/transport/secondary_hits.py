@@ -190,10 +190,7 @@ class SecondaryHits:
         self._share = torch.ones_like(self.hit) if self._deep else self.mirror_weight
 
     def with_mirrors(self, metals: Tensor, lamps: Mapping[int, LightSource]) -> SecondaryHits:
-        """A copy with other mirrors (M,): only what is seen in those that have changed is traced again.
-
-        The lamps, by row, are those whose shadows have been traced.
-        """
+        """A copy with other mirrors (M,), where only what these show is traced again, for the lamps, by row, traced before."""
         other = self.aside()
         other._weigh(metals)
         changed = other.mirror_weight != self.mirror_weight
@@ -222,10 +219,7 @@ class SecondaryHits:
             self.incoming[-2:] = torch.stack((up, down)) * leaves[around].mean().clamp_max(_WORLD_AT_SECOND)
 
     def _look_from(self, chosen: Tensor) -> None:
-        """Traces one ray from each of the hits at an index (H,).
-
-        Metals send it where they mirror, others anywhere above them, distributed like a cosine.
-        """
+        """Traces one ray from each hit at an index (H,): where metals mirror, else anywhere above, like a cosine."""
         generator = torch.Generator().manual_seed(7)
         uv = torch.rand((2, len(self.hit)), generator=generator).to(self.hit.device)[:, chosen]
         start, mirror_weight = self.surface.pick(chosen), self.mirror_weight[chosen]
@@ -252,10 +246,7 @@ class SecondaryHits:
         return other
 
     def light(self, index: int, lamp: LightSource, same_rays: bool = False) -> None:
-        """Traces shadow rays from all hits to one light, whose row among the sources is `index`.
-
-        Those traced before are kept where they are the `same_rays`, as for a light that has only changed its size.
-        """
+        """Traces shadow rays from all hits to a row's light, unless they are the `same_rays`, as when only its size changed."""
         self._trace(lamp, self._bounces(index), same_rays)
 
     def _trace(self, lamp: LightSource, bounces: list[_Bounce], same_rays: bool = False) -> None:
@@ -297,10 +288,7 @@ class SecondaryHits:
         return torch.cat((emission, emission.new_zeros((1, 3)))).T.index_select(1, self.owner)
 
     def weights(self, sources: Sequence[int] | None = None) -> Tensor:
-        """(A, S + 1, M) averages over each point's rays: of each source that materials scatter, and of what they emit.
-
-        With `sources`, only of those.
-        """
+        """(A, S + 1, M) averages over each point's rays of what materials scatter of each source, and emit; or of `sources` alone."""
         slots = torch.cat((self.incoming, self.hit[None])) if sources is None else self.incoming[[*sources]]
         slots = slots.view(len(slots), -1, self.count).transpose(0, 1)
         owner = self.owner.view(-1, self.count)

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Light of surfaces that emit."""
+
+import math
+
+import numpy as np
+
+from ..scene import SceneData
+from ..words.types import Glow
+
+_MOST = 1.0  # a surface that glows all around gives white surfaces its own radiance
+
+
+def glowing(scene: SceneData) -> list[str]:
+    """Names of the materials that emit light, without those that are in slots which no face has."""
+    lit = {i.owner for i in scene.instances.values() if i.parameter.name == "emission" and i.value[0] > 0}
+    return [material.name for material in scene.materials if material.name in lit]
+
+
+def glows(scene: SceneData) -> dict[str, Glow]:
+    """Of every material that may glow: what its surfaces would give to a white surface at the subject.
+
+    The sum of area x |cosine| / (pi d^2) over its triangles, d at least half the subject's height; nothing is taken to
+    stand in the way.
+    """
+    mesh, pivot = scene.mesh, np.array(scene.pivot)
+    names = glowing(scene)
+    near = (0.5 * float(scene.references.get("subject_height", 0.0))) ** 2
+    found: dict[str, Glow] = {}
+    for number, material in enumerate(scene.materials):
+        faces = np.flatnonzero(mesh.material == number)
+        if material.name not in names or not len(faces):
+            continue
+        corners = mesh.vertices[mesh.faces[faces]].astype(float)
+        # as long as its area
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2.0
+        way = corners.mean(1) - pivot
+        square = np.maximum((way**2).sum(1), max(near, 1e-12))
+        light = np.abs((normal * way).sum(1)) / (math.pi * square**1.5)
+        x, y, _ = (way * light[:, None]).sum(0)
+        objects = {scene.objects[o].name for o in np.unique(mesh.object[faces]).tolist()}
+        computed = material.maps.get("emission_color")
+        color = computed.image.reshape(-1, 3).mean(0).tolist() if computed else (1.0, 1.0, 1.0)
+        levels = material.maps.get("emission")
+        strength = float(levels.image[..., 0].mean()) if levels else 1.0
+        azimuth = math.degrees(math.atan2(x, -y))
+        found[material.name] = Glow(
+            min(float(light.sum()), _MOST), azimuth, tuple(sorted(objects)), tuple(color), strength
+        )
+    return found
