@@ -35,12 +35,7 @@ from .manifest import BatchPlan, Job, Jobs, Take
 JobRow = dict[str, Any]
 DONE, FAILED, LOG = "done.json", "failed.json", "log.txt"
 FINAL, FRAMES = "final.json", "frames"
-WORDS = (
-    "visible",
-    "already",
-    "unmeasured",
-    "missed",
-)  # lists of a row: words by state, as in the report's `verdicts`
+WORDS = ("visible", "already", "unmeasured", "missed")  # lists of a row: words by state, as in `verdicts`
 TOKEN = "batch.json"  # names this results folder: do two machines see the same one?
 
 

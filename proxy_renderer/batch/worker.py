@@ -113,7 +113,6 @@ def _changed(key: str, change: dict[str, Any]) -> list[Any] | None:
     return [labels.title(key), before, after, change["reason"]]
 
 
-_MARK = "VIBE "
 _TICK = 0.5  # seconds between two looks at the clock and at the memory
 
 
@@ -181,7 +180,7 @@ class Worker:
                 self._kill()
                 words = f' Its last words: "{last[:200]}".' if last else ""
                 raise VibeError(f"Blender crashed (exit code {code}).{words}", "See the job's log.")
-            event = _event(line)
+            event = launch.event(line) or {}
             if event.get("type") != "progress" and line:
                 log.write(line)
                 log.flush()
@@ -275,13 +274,3 @@ def _read(process: subprocess.Popen[str], lines: queue.SimpleQueue[str | None]) 
         for line in output:
             lines.put(line)
     lines.put(None)
-
-
-def _event(line: str) -> dict[str, Any]:
-    """The event in a line of Blender's side; {} in other lines."""
-    if not line.startswith(_MARK):
-        return {}
-    try:
-        return json.loads(line[len(_MARK) :])
-    except ValueError:
-        return {}

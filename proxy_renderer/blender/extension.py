@@ -40,9 +40,7 @@ def build(out: Path) -> Path:
 def repository(out: Path) -> Path:
     """Builds the extension into a folder, in place of its older versions, and returns the index that Blender subscribes to."""
     archive = build(out)
-    for older in set(out.glob("vibe_render-*.zip")) - {
-        archive
-    }:  # of two versions, Blender installs the first
+    for older in set(out.glob("vibe_render-*.zip")) - {archive}:  # of two, Blender installs the first
         older.unlink()
     _ask(_blender_tool(), "server-generate", "--repo-dir", str(out))
     return out / "index.json"

@@ -208,13 +208,13 @@ def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None
     with scratch as folder, progress:
         process = start([str(blender_side()), "--events", *arguments], Path(folder), **_own_group())
         with _forwarded_interrupts(process, progress) as presses:
-            for event in events(process, tail):
-                doing = event["name"] if event.get("type") == "stage" else doing
-                if event.get("type") == "error":
-                    kind = errors.UnexpectedError if event.get("unexpected") else VibeError
-                    failure = kind(event.get("message", "It failed."), event.get("remedy", ""))
+            for now in events(process, tail):
+                doing = now["name"] if now.get("type") == "stage" else doing
+                if now.get("type") == "error":
+                    kind = errors.UnexpectedError if now.get("unexpected") else VibeError
+                    failure = kind(now.get("message", "It failed."), now.get("remedy", ""))
                 else:
-                    progress.show(event)
+                    progress.show(now)
             code = process.wait()
     tidy(out if out.is_dir() else out.parent, process.pid)
     if failure:
@@ -246,13 +246,17 @@ def events(process: subprocess.Popen[str], tail: deque[str]) -> Iterator[dict[st
     """The events among the lines that Blender's side prints, as they come; all other lines go to the tail."""
     assert process.stdout is not None
     for line in process.stdout:
-        if line.startswith(_MARK):
-            try:
-                yield json.loads(line[len(_MARK) :])
-                continue
-            except ValueError:
-                pass
-        tail.append(line)
+        if found := event(line):
+            yield found
+        else:
+            tail.append(line)
+
+
+def event(line: str) -> dict[str, Any] | None:
+    """The event in a line of Blender's side; None in other lines, and in broken ones."""
+    with contextlib.suppress(ValueError):
+        return json.loads(line.removeprefix(_MARK)) if line.startswith(_MARK) else None
+    return None
 
 
 @contextmanager
@@ -285,7 +289,7 @@ def _own_group() -> dict[str, Any]:
 
 
 def blender_side() -> Path:
-    """Where batch.py is: in the installed package, or in the clone that this file is in; raises VibeError if in neither."""
+    """The path of batch.py: in the installed package, or in the clone that this file is in; raises VibeError if in neither."""
     spec = importlib.util.find_spec("vibe_render")
     places = [Path(p) for p in (spec.submodule_search_locations or [])] if spec else []
     places.append(Path(__file__).resolve().parents[2] / "addon" / "vibe_render")

@@ -189,24 +189,19 @@ class Claim:
 
     def was_so(self, before: Tensor, after: Tensor) -> bool:
         """True if a value held before, and is no noticeable step nearer to the middle of the interval, or beyond its end, now."""
-        return not self.by and (
-            max(self.miss(before, None), self.miss(after, before)) <= HOLDS
-            and self.gain(before, after) < HOLDS
-        )
+        held = max(self.miss(before, None), self.miss(after, before)) <= HOLDS
+        return not self.by and held and self.gain(before, after) < HOLDS
 
     def gain(self, before: Tensor, after: Tensor) -> float:
         """Noticeable steps by which a value came nearer to the middle of the interval, or went on beyond its open end."""
         notice = before.new_tensor(self.notice)
         lower, upper = (before.new_tensor(end) for end in (self.lower, self.upper))
-        core = torch.where(
-            upper.isinf(),
-            before + _FARTHER,
-            torch.where(lower.isinf(), before - _FARTHER, (lower + upper) / 2),
-        )
+        core = torch.where(lower.isinf(), before - _FARTHER, (lower + upper) / 2)
+        core = torch.where(upper.isinf(), before + _FARTHER, core)
         return float(((before - core) / notice).norm() - ((after - core) / notice).norm())
 
     def is_sure(self, before: Tensor | None, after: Tensor | None, share: float) -> bool:
-        """Whether judges see what its measure tells of a target with this share of the image: it was so, or changed enough."""
+        """True if judges see what its measure tells of a target with this share of the image: it was so, or changed enough."""
         steps = quantities().seen.get(self.measure, 1.0)
         if math.isinf(steps) or share < _LEAST or before is None or after is None:
             return False
@@ -268,9 +263,8 @@ class ClaimSet:
     def aims(self, picture: MeasuredPicture) -> list[tuple[Claim, Tensor, Tensor, Tensor]]:
         """Claims that can be measured, with value (n,), differentiable in the image, and the interval that is sought, see `Claim.aim`."""
         found = []
-        for i, (claim, value, before) in enumerate(
-            zip(self.claims, self.values(picture), self.before, strict=True)
-        ):
+        rows = zip(self.claims, self.values(picture), self.before, strict=True)
+        for i, (claim, value, before) in enumerate(rows):
             if value is not None:
                 kind = i, value.dtype, value.device
                 aim = claim.aim(value, before, self._ends.get(kind))

@@ -16,8 +16,10 @@ from .claim import Claim
 # Intervals of a color, around the nearest one that an image can show
 _LIGHTNESS = 10.0  # lightness on either side
 _CHROMA, _LEAST_CHROMA = 0.25, 2.5  # share of its chroma on either side, but at least so much
-# chroma from which a color is not gray; share of what it has beyond the least that may be missing
-_FAINTEST, _OFF_GRAY = (1.8, 0.6)
+_FAINTEST, _OFF_GRAY = (
+    1.8,
+    0.6,
+)  # chroma from which a color is not gray; share beyond the least that may be missing
 _ASIDE, _LEAST_ASIDE = 0.2, 1.5  # across its hue, as a share of its chroma, but at least so much
 _FARTHEST = 12.0  # lighter or darker than the named color; more, only where it cannot be shown
 
@@ -25,11 +27,11 @@ _FARTHEST = 12.0  # lighter or darker than the named color; more, only where it 
 COLORED = 12.0  # C* below which a color tints nothing
 _TINTED, _TINTED_MORE = 6.0, 3.0  # how far in a color's direction; how much farther than before is enough
 _LIT, _LIT_SHARE = 20.0, 0.4  # likewise where light has the color, but no more than this share of its chroma
-_LIT_MORE = (
-    0.8  # share of that which is enough of a change: in yellow light white is yellow, not only less blue
-)
-# share of a color's chroma, but at least this, that leaves nothing of other colors
-_MOST_SHARE, _LEAST_MOST = (0.5, 25.0)
+_LIT_MORE = 0.8  # share of that which is enough: in yellow light white is yellow, not only less blue
+_MOST_SHARE, _LEAST_MOST = (
+    0.5,
+    25.0,
+)  # share of its chroma, but at least this, that leaves nothing of other colors
 _OFF_HUE = 6.0  # how far the tint may lie across that direction, unless it did before
 _ACCENT = 12.0  # in a tenth of the image, where one of several lights has the color
 _CAST = (6.0, 24.0)  # of the darks or lights, at least and at most
@@ -38,15 +40,18 @@ _CAST = (6.0, 24.0)  # of the darks or lights, at least and at most
 _BLACK, _WHITE = 35.0, 85.0
 _BLACK_AIR, _WHITE_AIR = 35.0, 74.0
 
-# L* of an image from where it is dark; share of a color's lightness that is left in it at least
-_DIM, _DIMMEST = (45.0, 0.5)
+_DIM, _DIMMEST = 45.0, 0.5  # L* from where an image is dark; least share of a color's lightness left in it
 
 # Gray materials
-# share of its lightness, for white things have shades; L* beyond it, for black ones have highlights
-_DARKER, _LIGHTER = (0.65, 22.0)
+_DARKER, _LIGHTER = (
+    0.65,
+    22.0,
+)  # share of its lightness, as white has shades; L* beyond it, as black has highlights
 _REPAINTED = 20.0  # L* that are enough of a change
-# L* from where it cannot be too light, and up to which it cannot be too dark
-_WHITE_MATERIAL, _BLACK_MATERIAL = (75.0, 40.0)
+_WHITE_MATERIAL, _BLACK_MATERIAL = (
+    75.0,
+    40.0,
+)  # L* from where it cannot be too light, up to which not too dark
 _REFLECTING = {"material/metallic": 0.5, "material/transmission": 0.5}
 """Components -> the value from where an object shows its surroundings, and is as light as they are."""
 

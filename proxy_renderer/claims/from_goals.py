@@ -21,8 +21,10 @@ from .colors import as_accent, darkened, of_color, of_material
 _OF_MOODS = 0.5  # weight of what a mood stands for
 _OPPOSED = 0.5  # cosine between a tint and the other direction, from where an image cannot have both
 _MUTED = 0.7  # share of a named color's chroma that an image keeps in which colors are muted
-# least L* of an image in colored light; share of the color's own lightness that is enough
-_LIT, _LIT_SHARE = (44.0, 0.7)
+_LIT, _LIT_SHARE = (
+    44.0,
+    0.7,
+)  # least L* of an image in colored light; share of the color's lightness that is enough
 
 # Of every image
 _BURNT, _SUBJECT_DROWNED, _DROWNED = 0.06, 0.3, 0.12  # shares that may be overexposed, or drown in black
@@ -32,8 +34,10 @@ _FULL = 0.97  # a channel of a named color from where the image may have it clip
 _WHITE, _BRIGHT = 90.0, 60.0  # L* of a color that is white, and of an image of which parts may be overexposed
 _BLACK, _DARK = 22.0, 50.0  # L* of a color that is black, and the most that words for dark ask for
 _APART = 10.0  # Lab distance between the subject and its ground
-# least L* between a subject's tenths, for light from everywhere shows no shape; the same if words ask for flat
-_SHAPED, _FLAT = (14.0, 8.0)
+_SHAPED, _FLAT = (
+    14.0,
+    8.0,
+)  # least L* between a subject's tenths, which show its shape; the same where words ask for flat
 _DIM = 22.0  # L* of the median of a reference image from where its subject may drown in black
 _SHOWN = ("burnt", "drowned", "separation")
 _DIMMEST = 24.0  # least L* of the lightest parts of a subject: even at night its lights are seen
@@ -43,8 +47,10 @@ _TINTS = ("tint", "accent")
 # Of a further sentence
 _REST = "rest of the image"
 _PLACES = (6, 4)  # of the image, across and down, that stay as they are each by itself
-# OKLab, times 100, by which a place may change; the same if words say that it stays
-_STILL, _EXACT = (1.0, 0.4, 0.4), (0.5, 0.2, 0.2)
+_STILL, _EXACT = (
+    (1.0, 0.4, 0.4),
+    (0.5, 0.2, 0.2),
+)  # OKLab, times 100, by which places may change; if words say it stays
 _HELD = 0.3  # weight of a place
 _COLORED = ("light_color", "cast", "saturation", "color")  # of the whole image, and they leave its lightness
 
@@ -147,18 +153,11 @@ def _with_accents(rows: list[tuple[Wish, list[Claim]]]) -> list[tuple[Wish, list
         c for w, row in rows if w.attribute.color for c in row if (c.part, c.measure) == ("picture", "tint")
     ]
     opposed = [c for c in tints if any(_cosine(c, other) < -_OPPOSED for other in tints)]
-    words = {c.word for c in opposed}
-    return [
-        (
-            wish,
-            [
-                as_accent(c) if c in opposed else c
-                for c in row
-                if c.measure != "off_hue" or c.word not in words
-            ],
-        )
-        for wish, row in rows
-    ]
+    words, found = {c.word for c in opposed}, []
+    for wish, row in rows:
+        row = [c for c in row if c.measure != "off_hue" or c.word not in words]
+        found.append((wish, [as_accent(c) if c in opposed else c for c in row]))
+    return found
 
 
 def _cosine(first: Claim, second: Claim) -> float:
@@ -209,12 +208,8 @@ def _least_lightness(colors: Sequence[Claim], claims: Sequence[Claim]) -> list[C
 
 def _without_colored(claim: Claim, colored: Sequence[Claim]) -> Claim:
     """A claim about light, measured on parts that get no color of their own by other words."""
-    apart = (
-        (c.part, c.materials)
-        for c in colored
-        if c.measure == "color" or c.part == "sky" or c.word != claim.word
-    )
-    return replace(claim, apart=tuple(dict.fromkeys(apart)))
+    others = (c for c in colored if c.measure == "color" or c.part == "sky" or c.word != claim.word)
+    return replace(claim, apart=tuple(dict.fromkeys((c.part, c.materials) for c in others)))
 
 
 def _is_painted(claim: Claim, attribute: Attribute) -> bool:
@@ -242,7 +237,7 @@ def _is_told(claim: Claim, pictured: Sequence[Claim]) -> bool:
 
 
 def _held(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
-    """What a further sentence leaves as it is: places of the image, in lightness or color, and what its words say stays."""
+    """Claims that the rest of the image stays: places, in lightness or color, and what the words of a further sentence say."""
     for owner in goals.parsed.protected:
         group, _, name = owner.partition("/")
         if group in ("material", "world"):

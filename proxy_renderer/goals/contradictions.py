@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which wishes cannot be had together."""
+"""Wishes that cannot be had together."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -28,13 +28,13 @@ _SETTLED = {
     "color": ("cast", "lightness", "mean"),
     "burnt": ("white_point",),
 }
-"""What words measure -> what they settle of the same part, whatever a reference image has."""
+"""Measure of a word -> measures that it settles of the same part, whatever a reference image has."""
 _NONE = "none"  # the class of an image that has nothing of a quantity
 _MATTER = ("color", "finish", "substance", "glow")
 
 
 def contradicts(first: Wish, later: Wish) -> bool:
-    """Whether a wish cannot be had together with one that ranks before it."""
+    """True if a wish cannot be had together with one that ranks before it."""
     a, b = first.attribute, later.attribute
     if a is b or first.word == later.word:
         return False
@@ -72,7 +72,7 @@ def contradicts(first: Wish, later: Wish) -> bool:
 
 
 def _settles(word: Wish, picture: Wish) -> bool:
-    """Whether a word is about what a picture's wish claims: then it alone counts, for what the picture has is known to the artist."""
+    """True if a word is about what a picture's wish claims: then it alone counts, for what the picture has is known to the artist."""
     measured = set(_measured(word))
     return any(
         part in ("picture", picture.part_of(claim))
@@ -99,7 +99,7 @@ def _measured(wish: Wish) -> Iterator[tuple[str, str]]:
 
 
 def _same_target(first: Wish, later: Wish) -> bool:
-    """Whether two wishes are about the same light, object or image."""
+    """True if two wishes are about the same light, object or image."""
     a, b = first.attribute, later.attribute
     roles = ["" if each.role == "key" else each.role for each in (a, b)]  # words without a role mean the key
     if (a.lamp, a.lights, roles[0]) != (b.lamp, b.lights, roles[1]):
@@ -112,7 +112,7 @@ def _same_target(first: Wish, later: Wish) -> bool:
 
 
 def _other_class(first: Wish, later: Wish) -> bool:
-    """Whether two wishes name classes that no image can be of together; of colors, claims say that."""
+    """True if two wishes name classes that no image can be of together; of colors, claims say that."""
     if not (first.named and later.named) or first.named == later.named or first.quantity in PAINTED:
         return False
     classes = first.about.classes
@@ -120,15 +120,14 @@ def _other_class(first: Wish, later: Wish) -> bool:
 
 
 def _overlapping(some: Sequence[ClaimText], others: Sequence[ClaimText]) -> bool:
-    """Whether an image can be of two classes: thick fog is light fog too."""
+    """True if an image can be of two classes: thick fog is light fog too."""
     return any(not _apart(a, b) for a in some for b in others if _axis(a) == _axis(b))
 
 
 def _apart(a: ClaimText, b: ClaimText) -> bool:
-    """Whether two intervals have nothing in common."""
-    return any(
-        max(*ends[:2]) > min(*ends[2:]) for ends in zip(a.lower, b.lower, a.upper, b.upper, strict=True)
-    )
+    """True if two intervals have nothing in common."""
+    every = zip(a.lower, b.lower, a.upper, b.upper, strict=True)
+    return any(max(*ends[:2]) > min(*ends[2:]) for ends in every)
 
 
 def _axis(claim: ClaimText) -> tuple[object, ...]:
@@ -148,7 +147,7 @@ def _disjoint_claims(first: Wish, later: Wish) -> bool:
 
 
 def _disjoint_effects(first: Wish, later: Wish) -> bool:
-    """Whether two wishes want ranges of one parameter that have nothing in common; defaults want none."""
+    """True if two wishes want ranges of one parameter that have nothing in common; defaults want none."""
     for a in first.effects:
         for b in later.effects:
             same = (a.owner, a.name, a.mode) == (b.owner, b.name, b.mode) and not (a.weak or b.weak)
@@ -173,7 +172,7 @@ def _warmth(wish: Wish) -> int:
 
 
 def _ruled_out(color: Wish, wish: Wish) -> bool:
-    """Whether a named color leaves no room for a wish: a forest in front of a purple background is not green."""
+    """True if a named color leaves no room for a wish: a forest in front of a purple background is not green."""
     lab = lab_from_srgb(color.attribute.color or ())
     if (wish.implied or wish.usual) and (wish.quantity, wish.toward) in set(_impossible(color, lab)):
         return True
@@ -207,7 +206,7 @@ def _impossible(color: Wish, lab: Lab) -> Iterator[tuple[str, str]]:
 
 
 def _opposed(wish: Wish, lab: Lab) -> bool:
-    """Whether a wish asks for light of the other side than a color's: for warm light, where it is named blue."""
+    """True if a wish asks for light of the other side than a color's: for warm light, where it is named blue."""
     strong, warmth = chroma(lab), warm(*lab[1:])
     if strong <= _GRAY:
         return False
@@ -230,7 +229,7 @@ def _kelvins(effect: Effect) -> int:
 
 
 def _is_tinted(wish: Wish) -> bool:
-    """Whether a wish colors all of the light."""
+    """True if a wish colors all of the light."""
     color = wish.attribute.color
     if color and wish.attribute.kind in _ALL_LIGHT and chroma(lab_from_srgb(color)) >= _COLORED:
         return True
@@ -238,7 +237,7 @@ def _is_tinted(wish: Wish) -> bool:
 
 
 def _is_recolored(color: Wish, material: Wish) -> bool:
-    """Whether an object gets another hue than its material: no copper is blue, and oak is blue only as a stain."""
+    """True if an object gets another hue than its material: no copper is blue, and oak is blue only as a stain."""
     if not color.attribute.color or color.quantity not in PAINTED or material.quantity != "color":
         return False
     own = _own_color(material, weak=color.attribute.thing == material.attribute.thing)
@@ -254,6 +253,6 @@ def _own_color(wish: Wish, weak: bool) -> Values | None:
 
 
 def _is_gray(wish: Wish) -> bool:
-    """Whether a wish is the color of an object, and a gray one: that of asphalt."""
+    """True if a wish is the color of an object, and a gray one: that of asphalt."""
     color = wish.attribute.color or _own_color(wish, weak=True)
     return color is not None and chroma(lab_from_srgb(color)) < _COLORED

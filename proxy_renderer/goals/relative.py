@@ -31,7 +31,7 @@ _MOVED: Mapping[str, Mapping[str, tuple[float, ...]]] = {
         "black_point": (-0.5,), "lower_quartile": (-0.25,), "upper_quartile": (0.25,), "white_point": (0.5,),
     },
 }  # fmt: skip
-"""What words measure -> what a picture measures of the same, and how far each of its numbers moves for one of the word's.
+"""Measure of a word -> a picture's measures of the same, and how far each of its numbers moves for one of the word's.
 The picture's own pattern stays: lights that are warmer than shadows are so in a colder picture, too."""
 FACTS = (*_MOVED, "chroma", "vignette")
 """Measures of which a picture's wishes state what it has (weight 0), for words are relative to them."""
@@ -192,7 +192,7 @@ def _steps(word: str) -> float:
 
 
 def _asks_for_less(attribute: Attribute, vocabulary: Vocabulary) -> bool:
-    """Whether a word asks for less of its entry: "less fog" is said of fog, but "less glossy" of matte."""
+    """True if a word asks for less of its entry: "less fog" is said of fog, but "less glossy" of matte."""
     words = attribute.word.split()
     entry = vocabulary.entries.get(attribute.entry)
     ends = (" ".join(words[n:]) for n in range(len(words)))

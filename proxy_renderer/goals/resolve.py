@@ -26,7 +26,7 @@ class Lost:
 
     @property
     def is_news(self) -> bool:
-        """Whether artists should hear of it: both were said, and mean what they say. Words come before a picture, as expected."""
+        """True if artists should hear of it: both were said, and mean what they say. Words come before a picture, as expected."""
         unsaid = (w.implied or w.usual or w.of_picture for w in (self.wish, self.winner))
         return not any(unsaid)
 
@@ -36,7 +36,7 @@ class Lost:
 
 @dataclass(frozen=True)
 class Goals:
-    """What the image must look like: the bound prompt, the wishes that are sought, in its order, and those that gave way."""
+    """Goals for the image: the bound prompt, the wishes that are sought, in its order, and those that gave way."""
 
     parsed: Parsed
     wishes: tuple[Wish, ...] = ()
@@ -46,7 +46,7 @@ class Goals:
 
     @cached_property
     def pictured(self) -> tuple[Wish, ...]:
-        """What is sought of a reference image."""
+        """The wishes of a reference image that are sought."""
         return tuple(wish for wish in self.wishes if wish.of_picture)
 
     def with_picture(self, pictured: Iterable[Wish]) -> Goals:
@@ -70,17 +70,17 @@ class Goals:
         return tuple(dict.fromkeys(out))
 
     def notes(self) -> Iterator[str]:
-        """Which words gave way to which, one sentence each."""
+        """Sentences on the words that gave way to others."""
         return (str(each) for each in self.lost if each.is_news)
 
 
 def goals_or_why(understood: Understood) -> Goals | VibeError:
-    """What a prompt asks for, or why nothing in it is understood."""
+    """The goals of a prompt, or why nothing in it is understood."""
     return understood.unknown or goals_of(understood.parsed)
 
 
 def goals_of(parsed: Parsed, vocabulary: Vocabulary | None = None) -> Goals:
-    """What a prompt asks for, its contradictions resolved."""
+    """The goals of a prompt, its contradictions resolved."""
     wishes = wishes_of(parsed.attributes, vocabulary or default_vocabulary())
     return resolved(parsed, wishes)
 

@@ -126,7 +126,7 @@ class JsonFields:
 
 
 def _is_number(value: Any) -> bool:
-    """Whether a value is a finite number; an integer may have hundreds of digits."""
+    """True if a value is a finite number; an integer may have hundreds of digits."""
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
 
 
@@ -134,7 +134,7 @@ VERSION = 1  # of the format
 _LARGEST, _MOST = 2_000_000, 500  # bytes of a file, and words in it
 _REGIONS: tuple[str, ...] = get_args(Region)
 KINDS = (*(kind for kind in shipped_vocabulary().painted if not kind.startswith("hidden")), "whole")
-"""What a word may describe: all that a color may be said of, and the image as a whole."""
+"""Kinds of targets of a word: all that a color may be said of, and the image as a whole."""
 ROLES = ("", *NAMED_ROLES, "others")  # lights that may be meant
 _PICTURED = ("", "times", "plus")  # modes of effects that a reference image may have
 _HELP = "Write a new file with `vibe explain PROMPT --goals`, and change that; docs/reference/goals.md has all fields."

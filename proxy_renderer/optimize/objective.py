@@ -61,6 +61,7 @@ class RoundObjective:
         differences: bool = False,
     ) -> None:
         self.seen, self.vector, self.free = seen, vector, set(free)
+        self.claim_weight = weights.claims
         self._box, self._weights, self._differences = box, weights, differences
         lower, upper = box
         self._span = (upper - lower).clamp_min(1e-9)
@@ -72,7 +73,8 @@ class RoundObjective:
         self._pull = torch.zeros_like(artist)
         for key in free:
             self._pull[vector.slices[key]] = plan[key].prior if plan[key].start is None else _NAMED
-        self._supports = vector.mark({key for key in free if _is_support(vector, plan, key)})
+        scene = {key for key in free if vector.instances[key].parameter.group != "material"}
+        self._supports = vector.mark(key for key in scene if not plan[key].is_named)
 
         # Colors keep their hue
         unnamed = (self._pull > 0.0) & (self._home == artist)
@@ -92,11 +94,6 @@ class RoundObjective:
     def shots(self) -> int:
         """Number of images."""
         return len(self.seen)
-
-    @property
-    def claim_weight(self) -> float:
-        """Of a noticeable step by which a claim is missed."""
-        return self._weights.claims
 
     def render(self, u: Tensor, shot: int) -> Render:
         """The proxy's image of u (N,) in a shot (from 0), differentiable in the free keys."""
@@ -195,10 +192,6 @@ class RoundObjective:
 
     def _moves_camera(self, keys: Collection[str]) -> bool:
         return any(self.vector.instances[key].parameter.group == "camera" for key in keys)
-
-
-def _is_support(vector: ParameterVector, plan: Plan, key: str) -> bool:
-    return vector.instances[key].parameter.group != "material" and not plan[key].is_named
 
 
 def backward_slopes(assess: Callable[[Tensor], Assessment], u: Tensor, chosen: Tensor) -> Slopes:

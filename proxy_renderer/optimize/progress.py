@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who follows the loop, and how much longer it will take."""
+"""The observer of the loop, and the time that is left."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a vibe begins with: the words, read against the scene once, and the scene, lit as they ask for."""
+"""The stage of a vibe: the words, read against the scene once, and the scene, lit as they ask for."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -30,7 +30,7 @@ _COLORED = ("light", "fill", "rim", "shadow", "highlight", "glow", "ambience")
 
 @dataclass(frozen=True)
 class Prompts:
-    """What the encoder is asked, region by region (equations 5 and 6); never negations."""
+    """Captions for the encoder, region by region (equations 5 and 6); never negations."""
 
     subject: str  # short caption of the subject alone
     surroundings: str  # short caption of the surroundings alone; "" when the words leave them open
@@ -49,9 +49,7 @@ def compose(
     said = [a for a in meant if not a.negated and not a.cause]
     mine, theirs = ([a for a in said if _is_of(region, a)] for region in _KINDS)
     noun, backdrop = (_called(region, parsed) for region in _KINDS)
-    things: dict[
-        str, list[Attribute]
-    ] = {}  # those that have materials of their own: "a white cup, a black table"
+    things: dict[str, list[Attribute]] = {}  # with materials of their own: "a white cup, a black table"
     for attribute in mine:
         things.setdefault((attribute.owners and attribute.thing) or noun, []).append(attribute)
     foreground = ", ".join(captions.caption(a, name) for name, a in (things or {noun: []}).items())
@@ -69,13 +67,13 @@ def compose(
 
 
 def _called(region: str, parsed: Parsed) -> str:
-    """What the prompt calls the first thing of a region."""
+    """The prompt's name for the first thing of a region."""
     name = next((o.name for o in parsed.objects if o.region == region), region)
     return _UNNAMED[region] if name in ("", region) else name
 
 
 def _is_of(region: str, attribute: Attribute) -> bool:
-    """Whether a word describes the matter of a region, the colors of fog and sky included."""
+    """True if a word describes the matter of a region, the colors of fog and sky included."""
     whole = _ALL[region] in (attribute.kind, attribute.entry)
     return whole or (attribute.kind in _KINDS[region] and attribute.slot in _OF_MATTER)
 
@@ -87,7 +85,7 @@ class _Captions:
         self.vocabulary, self.entries = vocabulary, vocabulary.entries
 
     def words(self, attribute: Attribute) -> str:
-        """What the encoder is told for a word: its expansion, with the intensity kept."""
+        """The encoder's text for a word: its expansion, with the intensity kept."""
         entry = self.entries.get(attribute.entry)
         if attribute.color or not entry:
             return _color(attribute)
@@ -115,7 +113,7 @@ class _Captions:
         return ", ".join(dict.fromkeys([f"{article} {front}", *after]))
 
     def mistakes(self, own: list[Attribute], other: list[Attribute], noun: str) -> tuple[str, ...]:
-        """What must not happen to a region: the other region's colors and matter, and its own words' opposites."""
+        """Negatives of a region: the other region's colors and matter, and the opposites of its own words."""
         mine = {a.entry for a in own}
         swapped = (a for a in other if a.slot in ("color", "material") and a.entry not in mine)
         negatives = [self.caption([a], noun) for a in swapped]

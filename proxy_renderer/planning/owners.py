@@ -80,7 +80,7 @@ def role_of(said: Sequence[Attribute]) -> str:
 
 
 def _is_called(light: KnownLight, words: frozenset[str]) -> bool:
-    """Whether words name a light: "window", or "moonlight" a Moon; a sun is one by its type."""
+    """True if words name a light: "window", or "moonlight" a Moon; a sun is one by its type."""
     theirs = {_singular(word) for name in light.names for word in plain_name(name).split()}
     spoken = {_singular(word) for word in words}
     return bool(theirs & (spoken | {word.removesuffix("light") for word in spoken}))
@@ -96,7 +96,7 @@ def _apart(light: KnownLight, turn: float) -> float:
 
 _SHARE = 0.15  # of the light on the subject from which a glow counts as a light of the scene
 _OF_GLOWS = {"power": "emission", "color": "emission_color", "temperature": "emission_color"}
-"""What the parameters of lights are of glowing materials; they have neither place nor size to change."""
+"""Parameters of lights -> those of glowing materials, which have neither place nor size to change."""
 _PLACES = ("azimuth", "elevation", "distance", "size", "angle")
 _NAMED = ("light", "subject", "surroundings")  # kinds of things by whose name a prompt may call a light
 _BEHIND = 180.0
@@ -226,7 +226,7 @@ class SceneLights:
         return [max(lights, key=self._radiance)] if lights else []
 
     def _radiance(self, *lights: str) -> float:
-        """What a surface sheds that faces some lights, or all."""
+        """Radiance of a white surface that faces some lights, or all."""
         return facing_radiance(self._instances, self._scene, lambda i: i.value, lights or None)
 
 
@@ -262,7 +262,7 @@ class SceneMaterials:
         return [name for name in names if not recolors or self._is_recolored(name, effect, attribute)]
 
     def _is_recolored(self, name: str, effect: Effect, attribute: Attribute) -> bool:
-        """Whether a word may gray what is then tinted: a surface, or a glow that gets a color itself."""
+        """True if a word may gray what is then tinted: a surface, or a glow that gets a color itself."""
         glow = f"material/{name}/tint" not in self._instances
         if attribute.kind == "glow":
             return glow
@@ -291,7 +291,7 @@ class SceneMaterials:
 
 BACKDROP = "world/backdrop_strength"  # there, if what the camera sees of the world is not what lights
 _OF_BACKDROP = {"color": "backdrop_color", "tint": "backdrop_tint", "strength": "backdrop_strength"}
-"""What the world's parameters are of its backdrop."""
+"""The world's parameters -> those of its backdrop."""
 SEEN, _SHED = ("surroundings", "sky"), ("share", "times", "gel")  # kinds: seen of it; modes: its light
 SLIVER = 0.05  # of the surroundings: so little world counts as none
 
@@ -321,7 +321,7 @@ class Owners:
         return [self._instances[key] for key in keys if key in self._instances]
 
     def world_is_hidden(self) -> bool:
-        """Whether surfaces fill all that the camera sees."""
+        """True if surfaces fill all that the camera sees."""
         share = self._world_share
         return share is not None and share < SLIVER and bool(self.materials.of_region("surroundings"))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far the values of a scene may go to look like a reference image: ranges from its wishes, beside those of words."""
+"""Ranges of a scene's values from the wishes of a reference image, next to those of words."""
 
 import math
 import operator
@@ -21,7 +21,7 @@ from .types import Plan, PlanEntry
 
 _LIGHTNESS = 65.0  # L* at which a cast is taken for a color
 _STRONGER, _WEAKER = 1.6, 0.5
-"""How much stronger than the strongest cast a light's color may be, since other light lies over it, and how much weaker than
+"""Factors of the strongest cast that a light's color may reach, since other light lies over it, and how much weaker than
 any. A range up to white would hold hues that are in no cast: pink and yellow beside orange."""
 _FEW_HUES = 0.0  # cosine between the hues of two casts from where each has a light of its own
 _PALE, _COLORFUL = 6.0, 16.0  # mean C* of a gray picture, and how much more keeps all paint's saturation

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What no word names but claims may need, and lights and a backdrop that words ask for and the scene lacks.
+"""Values that claims may need though no word names them, and lights and a backdrop that the scene lacks.
 
 The subject has to stand out, and neither burn nor drown in black: the paper's own failure is under-exposure of dark materials
 (section 4.2). Entries only say how far from the artist's values the search may look; whether and where to is for the claims.
@@ -181,7 +181,7 @@ _VIVID = 20.0  # chroma from which a world tints what it lights
 def asks_for_backdrop(
     goals: Goals, instances: dict[str, Instance], scene: SceneDescription, vocabulary: Vocabulary
 ) -> bool:
-    """Whether words give the background a color that is not to tint the scene, or a lightness that its light cannot have.
+    """True if words give the background a color that is not to tint the scene, or a lightness that its light cannot have.
 
     A white or pale background is a light too, as in a photographer's studio, if no other word wants less light. What a
     place usually has is no such wish: the sky of a garden at night is the night's.
@@ -200,7 +200,7 @@ def asks_for_backdrop(
 
 
 def _apart(one: Act, other: Act) -> bool:
-    """Whether no strength of the world serves both."""
+    """True if no strength of the world serves both."""
     a, b = _lightness(one), _lightness(other)
     return a is not None and b is not None and (a[1] < b[0] or b[1] < a[0])
 

@@ -62,7 +62,7 @@ class Reference:
 
     @property
     def traits(self) -> tuple[str, ...]:
-        """What is taken over: what was asked for, else all but materials, which only a picture of this scene tells."""
+        """The traits that are taken over: what was asked for, else all but materials, which only a picture of this scene tells."""
         return self._only or (TRAITS if self.same else TRAITS[:-1])
 
     def compare(self, rendered: Tensor) -> None:
@@ -71,7 +71,7 @@ class Reference:
             self.same = statements.is_same(self.display, rendered)
 
     def wishes(self, instances: Collection[Instance], seen: Callable[[], GBuffer]) -> list[Wish]:
-        """What may change and what the picture has, then a wish for each statement; `seen` is asked for only of the same scene."""
+        """Wishes for what may change and what the picture has, then one for each statement; `seen` is asked for only of the same scene."""
         if self.probe:
             return self._wishes(self.name, light_probe.effects_of(self.probe))
         if self.same:
@@ -93,7 +93,7 @@ class Reference:
 
     @cached_property
     def probe(self) -> light_probe.LightProbe | None:
-        """What a panorama says of light; None for a picture that has a frame."""
+        """The light of a panorama; None for a picture that has a frame."""
         linear = self.picture.linear
         return light_probe.probe(linear) if self.picture.panorama and linear is not None else None
 
@@ -102,7 +102,7 @@ class Reference:
         return regions_of(self.picture.display, self.picture.alpha)
 
     def _facts(self) -> Iterator[ClaimText]:
-        """What the picture itself has, as far as a flat picture tells."""
+        """Claims of what the picture itself has, as far as a flat picture tells."""
         parts: tuple[Part, ...] = ("picture", "subject") if self._regions.subject else ("picture",)
         for part in parts:
             where = self._regions.region(part)

@@ -48,7 +48,7 @@ def read_reference(path: Path | str) -> ReferencePicture:
 
 
 def _reader(path: Path):
-    """What reads a file, by its first bytes: names lie."""
+    """The reader of a file, by its first bytes: names lie."""
     with path.open("rb") as file:
         head = file.read(10)
     if head.startswith(b"\x76\x2f\x31\x01"):
@@ -59,7 +59,7 @@ def _reader(path: Path):
 
 
 def _wraps(display: np.ndarray) -> bool:
-    """Whether a picture is twice as wide as high, goes on beyond its sides, and ends in one point above and below."""
+    """True if a picture is twice as wide as high, goes on beyond its sides, and ends in one point above and below."""
     height, width = display.shape[:2]
     if height < _LEAST_PANORAMA or abs(width - 2 * height) > 2:
         return False

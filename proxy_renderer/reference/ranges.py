@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What may change in a scene to look like a picture: the effects of its wishes."""
+"""The effects of a picture's wishes: values that may change in a scene to look like it."""
 
 from collections.abc import Collection, Mapping
 
@@ -64,7 +64,7 @@ _STAYS = {
 def effects_of(
     instances: Collection[Instance], traits: Collection[str], measures: Collection[str], same: bool
 ) -> list[Effect]:
-    """What a picture lets change for traits that are taken over, where these measures are claimed of an image that looks like it."""
+    """The effects that a picture lets act for traits that are taken over, where these measures are claimed of an image like it."""
     table = dict(_SAME_SCENE if same else _ANOTHER_SCENE)
     lit = any(
         i.parameter.name == "color" and i.parameter.group in ("light", "world") and not i.locked
@@ -82,14 +82,14 @@ def effects_of(
 
 
 def kept_values(instances: Mapping[str, Instance], entries: Collection[str]) -> tuple[str, ...]:
-    """What stays because a picture cannot tell it, one sentence for each family."""
+    """Sentences on the families that stay because a picture cannot tell them."""
     families = {i.parameter.family for key, i in instances.items() if key not in entries and not i.locked}
     said = (f"{family}: {why}" for family, why in _STAYS.items() if family in families)
     return tuple(f"Kept as you have it, {text}." for text in said)
 
 
 def _serves(family: str, traits: Collection[str]) -> bool:
-    """Whether values of a family serve what is taken over; the colors of light serve a palette, too."""
+    """True if values of a family serve what is taken over; the colors of light serve a palette, too."""
     group = family.partition("/")[0]
     colors = group in ("light", "world") or family == "film/saturation"
     return _TRAITS[group] in traits or ("palette" in traits and colors)

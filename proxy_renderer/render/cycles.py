@@ -27,6 +27,7 @@ from torch.nn.functional import embedding_bag, max_pool2d
 from ..schema import VibeError
 from .geometry.camera import View
 from .geometry.samples import Samples
+from .geometry.vectors import overlap
 from .geometry.visibility import Hits, RayGeometry
 from .surface.view_cache import ViewCache
 
@@ -183,17 +184,12 @@ def blur(fields: Tensor, guide: Tensor, radius: int, sigma: float) -> Tensor:
     total, weights = torch.zeros_like(picture), torch.zeros_like(picture[0])
     for dy in range(-radius, radius + 1):
         for dx in range(-radius, radius + 1):
-            (y, from_y), (x, from_x) = _overlap(dy, height), _overlap(dx, width)
+            (y, from_y), (x, from_x) = overlap(dy, height), overlap(dx, width)
             weight = torch.exp(torch.tensor(-(dx * dx + dy * dy) / (2 * sigma * sigma))).to(fields)
             same = weight * (guide[y, x] == guide[from_y, from_x])
             total[:, y, x] += same * picture[:, from_y, from_x]
             weights[y, x] += same
     return (total / weights).view_as(fields)
-
-
-def _overlap(shift: int, size: int) -> tuple[slice, slice]:
-    """The part of a picture's axis that a shifted copy overlaps, and the same part in the copy."""
-    return slice(max(0, -shift), size - max(0, shift)), slice(max(0, shift), size - max(0, -shift))
 
 
 def look_up(

@@ -135,9 +135,8 @@ class Proxy:
             clear = _transmittance(frame, passing)
             gray = self._gray(frame) * (1.0 if passing is None else passing) + light
             linear = _resolve(frame, gray)[0].view(3, *clear.shape).permute(1, 2, 0)
-            shown = self.develop(
-                LatentImage(linear=linear, mask=clear, depth=clear, transmittance=clear), values
-            )
+            latent = LatentImage(linear=linear, mask=clear, depth=clear, transmittance=clear)
+            shown = self.develop(latent, values)
             return gbuffer_of(self.scene, self.geometry, frame.view, frame.cache, clear, shown.display)
 
     def _gray(self, frame: RenderState) -> Tensor:
@@ -173,9 +172,8 @@ class Proxy:
         shading_inputs = [self._inputs(m, settings) for m in self.scene.materials]
         if cache is None:
             # What was traced is forgotten if a glass has changed, or a surface glows for the first time.
-            if self.geometry.let_through(
-                torch.stack([surfaces.glass_transmittance(p) for p in shading_inputs])
-            ):
+            glass = torch.stack([surfaces.glass_transmittance(p) for p in shading_inputs])
+            if self.geometry.let_through(glass):
                 self._cache, self.volume = None, SingleScattering(self.geometry.clear)
             if self.emitters.notice(shading_inputs):
                 self._cache = None

@@ -12,6 +12,7 @@ from ..color import arrays
 from ..color.floats import hex_from_srgb, linear_from_srgb, luminance, mixed, srgb_from_hex, srgb_from_linear
 from ..planning.glow import glows
 from ..planning.light_levels import kelvin_color
+from ..planning.ranges import within
 from ..planning.types import LightPlan, PlanEntry
 from ..render.material.textures import geometry_of
 from ..scene import SceneData
@@ -308,14 +309,20 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
 def _entry(instance: Instance, value: Values, word: str, still: set[str]) -> PlanEntry:
     """The range around what the rig gives a parameter, from which the search begins."""
     name, reason = instance.parameter.name, f"'{word}'"
-    low, high = instance.lower, instance.upper
     if name in _DRIFT:
         ends = tuple(v / _DRIFT[name] for v in value), tuple(v * _DRIFT[name] for v in value)
     elif name in _TURN and instance.owner not in still:
         ends = tuple(v - _TURN[name] for v in value), tuple(v + _TURN[name] for v in value)
     else:
         ends = value, value
-    lower, upper = (tuple(min(max(v, a), b) for v, a, b in zip(end, low, high, strict=True)) for end in ends)
-    start = tuple(min(max(v, a), b) for v, a, b in zip(value, lower, upper, strict=True))
+    lower, upper = (within(end, instance.lower, instance.upper) for end in ends)
     bright = name in ("power", "strength") and instance.parameter.group in ("light", "world")
-    return PlanEntry(lower, upper, _FIRST if bright else _LATER, reason, prior=0.0, usual=True, start=start)
+    return PlanEntry(
+        lower,
+        upper,
+        _FIRST if bright else _LATER,
+        reason,
+        prior=0.0,
+        usual=True,
+        start=within(value, lower, upper),
+    )

@@ -118,11 +118,8 @@ def _check_kinds(kinds: Any, roles: Mapping[str, list[Entry]]) -> None:
     if not isinstance(kinds, dict):
         raise VibeError("The preset's kinds of lights are broken.", _OURS)
     for role, types in kinds.items():
-        if (
-            ROLES.get(role) != "light"
-            or not isinstance(types, list)
-            or len(types) != len(roles.get(role, ()))
-        ):
+        of_light = ROLES.get(role) == "light" and isinstance(types, list)
+        if not of_light or len(types) != len(roles.get(role, ())):
             raise VibeError(f"The preset's kinds of lights for {quoted(role)} do not fit its lights.", _OURS)
         for each in types:
             if each not in LIGHT_TYPES:

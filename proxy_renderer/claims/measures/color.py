@@ -46,10 +46,8 @@ def corner_falls(picture: MeasuredPicture) -> Tensor:
 
 def standing_out(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Lightness of a region less that of the surroundings, by their medians: (1,) L*."""
-    return (
-        lightness_below(picture, where, 0.5)
-        - lightness_below(picture, region_of(picture.seen, "surroundings"), 0.5)
-    )[None]
+    around = region_of(picture.seen, "surroundings")
+    return (lightness_below(picture, where, 0.5) - lightness_below(picture, around, 0.5))[None]
 
 
 def silhouette(picture: MeasuredPicture, where: Tensor) -> Tensor:

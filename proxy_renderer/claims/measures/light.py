@@ -8,6 +8,7 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
+from ...render.geometry.vectors import overlap
 from .picture import FEW, GRAIN, MeasuredPicture, largest_around
 
 _FLOOR = 0.004  # linear luminance below which differences are not seen on a display in a lit room
@@ -124,16 +125,9 @@ def _beside(light: Tensor, where: Tensor, material: Tensor, normal: Tensor, step
 
 def _moved(field: Tensor, step: tuple[int, int], outside: float) -> Tensor:
     """A field (H, W, …) as it is a step away."""
-    (down, right), (height, width) = step, field.shape[:2]
     moved = torch.full_like(field, outside)
-    to, source = (
-        (
-            slice(max(s * down, 0), min(height + s * down, height)),
-            slice(max(s * right, 0), min(width + s * right, width)),
-        )
-        for s in (-1, 1)
-    )
-    moved[to] = field[source]
+    (rows, from_rows), (columns, from_columns) = map(overlap, step, field.shape[:2])
+    moved[rows, columns] = field[from_rows, from_columns]
     return moved
 
 

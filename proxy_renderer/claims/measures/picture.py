@@ -23,7 +23,7 @@ _ADAPTED = 0.7  # share of the light's color that is not noticed, and of its sto
 _MIDDLE, _DIM = (
     0.18,
     6.0,
-)  # of white: a gray surface in light that is not dim; times darker, beyond which things are dark
+)  # of white: gray in light that is not dim; times darker, beyond which things are dark
 _UNLIT = 1e-4  # of white: light that has no color to adapt to
 _DARKEST = 0.05  # of a pattern, relative to its mean: what is darker mirrors rather than scatters light
 

@@ -26,7 +26,7 @@ from .confiner import Confined
 
 _HALF = 1.5  # places in the order of priorities that half the gain costs
 _MISSED = 3.0
-"""How many more where claims are missed for long: what words name goes first, but what it cannot earn is left to what can."""
+"""More such places where claims are missed for long: what words name goes first, but what it cannot earn is left to what can."""
 
 _FAINTEST = 2.0**-20
 

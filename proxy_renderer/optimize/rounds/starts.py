@@ -29,7 +29,7 @@ _ROAM: dict[str, tuple[float, float, bool]] = {  # how far down and up, and whet
     "light/angle": (0.3, 3.0, True),
     "world/rotation": (-75.0, 75.0, False),
 }
-"""What may differ between variants where the words leave it open: all lights turn as one."""
+"""Parameters that may differ between variants where the words leave them open: all lights turn as one."""
 _CELLS = 16
 _LAST = 99  # priority of what no word names
 

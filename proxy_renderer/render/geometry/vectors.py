@@ -92,6 +92,11 @@ def cosine_directions(normal: Tensor, uv: Tensor) -> Tensor:
     return across * (radius * angle.cos()) + up * (radius * angle.sin()) + normal * (1 - uv[0]).sqrt()
 
 
+def overlap(shift: int, size: int) -> tuple[slice, slice]:
+    """The part of a picture's axis that a shifted copy overlaps, and the same part in the copy."""
+    return slice(max(0, -shift), size - max(0, shift)), slice(max(0, shift), size - max(0, -shift))
+
+
 def texels(height: int, width: int, device: torch.device) -> tuple[Tensor, Tensor]:
     """Directions (3, T) of an equirectangular picture's texels, bottom row first, and solid angles (T,)."""
     v = (torch.arange(height, device=device) + 0.5) / height

@@ -91,7 +91,7 @@ class Sky:
         return self.environment.whole is None
 
     def reaches(self, ray: str) -> bool:
-        """Whether a kind of rays meets it."""
+        """True if a kind of rays meets it."""
         return ray not in self.environment.hidden
 
     @property

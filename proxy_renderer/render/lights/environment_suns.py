@@ -31,17 +31,10 @@ _SEARCH_HEIGHT = 128
 class EnvironmentSunLight(SunLight):
     """A bright part of the world's picture, in place of a sun."""
 
-    wide: bool  # whether it is too large to pass for a disc in a mirror
-
     @property
     def owner(self) -> str:
         """The world."""
         return "world"
-
-    @property
-    def pictured(self) -> bool:
-        """Reflections show a wide one as it is in the picture."""
-        return self.wide
 
 
 @dataclass(frozen=True)
@@ -69,7 +62,7 @@ class EnvironmentSun:
         identity = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
         light = Light(f"world/{number}", "SUN", identity, (0.0, 0.0, 0.0), hidden=hidden)
         place, size = torch.zeros_like(self.toward), torch.full_like(turn.detach(), self.angle)
-        return EnvironmentSunLight(light, self.color * tint, place, axes, size, wide=self.wide)
+        return EnvironmentSunLight(light, self.color * tint, place, axes, size, pictured=self.wide)
 
 
 def split(picture: Tensor) -> tuple[Tensor, Tensor, list[EnvironmentSun]]:

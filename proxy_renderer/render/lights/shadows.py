@@ -18,7 +18,7 @@ from torch import Tensor
 
 from ...color.tensors import luminance
 from ..geometry.samples import Samples
-from ..geometry.vectors import dot
+from ..geometry.vectors import dot, overlap
 from ..geometry.visibility import RayGeometry, Surface, sphere_points
 from .light_source import DirectIrradiance, LightSource
 
@@ -189,10 +189,8 @@ class ShadowFilter:
 
     def _shifted(self, dy: int, dx: int) -> tuple[tuple[slice, slice], tuple[slice, slice]]:
         """The pixels that have a neighbor at an offset, and these neighbors."""
-        height, width = self._size
-        to = slice(max(0, -dy), min(height, height - dy)), slice(max(0, -dx), min(width, width - dx))
-        of = slice(max(0, dy), min(height, height + dy)), slice(max(0, dx), min(width, width + dx))
-        return to, of
+        (rows, of_rows), (columns, of_columns) = map(overlap, (dy, dx), self._size)
+        return (rows, columns), (of_rows, of_columns)
 
 
 def _steps(radius: int) -> list[tuple[int, int]]:

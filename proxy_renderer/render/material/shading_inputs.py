@@ -53,7 +53,7 @@ class ShadingInputs:
     kept: dict[str, tuple[Tensor, Any]] | None = field(default=None, repr=False, compare=False)
 
     def seen(self, name: str, view: Tensor, make: Callable[[], T]) -> T:
-        """What follows from the inputs and a view (7, N), whatever the light: kept for the next render."""
+        """A value that depends on the inputs and a view (7, N), not on light: kept for the next render."""
         if self.kept is None or needs_gradient(view):
             return make()
         known = self.kept.get(name)

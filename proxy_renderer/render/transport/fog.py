@@ -245,7 +245,7 @@ class SingleScattering:
     def _of(
         self, fog: FogMedium, rays: RaySegments, name: str, key: Hashable, make: Callable[[], Tensor]
     ) -> Tensor:
-        """What follows from fog, rays and a key; made again when they change, or are learned (a key of None)."""
+        """A value that depends on fog, rays and a key; made again when they change, or are learned (a key of None)."""
         if fog.signature is None or key is None or needs_gradient(rays.start, rays.toward):
             return make()
         cut = tuple(rays.cuts.flatten()[1:2].tolist())  # () where no ray starts: the camera sees no surface

@@ -48,7 +48,7 @@ class IndirectLight:
 
 @dataclass(frozen=True)
 class _PointWeights:
-    """How much of each radiance of a `RadianceTable` arrives at A points.
+    """Weights of the radiances of a `RadianceTable` at A points.
 
     Most of it is scattered: with many lights these are millions of numbers, so those of lights that have moved are kept apart.
     """

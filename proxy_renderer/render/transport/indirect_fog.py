@@ -118,7 +118,7 @@ class IndirectFogRays:
         return (reaching * facing).sum(0) / facing.sum(0)
 
     def _of(self, fog: FogMedium, name: Hashable, make: Callable[[], T], key: Hashable = None) -> T:
-        """What follows from the fog, and from what has the key; made again when they change, or the fog is learned."""
+        """A value that depends on the fog and a key; made again when they change, or the fog is learned."""
         return make() if fog.signature is None else self._kept.of(name, (fog.signature, key), make)
 
     def _passing(self, fog: FogMedium) -> tuple[Tensor, Tensor, Tensor]:

@@ -182,9 +182,7 @@ class SecondaryHits:
     def _weigh(self, metals: Tensor) -> None:
         """Takes on mirrors (M,)."""
         self.mirror_weight = metals[self.surface.material] * self.hit
-        self._matte = (self.hit > self.mirror_weight).nonzero()[
-            :, 0
-        ]  # mirrors do not scatter what lights them
+        self._matte = (self.hit > self.mirror_weight).nonzero()[:, 0]  # mirrors do not scatter light
         self._first = self.surface.pick(self._matte)
         # Without it, the light that lies about counts where a metal is rough, and what it mirrors otherwise.
         self._share = torch.ones_like(self.hit) if self._deep else self.mirror_weight
