@@ -13,7 +13,7 @@ import torch
 from torch import Tensor
 
 from ..color.floats import chroma, hex_from_srgb, lab_from_srgb, srgb_from_oklab
-from ..render.gbuffer import GBuffer
+from ..render.surface.view_cache import GBuffer
 from ..schema import Values
 from ..words.lexicon.quantities import quantities
 from ..words.types import Part

@@ -17,7 +17,7 @@ from ..goals.written import as_json
 from ..optimize.pipeline import Outcome
 from ..optimize.rounds.method import VARIABLE
 from ..optimize.shots import LOCKED, BlenderPictures, ShotState
-from ..render.gbuffer import GBuffer
+from ..render.surface.view_cache import GBuffer
 from ..schema import Values, labels
 from ..schema.messages import word_states, words_of
 from ..words.lexicon.quantities import quantities

@@ -11,8 +11,7 @@ from ..words.lexicon.entries import Effect
 from ..words.lexicon.quantities import ClaimText
 from ..words.lexicon.vocabulary import Vocabulary
 from ..words.types import Attribute
-from .contradictions import CASTS
-from .resolve import Goals, resolved
+from .resolve import CASTS, Goals, resolved
 from .wish import Wish, wishes_of
 
 Axis = tuple[str, str]  # a part of the image, and a measure of it

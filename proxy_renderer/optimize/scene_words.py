@@ -13,7 +13,7 @@ from ..color.floats import srgb_from_linear
 from ..planning.glow import glowing, glows
 from ..render.geometry.camera import view_of
 from ..render.geometry.samples import pixel_centers
-from ..render.material.textures import geometry_of
+from ..render.material.inputs import geometry_of
 from ..scene import SceneData, SceneMesh
 from ..scene.data import Material
 from ..scene.values import RenderValues

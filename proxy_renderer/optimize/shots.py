@@ -21,8 +21,8 @@ from ..guidance.guide import Guidance
 from ..planning.advice import Advice, Advisor
 from ..planning.types import Plan
 from ..render.cycles import Correction, CyclesPicture
-from ..render.gbuffer import GBuffer
 from ..render.proxy import Proxy, Render
+from ..render.surface.view_cache import GBuffer
 from ..scene import SceneData
 from ..schema import GROUPS, Instance, VibeError, labels, matches, material_copies, messages
 from ..schema.messages import Options

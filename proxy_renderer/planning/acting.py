@@ -6,8 +6,7 @@ from dataclasses import replace
 
 from ..color.floats import lab_from_srgb
 from ..color.shades import hue_apart
-from ..goals.contradictions import contradicts
-from ..goals.resolve import Goals, Lost
+from ..goals.resolve import Goals, Lost, contradicts
 from ..goals.wish import Wish
 from ..words.lexicon.entries import Effect
 from ..words.lexicon.quantities import quantities

@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..color.floats import linear_from_srgb, srgb_from_lab
-from ..goals.contradictions import CASTS
 from ..goals.relative import beside_picture
-from ..goals.resolve import Goals
+from ..goals.resolve import CASTS, Goals
 from ..goals.wish import Wish
 from ..schema import Instance, Values
 from ..words.lexicon.entries import OWNERS, Effect

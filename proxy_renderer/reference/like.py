@@ -21,7 +21,7 @@ from ..planning.advice import NO_PROMPTS, Advice, Advisor
 from ..planning.picture_ranges import UNTOUCHED, beside_words
 from ..planning.types import Plan, PlanEntry
 from ..render.film import Film
-from ..render.gbuffer import GBuffer
+from ..render.surface.view_cache import GBuffer
 from ..scene import SceneData
 from ..schema import Instance, VibeError
 from ..schema.options.table import TRAITS, Options
@@ -31,7 +31,7 @@ from ..words.lexicon.quantities import ClaimText
 from ..words.lexicon.user_words import default_vocabulary
 from ..words.types import Attribute, Parsed, Part, SceneDescription
 from . import light_probe, ranges, statements
-from .picture import ReferencePicture, read_reference
+from .files import ReferencePicture, read_reference
 from .ranges import effects_of
 from .regions import PictureRegions, regions_of
 

@@ -18,7 +18,7 @@ from torch import Tensor
 from ..claims.claim import Claim
 from ..claims.measures.picture import MeasuredPicture
 from ..color.tensors import lab_from_srgb
-from ..render.gbuffer import GBuffer
+from ..render.surface.view_cache import GBuffer
 from ..schema import Values
 from ..words.types import Part
 

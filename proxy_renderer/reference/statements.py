@@ -16,7 +16,7 @@ from ..claims.measures import MEASURES
 from ..claims.measures.color import corner_falls, grayness
 from ..claims.measures.picture import MeasuredPicture
 from ..color.tensors import lab_from_srgb
-from ..render.gbuffer import GBuffer
+from ..render.surface.view_cache import GBuffer
 from ..schema import Values
 from ..words.lexicon.quantities import ClaimText
 from ..words.types import Part

@@ -16,17 +16,15 @@ from ..scene.values import Remembered, RenderValues
 from ..schema import FAMILIES, VibeError
 from .cycles import Correction, CyclesPicture
 from .film import Film
-from .gbuffer import GBuffer, gbuffer_of
 from .geometry.camera import View, view_of
 from .lights.emitters import Emitters
 from .lights.environment import Environment, sky_of
 from .lights.light_source import LightSource
 from .lights.light_types import light_sources
-from .material.shading_inputs import ShadingInputs, shading_inputs_of
-from .material.textures import geometry_of
+from .material.inputs import ShadingInputs, geometry_of, shading_inputs_of
 from .surface import surfaces
 from .surface.surfaces import RenderState
-from .surface.view_cache import ViewCache
+from .surface.view_cache import GBuffer, ViewCache
 from .transport.fog import DIRECTIONS, FogMedium, SingleScattering
 from .transport.indirect import IndirectLight
 from .transport.secondary_hits import RadianceTable
@@ -137,7 +135,7 @@ class Proxy:
             linear = _resolve(frame, gray)[0].view(3, *clear.shape).permute(1, 2, 0)
             latent = LatentImage(linear=linear, mask=clear, depth=clear, transmittance=clear)
             shown = self.develop(latent, values)
-            return gbuffer_of(self.scene, self.geometry, frame.view, frame.cache, clear, shown.display)
+            return frame.cache.gbuffer(frame.view, clear, shown.display)
 
     def _gray(self, frame: RenderState) -> Tensor:
         """Radiance (3, N) of all samples if every surface scattered half of all light, whatever its color; black for the world."""

@@ -14,7 +14,7 @@ from ..planning.glow import glows
 from ..planning.light_levels import kelvin_color
 from ..planning.ranges import within
 from ..planning.types import LightPlan, PlanEntry
-from ..render.material.textures import geometry_of
+from ..render.material.inputs import geometry_of
 from ..scene import SceneData
 from ..schema import Instance, Values, orbit, radiometry
 from ..schema.added_lights import CARD, CARD_AWAY, card

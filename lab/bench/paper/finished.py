@@ -15,7 +15,7 @@ from scipy import ndimage
 from proxy_renderer.claims.measures.picture import MeasuredPicture
 from proxy_renderer.color import tensors
 from proxy_renderer.engine.pictures import load_picture
-from proxy_renderer.render.gbuffer import GBuffer
+from proxy_renderer.render.surface.view_cache import GBuffer
 
 FloatArray = NDArray[np.float64]
 _BORDER = 1  # pixels on either side of an outline that belong to neither

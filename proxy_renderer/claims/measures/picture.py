@@ -13,7 +13,7 @@ from torch import Tensor
 
 from ...color.constants import CONES_FROM_REC709, REC709_FROM_CONES
 from ...color.tensors import lab_from_srgb, linear_from_srgb, luminance, oklab_from_srgb, srgb_from_linear
-from ...render.gbuffer import GBuffer
+from ...render.surface.view_cache import GBuffer
 from ...words.types import Part
 
 FEW = 32  # pixels of which nothing is told

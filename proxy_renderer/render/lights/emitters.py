@@ -18,7 +18,7 @@ from ...color.tensors import luminance
 from ...scene import Light
 from ..geometry.vectors import cosine_directions, cross, dot, unit
 from ..geometry.visibility import RayGeometry, sphere_points
-from ..material.shading_inputs import ShadingInputs
+from ..material.inputs import ShadingInputs
 from .light_source import clipped_sphere
 from .light_types import PointLight
 from .shadows import k_means

@@ -19,7 +19,7 @@ from torch import Tensor
 from ..geometry.vectors import within
 from ..lights.area_specular import AreaSpecular
 from ..material import albedo
-from ..material.shading_inputs import ShadingInputs, used
+from ..material.inputs import ShadingInputs, used
 
 _FAINT = 1e-4  # reflectance seen head on below which the dielectric layer fades out
 

@@ -18,7 +18,7 @@ from ..geometry.vectors import within
 from ..lights.environment import GLOSSY, SATIN, Sky
 from ..lights.light_source import LightSource
 from ..material import albedo
-from ..material.shading_inputs import ShadingInputs, used
+from ..material.inputs import ShadingInputs, used
 from ..transport.fog import FogMedium
 from ..transport.glow import BLURS
 from ..transport.indirect import IndirectLight

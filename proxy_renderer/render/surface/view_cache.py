@@ -15,13 +15,13 @@ from ...scene import SceneData
 from ...scene.values import needs_gradient
 from ..geometry.camera import View
 from ..geometry.gather_points import SparseWeights
-from ..geometry.samples import take
+from ..geometry.samples import pixel_centers, take
 from ..geometry.vectors import dot, unit
 from ..geometry.visibility import RayGeometry, Surface, facing
 from ..lights.environment import GLOSSY, SATIN, Sky
 from ..lights.light_source import LightSource
 from ..lights.shadows import LightClusters
-from ..material.textures import MaterialTextures
+from ..material.inputs import MaterialTextures
 from ..transport.indirect import FinalGather
 from ..transport.indirect_fog import IndirectFogRays
 from ..transport.secondary_hits import SecondaryHits, through
@@ -32,6 +32,23 @@ from .edges import Silhouettes
 _SMALL_STEP = 0.02  # of a lamp's distance: a loop may move it so far before bounced light is traced again
 _LEAST_ALIKE = 0.1  # cosine between a mapped and the true normal below which the map does not count
 _GEOMETRIC = ("alpha", "normal", "far")
+
+
+@dataclass(frozen=True)
+class GBuffer:
+    """Surfaces that the camera sees."""
+
+    subject: Tensor  # (H, W) share of each pixel that the subject covers
+    material: Tensor  # (H, W) int64, number of the material in the pixel's middle; -1 for the world
+    materials: tuple[str, ...]  # names of the materials by number
+    normal: Tensor  # (H, W, 3) unit normals, x to the right, y up, z towards the camera; zero for the world
+    transmittance: Tensor  # (H, W) share of light that fog lets through from what is seen
+    pattern: Tensor  # (H, W) luminance of textured base colors relative to their material's mean; else 1
+    # names of the materials of the surroundings, which the subject may wear too: words for it do not paint them
+    surrounding: tuple[str, ...] = ()
+    # (H, W, 3) a gray surface in the place of what is seen, as shown: its color is that of the light; black for the
+    # world; None where that is not known
+    gray: Tensor | None = None
 
 
 @dataclass(frozen=True)
@@ -171,6 +188,24 @@ class ViewCache:
                 light = luminance(color.detach().T)[:, 0]
                 relative[0, start:stop] = light / light.mean().clamp_min(1e-3)
         return self.samples.resolve(relative).view(self.depth.shape)
+
+    @torch.no_grad()
+    def gbuffer(self, view: View, transmittance: Tensor, gray: Tensor) -> GBuffer:
+        """The G-buffer of a view, with the transmittance (H, W) of the fog before it, and a gray surface (H, W, 3) in its place."""
+        hits, still = self.samples.center_hits, view.detached()
+        _, toward = still.rays(pixel_centers(view.size).to(self.geometry.device))
+        surface = self.geometry.surface(hits, toward)
+        normal = torch.where(hits.hit, still.rotation.T @ surface.normal, 0.0)
+        return GBuffer(
+            subject=self.mask,
+            material=torch.where(hits.hit, surface.material, -1).view(self.depth.shape),
+            materials=tuple(m.name for m in self.scene.materials),
+            normal=normal.T.reshape(*self.depth.shape, 3),
+            transmittance=transmittance,
+            pattern=self.pattern(),
+            gray=gray,
+            surrounding=tuple(m.name for m in self.scene.materials if m.role != "subject"),
+        )
 
     def direct_light(
         self, index: int, lamps: Sequence[LightSource], view_samples: ViewSamples, view: View

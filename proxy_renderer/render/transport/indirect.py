@@ -21,7 +21,7 @@ from ..geometry.vectors import above, length, reflect
 from ..geometry.visibility import RayGeometry, Surface, shared_points
 from ..lights.environment import GLOSSY
 from ..lights.light_source import LightSource
-from ..material.textures import MaterialTextures
+from ..material.inputs import MaterialTextures
 from .fog import FogMedium, LightPaths
 from .glow import GlowShares, LobeRays, glow_of
 from .indirect_fog import IndirectFog

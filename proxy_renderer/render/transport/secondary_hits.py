@@ -21,7 +21,7 @@ from ..geometry.vectors import above, cosine_directions, dot, reflect, unit
 from ..geometry.visibility import RayGeometry, Surface
 from ..lights.environment import harmonics
 from ..lights.light_source import DirectIrradiance, LightSource
-from ..material.textures import MaterialTextures
+from ..material.inputs import MaterialTextures
 
 
 @dataclass(frozen=True)
