@@ -274,7 +274,6 @@ def _page(title: str) -> tuple[str, str]:
 
 @contextmanager
 def _file(path: Path) -> Iterator[TextIO]:
-    """A text file that appears whole or not at all."""
     try:
         with atomic.replacing(path) as part, part.open("w", encoding="utf-8", newline="") as file:
             yield file

@@ -28,7 +28,7 @@ from .manifest import Job, Limits
 from .store import DONE, FINAL, FRAMES, LOG, WORDS, JobRow, head, read_json, tidy, write_bytes, write_json
 
 _THUMB = 480  # pixels, the longer side
-_PICTURES = ("before", "after")
+_PICTURES, _UNDERSTOOD = ("before", "after"), ("whole", "ignored", "guesses", "notes")
 _ENGINE, _CYCLES = "engine: loop", ("render before", "render after")
 
 
@@ -72,7 +72,6 @@ def _words(report: dict[str, Any], state: str) -> list[str]:
 
 
 def _thumb(folder: Path, name: str) -> None:
-    """A small JPEG of a picture."""
     content = io.BytesIO()
     try:
         with Image.open(folder / f"{name}.png") as picture:
@@ -94,9 +93,7 @@ def _details(job: Job, report: dict[str, Any]) -> bytes:
         "parameters": rows,
         "left": len(parameters) - len(rows),
         "warnings": report.get("warnings", []),
-        "understood": {
-            k: understood[k] for k in ("whole", "ignored", "guesses", "notes") if understood.get(k)
-        },
+        "understood": {name: understood[name] for name in _UNDERSTOOD if understood.get(name)},
         "timings": report.get("timings", {}),
         "versions": report.get("versions", {}),
     }
@@ -162,7 +159,6 @@ class Worker:
         self._kill()
 
     def _carry_out(self, arguments: list[str], log: TextIO, watch: _Watch) -> None:
-        """Gives an order and waits for its end."""
         process = self._started()
         print(f"\n== {time.strftime('%Y-%m-%d %H:%M:%S')}  {' '.join(arguments)}", file=log, flush=True)
         assert process.stdin is not None

@@ -38,7 +38,6 @@ class TerminalBar:
         self._task: Any = None
 
     def _open(self, columns: Sequence[Any], description: str, **task: Any) -> None:
-        """Starts a bar with one task."""
         from rich.console import Console
         from rich.progress import Progress
 

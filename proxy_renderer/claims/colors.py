@@ -61,30 +61,28 @@ _TINTING = ("light", "fill", "rim", "ambience", "tone")  # kinds of targets whos
 
 def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
     """Claims of a color word: the color of an object, or a tint of the light, the air or the film."""
-    part, thing = attribute.part, attribute.thing or attribute.region
+    word, part, thing = attribute.word, attribute.part, attribute.thing or attribute.region
     if attribute.kind in ("subject", "surroundings", "sky"):
         region: Region = "subject" if part == "subject" else "surroundings"
         shown = srgb_from_lab(display_color(srgb, region))
         lower, upper, hue = _interval(shown, 100 * oklab_from_srgb(srgb)[0])
-        yield Claim(
-            attribute.word, thing, "color", part, lower, upper, attribute.owners, None, hue, color=shown
-        )
+        yield Claim(word, thing, "color", part, lower, upper, attribute.owners, None, hue, color=shown)
     elif attribute.kind in _TINTING:
-        for tint in tints(attribute.word, "picture", "picture", srgb):
+        for tint in tints(word, "picture", "picture", srgb):
             yield from [as_accent(tint)] if attribute.of_one_light else _of_all_light(attribute, tint, srgb)
     # "teal shadows": a cast of what is dark, whatever is painted; nothing for gray
     elif attribute.kind in _TONE_CASTS:
-        for tint in tints(attribute.word, "picture", "picture", srgb):
+        for tint in tints(word, "picture", "picture", srgb):
             lower, upper = ((end,) for end in _CAST)
             measure = _TONE_CASTS[attribute.kind]
             yield replace(tint, measure=measure, lower=lower, upper=upper, change=None)
     elif attribute.kind == "fog":
-        yield from tints(attribute.word, thing, "surroundings", srgb)
+        yield from tints(word, thing, "surroundings", srgb)
         light, strength = lab_from_srgb(srgb)[0], chroma(lab_from_srgb(srgb))
         if strength < COLORED and not _BLACK < light < _WHITE:
             white = light >= _WHITE
             ends = ((_WHITE_AIR,), (math.inf,)) if white else ((-math.inf,), (_BLACK_AIR,))
-            yield Claim(attribute.word, attribute.thing, "air_lightness", "surroundings", *ends)
+            yield Claim(word, attribute.thing, "air_lightness", "surroundings", *ends)
 
 
 def _interval(shown: Values, named: float) -> tuple[Values, Values, Values]:
@@ -112,10 +110,8 @@ def tints(
     """The claim that a part's mean color lies in a color's direction; nothing for gray."""
     named = lab_from_srgb(srgb)
     if (strength := chroma(named)) >= COLORED:
-        direction = named[1] / strength, named[2] / strength
-        yield Claim(
-            word, thing, "tint", part, (_TINTED,), (math.inf,), materials, _TINTED_MORE, direction, srgb
-        )
+        hue = named[1] / strength, named[2] / strength
+        yield Claim(word, thing, "tint", part, (_TINTED,), (math.inf,), materials, _TINTED_MORE, hue, srgb)
 
 
 def as_accent(tint: Claim) -> Claim:

@@ -149,9 +149,8 @@ def _of_text(text: ClaimText, wish: Wish) -> Claim:
 
 def _with_accents(rows: list[tuple[Wish, list[Claim]]]) -> list[tuple[Wish, list[Claim]]]:
     """Wishes with their claims; colors of light that no image can have all over, magenta and cyan, have a part of it each."""
-    tints = [
-        c for w, row in rows if w.attribute.color for c in row if (c.part, c.measure) == ("picture", "tint")
-    ]
+    colored = (c for wish, row in rows if wish.attribute.color for c in row)
+    tints = [c for c in colored if (c.part, c.measure) == ("picture", "tint")]
     opposed = [c for c in tints if any(_cosine(c, other) < -_OPPOSED for other in tints)]
     words, found = {c.word for c in opposed}, []
     for wish, row in rows:

@@ -24,7 +24,6 @@ _HOW = ("picture", "effort", "reach", "engine", "render")  # headings of options
 
 
 def _add_scene(parser: argparse.ArgumentParser, optional: bool = False) -> None:
-    """Adds the scene and `--subject`; a scene that is left out is ""."""
     count: dict[str, Any] = {"nargs": "?", "default": ""} if optional else {}
     meshes = " ".join(MESH_FORMATS)
     parser.add_argument("scene", metavar="SCENE", help=f"a .blend, or a mesh: {meshes}", **count)

@@ -65,9 +65,7 @@ def _length(*components: Tensor) -> Tensor:
 def _hue(b: Tensor, a: Tensor) -> Tensor:
     """Hue angle in radians, [0, 2π); 0 for a neutral color, with a zero gradient there."""
     neutral = (a.abs() < _TINY) & (b.abs() < _TINY)
-    angle = torch.atan2(
-        torch.where(neutral, torch.zeros_like(b), b), torch.where(neutral, torch.ones_like(a), a)
-    )
+    angle = torch.atan2(b.masked_fill(neutral, 0.0), a.masked_fill(neutral, 1.0))
     return torch.where(angle < 0, angle + 2 * math.pi, angle)
 
 
@@ -89,9 +87,8 @@ def ciede2000(
     mean_h = torch.where(neutral, h1 + h2, h1 + dh / 2)
     delta_l, delta_c = l2 - l1, c2 - c1
     half_turn = torch.where(neutral, torch.zeros_like(dh), dh) / 2
-    delta_h = (
-        2 * torch.where(neutral, torch.zeros_like(c1), (c1 * c2).clamp_min(_TINY).sqrt()) * half_turn.sin()
-    )
+    both = torch.where(neutral, torch.zeros_like(c1), (c1 * c2).clamp_min(_TINY).sqrt())
+    delta_h = 2 * both * half_turn.sin()
 
     mean_l, mean_c = (l1 + l2) / 2, (c1 + c2) / 2
     t = 1 - 0.17 * torch.cos(mean_h - math.radians(30)) + 0.24 * torch.cos(2 * mean_h)

@@ -104,7 +104,7 @@ def save_image(image: Image.Image, path: Path) -> None:
         image.save(part, format="PNG")
 
 
-def load_picture(path: Path, shape: tuple[int, int] | None = None) -> np.ndarray:
+def load_picture(path: Path | str, shape: tuple[int, int] | None = None) -> np.ndarray:
     """Reads an image as (H, W, 3) float32 in [0, 1], resized to a width and height if given; transparent pixels show black."""
     with Image.open(path) as image:
         flat = Image.alpha_composite(Image.new("RGBA", image.size, (0, 0, 0, 255)), image.convert("RGBA"))

@@ -157,7 +157,7 @@ class EngineSession:
     def finish(self, request: messages.Finish) -> messages.Finished:
         """Measures and composes Cycles' pictures of a shot, in the order of shots; raises VibeError if there was no `run` before."""
         outcome, encoder = self._last("finish")
-        before, after = (pictures.load_picture(Path(p)) for p in (request.before, request.after))
+        before, after = (pictures.load_picture(p) for p in (request.before, request.after))
         shape, shot = (after.shape[1], after.shape[0]), self.shots[request.shot]
         names, mask = self._predicted[request.shot]
         predictions = {n: pictures.load_picture(Path(shot.job) / pictures.PICTURES[n], shape) for n in names}
@@ -191,9 +191,7 @@ class EngineSession:
         """Measures Cycles' pictures of another frame by the words of this vibe; raises VibeError if there was no `run` before."""
         outcome, encoder = self._last("check")
         scene = load_scene(Path(request.job))
-        before, after = (
-            torch.from_numpy(pictures.load_picture(Path(p))) for p in (request.before, request.after)
-        )
+        before, after = (torch.from_numpy(pictures.load_picture(p)) for p in (request.before, request.after))
         size = after.shape[1], after.shape[0]
         seen = Proxy(scene, size, str(encoder.device), self.options.seed).gbuffer({})
         rows = ShotClaims(outcome.claims, seen, seen).verdicts(before, after, after)

@@ -207,13 +207,11 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
 
 
 def _fault(error: Exception) -> messages.Error:
-    """The message of an error that nobody expected."""
     fault = errors.unexpected(error, "the engine was at work")
     return messages.Error(fault.message, fault.remedy, unexpected=True)
 
 
 def _file_trouble(request: object, error: OSError) -> messages.Error:
-    """The message of a file that cannot be read or written."""
     if error.errno not in (errno.ENOSPC, errno.EDQUOT):
         return _fault(error)
     folder = Path(request.compare_out).parent if isinstance(request, messages.Finish) else "its folder"

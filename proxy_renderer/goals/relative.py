@@ -180,9 +180,8 @@ def _effect_moved(effect: Effect, way: float, factor: float) -> Effect:
             ends = sorted((_REACH * way * (1 - _EXACT), _REACH * way * (1 + _EXACT)))
             return Effect(effect.owner, effect.name, "near", (ends[0],), (ends[1],), priority=1)
         factor = _BRIGHTER**way
-    return Effect(
-        effect.owner, effect.name, "times", (factor * (1 - _EXACT),), (factor * (1 + _EXACT),), priority=1
-    )
+    low, high = ((factor * (1 + off),) for off in (-_EXACT, _EXACT))
+    return Effect(effect.owner, effect.name, "times", low, high, priority=1)
 
 
 def _steps(word: str) -> float:

@@ -108,7 +108,6 @@ def _measured(wish: Wish) -> Iterator[tuple[str, str]]:
 
 
 def _same_target(first: Wish, later: Wish) -> bool:
-    """True if two wishes are about the same light, object or image."""
     a, b = first.attribute, later.attribute
     roles = ["" if each.role == "key" else each.role for each in (a, b)]  # words without a role mean the key
     if (a.lamp, a.lights, roles[0]) != (b.lamp, b.lights, roles[1]):
@@ -134,7 +133,6 @@ def _overlapping(some: Sequence[ClaimText], others: Sequence[ClaimText]) -> bool
 
 
 def _apart(a: ClaimText, b: ClaimText) -> bool:
-    """True if two intervals have nothing in common."""
     every = zip(a.lower, b.lower, a.upper, b.upper, strict=True)
     return any(max(*ends[:2]) > min(*ends[2:]) for ends in every)
 
@@ -238,7 +236,6 @@ def _kelvins(effect: Effect) -> int:
 
 
 def _is_tinted(wish: Wish) -> bool:
-    """True if a wish colors all of the light."""
     color = wish.attribute.color
     if color and wish.attribute.kind in _ALL_LIGHT and chroma(lab_from_srgb(color)) >= _COLORED:
         return True

@@ -297,9 +297,8 @@ def _read_word(word: JsonFields) -> tuple[Attribute, list[Wish]]:
     rows = word.take("wishes", list, [])
     target.end()
     word.end()
-    wishes = [
-        _read_wish(JsonFields(row, f"{word.place}.wishes[{n}]"), attribute) for n, row in enumerate(rows)
-    ]
+    fields = (JsonFields(row, f"{word.place}.wishes[{n}]") for n, row in enumerate(rows))
+    wishes = [_read_wish(each, attribute) for each in fields]
     breadth = 0 if attribute.slot == PICTURE else breadth_of(wishes)
     return attribute, [replace(wish, breadth=breadth, vague=vague) for wish in wishes]
 

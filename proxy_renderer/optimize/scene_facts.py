@@ -77,7 +77,6 @@ def mean_luminance(image: np.ndarray | None) -> float:
 
 
 def _picture_stats(picture: Render) -> PictureStats:
-    """Mean colors of the regions, and percentiles of the lightness of the whole image."""
     lab, mask = lab_from_srgb(picture.display.detach()).cpu(), picture.mask.detach().cpu()
     means: dict[Region, Tensor] = {
         "subject": regions.mean(lab, mask),

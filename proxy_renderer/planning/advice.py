@@ -67,7 +67,6 @@ def compose(
 
 
 def _called(region: str, parsed: Parsed) -> str:
-    """The prompt's name for the first thing of a region."""
     name = next((o.name for o in parsed.objects if o.region == region), region)
     return _UNNAMED[region] if name in ("", region) else name
 
@@ -79,8 +78,6 @@ def _is_of(region: str, attribute: Attribute) -> bool:
 
 
 class _Captions:
-    """Words for the encoder."""
-
     def __init__(self, vocabulary: Vocabulary) -> None:
         self.vocabulary, self.entries = vocabulary, vocabulary.entries
 
@@ -228,9 +225,8 @@ def explain(goals: Goals, prompts: Prompts, plan: Plan) -> str:
     moving = sorted((e.priority, key) for key, e in plan.items() if e.priority is not None)
     for priority, key in moving:
         entry = plan[key]
-        lines.append(
-            f"  {priority:3d}  {labels.title(key)}: {_range(key, entry.lower, entry.upper)}  {entry.reason}"
-        )
+        shown = _range(key, entry.lower, entry.upper)
+        lines.append(f"  {priority:3d}  {labels.title(key)}: {shown}  {entry.reason}")
     kept = len(plan) - len(moving)
     lines.append(f"  {kept} other parameters keep the artist's value.")
     lines += [f"  note: {note}" for note in plan.notes]

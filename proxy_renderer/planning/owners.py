@@ -135,9 +135,8 @@ class SceneLights:
 
     def of_role(self, role: str) -> list[str]:
         """The lights that have a role in the scene."""
-        return [
-            n for n in self.lamps if any(i.owner == n and i.role == role for i in self._instances.values())
-        ]
+        playing = {i.owner for i in self._instances.values() if i.role == role}
+        return [name for name in self.lamps if name in playing]
 
     def values(self, effect: Effect, attribute: Attribute) -> list[Instance]:
         """The parameters on which an effect of a word acts; of a glow, those that stand for a light's."""

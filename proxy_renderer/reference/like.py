@@ -87,9 +87,8 @@ class Reference:
 
     def _wishes(self, word: str, texts: list[str], material: str = "") -> list[Wish]:
         said = _word(word, self.name, material)
-        return [
-            Wish(said, each.quantity, effects=each.effects, claims=each.claims) for each in read_wishes(texts)
-        ]
+        found = read_wishes(texts)
+        return [Wish(said, each.quantity, effects=each.effects, claims=each.claims) for each in found]
 
     @cached_property
     def probe(self) -> light_probe.LightProbe | None:

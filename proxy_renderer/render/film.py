@@ -108,9 +108,8 @@ class _Settings:
 
     def moves(self, *names: str) -> bool:
         """True if any of them changes the picture, or could: it is being learned."""
-        return any(
-            self[n].requires_grad or bool((self[n] != FAMILIES[f"film/{n}"].default).any()) for n in names
-        )
+        pairs = ((self[name], FAMILIES[f"film/{name}"].default) for name in names)
+        return any(value.requires_grad or bool((value != neutral).any()) for value, neutral in pairs)
 
 
 def power(picture: Picture, exponent: Amount) -> Picture:

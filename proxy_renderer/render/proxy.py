@@ -238,7 +238,6 @@ class Proxy:
         return float(self.scene.references.get("view_distance", self.geometry.size))
 
     def _gather(self, frame: RenderState, table: RadianceTable) -> IndirectLight:
-        """Indirect light."""
         if not frame.fog.active:
             return frame.cache.indirect.gather(table)
         indirect_fog = frame.cache.indirect_fog(self._near).gather(frame.fog, frame.sources, frame.sky)

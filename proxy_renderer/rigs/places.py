@@ -164,9 +164,8 @@ def _made(
 def _free_name(part: str, kind: str, stage: LightStage, taken: set[str]) -> str:
     """The name of an added light for a part, or of another part's where a rig has two of it; "" if all are taken."""
     free = {light.name for light in stage.scene.standby.lights} - taken
-    return next(
-        (name for each in dict.fromkeys((part, *PARTS)) if (name := light_name(each, kind)) in free), ""
-    )
+    names = (light_name(each, kind) for each in (part, *PARTS))
+    return next((name for name in names if name in free), "")
 
 
 def _targets(light: RigLight, stage: LightStage) -> Points:

@@ -273,9 +273,8 @@ class ModelAdvisor:
         table = AliasTable(instances, context)
         empty = Advice(Goals(Parsed(self._prompt)), Prompts("", "", ""), Plan())
         base = draft or empty
-        question = make_question(
-            self._prompt, table, context, (base.goals, base.prompts, base.plan), jpeg_of(display)
-        )
+        drafted = base.goals, base.prompts, base.plan
+        question = make_question(self._prompt, table, context, drafted, jpeg_of(display))
         self._tell(f"asking {self._client.endpoint.model}")
 
         def check(raw: Any) -> None:
@@ -310,9 +309,8 @@ class ModelAdvisor:
             k: PlanEntry.kept(instances[k], _KEEPS) if k in reply.keep else e for k, e in drafted.items()
         }
         plan = Plan({**entries, **reply.entries}, drafted.notes)
-        return Advice(
-            goals, prompts, plan, draft.unmeasured if draft else prompts, self._client.endpoint.model
-        )
+        unmeasured = draft.unmeasured if draft else prompts
+        return Advice(goals, prompts, plan, unmeasured, self._client.endpoint.model)
 
     def _alone(
         self,
@@ -336,7 +334,6 @@ class ModelAdvisor:
         return replace(draft, source=f"offline planner: {why}")
 
     def _read(self, caption: str) -> Parsed:
-        """The model's caption, parsed with the vocabulary."""
         try:
             return replace(parse(caption, self._words), prompt=self._prompt)
         except VibeError:
@@ -344,7 +341,6 @@ class ModelAdvisor:
 
 
 def _wishes(reply: Reply) -> Iterator[Wish]:
-    """A model's wishes for the image: implied, so that the prompt's own words come first."""
     for quantity, named in reply.targets.items():
         word = Attribute(named, "", "mood", "whole", "light", cause=_MODEL)
         yield Wish(word, quantity, named, claims=quantities().by_name[quantity].classes[named])

@@ -61,9 +61,8 @@ class _TurnedKey:
         self._proxy = Proxy(scene, picture_size(scene.resolution, _SIZE))
         self._vector, self._u = vector, u
         self._keys = f"{light}/azimuth", f"{light}/elevation"
-        self._power = next(
-            f"{light}/{n}" for n in ("power", "strength") if f"{light}/{n}" in vector.instances
-        )
+        energies = (f"{light}/{name}" for name in ("power", "strength"))
+        self._power = next(key for key in energies if key in vector.instances)
         self._goal = _cells(goal)
         with torch.no_grad():
             dark = {self._power: torch.zeros(1)}

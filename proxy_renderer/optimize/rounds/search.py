@@ -200,9 +200,8 @@ class Search:
         if not here.earlier and self.reference and self.reference.same:
             goal = self.reference.display
             u = with_key_turned(self.shots[0].scene, self.vector, u, now.lower, now.upper, goal)
-        return replace(
-            now, u=u, shots=[shot.anchored(u, here.number, _STRIDE).viewed(u) for shot in now.shots]
-        )
+        shots = [shot.anchored(u, here.number, _STRIDE).viewed(u) for shot in now.shots]
+        return replace(now, u=u, shots=shots)
 
     def select(self, now: Confined, u: Tensor, shots: Sequence[ShotState] = ()) -> Selection:
         """S_K (line 6), chosen at u (N,), and the objective over it; `shots` judge, all of the round if there are none."""

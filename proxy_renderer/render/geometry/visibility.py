@@ -210,7 +210,6 @@ class RayGeometry:
             self._sort()
 
     def _sort(self) -> None:
-        """Sorts the triangles by how rays treat them."""
         clear = self.glass > 0 if self.opacity is None else self.opacity.clear | (self.glass > 0)
         self._classes = classes_of(self._mesh, self._hidden, clear.cpu().numpy(), self._apart)
         self._filter = any(c.clear for c in self._classes)

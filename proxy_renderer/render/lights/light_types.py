@@ -302,9 +302,8 @@ def light_sources(
 ) -> list[LightSource]:
     """All lights of the scene at the render's values, some made before; raises VibeError if one has an unknown type."""
     kept = made or Remembered()
-    return [
-        kept.of(
-            f"light/{light.name}", values, partial(light_type(light.type).of, light, scene, values), number
-        )
-        for number, light in enumerate(scene.lights)  # instances of a lamp have its name
-    ]
+    found = []
+    for number, light in enumerate(scene.lights):  # instances of a lamp have its name
+        make = partial(light_type(light.type).of, light, scene, values)
+        found.append(kept.of(f"light/{light.name}", values, make, number))
+    return found

@@ -194,7 +194,6 @@ class ShadowFilter:
 
 
 def _steps(radius: int) -> list[tuple[int, int]]:
-    """Offsets to the neighbors in a square."""
     side = range(-radius, radius + 1)
     return [(dy, dx) for dy in side for dx in side if dx or dy]
 

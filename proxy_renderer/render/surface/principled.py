@@ -97,7 +97,6 @@ def _metal(inputs: ShadingInputs, view: Tensor, base: Tensor, single: tuple[Tens
 
 
 def _dielectric(inputs: ShadingInputs, view: Tensor, single: tuple[Tensor, Tensor]) -> _Layer:
-    """The dielectric layer above a diffuse base."""
     e, mean = single
     f0 = albedo.f0_of(inputs.ior) * 2 * inputs.specular
     root = f0.clamp(1e-5, 0.95).sqrt()

@@ -27,6 +27,9 @@ from ..geometry.camera import RaySegments, View
 from ..geometry.vectors import length
 from ..lights.light_source import LightSource
 
+Vectors = Float[Tensor, "3 *#n"]
+Numbers = Float[Tensor, "*#n"]
+
 _EVERYWHERE = 1.0e3  # diameter of an infinite fog in sizes of the box: farther away it counts no more
 SEGMENTS = 16
 COARSE = 8  # pixels of the picture per ray of the coarse one
@@ -83,20 +86,12 @@ class FogMedium:
         return float(torch.maximum((origin - low).abs(), (origin - high).abs()).norm())
 
     def transmittance(
-        self,
-        start: Float[Tensor, "3 *#n"],
-        toward: Float[Tensor, "3 *#n"],
-        distance: Float[Tensor, "*#n"] | float,
+        self, start: Vectors, toward: Vectors, distance: Numbers | float
     ) -> Float[Tensor, "*n"]:
         """Share of light (…) that gets through, from starts (3, …) in unit directions (3, …) over distances (…), finite or not."""
         return torch.exp(-self.density * self.thickness(start, toward, distance))
 
-    def thickness(
-        self,
-        start: Float[Tensor, "3 *#n"],
-        toward: Float[Tensor, "3 *#n"],
-        distance: Float[Tensor, "*#n"] | float,
-    ) -> Float[Tensor, "*n"]:
+    def thickness(self, start: Vectors, toward: Vectors, distance: Numbers | float) -> Float[Tensor, "*n"]:
         """Optical depth over density, in meters (…); arguments as for `transmittance`."""
         first, last = self._inside(start, toward, distance)
         length = last - first
@@ -141,9 +136,9 @@ class FogMedium:
 class LightPaths:
     """Segments through one scene's fog, as `FogMedium.transmittance` takes them; their thickness is cached."""
 
-    start: Float[Tensor, "3 *#n"]
-    toward: Float[Tensor, "3 *#n"]
-    distance: Float[Tensor, "*#n"]
+    start: Vectors
+    toward: Vectors
+    distance: Numbers
     _measured: dict[tuple[float, ...], Tensor] = field(default_factory=dict, repr=False, compare=False)
 
     def transmittance(self, fog: FogMedium) -> Float[Tensor, "*n"]:
@@ -267,7 +262,6 @@ class SingleScattering:
         return strength.unflatten(0, (len(rays.cuts) - 1, -1)).mean(1)
 
     def _world_light(self, fog: FogMedium, rays: RaySegments, world: Tensor) -> Tensor:
-        """The same for the world."""
         key = "world", *rays.start.shape
         arriving = self._of(fog, rays, "", key, lambda: self._world_arriving(fog, rays))
         return torch.einsum("cd,dsxy->csxy", world.expand(3, len(WEIGHTS)), arriving)
@@ -279,9 +273,8 @@ class SingleScattering:
         everywhere = directions.expand(-1, -1, *points.shape[2:])
         far = torch.full_like(everywhere[0], math.inf)
         reaching = fog.transmittance(points, directions, far)
-        reaching = reaching * self._shadow(
-            "", rays.signature, points.expand_as(everywhere), everywhere, far, self._clear
-        )
+        ways = points.expand_as(everywhere), everywhere, far
+        reaching = reaching * self._shadow("", rays.signature, *ways, self._clear)
         lobe = phase((directions[:, :, 0] * rays.toward[:, None]).sum(0), fog.anisotropy)
         lobe = lobe * WEIGHTS.to(points).view(-1, 1, 1)
         # A few directions miss a narrow lobe: keep its energy

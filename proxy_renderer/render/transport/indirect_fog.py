@@ -63,10 +63,8 @@ class IndirectFogRays:
         coarse = GatherPoints(samples, surface, _ACROSS)
         self._points = points = surface.pick(coarse.index)
         self._smooth = coarse.smooth
-        distance = samples.hits.distance[gather_points]
-        self._to_gather_points = coarse.spread_to(
-            surface.pick(gather_points), samples.place[:, gather_points], distance
-        )
+        place, distance = samples.place[:, gather_points], samples.hits.distance[gather_points]
+        self._to_gather_points = coarse.spread_to(surface.pick(gather_points), place, distance)
         mirrored = above(reflect(samples.toward[:, coarse.index], points.normal), points.facet)
         rays = torch.cat((_diffuse(points), mirrored[:, :, None]), 2)  # (3, P, rays)
         self._toward = rays

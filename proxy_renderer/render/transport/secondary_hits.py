@@ -248,7 +248,6 @@ class SecondaryHits:
         self._trace(lamp, self._bounces(index), same_rays)
 
     def _trace(self, lamp: LightSource, bounces: list[_Bounce], same_rays: bool = False) -> None:
-        """Traces shadow rays from the surfaces of bounces."""
         for row, rays, surface, share in bounces:
             direct = lamp.irradiance(surface.position, surface.normal)
             if not same_rays:

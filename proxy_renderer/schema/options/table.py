@@ -199,11 +199,10 @@ class Options:
         return cls(**typed)
 
 
-def rows(options: type[Options]) -> tuple[Option, ...]:
+def rows(message: type[Options]) -> tuple[Option, ...]:
     """The rows of the table that are fields of the message."""
-    return tuple(
-        replace(f.metadata["option"], name=f.name) for f in fields(options) if "option" in f.metadata
-    )
+    known = (f for f in fields(message) if "option" in f.metadata)
+    return tuple(replace(f.metadata["option"], name=f.name) for f in known)
 
 
 _EFFORT = "; ".join(
