@@ -333,7 +333,7 @@ def _verdict(
         "measure": claim.measure,
         "says": MEASURES[claim.measure].says,
         "unit": MEASURES[claim.measure].unit,
-        "wanted": wanted(claim, before),
+        "wanted": interval_text(claim, before),
         "before": _shown(claim, before),
         "predicted": _shown(claim, predicted),
         "after": _shown(claim, after),
@@ -346,7 +346,7 @@ def _verdict(
     }
 
 
-def wanted(claim: Claim, before: Tensor | None) -> str:
+def interval_text(claim: Claim, before: Tensor | None) -> str:
     """The interval of a claim in a few words: "at least 8", "#1fb5b5"."""
     if claim.measure in _COLORS:
         return _hex(claim.oklab(tuple((a + b) / 2 for a, b in zip(claim.lower, claim.upper, strict=True))))

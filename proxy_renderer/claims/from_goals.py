@@ -8,7 +8,7 @@ from itertools import product
 from typing import Any
 
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
-from ..goals.relative import beside_picture
+from ..goals.relative import goals_with_picture
 from ..goals.resolve import Goals
 from ..goals.wish import Wish
 from ..schema import Values
@@ -57,7 +57,7 @@ _COLORED = ("light_color", "cast", "saturation", "color")  # of the whole image,
 
 def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     """The claims of goals, and those of every image: that its subject can be seen."""
-    goals = beside_picture(goals, vocabulary)
+    goals = goals_with_picture(goals, vocabulary)
     ranked = sorted((wish for wish in goals.wishes if not wish.of_picture), key=lambda wish: wish.rank)
     rows = _with_accents([(wish, [*_of_wish(wish, goals, vocabulary)]) for wish in ranked])
     colors = [c for wish, row in rows if wish.attribute.color and not wish.implied for c in row]
@@ -90,7 +90,7 @@ def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
         every = [*_held(goals, [*claims, *rig])]
     else:
         every = [claim for claim in _of_every_image(goals, claims) if not _is_told(claim, pictured)]
-    return (*beside_paint(_shared(rig), claims), *shown, *every, *pictured)
+    return (*light_claims(_shared(rig), claims), *shown, *every, *pictured)
 
 
 def _shared(rig: Sequence[Claim]) -> list[Claim]:
@@ -101,7 +101,7 @@ def _shared(rig: Sequence[Claim]) -> list[Claim]:
     return [replace(next(iter(each.values())), also=tuple(each)[1:]) for each in words.values()]
 
 
-def beside_paint(light: Sequence[Claim], claims: Sequence[Claim]) -> Iterator[Claim]:
+def light_claims(light: Sequence[Claim], claims: Sequence[Claim]) -> Iterator[Claim]:
     """A rig's claims, without those that the subject's paint decides: the light's color is then measured around the subject."""
     painted = any(c.part == "subject" and c.measure in ("color", "tint") for c in claims)
     for claim in light:

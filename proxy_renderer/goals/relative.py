@@ -38,7 +38,7 @@ _SEEN = 2.5  # changes that are enough in words alone, from where "colder" is se
 _ENOUGH = 0.8  # share of the way from where a word that compares is satisfied
 
 
-def beside_picture(goals: Goals, vocabulary: Vocabulary) -> Goals:
+def goals_with_picture(goals: Goals, vocabulary: Vocabulary) -> Goals:
     """Goals whose words and picture fit each other; without a picture the same goals.
 
     Where a word asks for more or less of something than the picture has, the picture's claims of the same move along: to where the

@@ -12,7 +12,7 @@ from ..planning.advice import Advice, Advisor
 from ..schema import messages
 from ..words.types import SceneDescription
 from .shots import ShotState
-from .vector import begun, feasible_ranges, project
+from .vector import feasible_ranges, project, start_point
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Looks:
         vector, home = self._shot.vector, self._home
         advice = self._shot.advised(advisor, home, self._described)
         ranges = feasible_ranges(advice.plan, vector.instances, vector.values(home))
-        return project(begun(vector, advice.plan, home), *vector.bounds(ranges)), advice
+        return project(start_point(vector, advice.plan, home), *vector.bounds(ranges)), advice
 
     def values(self, u: Tensor) -> EarlyLook:
         """The values of u (N,), without an image."""

@@ -19,7 +19,7 @@ from ..planning.types import Plan
 from ..render.proxy import LatentImage, Render
 from .least_squares import Assessment, Slopes, fixed_views
 from .shots import ShotState, chosen_values
-from .vector import ParameterVector, begun
+from .vector import ParameterVector, start_point
 
 _PICTURES = 5  # images that take as long as a backward pass through one
 
@@ -69,7 +69,7 @@ class RoundObjective:
 
         # The pull home, by component: where to, and its weight in [0, 1], 0 where words name a range
         artist = vector.encode({})
-        self._home = begun(vector, plan, artist)
+        self._home = start_point(vector, plan, artist)
         self._pull = torch.zeros_like(artist)
         for key in free:
             self._pull[vector.slices[key]] = plan[key].prior if plan[key].start is None else _NAMED

@@ -153,7 +153,7 @@ def project(u: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
     return torch.minimum(torch.maximum(u, lower), upper)
 
 
-def begun(vector: ParameterVector, plan: Plan, u: Tensor) -> Tensor:
+def start_point(vector: ParameterVector, plan: Plan, u: Tensor) -> Tensor:
     """The artist's point u (N,), with the values where words have the search begin, see `PlanEntry.start`."""
     starts = {key: entry.start for key, entry in plan.items() if entry.start is not None}
     return torch.where(vector.mark(starts), vector.encode(starts), u)

@@ -143,12 +143,12 @@ class SceneLights:
         glowing = _OF_GLOWS.get(effect.name)
         keys = [
             f"{light}/{glowing}" if light.startswith(GLOW) else f"light/{light}/{effect.name}"
-            for light in self.meant(effect, attribute)
+            for light in self.targets(effect, attribute)
             if glowing or not light.startswith(GLOW)
         ]
         return [self._instances[key] for key in keys if key in self._instances]
 
-    def meant(self, effect: Effect, attribute: Attribute) -> list[str]:
+    def targets(self, effect: Effect, attribute: Attribute) -> list[str]:
         """The lights and glows on which an effect of a word acts."""
         owner, role = effect.owner, attribute.role
         if effect.name in _PLACES and not set(self.key) & set(self.lamps):
@@ -246,7 +246,7 @@ class SceneMaterials:
         found = (i for i in self._instances.values() if i.parameter.group == "material" and i.role == region)
         return list(dict.fromkeys(i.owner for i in found))
 
-    def meant(self, effect: Effect, attribute: Attribute) -> list[str]:
+    def targets(self, effect: Effect, attribute: Attribute) -> list[str]:
         """The materials on which an effect of a word acts."""
         region = attribute.region if effect.owner == "material" else effect.owner
         if effect.owner == "surroundings" and attribute.kind == "sky":
@@ -313,7 +313,7 @@ class Owners:
         if group == "world":
             names = self._of_world(effect, attribute)
         elif group == "material":
-            names = [f"{material}/{effect.name}" for material in self.materials.meant(effect, attribute)]
+            names = [f"{material}/{effect.name}" for material in self.materials.targets(effect, attribute)]
         else:
             names = [effect.name]
         keys = (f"{group}/{name}" for name in names)

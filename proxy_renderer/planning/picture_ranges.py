@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..color.floats import linear_from_srgb, srgb_from_lab
-from ..goals.relative import beside_picture
+from ..goals.relative import goals_with_picture
 from ..goals.resolve import CASTS, Goals
 from ..goals.wish import Wish
 from ..schema import Instance, Values
@@ -81,9 +81,11 @@ def _cosine(one: tuple[float, float], other: tuple[float, float]) -> float:
     return (one[0] * other[0] + one[1] * other[1]) / lengths if lengths > 1e-9 else 1.0
 
 
-def beside_words(plan: Plan, goals: Goals, instances: Mapping[str, Instance], vocabulary: Vocabulary) -> Plan:
+def plan_with_picture(
+    plan: Plan, goals: Goals, instances: Mapping[str, Instance], vocabulary: Vocabulary
+) -> Plan:
     """A plan of words, with what a picture's wishes let change of what words do not name; without a picture the same plan."""
-    pictured = beside_picture(goals, vocabulary).pictured
+    pictured = goals_with_picture(goals, vocabulary).pictured
     if not pictured:
         return plan
     free = {key: protected(instance, goals.parsed) for key, instance in instances.items()}

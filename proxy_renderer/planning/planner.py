@@ -16,7 +16,7 @@ from ..words.types import GLOW, Attribute, SceneDescription
 from .acting import STAGES, acts, goals_without_rig, grade_of, is_usual, stage_of
 from .light_levels import Sources, WorldLook, facing_radiance
 from .owners import BACKDROP, SEEN, Owners, protected
-from .picture_ranges import beside_words
+from .picture_ranges import plan_with_picture
 from .ranges import clip, effect_range, named_color, painted, within
 from .support import added_power, supports
 from .types import LEFT_ALONE, LightPlan, Plan, PlanEntry
@@ -154,7 +154,7 @@ def plan(
         entries |= {key: _mild(entries[key], *ends) for key, ends in graded.items()}
     entries |= support
     decided = Plan({key: entries[key] for key in instances}, tuple(dict.fromkeys(planner.notes)))
-    return beside_words(decided, goals, planner.instances, planner.vocabulary)
+    return plan_with_picture(decided, goals, planner.instances, planner.vocabulary)
 
 
 def _faint(

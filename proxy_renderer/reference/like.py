@@ -18,7 +18,7 @@ from ..goals.relative import FACTS
 from ..goals.resolve import Goals
 from ..goals.wish import Wish
 from ..planning.advice import NO_PROMPTS, Advice, Advisor
-from ..planning.picture_ranges import UNTOUCHED, beside_words
+from ..planning.picture_ranges import UNTOUCHED, plan_with_picture
 from ..planning.types import Plan, PlanEntry
 from ..render.film import Film
 from ..render.surface.view_cache import GBuffer
@@ -144,7 +144,7 @@ class LikeAdvisor:
             advice = self._words.advise(display, instances, scene)
         self._wishes = self._wishes or self._reference.wishes(instances.values(), self._seen)
         goals = advice.goals.with_picture(self._wishes)
-        plan = beside_words(advice.plan, goals, instances, default_vocabulary())
+        plan = plan_with_picture(advice.plan, goals, instances, default_vocabulary())
         moving = {key for key, entry in plan.items() if entry.priority is not None}
         if not (moving or self._words):
             remedy = "Unlock something, allow more groups, or name more in --like-only."

@@ -25,7 +25,7 @@ from ..looks import Looks
 from ..progress import Clock, Observer
 from ..shots import ShotInput, ShotState, gathered, inner_size
 from ..stage import StagedScenes, read_stage
-from ..vector import begun
+from ..vector import start_point
 from .confiner import Confined, Confiner, RoundStart
 from .key_start import with_key_turned
 from .method import Method
@@ -186,7 +186,7 @@ class Search:
         first, *others = self.judge.equipped(shots, advice)
         shots = [first, *(shot.planned(advice.plan) for shot in others)]
         if not here.earlier and here.start.drawn is None:
-            u = begun(self.vector, advice.plan, u)
+            u = start_point(self.vector, advice.plan, u)
         now = self.confiner.confined(advice, u, here, shots, self.judge.claims)
         if begins:
             image = shots[0].draw(artist).display
