@@ -16,10 +16,8 @@ from .claim import Claim
 # Intervals of a color, around the nearest one that an image can show
 _LIGHTNESS = 10.0  # lightness on either side
 _CHROMA, _LEAST_CHROMA = 0.25, 2.5  # share of its chroma on either side, but at least so much
-_FAINTEST, _OFF_GRAY = (
-    1.8,
-    0.6,
-)  # chroma from which a color is not gray; share beyond the least that may be missing
+_FAINTEST = 1.8  # chroma from which a color is not gray
+_OFF_GRAY = 0.6  # share beyond the least chroma that may be missing
 _ASIDE, _LEAST_ASIDE = 0.2, 1.5  # across its hue, as a share of its chroma, but at least so much
 _FARTHEST = 12.0  # lighter or darker than the named color; more, only where it cannot be shown
 
@@ -28,10 +26,8 @@ COLORED = 12.0  # C* below which a color tints nothing
 _TINTED, _TINTED_MORE = 6.0, 3.0  # how far in a color's direction; how much farther than before is enough
 _LIT, _LIT_SHARE = 20.0, 0.4  # likewise where light has the color, but no more than this share of its chroma
 _LIT_MORE = 0.8  # share of that which is enough: in yellow light white is yellow, not only less blue
-_MOST_SHARE, _LEAST_MOST = (
-    0.5,
-    25.0,
-)  # share of its chroma, but at least this, that leaves nothing of other colors
+_MOST_SHARE = 0.5  # of its chroma, which leaves nothing of other colors,
+_LEAST_MOST = 25.0  # but at least this
 _OFF_HUE = 6.0  # how far the tint may lie across that direction, unless it did before
 _ACCENT = 12.0  # in a tenth of the image, where one of several lights has the color
 _CAST = (6.0, 24.0)  # of the darks or lights, at least and at most
@@ -43,15 +39,11 @@ _BLACK_AIR, _WHITE_AIR = 35.0, 74.0
 _DIM, _DIMMEST = 45.0, 0.5  # L* from where an image is dark; least share of a color's lightness left in it
 
 # Gray materials
-_DARKER, _LIGHTER = (
-    0.65,
-    22.0,
-)  # share of its lightness, as white has shades; L* beyond it, as black has highlights
+_DARKER = 0.65  # share of its lightness, as white has shades
+_LIGHTER = 22.0  # L* beyond it, as black has highlights
 _REPAINTED = 20.0  # L* that are enough of a change
-_WHITE_MATERIAL, _BLACK_MATERIAL = (
-    75.0,
-    40.0,
-)  # L* from where it cannot be too light, up to which not too dark
+_WHITE_MATERIAL = 75.0  # L* from where it cannot be too light
+_BLACK_MATERIAL = 40.0  # L* up to which not too dark
 _REFLECTING = {"material/metallic": 0.5, "material/transmission": 0.5}
 """Components -> the value from where an object shows its surroundings, and is as light as they are."""
 

@@ -21,10 +21,8 @@ from .colors import as_accent, darkened, of_color, of_material
 _OF_MOODS = 0.5  # weight of what a mood stands for
 _OPPOSED = 0.5  # cosine between a tint and the other direction, from where an image cannot have both
 _MUTED = 0.7  # share of a named color's chroma that an image keeps in which colors are muted
-_LIT, _LIT_SHARE = (
-    44.0,
-    0.7,
-)  # least L* of an image in colored light; share of the color's lightness that is enough
+_LIT = 44.0  # least L* of an image in colored light
+_LIT_SHARE = 0.7  # of the color's lightness, which is enough
 
 # Of every image
 _BURNT, _SUBJECT_DROWNED, _DROWNED = 0.06, 0.3, 0.12  # shares that may be overexposed, or drown in black
@@ -34,10 +32,8 @@ _FULL = 0.97  # a channel of a named color from where the image may have it clip
 _WHITE, _BRIGHT = 90.0, 60.0  # L* of a color that is white, and of an image of which parts may be overexposed
 _BLACK, _DARK = 22.0, 50.0  # L* of a color that is black, and the most that words for dark ask for
 _APART = 10.0  # Lab distance between the subject and its ground
-_SHAPED, _FLAT = (
-    14.0,
-    8.0,
-)  # least L* between a subject's tenths, which show its shape; the same where words ask for flat
+_SHAPED = 14.0  # least L* between a subject's tenths, which show its shape
+_FLAT = 8.0  # the same where words ask for flat
 _DIM = 22.0  # L* of the median of a reference image from where its subject may drown in black
 _SHOWN = ("burnt", "drowned", "separation")
 _DIMMEST = 24.0  # least L* of the lightest parts of a subject: even at night its lights are seen
@@ -47,10 +43,8 @@ _TINTS = ("tint", "accent")
 # Of a further sentence
 _REST = "rest of the image"
 _PLACES = (6, 4)  # of the image, across and down, that stay as they are each by itself
-_STILL, _EXACT = (
-    (1.0, 0.4, 0.4),
-    (0.5, 0.2, 0.2),
-)  # OKLab, times 100, by which places may change; if words say it stays
+_STILL = (1.0, 0.4, 0.4)  # OKLab, times 100, by which places may change
+_EXACT = (0.5, 0.2, 0.2)  # the same if words say that it stays
 _HELD = 0.3  # weight of a place
 _COLORED = ("light_color", "cast", "saturation", "color")  # of the whole image, and they leave its lightness
 

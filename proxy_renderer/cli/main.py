@@ -387,9 +387,8 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument("--version", action="version", version=f"vibe-render {__version__}")
     commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True, parser_class=Parser)
     for name, command in COMMANDS.items():
-        sub = commands.add_parser(
-            name, help=command.summary, description=command.summary, formatter_class=Help
-        )
+        says = command.summary
+        sub = commands.add_parser(name, help=says, description=says, formatter_class=Help)
         sub.set_defaults(act=command.act)
         command.add_options(sub)
     return top

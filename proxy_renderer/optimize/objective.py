@@ -28,9 +28,7 @@ _NAMED = 0.15
 similarity alone."""
 _UNNAMED = 100.0  # how much more a color that no word names is kept from other hues: a floor may be lighter, not greener
 _GRAY = 1e-4  # how far the components of a gray may lie apart
-_BETWEEN_GRAYS = (
-    8.0  # how much more a color between grays is kept from a hue: darks may be lifted, not tinted
-)
+_BETWEEN_GRAYS = 8.0  # the same of a color between grays: darks may be lifted, not tinted
 
 _TOGETHER = 32  # backward passes that share their operations: each takes the memory of a pass
 _NEAR = 5.0  # noticeable steps inside of an end of what is sought, from where one step does not lose it

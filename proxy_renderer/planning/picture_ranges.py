@@ -118,10 +118,8 @@ def entries_of(pictured: Sequence[Wish], instances: Mapping[str, Instance]) -> d
             lower = (colors.paint,)
         lit = colors if family in _LIT else None
         own = tuple(map(min, lower, instance.value)), tuple(map(max, upper, instance.value))
-        ends, reason = (
-            _lit(lit, instance) if lit else clip(*own, instance),
-            f"free to come to look like {name}",
-        )
+        ends = _lit(lit, instance) if lit else clip(*own, instance)
+        reason = f"free to come to look like {name}"
         entries[key] = PlanEntry(*ends, effect.priority, reason, HELD_LIGHTLY, any_hue=not lit)
     return entries
 

@@ -160,7 +160,7 @@ def _flat(picture: Tensor) -> Tensor:
 
 def _compared(reference: Tensor, whole: Tensor, guide: Tensor) -> tuple[Tensor, Tensor, Tensor]:
     """Both pictures (3, P), smoothed, and a faint radiance () below which ratios say nothing."""
-    above, below = blur(torch.cat((reference, whole)), guide, _RADIUS, _SIGMA).split(3)
+    above, below = blur(torch.cat((reference, whole)), guide).split(3)
     return above, below.clamp_min(0.0), 1e-6 + _FAINT * reference.mean()
 
 
@@ -169,7 +169,7 @@ def _shares(picture: CyclesPicture, known_owners: list[str], proxy: Tensor, guid
     other = sum((p for o, p in picture.parts.items() if o not in known_owners), picture.rest)
     noisy = _flat(torch.stack([*(picture.parts[owner] for owner in known_owners), other])).to(proxy)
     model = proxy.clamp_min(0.0) + _HAZY * proxy.abs().mean()
-    above, below = (blur(p.flatten(0, 1), guide, _RADIUS, _SIGMA) for p in (noisy, model))
+    above, below = (blur(p.flatten(0, 1), guide) for p in (noisy, model))
     parts = model * (above / below.clamp_min(1e-20)).view_as(model)
     total = parts.sum(0)
     shares = parts / total.clamp_min(1e-20)
@@ -177,15 +177,15 @@ def _shares(picture: CyclesPicture, known_owners: list[str], proxy: Tensor, guid
     return shares
 
 
-def blur(fields: Tensor, guide: Tensor, radius: int, sigma: float) -> Tensor:
+def blur(fields: Tensor, guide: Tensor) -> Tensor:
     """Gaussian averages (C, P) of fields (C, P) over each pixel's neighbors that have the same name in the guide (H, W)."""
     height, width = guide.shape
     picture = fields.view(-1, height, width)
     total, weights = torch.zeros_like(picture), torch.zeros_like(picture[0])
-    for dy in range(-radius, radius + 1):
-        for dx in range(-radius, radius + 1):
+    for dy in range(-_RADIUS, _RADIUS + 1):
+        for dx in range(-_RADIUS, _RADIUS + 1):
             (y, from_y), (x, from_x) = overlap(dy, height), overlap(dx, width)
-            weight = torch.exp(torch.tensor(-(dx * dx + dy * dy) / (2 * sigma * sigma))).to(fields)
+            weight = torch.exp(torch.tensor(-(dx * dx + dy * dy) / (2 * _SIGMA * _SIGMA))).to(fields)
             same = weight * (guide[y, x] == guide[from_y, from_x])
             total[:, y, x] += same * picture[:, from_y, from_x]
             weights[y, x] += same

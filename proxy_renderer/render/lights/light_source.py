@@ -63,9 +63,7 @@ class LightSource(ABC):
     position: Float[Tensor, " 3"]  # (3,) in meters; for suns the pivot, which nothing depends on
     axes: Float[Tensor, "3 3"]  # (3, 3) columns x, y, z of the light; it shines along -z
     size: Float[Tensor, ""]  # () as `read_size` has it
-    pictured: bool = field(
-        default=False, kw_only=True
-    )  # whether reflections show its image: it has no highlight
+    pictured: bool = field(default=False, kw_only=True)  # reflections show its image: it has no highlight
     shadowless: int = field(default=-1, kw_only=True)  # material without shadows in its light; -1 for none
 
     energy_name: ClassVar[str] = "power"  # the parameter of its energy: "power" in watts, "strength" in W/m²

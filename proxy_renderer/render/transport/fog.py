@@ -27,8 +27,8 @@ from ..geometry.camera import RaySegments, View
 from ..geometry.vectors import length
 from ..lights.light_source import LightSource
 
-Vectors = Float[Tensor, "3 *#n"]
-Numbers = Float[Tensor, "*#n"]
+_Vectors = Float[Tensor, "3 *#n"]
+_Numbers = Float[Tensor, "*#n"]
 
 _EVERYWHERE = 1.0e3  # diameter of an infinite fog in sizes of the box: farther away it counts no more
 SEGMENTS = 16
@@ -86,12 +86,12 @@ class FogMedium:
         return float(torch.maximum((origin - low).abs(), (origin - high).abs()).norm())
 
     def transmittance(
-        self, start: Vectors, toward: Vectors, distance: Numbers | float
+        self, start: _Vectors, toward: _Vectors, distance: _Numbers | float
     ) -> Float[Tensor, "*n"]:
         """Share of light (…) that gets through, from starts (3, …) in unit directions (3, …) over distances (…), finite or not."""
         return torch.exp(-self.density * self.thickness(start, toward, distance))
 
-    def thickness(self, start: Vectors, toward: Vectors, distance: Numbers | float) -> Float[Tensor, "*n"]:
+    def thickness(self, start: _Vectors, toward: _Vectors, distance: _Numbers | float) -> Float[Tensor, "*n"]:
         """Optical depth over density, in meters (…); arguments as for `transmittance`."""
         first, last = self._inside(start, toward, distance)
         length = last - first
@@ -136,9 +136,9 @@ class FogMedium:
 class LightPaths:
     """Segments through one scene's fog, as `FogMedium.transmittance` takes them; their thickness is cached."""
 
-    start: Vectors
-    toward: Vectors
-    distance: Numbers
+    start: _Vectors
+    toward: _Vectors
+    distance: _Numbers
     _measured: dict[tuple[float, ...], Tensor] = field(default_factory=dict, repr=False, compare=False)
 
     def transmittance(self, fog: FogMedium) -> Float[Tensor, "*n"]:
