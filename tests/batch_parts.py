@@ -11,8 +11,7 @@ from pathlib import Path
 from proxy_renderer.batch import schedule
 from proxy_renderer.batch.manifest import BatchPlan, Limits, SceneGroup
 from proxy_renderer.batch.schedule import LocalPool
-from proxy_renderer.batch.sheet import Sheet
-from proxy_renderer.batch.store import Store
+from proxy_renderer.batch.store import Sheet, Store
 from proxy_renderer.batch.worker import Setup, Worker
 from proxy_renderer.schema import VibeError
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from proxy_renderer.reference.picture import read_reference
+from proxy_renderer.reference.files import read_reference
 from proxy_renderer.schema import VibeError
 
 

@@ -11,7 +11,7 @@ from vibe_render.core.schema_import import schema
 from vibe_render.render import reference
 from vibe_render.ui import bases
 
-from proxy_renderer.reference.picture import read_reference
+from proxy_renderer.reference.files import read_reference
 
 
 @pytest.fixture

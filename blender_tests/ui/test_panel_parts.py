@@ -11,8 +11,7 @@ from vibe_render.ui import prompt_history, result, scope, setup
 from vibe_render.ui.properties import declare
 
 from proxy_renderer.schema.limits import LONGEST_PROMPT
-from proxy_renderer.schema.options.option import Option, Panel
-from proxy_renderer.schema.options.table import TABLE
+from proxy_renderer.schema.options.table import TABLE, Option, Panel
 
 
 @pytest.fixture

@@ -20,8 +20,7 @@ from rich.table import Table
 from proxy_renderer.batch import manifest, schedule
 from proxy_renderer.batch.manifest import BatchPlan, Job, Limits, SceneGroup
 from proxy_renderer.batch.schedule import LocalPool, local_pool
-from proxy_renderer.batch.sheet import Sheet
-from proxy_renderer.batch.store import DONE, JobRow, Store, head, read_json, tidy, write_json
+from proxy_renderer.batch.store import DONE, JobRow, Sheet, Store, head, read_json, tidy, write_json
 from proxy_renderer.batch.worker import Setup
 from proxy_renderer.schema import VibeError
 

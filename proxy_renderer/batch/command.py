@@ -15,15 +15,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TextIO
 
-from ..blender.launch import blender_side
-from ..blender.progress import TerminalBar
+from ..blender.launch import TerminalBar, blender_side
 from ..schema import VibeError
 from ..words.lexicon.user_words import VARIABLE
 from . import manifest, schedule
 from .manifest import BatchPlan, Job, Jobs
 from .schedule import Pool, fitting, local_pool
-from .sheet import Sheet
-from .store import DONE, FAILED, Finals, JobRow, Store, read_json, write_bytes
+from .store import DONE, FAILED, Finals, JobRow, Sheet, Store, read_json, write_bytes
 from .worker import Setup
 
 

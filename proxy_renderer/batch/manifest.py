@@ -1,32 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The manifest of `vibe batch`, checked to its last key before anything starts, and the jobs that it makes.
 
-A mistake raises VibeError, which names its line.
-
-scenes = ["shots/*.blend", "props/teapot.obj"]      # from the manifest's folder; ** goes into folders
-prompts = ["noir", "golden hour, warm haze"]        # or the name of a text file, a prompt on each line
-seeds = [0, 1]                                      # default: [0]
-files = ["textures/**"]                             # what scenes link to: if it changes, they are done again
-
-[options]                                           # those of `vibe run`
-like = "stills/dusk.jpg"                            # a picture as the words, or next to them
-size = 512
-lock = ["material/*"]
-
-[limits]                                            # of each job, and of the machine: see `Limits`
-minutes = 30
-
-[scene."shots/010*"]                                # for the scenes whose name matches
-prompts = ["noir"]
-subject = ["Hero"]
-samples = 256
-
-[[shots]]                                           # solved together: one look holds in all of them
-name = "kitchen"
-scenes = ["kitchen/*.blend"]                        # each through each of the cameras, at each of the frames
-cameras = ["Wide", "Close"]
-frames = [1, 50, 100]
-grade_each = true                                   # an exposure and a grade for each; and all that a scene may have
+A mistake raises VibeError, which names its line. docs/guide/batch.md has an example with all tables.
 """
 
 import fnmatch
@@ -115,7 +90,6 @@ class _Reader:
         return Manifest(tuple(groups), limits)
 
     def _single(self, common: dict[str, Any], everything: str) -> Iterator[SceneGroup]:
-        """The scenes, each for itself."""
         if self._content.get("scenes", []) == [] and "shots" in self._content:
             return
         scenes = dict(self._scenes(self._content.get("scenes"), "scenes"))

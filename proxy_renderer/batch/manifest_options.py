@@ -16,8 +16,7 @@ from typing import Any
 from ..inputs import check
 from ..schema import VibeError, frame_numbers
 from ..schema.options import checks, command_line
-from ..schema.options.option import Option
-from ..schema.options.table import TABLE
+from ..schema.options.table import TABLE, Option
 
 _KEY = re.compile(r"\s*([^=#\[\]{},]+?)\s*=")
 _TABLE = re.compile(r"\s*\[.*\]\s*(#.*)?$")
@@ -41,10 +40,7 @@ class TomlSource:
         self._lines = text.splitlines()
 
     def line(self, *keys: str, quoted: str = "") -> int:
-        """The number, from 1, of the line that has a key; or of the first one after it with a text.
-
-        Keys begin with the outermost table; tables of a list, [[shots]], are counted: "shots", "0", "frames".
-        """
+        """The number, from 1, of the line of a key, outermost table first, or of a text after it; [[shots]] are counted: "shots", "0"."""
         table: tuple[str, ...] = ()
         counts: Counter[tuple[str, ...]] = Counter()
         for number, line in enumerate(self._lines):

@@ -133,10 +133,7 @@ def run(
     tell: Callable[[str, Job, JobRow], None],
     finished: bytearray | None = None,
 ) -> None:
-    """Carries out the jobs that are not done yet, see `Store.finished`. Jobs are made only when there is a worker for them.
-
-    `tell` hears of "started", "done", "again", "lost" and "failed" jobs.
-    """
+    """Carries out the jobs that are not done, each made when a worker is free; `tell` hears what happens to them."""
     finished = store.finished(plan) if finished is None else finished
     fresh: Iterator[Job] = (job for job, done in zip(plan, finished, strict=True) if not done)
     again: deque[Job] = deque()

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The results folder: a folder for each job, of which everything in it is relative, so that it may be moved.
+"""The results folder: a folder for each job, a contact sheet for people and tables for programs, all rewritten as jobs end.
+
+Everything in it is relative, so that it may be moved.
 
 DIR/jobs/NAME/done.json       the job is done: written last, atomically, by whoever has done it
 DIR/jobs/NAME/failed.json     its last attempt has failed; the next run of the batch tries it again
@@ -9,32 +11,31 @@ DIR/index.html, results.csv, results.jsonl
 
 from __future__ import annotations
 
+import csv
+import html
 import json
 import os
 import platform
 import re
 import shutil
+import time
 import uuid
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from filelock import FileLock, Timeout
 
 from ..schema import VibeError, atomic
 from ..schema.options import checks
-from .manifest import Job, Jobs, Take
+from .manifest import BatchPlan, Job, Jobs, Take
 
 JobRow = dict[str, Any]
 DONE, FAILED, LOG = "done.json", "failed.json", "log.txt"
 FINAL, FRAMES = "final.json", "frames"
-WORDS = (
-    "visible",
-    "already",
-    "unmeasured",
-    "missed",
-)  # lists of a row: words by state, as in the report's `verdicts`
+WORDS = ("visible", "already", "unmeasured", "missed")  # lists of a row: words by state, as in `verdicts`
 TOKEN = "batch.json"  # names this results folder: do two machines see the same one?
 
 
@@ -201,3 +202,80 @@ def takes(shots: list[dict[str, Any]], blends: list[str], frames: str) -> tuple[
 def _label(*parts: str) -> str:
     """Scene and camera as the name of a folder."""
     return "-".join(re.sub(r"[^\w.-]+", "_", part) for part in parts if part)
+
+
+FIELDS = (
+    "name", "scene", "prompt", "seed", "status", *WORDS, "delta_e",
+    "seconds", "seconds_loop", "seconds_cycles", "memory_gb", "attempts", "frames", "shots", "variants", "final_error", "error", "remedy", "folder",
+)  # fmt: skip
+FILES = {
+    "before": "before.png", "after": "after.png", "compare": "compare.png",
+    "blend": "vibed.blend", "preset": "preset.json", "report": "report.json",
+}  # fmt: skip
+_PAGE = Path(__file__).with_name("page")
+_SCRIPTS = ("rows.js", "card.js", "large.js", "keys.js")
+_SHARE = 0.05  # most of the time that may go into rewriting the sheet while jobs run
+_SOONEST = 5.0  # seconds
+
+
+class Sheet:
+    """Keeps the sheet and the tables up to date."""
+
+    def __init__(self, title: str, plan: BatchPlan, store: Store) -> None:
+        self._title, self._plan, self._store = title, plan, store
+        self._next = 0.0
+
+    def update(self) -> None:
+        """Writes everything anew, unless that was done a moment ago."""
+        if time.monotonic() >= self._next:
+            self.write()
+
+    def write(self) -> None:
+        """Writes everything anew, a row at a time. Raises VibeError if it cannot be written."""
+        start = time.monotonic()
+        folder = self._store.folder
+        before, after = _page(self._title)
+        with (
+            _file(folder / "index.html") as page,
+            _file(folder / "results.jsonl") as lines,
+            _file(folder / "results.csv") as cells,
+        ):
+            table = csv.DictWriter(cells, [*FIELDS, *FILES], restval="", extrasaction="ignore")
+            table.writeheader()
+            page.write(before)
+            for row in self._store.rows(self._plan):
+                full = complete(row)
+                table.writerow(full | {key: " | ".join(full[key] or []) for key in (*WORDS, "shots")})
+                lines.write(json.dumps(full, ensure_ascii=False) + "\n")
+                short = {k: row[k] for k in FIELDS if row.get(k) not in (None, "")}
+                text = json.dumps(short, ensure_ascii=False)
+                # nothing in a row can end the script that it is in
+                page.write(text.replace("<", "\\u003c").replace("\u2028", "\\u2028") + ",\n")
+            page.write(after)
+        now = time.monotonic()
+        self._next = now + max(_SOONEST, (now - start) / _SHARE)
+
+
+def complete(row: JobRow) -> JobRow:
+    """A row with all fields, in their order, and with the paths of its files from the results folder."""
+    done = row["status"] == "done"
+    files = {kind: f"{row['folder']}/{name}" if done else None for kind, name in FILES.items()}
+    return {key: row.get(key) for key in FIELDS} | files
+
+
+def _page(title: str) -> tuple[str, str]:
+    """The page before and after its rows, all in one file: from disk, browsers load little else."""
+    texts = {part.name: part.read_text("utf-8") for part in _PAGE.iterdir() if part.is_file()}
+    script = "\n".join(texts[name] for name in _SCRIPTS)
+    page = texts["sheet.html"].replace("{{style}}", texts["sheet.css"]).replace("{{script}}", script)
+    before, after = page.replace("{{title}}", html.escape(title)).split("{{rows}}")
+    return before, after
+
+
+@contextmanager
+def _file(path: Path) -> Iterator[TextIO]:
+    try:
+        with atomic.replacing(path) as part, part.open("w", encoding="utf-8", newline="") as file:
+            yield file
+    except OSError as error:
+        raise unwritable(path, error) from error

@@ -20,16 +20,15 @@ from typing import Any, TextIO
 
 from PIL import Image
 
-from ..blender import crashes
-from ..blender.crashes import temporary
-from ..blender.launch import blender_side, environment
+from ..blender import launch
+from ..blender.launch import blender_side, environment, temporary
 from ..blender.meshes import prepared
 from ..schema import VibeError, labels
 from .manifest import Job, Limits
 from .store import DONE, FINAL, FRAMES, LOG, WORDS, JobRow, head, read_json, tidy, write_bytes, write_json
 
 _THUMB = 480  # pixels, the longer side
-_PICTURES = ("before", "after")
+_PICTURES, _UNDERSTOOD = ("before", "after"), ("whole", "ignored", "guesses", "notes")
 _ENGINE, _CYCLES = "engine: loop", ("render before", "render after")
 
 
@@ -73,7 +72,6 @@ def _words(report: dict[str, Any], state: str) -> list[str]:
 
 
 def _thumb(folder: Path, name: str) -> None:
-    """A small JPEG of a picture."""
     content = io.BytesIO()
     try:
         with Image.open(folder / f"{name}.png") as picture:
@@ -95,9 +93,7 @@ def _details(job: Job, report: dict[str, Any]) -> bytes:
         "parameters": rows,
         "left": len(parameters) - len(rows),
         "warnings": report.get("warnings", []),
-        "understood": {
-            k: understood[k] for k in ("whole", "ignored", "guesses", "notes") if understood.get(k)
-        },
+        "understood": {name: understood[name] for name in _UNDERSTOOD if understood.get(name)},
         "timings": report.get("timings", {}),
         "versions": report.get("versions", {}),
     }
@@ -114,7 +110,6 @@ def _changed(key: str, change: dict[str, Any]) -> list[Any] | None:
     return [labels.title(key), before, after, change["reason"]]
 
 
-_MARK = "VIBE "
 _TICK = 0.5  # seconds between two looks at the clock and at the memory
 
 
@@ -164,7 +159,6 @@ class Worker:
         self._kill()
 
     def _carry_out(self, arguments: list[str], log: TextIO, watch: _Watch) -> None:
-        """Gives an order and waits for its end."""
         process = self._started()
         print(f"\n== {time.strftime('%Y-%m-%d %H:%M:%S')}  {' '.join(arguments)}", file=log, flush=True)
         assert process.stdin is not None
@@ -182,7 +176,7 @@ class Worker:
                 self._kill()
                 words = f' Its last words: "{last[:200]}".' if last else ""
                 raise VibeError(f"Blender crashed (exit code {code}).{words}", "See the job's log.")
-            event = _event(line)
+            event = launch.event(line) or {}
             if event.get("type") != "progress" and line:
                 log.write(line)
                 log.flush()
@@ -224,7 +218,7 @@ class Worker:
         process, self._process = self._process, None
         if process is None:
             return
-        crashes.kill(process.pid)
+        launch.kill(process.pid)
         process.wait()
         assert process.stdin is not None
         with contextlib.suppress(OSError):
@@ -263,7 +257,7 @@ class _Watch:
         if now < self._next:
             return
         self._next = now + _TICK
-        used = crashes.memory(pid)
+        used = launch.memory(pid)
         self.peak_gb = max(self.peak_gb, round(used / 1e9, 3))
         if used > self._limits.memory_gb * 1e9:
             problem = f"It used {used / 1e9:.1f} GB of memory, more than {self._limits.memory_gb:g}."
@@ -276,13 +270,3 @@ def _read(process: subprocess.Popen[str], lines: queue.SimpleQueue[str | None]) 
         for line in output:
             lines.put(line)
     lines.put(None)
-
-
-def _event(line: str) -> dict[str, Any]:
-    """The event in a line of Blender's side; {} in other lines."""
-    if not line.startswith(_MARK):
-        return {}
-    try:
-        return json.loads(line[len(_MARK) :])
-    except ValueError:
-        return {}

@@ -5,8 +5,6 @@ The zip holds the add-on, the schema that it reads, and the engine's code, which
 engine is a process of its own, for which the add-on's *Set Up Engine* makes an environment.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import shutil
 import subprocess
@@ -28,10 +26,7 @@ _OF_THE_COMMAND = (
 
 
 def build(out: Path) -> Path:
-    """Builds and validates OUT/vibe_render-VERSION.zip, for Blender's "Install from Disk"; raises VibeError if that fails.
-
-    It remembers which Python built it, so that on this computer Blender finds the engine.
-    """
+    """Builds and validates OUT/vibe_render-VERSION.zip, which remembers this Python; raises VibeError if that fails."""
     tool = _blender_tool()
     with tempfile.TemporaryDirectory() as scratch:
         package = Path(scratch) / "vibe_render"
@@ -45,9 +40,7 @@ def build(out: Path) -> Path:
 def repository(out: Path) -> Path:
     """Builds the extension into a folder, in place of its older versions, and returns the index that Blender subscribes to."""
     archive = build(out)
-    for older in set(out.glob("vibe_render-*.zip")) - {
-        archive
-    }:  # of two versions, Blender installs the first
+    for older in set(out.glob("vibe_render-*.zip")) - {archive}:  # of two, Blender installs the first
         older.unlink()
     _ask(_blender_tool(), "server-generate", "--repo-dir", str(out))
     return out / "index.json"
@@ -58,26 +51,21 @@ def install(blender: str = "") -> str:
     program = _blender(blender)
     with tempfile.TemporaryDirectory() as scratch:
         archive = build(Path(scratch))
-        how = ["--command", "extension", "install-file", "-r", "user_default", "-e"]
+        how = [program, "--command", "extension", "install-file", "-r", "user_default", "-e", str(archive)]
         try:
-            done = subprocess.run(
-                [program, *how, str(archive)], capture_output=True, text=True, errors="replace"
-            )
+            done = subprocess.run(how, capture_output=True, text=True, errors="replace")
         except OSError as error:
-            raise VibeError(
-                f"{program} does not start: {error.strerror}.", "Choose another --blender."
-            ) from error
+            problem = f"{program} does not start: {error.strerror}."
+            raise VibeError(problem, "Choose another --blender.") from error
     output = (done.stdout + done.stderr).strip()  # Blender may report errors and still exit with 0
     if done.returncode or "Error" in output:
         line = next((line for line in output.splitlines() if "rror" in line), output.rpartition("\n")[2])
-        raise VibeError(
-            f"Blender refused to install the extension: {line}", "Blender 4.2 or later is needed."
-        )
+        remedy = "Blender 4.2 or later is needed."
+        raise VibeError(f"Blender refused to install the extension: {line}", remedy)
     return f"{archive.name} is installed and enabled in {program}."
 
 
 def _blender(chosen: str) -> str:
-    """The Blender program at a place."""
     if not chosen:
         if program := shutil.which("blender"):
             return program
@@ -118,9 +106,8 @@ def _blender_tool() -> Path:
     for place in (spec.submodule_search_locations or []) if spec else []:
         for tool in Path(place).glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"):
             return tool
-    raise VibeError(
-        "Blender's packing tool was not found.", "Install it with `pip install bpy` on Python 3.11 or 3.13."
-    )
+    remedy = "Install it with `pip install bpy` on Python 3.11 or 3.13."
+    raise VibeError("Blender's packing tool was not found.", remedy)
 
 
 def _ask(tool: Path, *arguments: str) -> None:
@@ -128,9 +115,8 @@ def _ask(tool: Path, *arguments: str) -> None:
     done = subprocess.run([sys.executable, str(tool), *arguments], capture_output=True, text=True)
     if done.returncode:
         complaint = (done.stderr or done.stdout).strip().rpartition("\n")[2]
-        raise VibeError(
-            f"Blender's tool refused to {arguments[0]} the extension: {complaint}", "Report this as a bug."
-        )
+        problem = f"Blender's tool refused to {arguments[0]} the extension: {complaint}"
+        raise VibeError(problem, "Report this as a bug.")
 
 
 def _deliver(archive: Path, out: Path) -> Path:
@@ -140,7 +126,6 @@ def _deliver(archive: Path, out: Path) -> Path:
         with atomic.replacing(out / archive.name) as part:
             shutil.copyfile(archive, part)
     except OSError as error:
-        raise VibeError(
-            f"Cannot write to {out}: {error.strerror}.", "Choose another folder with --out."
-        ) from error
+        remedy = "Choose another folder with --out."
+        raise VibeError(f"Cannot write to {out}: {error.strerror}.", remedy) from error
     return out / archive.name

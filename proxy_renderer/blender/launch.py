@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Starts Blender in a process of its own and shows its progress.
+"""Starts Blender in a process of its own, shows its progress, and explains its crashes.
 
 Blender's side (`vibe_render/batch.py --events`) prints lines `VIBE {json}`: "stage", "progress",
 "result" and "error", besides whatever Blender itself prints.
@@ -7,22 +7,187 @@ Blender's side (`vibe_render/batch.py --events`) prints lines `VIBE {json}`: "st
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
 import tempfile
+import time
 from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
-from ..schema import VibeError, errors
-from .crashes import crash, temporary, tidy
-from .progress import VibeProgress
+import psutil
+
+from ..schema import VibeError, atomic, errors
+
+
+class TerminalBar:
+    """A bar in a terminal, plain lines elsewhere. Use it as a context manager; standard output if there is no stream."""
+
+    def __init__(self, stream: TextIO | None = None) -> None:
+        self._stream = stream or sys.stdout
+        self._start = time.monotonic()
+        self._bar: Any = None
+        self._task: Any = None
+
+    def _open(self, columns: Sequence[Any], description: str, **task: Any) -> None:
+        from rich.console import Console
+        from rich.progress import Progress
+
+        transient = task.pop("transient", False)
+        self._bar = Progress(*columns, transient=transient, console=Console(file=self._stream))
+        self._task = self._bar.add_task(description, **task)
+        self._bar.start()
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+            self._bar = None
+
+    def note(self, text: str) -> None:
+        """A line that stays."""
+        if self._bar is not None:
+            self._bar.console.print(text, markup=False, highlight=False)
+        else:
+            print(text, file=self._stream, flush=True)
+
+
+class VibeProgress(TerminalBar):
+    """Shows events as they come."""
+
+    def __init__(self, stream: TextIO | None = None) -> None:
+        super().__init__(stream)
+        self._round = 0
+        self._result: dict[str, Any] = {}
+
+    def __enter__(self) -> VibeProgress:
+        if self._stream.isatty():
+            from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+            columns = (
+                SpinnerColumn(),
+                TextColumn("{task.description}"),
+                BarColumn(bar_width=32),
+                TextColumn("{task.fields[detail]}"),
+                TimeElapsedColumn(),
+            )
+            self._open(columns, "starting Blender", total=None, detail="", transient=True)
+        return self
+
+    def show(self, event: dict[str, Any]) -> None:
+        """Shows one event."""
+        kind = event.get("type")
+        if kind == "stage":
+            self.stage(event["name"])
+        elif kind == "note":
+            self.note(f"Note: {event['line']}")
+        elif kind == "progress":
+            self._progress(event)
+        elif kind == "result":
+            self._result = event
+
+    def stage(self, name: str) -> None:
+        """Shows that a new stage begins."""
+        if self._bar is not None:
+            self._bar.update(self._task, description=name, total=None, detail="")
+        else:
+            self.note(f"{time.monotonic() - self._start:5.1f} s  {name}")
+
+    def end(self, out: Path) -> None:
+        """Prints the outcome, and the file or the comparison picture to open."""
+        seconds = time.monotonic() - self._start
+        for line in self._result.get("lines", []):
+            self.note(line)
+        picture = out / "compare.png"
+        if self._result.get("stopped"):
+            self.note("Stopped early: this is the best so far.")
+        missing = ", ".join(self._result.get("missing", []))
+        ended = f"Ended without {missing}, after" if missing else "Done in"
+        self.note(f"{ended} {seconds:.0f} s. Open {picture if picture.is_file() else out}")
+
+    def _progress(self, event: dict[str, Any]) -> None:
+        number, rounds, steps = event["round"], event["rounds"], event["steps"]
+        left = int(event["seconds_left"])
+        detail = f"loss {event['loss']:.3f}   {left // 60}:{left % 60:02d} left"
+        if self._bar is not None:
+            done = (number - 1) * steps + event["step"]
+            title = f"round {number} of {rounds}"
+            self._bar.update(
+                self._task, description=title, total=rounds * steps, completed=done, detail=detail
+            )
+        elif number != self._round:
+            self._round = number
+            self.stage(f"round {number} of {rounds}: {detail}")
+
+
+_TRACE = re.compile(
+    r"(Fatal Python error|Current thread|Thread 0x|Extension modules|\s+File |EGL Error|VIBE )"
+)
+_TELLING = re.compile(r"error|exception|abort|fail|invalid|corrupt|not a ", re.IGNORECASE)
+_LAST = 20  # lines in which the telling one is looked for
+
+
+def temporary(folder: Path) -> dict[str, str]:
+    """The environment variables of a process whose temporary files go to a folder."""
+    return dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(folder))
+
+
+def tidy(out: Path, process: int) -> None:
+    """Removes what a process that has ended left unfinished in the folder of its outputs."""
+    for part in out.glob(f"{atomic.part_prefix(process)}*"):
+        part.unlink(missing_ok=True)
+
+
+def crash(code: int, doing: str, output: Sequence[str]) -> errors.UnexpectedError:
+    """The error for a Blender that ended with an exit code, or a signal (negative); its output goes to a log."""
+    log = errors.write_log(f"Blender ended while {doing}, exit code {code}\n\n" + "".join(output))
+    kind = signal.strsignal(-code) if code < 0 else None
+    last = last_words(output)
+    words = f' Its last words: "{last}".' if last else ""
+    return errors.UnexpectedError(
+        f"Blender crashed while {doing} ({kind or f'exit code {code}'}).{words}",
+        "Render the file in Blender: if that crashes too, find out there which object or modifier does it. "
+        f"If not, please report it with {log}.",
+    )
+
+
+def last_words(output: Sequence[str]) -> str:
+    """The line that tells most about a crash, of the last ones."""
+    lines = [line.strip() for line in output if line.strip() and not _TRACE.match(line)][-_LAST:]
+    telling = [line for line in lines if _TELLING.search(line)]
+    return (telling or lines or [""])[-1][:200].rstrip(".")
+
+
+def memory(number: int) -> int:
+    """Bytes that a process and all it has started hold together; 0 if it is gone."""
+    total = 0
+    for process in _family(number):
+        with contextlib.suppress(psutil.Error):
+            total += process.memory_info().rss
+    return total
+
+
+def kill(number: int) -> None:
+    """Ends a process and all it has started, the youngest first."""
+    for process in reversed(_family(number)):
+        with contextlib.suppress(psutil.Error):
+            process.kill()
+
+
+def _family(number: int) -> list[psutil.Process]:
+    try:
+        first = psutil.Process(number)
+        return [first, *first.children(recursive=True)]
+    except psutil.Error:
+        return []
+
 
 _MARK = "VIBE "
 
@@ -42,13 +207,13 @@ def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None
     with scratch as folder, progress:
         process = start([str(blender_side()), "--events", *arguments], Path(folder), **_own_group())
         with _forwarded_interrupts(process, progress) as presses:
-            for event in events(process, tail):
-                doing = event["name"] if event.get("type") == "stage" else doing
-                if event.get("type") == "error":
-                    kind = errors.UnexpectedError if event.get("unexpected") else VibeError
-                    failure = kind(event.get("message", "It failed."), event.get("remedy", ""))
+            for now in events(process, tail):
+                doing = now["name"] if now.get("type") == "stage" else doing
+                if now.get("type") == "error":
+                    kind = errors.UnexpectedError if now.get("unexpected") else VibeError
+                    failure = kind(now.get("message", "It failed."), now.get("remedy", ""))
                 else:
-                    progress.show(event)
+                    progress.show(now)
             code = process.wait()
     tidy(out if out.is_dir() else out.parent, process.pid)
     if failure:
@@ -77,19 +242,20 @@ def start(arguments: Sequence[str], scratch: Path | None = None, **options: Any)
 
 
 def events(process: subprocess.Popen[str], tail: deque[str]) -> Iterator[dict[str, Any]]:
-    """The events among the lines that Blender's side prints, as they come.
-
-    All other lines, Blender's own and broken events, go to the tail.
-    """
+    """The events among the lines that Blender's side prints, as they come; all other lines go to the tail."""
     assert process.stdout is not None
     for line in process.stdout:
-        if line.startswith(_MARK):
-            try:
-                yield json.loads(line[len(_MARK) :])
-                continue
-            except ValueError:
-                pass
-        tail.append(line)
+        if found := event(line):
+            yield found
+        else:
+            tail.append(line)
+
+
+def event(line: str) -> dict[str, Any] | None:
+    """The event in a line of Blender's side; None in other lines, and in broken ones."""
+    with contextlib.suppress(ValueError):
+        return json.loads(line.removeprefix(_MARK)) if line.startswith(_MARK) else None
+    return None
 
 
 @contextmanager
@@ -122,7 +288,7 @@ def _own_group() -> dict[str, Any]:
 
 
 def blender_side() -> Path:
-    """Where batch.py is: in the installed package, or in the clone that this file is in; raises VibeError if in neither."""
+    """The path of batch.py: in the installed package, or in the clone that this file is in; raises VibeError if in neither."""
     spec = importlib.util.find_spec("vibe_render")
     places = [Path(p) for p in (spec.submodule_search_locations or [])] if spec else []
     places.append(Path(__file__).resolve().parents[2] / "addon" / "vibe_render")

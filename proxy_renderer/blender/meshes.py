@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks bare meshes before Blender is started, and unpacks Draco. Blender's side checks again what it imports."""
 
-from __future__ import annotations
-
 import base64
 import json
 import struct

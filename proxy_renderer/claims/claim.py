@@ -13,7 +13,7 @@ import torch
 from torch import Tensor
 
 from ..color.floats import chroma, hex_from_srgb, lab_from_srgb, srgb_from_oklab
-from ..render.gbuffer import GBuffer
+from ..render.surface.view_cache import GBuffer
 from ..schema import Values
 from ..words.lexicon.quantities import quantities
 from ..words.types import Part
@@ -172,10 +172,7 @@ class Claim:
     def aim(
         self, value: Tensor, before: Tensor | None, ends: tuple[Tensor, Tensor] | None = None
     ) -> tuple[Tensor, Tensor, Tensor]:
-        """As `in_steps`, by weight, with ends inside of what satisfies it: the interval that is sought.
-
-        Its `ends` are the same for every value of a type: those that it has returned before can be given.
-        """
+        """As `in_steps`, by weight, with ends inside of what satisfies it; `ends` of an earlier value of its type can be given."""
         if ends is None:
             _, lower, upper = self.in_steps(value.detach(), before)
             half = (upper - lower) / 2
@@ -192,24 +189,19 @@ class Claim:
 
     def was_so(self, before: Tensor, after: Tensor) -> bool:
         """True if a value held before, and is no noticeable step nearer to the middle of the interval, or beyond its end, now."""
-        return not self.by and (
-            max(self.miss(before, None), self.miss(after, before)) <= HOLDS
-            and self.gain(before, after) < HOLDS
-        )
+        held = max(self.miss(before, None), self.miss(after, before)) <= HOLDS
+        return not self.by and held and self.gain(before, after) < HOLDS
 
     def gain(self, before: Tensor, after: Tensor) -> float:
         """Noticeable steps by which a value came nearer to the middle of the interval, or went on beyond its open end."""
         notice = before.new_tensor(self.notice)
         lower, upper = (before.new_tensor(end) for end in (self.lower, self.upper))
-        core = torch.where(
-            upper.isinf(),
-            before + _FARTHER,
-            torch.where(lower.isinf(), before - _FARTHER, (lower + upper) / 2),
-        )
+        core = torch.where(lower.isinf(), before - _FARTHER, (lower + upper) / 2)
+        core = torch.where(upper.isinf(), before + _FARTHER, core)
         return float(((before - core) / notice).norm() - ((after - core) / notice).norm())
 
     def is_sure(self, before: Tensor | None, after: Tensor | None, share: float) -> bool:
-        """Whether judges see what its measure tells of a target with this share of the image: it was so, or changed enough."""
+        """True if judges see what its measure tells of a target with this share of the image: it was so, or changed enough."""
         steps = quantities().seen.get(self.measure, 1.0)
         if math.isinf(steps) or share < _LEAST or before is None or after is None:
             return False
@@ -271,9 +263,8 @@ class ClaimSet:
     def aims(self, picture: MeasuredPicture) -> list[tuple[Claim, Tensor, Tensor, Tensor]]:
         """Claims that can be measured, with value (n,), differentiable in the image, and the interval that is sought, see `Claim.aim`."""
         found = []
-        for i, (claim, value, before) in enumerate(
-            zip(self.claims, self.values(picture), self.before, strict=True)
-        ):
+        rows = zip(self.claims, self.values(picture), self.before, strict=True)
+        for i, (claim, value, before) in enumerate(rows):
             if value is not None:
                 kind = i, value.dtype, value.device
                 aim = claim.aim(value, before, self._ends.get(kind))
@@ -342,7 +333,7 @@ def _verdict(
         "measure": claim.measure,
         "says": MEASURES[claim.measure].says,
         "unit": MEASURES[claim.measure].unit,
-        "wanted": wanted(claim, before),
+        "wanted": interval_text(claim, before),
         "before": _shown(claim, before),
         "predicted": _shown(claim, predicted),
         "after": _shown(claim, after),
@@ -355,7 +346,7 @@ def _verdict(
     }
 
 
-def wanted(claim: Claim, before: Tensor | None) -> str:
+def interval_text(claim: Claim, before: Tensor | None) -> str:
     """The interval of a claim in a few words: "at least 8", "#1fb5b5"."""
     if claim.measure in _COLORS:
         return _hex(claim.oklab(tuple((a + b) / 2 for a, b in zip(claim.lower, claim.upper, strict=True))))

@@ -16,8 +16,8 @@ from .claim import Claim
 # Intervals of a color, around the nearest one that an image can show
 _LIGHTNESS = 10.0  # lightness on either side
 _CHROMA, _LEAST_CHROMA = 0.25, 2.5  # share of its chroma on either side, but at least so much
-# chroma from which a color is not gray; share of what it has beyond the least that may be missing
-_FAINTEST, _OFF_GRAY = (1.8, 0.6)
+_FAINTEST = 1.8  # chroma from which a color is not gray
+_OFF_GRAY = 0.6  # share beyond the least chroma that may be missing
 _ASIDE, _LEAST_ASIDE = 0.2, 1.5  # across its hue, as a share of its chroma, but at least so much
 _FARTHEST = 12.0  # lighter or darker than the named color; more, only where it cannot be shown
 
@@ -25,11 +25,9 @@ _FARTHEST = 12.0  # lighter or darker than the named color; more, only where it 
 COLORED = 12.0  # C* below which a color tints nothing
 _TINTED, _TINTED_MORE = 6.0, 3.0  # how far in a color's direction; how much farther than before is enough
 _LIT, _LIT_SHARE = 20.0, 0.4  # likewise where light has the color, but no more than this share of its chroma
-_LIT_MORE = (
-    0.8  # share of that which is enough of a change: in yellow light white is yellow, not only less blue
-)
-# share of a color's chroma, but at least this, that leaves nothing of other colors
-_MOST_SHARE, _LEAST_MOST = (0.5, 25.0)
+_LIT_MORE = 0.8  # share of that which is enough: in yellow light white is yellow, not only less blue
+_MOST_SHARE = 0.5  # of its chroma, which leaves nothing of other colors,
+_LEAST_MOST = 25.0  # but at least this
 _OFF_HUE = 6.0  # how far the tint may lie across that direction, unless it did before
 _ACCENT = 12.0  # in a tenth of the image, where one of several lights has the color
 _CAST = (6.0, 24.0)  # of the darks or lights, at least and at most
@@ -38,15 +36,14 @@ _CAST = (6.0, 24.0)  # of the darks or lights, at least and at most
 _BLACK, _WHITE = 35.0, 85.0
 _BLACK_AIR, _WHITE_AIR = 35.0, 74.0
 
-# L* of an image from where it is dark; share of a color's lightness that is left in it at least
-_DIM, _DIMMEST = (45.0, 0.5)
+_DIM, _DIMMEST = 45.0, 0.5  # L* from where an image is dark; least share of a color's lightness left in it
 
 # Gray materials
-# share of its lightness, for white things have shades; L* beyond it, for black ones have highlights
-_DARKER, _LIGHTER = (0.65, 22.0)
+_DARKER = 0.65  # share of its lightness, as white has shades
+_LIGHTER = 22.0  # L* beyond it, as black has highlights
 _REPAINTED = 20.0  # L* that are enough of a change
-# L* from where it cannot be too light, and up to which it cannot be too dark
-_WHITE_MATERIAL, _BLACK_MATERIAL = (75.0, 40.0)
+_WHITE_MATERIAL = 75.0  # L* from where it cannot be too light
+_BLACK_MATERIAL = 40.0  # L* up to which not too dark
 _REFLECTING = {"material/metallic": 0.5, "material/transmission": 0.5}
 """Components -> the value from where an object shows its surroundings, and is as light as they are."""
 
@@ -56,30 +53,28 @@ _TINTING = ("light", "fill", "rim", "ambience", "tone")  # kinds of targets whos
 
 def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
     """Claims of a color word: the color of an object, or a tint of the light, the air or the film."""
-    part, thing = attribute.part, attribute.thing or attribute.region
+    word, part, thing = attribute.word, attribute.part, attribute.thing or attribute.region
     if attribute.kind in ("subject", "surroundings", "sky"):
         region: Region = "subject" if part == "subject" else "surroundings"
         shown = srgb_from_lab(display_color(srgb, region))
         lower, upper, hue = _interval(shown, 100 * oklab_from_srgb(srgb)[0])
-        yield Claim(
-            attribute.word, thing, "color", part, lower, upper, attribute.owners, None, hue, color=shown
-        )
+        yield Claim(word, thing, "color", part, lower, upper, attribute.owners, None, hue, color=shown)
     elif attribute.kind in _TINTING:
-        for tint in tints(attribute.word, "picture", "picture", srgb):
+        for tint in tints(word, "picture", "picture", srgb):
             yield from [as_accent(tint)] if attribute.of_one_light else _of_all_light(attribute, tint, srgb)
     # "teal shadows": a cast of what is dark, whatever is painted; nothing for gray
     elif attribute.kind in _TONE_CASTS:
-        for tint in tints(attribute.word, "picture", "picture", srgb):
+        for tint in tints(word, "picture", "picture", srgb):
             lower, upper = ((end,) for end in _CAST)
             measure = _TONE_CASTS[attribute.kind]
             yield replace(tint, measure=measure, lower=lower, upper=upper, change=None)
     elif attribute.kind == "fog":
-        yield from tints(attribute.word, thing, "surroundings", srgb)
+        yield from tints(word, thing, "surroundings", srgb)
         light, strength = lab_from_srgb(srgb)[0], chroma(lab_from_srgb(srgb))
         if strength < COLORED and not _BLACK < light < _WHITE:
             white = light >= _WHITE
             ends = ((_WHITE_AIR,), (math.inf,)) if white else ((-math.inf,), (_BLACK_AIR,))
-            yield Claim(attribute.word, attribute.thing, "air_lightness", "surroundings", *ends)
+            yield Claim(word, attribute.thing, "air_lightness", "surroundings", *ends)
 
 
 def _interval(shown: Values, named: float) -> tuple[Values, Values, Values]:
@@ -107,10 +102,8 @@ def tints(
     """The claim that a part's mean color lies in a color's direction; nothing for gray."""
     named = lab_from_srgb(srgb)
     if (strength := chroma(named)) >= COLORED:
-        direction = named[1] / strength, named[2] / strength
-        yield Claim(
-            word, thing, "tint", part, (_TINTED,), (math.inf,), materials, _TINTED_MORE, direction, srgb
-        )
+        hue = named[1] / strength, named[2] / strength
+        yield Claim(word, thing, "tint", part, (_TINTED,), (math.inf,), materials, _TINTED_MORE, hue, srgb)
 
 
 def as_accent(tint: Claim) -> Claim:
@@ -133,10 +126,7 @@ def _of_all_light(attribute: Attribute, tint: Claim, srgb: Values) -> Iterator[C
 
 
 def of_material(attribute: Attribute, others: Iterable[Attribute], vocabulary: Vocabulary) -> Iterator[Claim]:
-    """Claims of a material with a color of its own: gold tints the object, coal is as dark as coal is.
-
-    A color that `others`, all attributes of the prompt, name replaces that of a material that may have any, as leather.
-    """
+    """Claims of a material with a color of its own, as gold; one that may have any, as leather, yields to a color of `others`."""
     entry, part = vocabulary.entries.get(attribute.entry), attribute.part
     if entry is None or entry.slot != "material" or part == "picture":
         return
@@ -168,11 +158,7 @@ def _colors(color: Attribute, material: Attribute) -> bool:
 
 
 def darkened(claim: Claim, darkest: float) -> Claim:
-    """A claim about an object's color or lightness, eased for an image that is to be dark; other claims stay.
-
-    The whole image has at most L* `darkest`. Blue nights are no light blue, but no gray either: chroma is what a color is
-    known by.
-    """
+    """A claim about an object's color or lightness, eased for an image of at most L* `darkest`: blue nights are no light blue."""
     if darkest >= _DIM:
         return claim
     if claim.measure == "lightness" and claim.part != "picture":

@@ -8,7 +8,7 @@ from itertools import product
 from typing import Any
 
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
-from ..goals.picture import beside_picture
+from ..goals.relative import goals_with_picture
 from ..goals.resolve import Goals
 from ..goals.wish import Wish
 from ..schema import Values
@@ -21,8 +21,8 @@ from .colors import as_accent, darkened, of_color, of_material
 _OF_MOODS = 0.5  # weight of what a mood stands for
 _OPPOSED = 0.5  # cosine between a tint and the other direction, from where an image cannot have both
 _MUTED = 0.7  # share of a named color's chroma that an image keeps in which colors are muted
-# least L* of an image in colored light; share of the color's own lightness that is enough
-_LIT, _LIT_SHARE = (44.0, 0.7)
+_LIT = 44.0  # least L* of an image in colored light
+_LIT_SHARE = 0.7  # of the color's lightness, which is enough
 
 # Of every image
 _BURNT, _SUBJECT_DROWNED, _DROWNED = 0.06, 0.3, 0.12  # shares that may be overexposed, or drown in black
@@ -32,8 +32,8 @@ _FULL = 0.97  # a channel of a named color from where the image may have it clip
 _WHITE, _BRIGHT = 90.0, 60.0  # L* of a color that is white, and of an image of which parts may be overexposed
 _BLACK, _DARK = 22.0, 50.0  # L* of a color that is black, and the most that words for dark ask for
 _APART = 10.0  # Lab distance between the subject and its ground
-# least L* between a subject's tenths, for light from everywhere shows no shape; the same if words ask for flat
-_SHAPED, _FLAT = (14.0, 8.0)
+_SHAPED = 14.0  # least L* between a subject's tenths, which show its shape
+_FLAT = 8.0  # the same where words ask for flat
 _DIM = 22.0  # L* of the median of a reference image from where its subject may drown in black
 _SHOWN = ("burnt", "drowned", "separation")
 _DIMMEST = 24.0  # least L* of the lightest parts of a subject: even at night its lights are seen
@@ -43,15 +43,15 @@ _TINTS = ("tint", "accent")
 # Of a further sentence
 _REST = "rest of the image"
 _PLACES = (6, 4)  # of the image, across and down, that stay as they are each by itself
-# OKLab, times 100, by which a place may change; the same if words say that it stays
-_STILL, _EXACT = (1.0, 0.4, 0.4), (0.5, 0.2, 0.2)
+_STILL = (1.0, 0.4, 0.4)  # OKLab, times 100, by which places may change
+_EXACT = (0.5, 0.2, 0.2)  # the same if words say that it stays
 _HELD = 0.3  # weight of a place
 _COLORED = ("light_color", "cast", "saturation", "color")  # of the whole image, and they leave its lightness
 
 
 def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     """The claims of goals, and those of every image: that its subject can be seen."""
-    goals = beside_picture(goals, vocabulary)
+    goals = goals_with_picture(goals, vocabulary)
     ranked = sorted((wish for wish in goals.wishes if not wish.of_picture), key=lambda wish: wish.rank)
     rows = _with_accents([(wish, [*_of_wish(wish, goals, vocabulary)]) for wish in ranked])
     colors = [c for wish, row in rows if wish.attribute.color and not wish.implied for c in row]
@@ -84,7 +84,7 @@ def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
         every = [*_held(goals, [*claims, *rig])]
     else:
         every = [claim for claim in _of_every_image(goals, claims) if not _is_told(claim, pictured)]
-    return (*beside_paint(_shared(rig), claims), *shown, *every, *pictured)
+    return (*light_claims(_shared(rig), claims), *shown, *every, *pictured)
 
 
 def _shared(rig: Sequence[Claim]) -> list[Claim]:
@@ -95,11 +95,8 @@ def _shared(rig: Sequence[Claim]) -> list[Claim]:
     return [replace(next(iter(each.values())), also=tuple(each)[1:]) for each in words.values()]
 
 
-def beside_paint(light: Sequence[Claim], claims: Sequence[Claim]) -> Iterator[Claim]:
-    """A rig's claims, without those that the paint of a subject decides: a red one has no cool highlights, and a dark one stays dark.
-
-    The light's color is then measured around it.
-    """
+def light_claims(light: Sequence[Claim], claims: Sequence[Claim]) -> Iterator[Claim]:
+    """A rig's claims, without those that the subject's paint decides: the light's color is then measured around the subject."""
     painted = any(c.part == "subject" and c.measure in ("color", "tint") for c in claims)
     for claim in light:
         if painted and claim.measure == "highlight_warmth":
@@ -146,22 +143,14 @@ def _of_text(text: ClaimText, wish: Wish) -> Claim:
 
 def _with_accents(rows: list[tuple[Wish, list[Claim]]]) -> list[tuple[Wish, list[Claim]]]:
     """Wishes with their claims; colors of light that no image can have all over, magenta and cyan, have a part of it each."""
-    tints = [
-        c for w, row in rows if w.attribute.color for c in row if (c.part, c.measure) == ("picture", "tint")
-    ]
+    colored = (c for wish, row in rows if wish.attribute.color for c in row)
+    tints = [c for c in colored if (c.part, c.measure) == ("picture", "tint")]
     opposed = [c for c in tints if any(_cosine(c, other) < -_OPPOSED for other in tints)]
-    words = {c.word for c in opposed}
-    return [
-        (
-            wish,
-            [
-                as_accent(c) if c in opposed else c
-                for c in row
-                if c.measure != "off_hue" or c.word not in words
-            ],
-        )
-        for wish, row in rows
-    ]
+    words, found = {c.word for c in opposed}, []
+    for wish, row in rows:
+        row = [c for c in row if c.measure != "off_hue" or c.word not in words]
+        found.append((wish, [as_accent(c) if c in opposed else c for c in row]))
+    return found
 
 
 def _cosine(first: Claim, second: Claim) -> float:
@@ -169,10 +158,7 @@ def _cosine(first: Claim, second: Claim) -> float:
 
 
 def _allowing_colors(claim: Claim, usual: bool, colors: Sequence[Claim]) -> Claim:
-    """A claim about the whole image, eased for the named colors of what fills it.
-
-    Muted colors are still colors, and a gallery with a dark backdrop is no light image, though galleries are.
-    """
+    """A claim about the whole image, eased for the named colors of what fills it: muted colors are still colors."""
     named = [lab_from_srgb(c.color) for c in colors if c.measure == "color" and c.color and not c.materials]
     if claim.part != "picture" or not named:
         return claim
@@ -205,10 +191,7 @@ def _measured(claim: Claim) -> tuple[object, ...]:
 
 
 def _least_lightness(colors: Sequence[Claim], claims: Sequence[Claim]) -> list[Claim]:
-    """Colored light is no dark light: where no word says how light the image is, it stays as light as the color is.
-
-    A tint could be had by exposing less, where it would drown the other colors.
-    """
+    """The least lightness of colored light, where no word says one: exposing less would drown the other colors."""
     tints = [c.color for c in colors if (c.part, c.measure) == ("picture", "tint") and c.color]
     if not tints or any(map(_is_brightness, claims)):
         return []
@@ -218,12 +201,8 @@ def _least_lightness(colors: Sequence[Claim], claims: Sequence[Claim]) -> list[C
 
 def _without_colored(claim: Claim, colored: Sequence[Claim]) -> Claim:
     """A claim about light, measured on parts that get no color of their own by other words."""
-    apart = (
-        (c.part, c.materials)
-        for c in colored
-        if c.measure == "color" or c.part == "sky" or c.word != claim.word
-    )
-    return replace(claim, apart=tuple(dict.fromkeys(apart)))
+    others = (c for c in colored if c.measure == "color" or c.part == "sky" or c.word != claim.word)
+    return replace(claim, apart=tuple(dict.fromkeys((c.part, c.materials) for c in others)))
 
 
 def _is_painted(claim: Claim, attribute: Attribute) -> bool:
@@ -251,7 +230,7 @@ def _is_told(claim: Claim, pictured: Sequence[Claim]) -> bool:
 
 
 def _held(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
-    """What a further sentence leaves as it is: places of the image, in lightness or color, and what its words say stays."""
+    """Claims that the rest of the image stays: places, in lightness or color, and what the words of a further sentence say."""
     for owner in goals.parsed.protected:
         group, _, name = owner.partition("/")
         if group in ("material", "world"):

@@ -90,9 +90,8 @@ def _read(
     prompt: str, scene: Path, subject: Sequence[str], target: Sequence[str]
 ) -> tuple[StagedScenes, dict[str, Instance], SceneDescription]:
     """A scene before the first round of a vibe: its names, its places and its parameters. Nothing is rendered."""
-    from ..blender.launch import launch
+    from ..blender.launch import VibeProgress, launch
     from ..blender.meshes import prepared
-    from ..blender.progress import VibeProgress
 
     with tempfile.TemporaryDirectory(prefix="vibe-explain-") as folder, prepared(scene) as place:
         # The engine takes as long to import as Blender takes to read the scene: both at the same time.

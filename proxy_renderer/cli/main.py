@@ -1,14 +1,333 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command `vibe`. Nothing heavy is imported before the arguments have been found good."""
+"""The command `vibe`: for each command its summary, its options, and the function that carries it out.
+
+Everything heavy is imported inside the functions, after the arguments have been found good.
+"""
 
 import argparse
 import sys
-from collections.abc import Sequence
-from typing import NoReturn
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any, NamedTuple, NoReturn
 
 from .. import __version__
-from ..schema import VibeError, errors
-from .commands import COMMANDS
+from ..inputs import check
+from ..schema import VibeError, errors, limits
+from ..schema.limits import MESH_FORMATS
+from ..schema.options import checks, command_line
+from ..schema.options.table import named
+from ..schema.sentences import about_steps, plain
+
+DEMO_PROMPT = "Glossy teal on a pale sand background, warm soft light, slight vignette"
+_HOW = ("picture", "effort", "reach", "engine", "render")  # headings of options for whatever scene
+
+
+def _add_scene(parser: argparse.ArgumentParser, optional: bool = False) -> None:
+    count: dict[str, Any] = {"nargs": "?", "default": ""} if optional else {}
+    meshes = " ".join(MESH_FORMATS)
+    parser.add_argument("scene", metavar="SCENE", help=f"a .blend, or a mesh: {meshes}", **count)
+    command_line.add_option(parser, named("subject"))
+
+
+def _add_out(parser: argparse.ArgumentParser, help: str, default: str = "") -> None:
+    """Adds `--out`, which a command needs where there is no default."""
+    given = Path(default) if default else None
+    parser.add_argument("--out", required=not default, default=given, type=Path, metavar="DIR", help=help)
+
+
+# --- run, demo ---
+
+
+def _run_options(parser: argparse.ArgumentParser) -> None:
+    _add_scene(parser)
+    parser.add_argument(
+        "more", nargs="*", metavar="SCENE", help="more .blends that are to have the same look"
+    )
+    command_line.add_option(parser, named("prompt"))
+    command_line.add_option(parser, named("then"))
+    _add_out(parser, "folder for images, .blend and report")
+    command_line.add_option(parser, named("stage"), default="")
+    command_line.add_options(parser, ("shots", "moments", *_HOW))
+
+
+def _run(a: argparse.Namespace) -> int:
+    scene = check.scene(a.scene)
+    if a.stage and scene.suffix.lower() == ".blend":
+        raise VibeError("--stage is for bare meshes; a .blend brings its own.", "Leave --stage out.")
+    scenes = check.shots([scene, *map(check.scene, a.more)], a)
+    return carry_out(a, "run", scenes)
+
+
+def _demo_options(parser: argparse.ArgumentParser) -> None:
+    shown = f"the look (default: {DEMO_PROMPT}; with a reference image: none)"
+    command_line.add_option(parser, named("prompt"), default=None, help=shown)
+    command_line.add_option(parser, named("then"))
+    _add_out(parser, "folder (default: %(default)s)", "demo")
+    command_line.add_options(parser, _HOW)
+
+
+def _demo(a: argparse.Namespace) -> int:
+    if a.prompt is None:  # a picture or goals replace the demo's own words
+        a.prompt = "" if a.like or a.goals else DEMO_PROMPT
+    return carry_out(a, "demo")
+
+
+def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> int:
+    """Checks everything that can be checked without Blender, then starts it."""
+    looks = [look for _, look in checks.moments(a)]
+    if not (looks or getattr(a, "markers", False)):
+        checks.prompt(a.prompt, a.like, a.goals, a.then)
+    checks.numbers(a)
+    a.groups = checks.groups(a.groups)
+    checks.locks(a.lock)
+    checks.targets(a.target)
+    a.like_only = checks.traits(a.like_only, a.like)
+    a.like = str(check.file(a.like, "picture")) if a.like else ""
+    check.device(a.device)
+    from ..blender.launch import launch
+    from ..blender.meshes import prepared
+
+    with ExitStack() as stack:
+        places = [str(stack.enter_context(prepared(scene))) for scene in scenes]
+        check.vocabulary(a.vocabulary)  # after the meshes: it takes as long as they do
+        a.goals = check.goals(a.goals)
+        for words in filter(str.strip, (*looks, a.prompt)) if not check.model(a) else ():
+            check.words(words)
+        for sentence in a.then:
+            if about_steps(sentence) is None and not check.model(a):
+                check.words(plain(sentence)[0])
+        out = checks.folder(a.out)  # last: a mistake leaves no folder
+        return launch([what, *places, f"--out={out}", *command_line.to_arguments(a)], out)
+
+
+# --- batch, flamenco ---
+
+
+def _batch_options(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add(
+        "manifest",
+        type=Path,
+        metavar="MANIFEST.toml",
+        help="scenes, shots that share a look, prompts, seeds and options",
+    )
+    _add_out(parser, "folder for all results")
+    add("--dry-run", action="store_true", help="only say what would be done, and how long it takes")
+    final = "then render these frames of every result with Cycles (without A-B: the scene's own frames)"
+    add("--final", nargs="?", const="", metavar="A-B", help=final)
+    workers = "jobs at a time (default: as many as cores, memory and graphics cards hold)"
+    add("--workers", type=int, default=0, metavar="N", help=workers)
+    ray = "on the Ray cluster at this address; without one, on the cluster that this machine belongs to"
+    add("--ray", nargs="?", const="auto", default="", metavar="ADDRESS", help=ray)
+
+
+def _batch(a: argparse.Namespace) -> int:
+    from ..batch.command import run
+
+    return run(a)
+
+
+def _flamenco_options(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("action", choices=("install",), metavar="install", help="the only thing to do with it")
+    scripts = "folder `scripts` of your Flamenco Manager"
+    add("--scripts", required=True, type=Path, metavar="DIR", help=scripts)
+
+
+def _flamenco(a: argparse.Namespace) -> int:
+    from ..batch.command import install_job_type
+
+    written = install_job_type(a.scripts)
+    print(f"Written: {written}. Restart the Manager, then refresh the job types in Blender.")
+    return 0
+
+
+# --- apply, revert ---
+
+
+def _apply_options(parser: argparse.ArgumentParser) -> None:
+    preset = "a preset.json that `vibe run` has written, or a name: noir"
+    parser.add_argument("preset", metavar="PRESET", help=preset)
+    _add_scene(parser)
+    _add_out(parser, "folder for pictures and .blend")
+    render = parser.add_argument_group("render")
+    command_line.add_option(render, named("size"), default=limits.STANDARD.size)
+    command_line.add_option(render, named("samples"))
+
+
+def _apply(a: argparse.Namespace) -> int:
+    from ..blender.launch import launch
+    from ..blender.meshes import prepared
+
+    checks.numbers(a)
+    preset, scene = check.preset(a.preset), check.scene(a.scene)
+    out = checks.folder(a.out)
+    with prepared(scene) as place:
+        return launch(["apply", preset, str(place), f"--out={out}", *command_line.to_arguments(a)], out)
+
+
+def _revert_options(parser: argparse.ArgumentParser) -> None:
+    scene = "a file that `vibe run` has written; it is changed in place"
+    parser.add_argument("scene", metavar="FILE.blend", help=scene)
+
+
+def _revert(a: argparse.Namespace) -> int:
+    from ..blender.launch import launch
+
+    scene = check.scene(a.scene)
+    if scene.suffix.lower() != ".blend":
+        remedy = "Revert takes the vibed.blend that a vibe has written."
+        raise VibeError(f"{a.scene} is not a .blend.", remedy)
+    return launch(["revert", str(scene)], scene)
+
+
+# --- explain, vocabulary ---
+
+
+def _explain_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("prompt", metavar="TEXT", help="the look")
+    _add_scene(parser, optional=True)
+    command_line.add_option(parser, named("vocabulary"))
+    command_line.add_option(parser, named("target"))
+    why = "what each look word may be bound to, with scores and the facts that decided"
+    parser.add_argument("--why", action="store_true", help=why)
+    goals = "what the words wish for, as JSON that `vibe run --goals` reads"
+    parser.add_argument("--goals", action="store_true", help=goals)
+    parser.add_argument("--json", action="store_true", help="for programs")
+
+
+def _explain(a: argparse.Namespace) -> int:
+    from .explain import account
+
+    checks.prompt(a.prompt)
+    check.vocabulary(a.vocabulary)
+    checks.targets(a.target)
+    scene = check.scene(a.scene) if a.scene else None
+    subject = [f"--subject={name}" for name in a.subject]
+    print(account(a.prompt, a.json, scene, subject, a.why, a.target, a.goals))
+    return 0
+
+
+def _vocabulary_options(parser: argparse.ArgumentParser) -> None:
+    actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True, dest="action")
+    add = actions.add_parser("add", help="write an entry or a color into your vocabulary")
+    add.add_argument("name", metavar="NAME", help="the word")
+    add.add_argument("--color", metavar="#RRGGBB", default="", help="it is a color, and this is it")
+    add.add_argument("--slot", default="material", help="kind of look word (default: material)")
+    add.add_argument("--words", default="", help="other ways to say it, comma separated")
+    wish = 'what it wishes for: a class ("finish is glossy"), an effect or a claim; may be repeated'
+    add.add_argument("--wish", action="append", default=[], metavar="TEXT", help=wish)
+    add.add_argument("--means", default="", help="the same said in plain look words")
+    test = actions.add_parser("test", help="say how a prompt is read with it")
+    test.add_argument("text", metavar="TEXT", help="the look")
+    listed = actions.add_parser("list", help="list entries and colors")
+    listed.add_argument(
+        "part", metavar="TEXT", nargs="?", default="", help="only those with this in a wording"
+    )
+    for action in (add, test, listed):
+        command_line.add_option(action, named("vocabulary"))
+
+
+def _vocabulary(a: argparse.Namespace) -> int:
+    if a.action == "add":
+        _add_word(a)
+    elif a.action == "test":
+        from .explain import account
+
+        check.vocabulary(a.vocabulary)
+        print(account(a.text, as_json=False))
+    else:
+        from ..words.lexicon.user_words import default_vocabulary
+
+        check.vocabulary(a.vocabulary)
+        known, part = default_vocabulary(), a.part.lower()
+        for entry in known.entries.values():
+            if any(part in word for word in entry.words):
+                others = ", ".join(word for word in entry.words if word != entry.name)
+                print(f"{entry.name} ({entry.slot}){': ' + others if others else ''}")
+        print("\n".join(f"{name} (color)" for name in known.colors if part in name))
+    return 0
+
+
+def _add_word(a: argparse.Namespace) -> None:
+    from ..folders import config_folder
+    from ..words.lexicon.user_words import add_color, add_look
+
+    if bool(a.color) == bool(a.wish or a.means):
+        raise VibeError(f"'{a.name}' needs a color, or what it does.", "Give --color, or --wish, or --means.")
+    path = Path(a.vocabulary).expanduser() if a.vocabulary else config_folder() / "vocabulary.toml"
+    if a.color:
+        add_color(path, a.name, a.color)
+    else:
+        add_look(path, a.name, {"slot": a.slot, "words": a.words, "wishes": a.wish, "means": a.means})
+    print(f"'{a.name}' is in {path} now.")
+
+
+# --- doctor, extension ---
+
+
+def _doctor(a: argparse.Namespace) -> int:
+    from .doctor import examine
+
+    return examine()
+
+
+def _extension_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "action",
+        choices=("build", "install", "repository"),
+        help="make a .zip to install from disk, install it at once, or make a .zip with the index that Blender subscribes to",
+    )
+    _add_out(parser, "build, repository: folder (default: %(default)s)", "dist")
+    parser.add_argument(
+        "--blender", default="", metavar="PATH", help="install: into this Blender (default: the PATH's)"
+    )
+
+
+def _extension(a: argparse.Namespace) -> int:
+    from ..blender.extension import build, install, repository
+
+    if a.action == "install":
+        print(install(a.blender))
+    else:
+        print(f"Written: {(build if a.action == 'build' else repository)(a.out)}")
+    return 0
+
+
+class Command(NamedTuple):
+    """A command: its line in the help, what adds its options to a parser, and what returns its exit code."""
+
+    summary: str
+    add_options: Callable[[argparse.ArgumentParser], None]
+    act: Callable[[argparse.Namespace], int]
+
+
+COMMANDS = {
+    "run": Command(
+        "Give a scene the look that words describe, or a reference image has.", _run_options, _run
+    ),
+    "demo": Command("Build a small test scene and give it a look.", _demo_options, _demo),
+    "batch": Command("Give many scenes many looks, on this machine or on a cluster.", _batch_options, _batch),
+    "flamenco": Command(
+        "Install the job type that brings looks to a Flamenco farm.", _flamenco_options, _flamenco
+    ),
+    "apply": Command("Give a scene the look of a preset, and render it.", _apply_options, _apply),
+    "revert": Command("Restore a .blend to its state before the first vibe.", _revert_options, _revert),
+    "explain": Command(
+        "Show how a prompt is understood and what it would change.", _explain_options, _explain
+    ),
+    "vocabulary": Command(
+        "Add words of your own, try them, and list what words there are.", _vocabulary_options, _vocabulary
+    ),
+    "doctor": Command("Check what is installed, and say what to fix.", lambda parser: None, _doctor),
+    "extension": Command(
+        "Build the Blender extension, install it, or publish it in a repository.",
+        _extension_options,
+        _extension,
+    ),
+}
+"""In the order of the help."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -68,9 +387,8 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument("--version", action="version", version=f"vibe-render {__version__}")
     commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True, parser_class=Parser)
     for name, command in COMMANDS.items():
-        sub = commands.add_parser(
-            name, help=command.summary, description=command.summary, formatter_class=Help
-        )
+        says = command.summary
+        sub = commands.add_parser(name, help=says, description=says, formatter_class=Help)
         sub.set_defaults(act=command.act)
         command.add_options(sub)
     return top

@@ -6,12 +6,6 @@ import numpy as np
 from . import constants as c
 
 
-def linear_from_srgb(encoded: np.ndarray) -> np.ndarray:
-    """Linear light, of any shape, of sRGB-encoded values in [0, 1]."""
-    curved = ((encoded + c.SRGB_OFFSET) / c.SRGB_SCALE) ** c.SRGB_EXPONENT
-    return np.where(encoded <= c.SRGB_ENCODED_END, encoded / c.SRGB_SLOPE, curved)
-
-
 def srgb_from_linear(linear: np.ndarray) -> np.ndarray:
     """Encodes linear light (any shape, ≥ 0) with the sRGB curve (IEC 61966-2-1); unbounded above."""
     curved = c.SRGB_SCALE * np.maximum(linear, c.SRGB_LINEAR_END) ** (1 / c.SRGB_EXPONENT) - c.SRGB_OFFSET
@@ -27,9 +21,3 @@ def sphere_luminance(environment: np.ndarray) -> float:
     """Mean luminance over the sphere of an equirectangular environment (H, W, 3), linear Rec.709: its rows at the poles are narrow."""
     heights = (np.arange(len(environment)) + 0.5) / len(environment) * np.pi - np.pi / 2
     return float(np.average(luminance(environment).mean(1), weights=np.cos(heights)))
-
-
-def oklab_from_srgb(encoded: np.ndarray) -> np.ndarray:
-    """OKLab (..., 3) of sRGB (..., 3) in [0, 1]."""
-    cones = linear_from_srgb(encoded) @ np.array(c.CONES_FROM_REC709).T
-    return np.cbrt(cones) @ np.array(c.OKLAB_FROM_CONES).T

@@ -44,9 +44,8 @@ def shade(
     light, a, b = oklab_from_srgb(srgb)
     warmth *= max(0.0, 1 - math.hypot(a, b) / 0.15)
     goal = (towards + 16) / 116  # of a gray of that L*
-    return srgb_from_oklab(
-        (goal + (light - goal) * lightness, a * chroma + warmth / 1200, b * chroma + warmth / 330)
-    )
+    light = goal + (light - goal) * lightness
+    return srgb_from_oklab((light, a * chroma + warmth / 1200, b * chroma + warmth / 330))
 
 
 def hue_apart(one: Values, other: Values) -> float:

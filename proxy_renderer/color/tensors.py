@@ -65,19 +65,14 @@ def _length(*components: Tensor) -> Tensor:
 def _hue(b: Tensor, a: Tensor) -> Tensor:
     """Hue angle in radians, [0, 2π); 0 for a neutral color, with a zero gradient there."""
     neutral = (a.abs() < _TINY) & (b.abs() < _TINY)
-    angle = torch.atan2(
-        torch.where(neutral, torch.zeros_like(b), b), torch.where(neutral, torch.ones_like(a), a)
-    )
+    angle = torch.atan2(b.masked_fill(neutral, 0.0), a.masked_fill(neutral, 1.0))
     return torch.where(angle < 0, angle + 2 * math.pi, angle)
 
 
 def ciede2000(
     lab1: Float[Tensor, "*#pixels 3"], lab2: Float[Tensor, "*#pixels 3"]
 ) -> Float[Tensor, "*#pixels"]:
-    """Perceived difference (...) of two colors in Lab (..., 3): 1 is just visible.
-
-    Source: Sharma, Wu, Dalal, "The CIEDE2000 color-difference formula", 2005; kL = kC = kH = 1.
-    """
+    """Perceived difference (...) of two colors in Lab (..., 3): 1 is just visible (Sharma, Wu and Dalal 2005; kL = kC = kH = 1)."""
     (l1, a1, b1), (l2, a2, b2) = lab1.unbind(-1), lab2.unbind(-1)
     c7 = ((_length(a1, b1) + _length(a2, b2)) / 2) ** 7
     stretch = 1.5 - 0.5 * (c7 / (c7 + 25.0**7)).clamp_min(_TINY).sqrt()
@@ -92,9 +87,8 @@ def ciede2000(
     mean_h = torch.where(neutral, h1 + h2, h1 + dh / 2)
     delta_l, delta_c = l2 - l1, c2 - c1
     half_turn = torch.where(neutral, torch.zeros_like(dh), dh) / 2
-    delta_h = (
-        2 * torch.where(neutral, torch.zeros_like(c1), (c1 * c2).clamp_min(_TINY).sqrt()) * half_turn.sin()
-    )
+    both = torch.where(neutral, torch.zeros_like(c1), (c1 * c2).clamp_min(_TINY).sqrt())
+    delta_h = 2 * both * half_turn.sin()
 
     mean_l, mean_c = (l1 + l2) / 2, (c1 + c2) / 2
     t = 1 - 0.17 * torch.cos(mean_h - math.radians(30)) + 0.24 * torch.cos(2 * mean_h)
@@ -152,10 +146,7 @@ _BLUE = (
 
 
 def blackbody(kelvin: Tensor) -> Tensor:
-    """Linear Rec.709 (..., 3), luminance about 1, of a light of a temperature (...), as Blender multiplies it in.
-
-    Below 800 K and above 12000 K nothing changes any more.
-    """
+    """Linear Rec.709 (..., 3) of a light's temperature (...) from 800 to 12000 K, luminance about 1, as Blender multiplies it in."""
     t = kelvin.clamp(800.0, 12000.0)
     i = torch.bucketize(t.detach(), t.new_tensor(_KNOTS), right=True)
     r, g, b = (t.new_tensor(table)[i].unbind(-1) for table in (_RED, _GREEN, _BLUE))

@@ -79,14 +79,13 @@ def apply_ocio(
         config = _configuration(ocio, display, view)
         group = OCIO.GroupTransform()
         source = space if space and config.getColorSpace(space) else OCIO.ROLE_SCENE_LINEAR
-        if look not in ("", "None"):
+        own_look = look not in ("", "None")
+        if own_look:
             target = config.getLook(look).getProcessSpace()
             group.appendTransform(OCIO.LookTransform(src=source, dst=target, looks=look))
             source = target
-        bypass = look not in ("", "None")
-        group.appendTransform(
-            OCIO.DisplayViewTransform(src=source, display=display, view=view, looksBypass=bypass)
-        )
+        shown = {"src": source, "display": display, "view": view, "looksBypass": own_look}
+        group.appendTransform(OCIO.DisplayViewTransform(**shown))
         processor = config.getProcessor(group).getDefaultCPUProcessor()
     except (OCIO.Exception, OCIO.ExceptionMissingFile, AttributeError) as error:
         raise VibeError(

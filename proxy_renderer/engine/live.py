@@ -70,20 +70,18 @@ def readings(prompt: str, scene: SceneDescription, target: Sequence[str] = ()) -
 
 def _reading(word: PromptWord) -> messages.WordReading:
     """A word with what it describes; one that is not used, with known words in its place."""
-    names = [candidate.name for candidate in word.candidates]
+    choices = word.key, [candidate.name for candidate in word.candidates], [*word.others]
     if word.target == NOT_USED:
         unknown = not word.candidates
         others = default_vocabulary().made(Nearest).choices(word.text, _OTHERS) if unknown else []
-        return messages.WordReading(
-            word.text, "left out", word.target, others, word.key, names, [*word.others]
-        )
+        return messages.WordReading(word.text, "left out", word.target, others, *choices)
     is_general = word.target in GENERAL and word.thing not in word.target
     describes = f"describes {listed(word.target)}" + (f" ({word.thing})" if is_general else "")
     if word.guess:
         state, meaning = "guessed", f"taken for “{word.guess}”, {describes}"
     else:
         state, meaning = "understood", describes
-    return messages.WordReading(word.text, state, meaning, [], word.key, names, [*word.others])
+    return messages.WordReading(word.text, state, meaning, [], *choices)
 
 
 class Glances:
@@ -95,10 +93,7 @@ class Glances:
         self._proxies: dict[tuple[str, ...], Proxy] = {}
 
     def look(self, request: messages.Glance, stopped: Callable[[], bool]) -> EarlyLook | None:
-        """The look of a glance, None if it was `stopped`, or no word is known yet; raises VibeError if the job cannot be read.
-
-        An image of the artist's own values is left in the job folder.
-        """
+        """The look of a glance; None if it was `stopped`, or no word is known. Raises VibeError if the job cannot be read."""
         options = messages.Options.from_dict(request.options)
         found = [self._scene(request.job)]
         stage = linked(set_stage(found, request.prompt, options.new_lights, options.target), options)

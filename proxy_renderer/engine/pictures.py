@@ -78,11 +78,7 @@ def _drawn(proxy: Proxy, outcome: Outcome, number: int) -> Render:
 
 
 def difference(predicted: np.ndarray, after: np.ndarray, subject: np.ndarray) -> dict[str, float]:
-    """Difference in CIEDE2000 between a prediction (H, W, 3) and Cycles' picture, sRGB-encoded, in [0, 1].
-
-    `mean` and `p95`, the 95th percentile, over the pixels; `subject`, the mean where the subject (H, W) covers most of a pixel, if
-    it does anywhere.
-    """
+    """CIEDE2000 of a prediction and Cycles' picture (H, W, 3), sRGB in [0, 1]: `mean`, `p95`, and over the `subject` (H, W)."""
     labs = (lab_from_srgb(torch.from_numpy(picture)) for picture in (predicted, after))
     errors = ciede2000(*labs).numpy()
     figures = {"mean": errors.mean(), "p95": np.percentile(errors, 95)}
@@ -108,7 +104,7 @@ def save_image(image: Image.Image, path: Path) -> None:
         image.save(part, format="PNG")
 
 
-def load_picture(path: Path, shape: tuple[int, int] | None = None) -> np.ndarray:
+def load_picture(path: Path | str, shape: tuple[int, int] | None = None) -> np.ndarray:
     """Reads an image as (H, W, 3) float32 in [0, 1], resized to a width and height if given; transparent pixels show black."""
     with Image.open(path) as image:
         flat = Image.alpha_composite(Image.new("RGBA", image.size, (0, 0, 0, 255)), image.convert("RGBA"))
@@ -119,10 +115,7 @@ def load_picture(path: Path, shape: tuple[int, int] | None = None) -> np.ndarray
 
 
 def compare(rows: Sequence[Sequence[tuple[str, Image.Image]]], prompt: str, fonts: Path) -> Image.Image:
-    """Labeled panels side by side, rows of (label, image) one below the other, the prompt at the foot.
-
-    All images in a row are as high as the first. Long prompts are wrapped, and cut after four lines; "" for none.
-    """
+    """Labeled panels: rows of (label, image), as high as the first, above the prompt in at most four lines ("" for none)."""
     title = font(26, prompt, fonts)
     label = font(18, "".join(name for row in rows for name, _ in row), fonts)
     sizes = [[_fitted(picture, _fitted(row[0][1])[1]) for _, picture in row] for row in rows]

@@ -14,11 +14,10 @@ from ..claims.claim import Claim, ShotClaims
 from ..claims.measures import MEASURES
 from ..color.tensors import linear_from_srgb
 from ..goals.written import as_json
-from ..optimize.anchoring import BlenderPictures
 from ..optimize.pipeline import Outcome
 from ..optimize.rounds.method import VARIABLE
-from ..optimize.shots import LOCKED, ShotState
-from ..render.gbuffer import GBuffer
+from ..optimize.shots import LOCKED, BlenderPictures, ShotState
+from ..render.surface.view_cache import GBuffer
 from ..schema import Values, labels
 from ..schema.messages import word_states, words_of
 from ..words.lexicon.quantities import quantities
@@ -174,7 +173,7 @@ def _missing(row: Mapping[str, Any]) -> str:
 
 
 def _obstacle(outcome: Outcome, number: int, seen: GBuffer) -> dict[str, str]:
-    """What keeps a claim of the outcome from being satisfied: why, and the key to unlock."""
+    """The obstacle of a claim that is missed: why, and the key to unlock."""
     claim = outcome.claims[number]
     if locked := _locked(outcome, claim):
         why = f"{labels.title(locked)} may not change: {outcome.vector.instances[locked].locked}"
@@ -199,7 +198,7 @@ def _locked(outcome: Outcome, claim: Claim) -> str:
 
 
 def _opponent(outcome: Outcome, number: int) -> str:
-    """What stands against a claim by the linear model of the last steps: nothing that helps, an end of a range, or another claim."""
+    """The opponent of a claim by the linear model of the last steps: nothing that helps, an end of a range, or another claim."""
     shot, known = outcome.shots[0], outcome.descent.known if outcome.descent else None
     measured = [i for i, where in enumerate(shot.claims.regions) if where is not None] if shot.claims else []
     if known is None or number not in measured:

@@ -16,11 +16,10 @@ from ..goals.written import read
 from ..guidance import regions
 from ..guidance.encoder import Encoder, load_encoder
 from ..optimize import pipeline
-from ..optimize.anchoring import BlenderPictures
 from ..optimize.links import linked
 from ..optimize.progress import Observer
 from ..optimize.rounds.method import load_method
-from ..optimize.shots import ShotInput, picture_size
+from ..optimize.shots import BlenderPictures, ShotInput, picture_size
 from ..optimize.stage import set_stage
 from ..render.proxy import Proxy
 from ..scene import load_scene
@@ -48,10 +47,7 @@ def pick_device(name: str) -> str:
 
 
 class EngineSession:
-    """A vibe's state between its result and its measure; images are written to the job folders of its shots.
-
-    The vision-language model's key is that of the preferences; "" for the environment's.
-    """
+    """A vibe's state between its result and its measure; images are written to the job folders of its shots."""
 
     def __init__(
         self,
@@ -72,10 +68,7 @@ class EngineSession:
         self._rows: list[list[tuple[str, Image.Image]]] = []  # of compare.png: one for each shot
 
     def run(self) -> messages.Result:
-        """Finds the values and reports how; the images that the result names are there after `draw`.
-
-        Raises VibeError: the job cannot be read, the words name no look, or the encoder cannot be loaded.
-        """
+        """Finds the values and reports how; its images are there after `draw`. Raises VibeError for a bad job, prompt or encoder."""
         options, observer, clock = self.options, self._observer, _Stopwatch()
         observer.stage("loading the encoder")
         device = pick_device(options.device)
@@ -164,12 +157,9 @@ class EngineSession:
             pictures.save_image(sheet, Path(self.shots[0].job) / messages.VARIANTS)
 
     def finish(self, request: messages.Finish) -> messages.Finished:
-        """Measures Cycles' pictures of a shot against the prediction and the words, and composes them; shots come in their order.
-
-        Raises VibeError if there was no `run` before.
-        """
+        """Measures and composes Cycles' pictures of a shot, in the order of shots; raises VibeError if there was no `run` before."""
         outcome, encoder = self._last("finish")
-        before, after = (pictures.load_picture(Path(p)) for p in (request.before, request.after))
+        before, after = (pictures.load_picture(p) for p in (request.before, request.after))
         shape, shot = (after.shape[1], after.shape[0]), self.shots[request.shot]
         names, mask = self._predicted[request.shot]
         predictions = {n: pictures.load_picture(Path(shot.job) / pictures.PICTURES[n], shape) for n in names}
@@ -203,9 +193,7 @@ class EngineSession:
         """Measures Cycles' pictures of another frame by the words of this vibe; raises VibeError if there was no `run` before."""
         outcome, encoder = self._last("check")
         scene = load_scene(Path(request.job))
-        before, after = (
-            torch.from_numpy(pictures.load_picture(Path(p))) for p in (request.before, request.after)
-        )
+        before, after = (torch.from_numpy(pictures.load_picture(p)) for p in (request.before, request.after))
         size = after.shape[1], after.shape[0]
         seen = Proxy(scene, size, str(encoder.device), self.options.seed).gbuffer({})
         rows = ShotClaims(outcome.claims, seen, seen).verdicts(before, after, after)

@@ -10,22 +10,150 @@ from __future__ import annotations
 import ctypes
 import errno
 import os
+import queue
 import sys
 import threading
+import time
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, BinaryIO, TypeVar
 
 from .. import __version__
 from ..folders import cache_folder
-from ..optimize.progress import BEFORE
+from ..optimize.progress import BEFORE, PREVIEW
 from ..schema import VibeError, errors, messages, schema_hash
-from ..schema.messages import check_schema
-from .wire import RemoteObserver, Wire, look_message
+from ..schema.messages import check_schema, encode, read
 
 if TYPE_CHECKING:
+    from torch import Tensor
+
+    from ..optimize.looks import EarlyLook
     from .live import Glances
     from .session import EngineSession
+
+
+_PREVIEW_SECONDS = 1.0
+_PROGRESS_SECONDS = 0.1
+_ANSWER_SECONDS = 600.0  # most that Blender may take to answer: it may be rendering something else first
+_Look = TypeVar("_Look", bound=messages.LookSoFar)
+
+
+class Wire:
+    """The two ends of the conversation.
+
+    A thread reads, so that "stop" is heard while the loop runs.
+
+    Attributes:
+        inbox: Requests in order; None when the other side has gone.
+        anchored: Blender's answers to the engine's own requests.
+        asked: Words whose reading is asked for, which nothing else holds up.
+        stop: Set when the loop should end now.
+    """
+
+    def __init__(self, source: BinaryIO, sink: BinaryIO) -> None:
+        self._source, self._sink = source, sink
+        self._lock = threading.Lock()
+        self.inbox: queue.Queue[messages.Message | VibeError | None] = queue.Queue()
+        self.anchored: queue.Queue[messages.Anchored] = queue.Queue()
+        self.asked: queue.Queue[messages.AskReadings] = queue.Queue()
+        self.stop = threading.Event()
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def send(self, message: messages.Message) -> None:
+        """Writes one message; quietly gives up when nobody listens any more."""
+        try:
+            with self._lock:
+                self._sink.write(encode(message))
+                self._sink.flush()
+        except (BrokenPipeError, OSError):
+            self.stop.set()
+
+    def _listen(self) -> None:
+        try:
+            for message in read(self._source):
+                if isinstance(message, messages.Vibe | messages.Glance):
+                    self.stop.clear()
+                    self.anchored = queue.Queue()  # what comes in it belongs to an earlier vibe
+                elif isinstance(message, messages.Stop | messages.Quit):
+                    self.stop.set()
+                if isinstance(message, messages.Anchored):
+                    self.anchored.put(message)
+                elif isinstance(message, messages.AskReadings):
+                    self.asked.put(message)
+                elif not isinstance(message, messages.Stop):
+                    self.inbox.put(message)
+                if isinstance(message, messages.Quit):
+                    return  # a thread that still reads would disturb the interpreter's end
+        except VibeError as error:
+            self.inbox.put(error)
+        self.stop.set()
+        self.inbox.put(None)
+
+
+class RemoteObserver:
+    """Tells the other side how the loop goes, and the loop when to end."""
+
+    def __init__(self, wire: Wire, job: Path, wants_looks: bool = False) -> None:
+        self._wire, self._job, self.wants_looks = wire, job, wants_looks
+        self._previewed = self._reported = 0.0
+
+    def stage(self, name: str) -> None:
+        """Reports what is going on outside of the loop."""
+        self._wire.send(messages.Stage(name))
+
+    def begin(self, display: Tensor, lit: bool) -> None:
+        """Shows the image (H, W, 3) of the artist's own values; Blender ends what is not `lit`."""
+        from .pictures import save_picture
+
+        save_picture(display, self._job / BEFORE)
+        self._wire.send(messages.Stage("looking for the look", BEFORE, lit))
+
+    def look(self, look: EarlyLook) -> None:
+        """Hands a look over; one whose image is not drawn yet leaves the last image as it is."""
+        self._wire.send(look_message(messages.LookSoFar, look, self._job))
+
+    def step(self, progress: messages.Progress, display: Tensor) -> bool:
+        """Reports a step, with its image (H, W, 3) about once a second; returns whether the loop should end."""
+        from .pictures import save_picture
+
+        now = time.monotonic()
+        if now - self._previewed > _PREVIEW_SECONDS:
+            save_picture(display, self._job / progress.preview)
+            self._previewed = now
+        if now - self._reported > _PROGRESS_SECONDS or progress.step == progress.steps:
+            self._wire.send(progress)
+            self._reported = now
+        return self.stopped()
+
+    def stopped(self) -> bool:
+        """True to end the loop."""
+        return self._wire.stop.is_set()
+
+    def ask(self, request: messages.Anchor) -> messages.Anchored | None:
+        """Has Blender render, and waits; its answer holds the error if that failed or is overdue; None if the loop is to end."""
+        if not self._wire.stop.is_set():
+            self._wire.send(request)
+        end = time.monotonic() + _ANSWER_SECONDS
+        while not self._wire.stop.is_set() and time.monotonic() < end:
+            try:
+                answer = self._wire.anchored.get(timeout=0.1)
+            except queue.Empty:
+                continue
+            if answer.number == request.number:
+                return answer
+        if self._wire.stop.is_set():
+            return None
+        return messages.Anchored(request.number, error=f"no answer within {_ANSWER_SECONDS:.0f} s")
+
+
+def look_message(kind: type[_Look], look: EarlyLook, job: Path) -> _Look:
+    """The message of a look, whose image is written into the job folder."""
+    from .pictures import save_picture
+
+    if look.display is not None:
+        save_picture(look.display, job / PREVIEW)
+    values = {key: list(value) for key, value in look.values.items()}
+    return kind(values, "" if look.display is None else PREVIEW, dict(look.words))
 
 
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of mallopt(3)
@@ -34,7 +162,7 @@ _LOW_PRIORITY = 5  # of 19, as `nice` counts: at 10 an engine on a busy machine 
 
 
 def serve(source: BinaryIO, sink: BinaryIO) -> None:
-    """Answers requests, see `schema.wire`, until the other side quits or goes. A failure becomes an `Error` message."""
+    """Answers requests until the other side quits or goes. A failure becomes an `Error` message."""
     wire = Wire(source, sink)
     wire.send(messages.Ready(schema_hash(), __version__))
     warming = threading.Thread(target=_warm_up, daemon=True)
@@ -79,13 +207,11 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
 
 
 def _fault(error: Exception) -> messages.Error:
-    """The message of an error that nobody expected."""
     fault = errors.unexpected(error, "the engine was at work")
     return messages.Error(fault.message, fault.remedy, unexpected=True)
 
 
 def _file_trouble(request: object, error: OSError) -> messages.Error:
-    """The message of a file that cannot be read or written."""
     if error.errno not in (errno.ENOSPC, errno.EDQUOT):
         return _fault(error)
     folder = Path(request.compare_out).parent if isinstance(request, messages.Finish) else "its folder"
@@ -139,12 +265,9 @@ def _read_words(wire: Wire) -> None:
 
 
 def _warm_up() -> None:
-    """Imports torch, and loads the embedded encoder and the vocabulary; what fails here is reported by the vibe that needs it.
-
-    It runs in a thread of low priority, because nobody has asked for anything yet, where a thread can have one of its own.
-    """
+    """Imports torch, and loads the embedded encoder and the vocabulary; what fails here is reported by the vibe that needs it."""
     if sys.platform == "linux":
-        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _LOW_PRIORITY)
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _LOW_PRIORITY)  # nobody has asked yet
     try:
         from ..guidance.encoder import load_encoder
         from ..words.lexicon.user_words import default_vocabulary

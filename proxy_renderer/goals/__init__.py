@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the image must look like: wishes, and which one wins a conflict."""
+"""Goals for the image: wishes, and the one that wins a conflict."""

@@ -1,20 +1,267 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The one place where it is decided which word wins."""
+"""The one place where it is decided which word wins: wishes that cannot be had together, and goals without them."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from ..schema import VibeError
+from ..color.constants import Lab
+from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
+from ..color.shades import hue_apart, warm
+from ..schema import Values, VibeError
 from ..schema.parameters import SURFACES
+from ..words.lexicon.entries import Effect
+from ..words.lexicon.quantities import ClaimText, warmth_asked
 from ..words.lexicon.user_words import default_vocabulary
 from ..words.lexicon.vocabulary import Vocabulary
 from ..words.parser import Understood
 from ..words.types import Attribute, Parsed
-from .contradictions import contradicts
-from .wish import Wish, wishes_of
+from .wish import PAINTED, Wish, wishes_of
+
+_DARK, _LIGHT = 38.0, 72.0  # L* of surroundings that leave no bright image, and no dark one
+_COLORED, _VIVID, _GRAY = 12.0, 35.0, 8.0
+"""C* from which light has a color, and a color is vivid, and below which it is none."""
+_WARMTH = 0.3  # cosine with warm or cool light from which vivid surroundings are of the other kind
+_OPPOSED = 0.5  # cosine between a tint and the other direction, from where an image cannot have both
+_WHITE_LIGHT = (5500.0, 7500.0)  # kelvins between which light is neither warm nor cool
+_AIR = ("light", "fog", "tone", "ambience", "sky")  # their color is on everything in the image
+_FIXED = ("warmth", "tint", "accent", "chroma")  # measures that a color word for the surroundings fixes
+_ALL_LIGHT = ("light", "tone", "ambience")  # kinds of targets whose color is that of the light as a whole
+_ANOTHER_HUE = 40.0  # degrees between hues of a named color and of a material that exclude each other
+CASTS = ("shadow_cast", "midtone_cast", "highlight_cast", "cast")  # measures of the color of light
+_SETTLED = {
+    **dict.fromkeys(("tint", "accent", "off_hue", "brown_distance"), CASTS),
+    "color": ("cast", "lightness", "mean"),
+    "burnt": ("white_point",),
+}
+"""Measure of a word -> measures that it settles of the same part, whatever a reference image has."""
+_NONE = "none"  # the class of an image that has nothing of a quantity
+_MATTER = ("color", "finish", "substance", "glow")
+
+
+def contradicts(first: Wish, later: Wish) -> bool:
+    """True if a wish cannot be had together with one that ranks before it."""
+    a, b = first.attribute, later.attribute
+    if a is b or first.word == later.word:
+        return False
+    if later.of_picture:
+        return not first.of_picture and _settles(first, later)
+    if a.color and not first.implied and _ruled_out(first, later):
+        return True
+    # colored light colors gray surroundings too: a gallery is not gray at sunset
+    if _is_tinted(first) and any((c.part, c.measure) == ("surroundings", "chroma") for c in later.claims):
+        return True
+    if not _same_target(first, later):
+        return False
+    if _disjoint_claims(first, later) or _is_recolored(first, later):
+        return True
+    if first.quantity != later.quantity:
+        return False
+    if _is_gray(first) and any(c.measure == "chroma" and c.lower[0] > 0.0 for c in later.claims):
+        return True
+    if b.kind == "ambience" and b.color and not a.color:
+        return _opposed(first, lab_from_srgb(b.color))
+    if a.color and b.color:
+        return first.quantity != "light_color" or later.implied
+    if first.named != later.named and _NONE in (first.named, later.named) and first.named and later.named:
+        return True  # no fog is not a little fog, though measures of both overlap
+    if _overlapping(first.claims, later.claims):
+        return False  # the image can be as both want it: parameters are shared out by rank
+    if _other_class(first, later) or _disjoint_effects(first, later):
+        return True
+    if first.quantity == "light_color":  # warm and cool, or a color by name and a temperature
+        gels = [any(e.name == "color" and e.color for e in wish.effects) for wish in (first, later)]
+        return later.implied and (gels[0] != gels[1] or _warmth(first) * _warmth(later) < 0)
+    shared = {*map(_axis, first.claims)} & {*map(_axis, later.claims)}
+    ours, theirs = ({(e.owner, e.name) for e in wish.effects if not e.weak} for wish in (first, later))
+    return first.about.exclusive and later.implied and not (shared or ours & theirs)
+
+
+def _settles(word: Wish, picture: Wish) -> bool:
+    """True if a word is about what a picture's wish claims: then it alone counts, for what the picture has is known to the artist."""
+    measured = set(_measured(word))
+    return any(
+        part in ("picture", picture.part_of(claim))
+        and (measure == claim.measure or claim.measure in _SETTLED.get(measure, ()))
+        for claim in picture.claims
+        if claim.weight
+        for part, measure in measured
+    )
+
+
+def _measured(wish: Wish) -> Iterator[tuple[str, str]]:
+    """Parts of the image and what is measured of them, of a word; a named color is a color, a cast or a tint."""
+    yield from ((wish.part_of(claim), claim.measure) for claim in wish.claims)
+    attribute = wish.attribute
+    color = attribute.color or _own_color(wish, weak=True)
+    if attribute.color and wish.quantity in PAINTED and attribute.kind != "glow":
+        yield attribute.part, "color"
+    elif attribute.color and attribute.kind in ("shadow", "highlight"):
+        yield "picture", f"{attribute.kind}_cast"
+    elif color and chroma(lab_from_srgb(color)) >= _COLORED:
+        yield "picture" if attribute.color and attribute.kind != "fog" else attribute.part, "tint"
+    elif color and not attribute.color:  # a gray material
+        yield attribute.part, "lightness"
+
+
+def _same_target(first: Wish, later: Wish) -> bool:
+    a, b = first.attribute, later.attribute
+    roles = ["" if each.role == "key" else each.role for each in (a, b)]  # words without a role mean the key
+    if (a.lamp, a.lights, roles[0]) != (b.lamp, b.lights, roles[1]):
+        return False
+    if a.owners and b.owners:
+        return not {*a.owners}.isdisjoint(b.owners)
+    if a.color and b.color:
+        return a.kind == b.kind and bool(a.owners) == bool(b.owners)
+    return a.region == b.region if first.quantity in _MATTER or later.quantity in _MATTER else True
+
+
+def _other_class(first: Wish, later: Wish) -> bool:
+    """True if two wishes name classes that no image can be of together; of colors, claims say that."""
+    if not (first.named and later.named) or first.named == later.named or first.quantity in PAINTED:
+        return False
+    classes = first.about.classes
+    return not _overlapping(classes[first.named], classes[later.named])
+
+
+def _overlapping(some: Sequence[ClaimText], others: Sequence[ClaimText]) -> bool:
+    """True if an image can be of two classes: thick fog is light fog too."""
+    return any(not _apart(a, b) for a in some for b in others if _axis(a) == _axis(b))
+
+
+def _apart(a: ClaimText, b: ClaimText) -> bool:
+    every = zip(a.lower, b.lower, a.upper, b.upper, strict=True)
+    return any(max(*ends[:2]) > min(*ends[2:]) for ends in every)
+
+
+def _axis(claim: ClaimText) -> tuple[object, ...]:
+    return claim.part, claim.measure, claim.color, claim.box
+
+
+def _disjoint_claims(first: Wish, later: Wish) -> bool:
+    """True if two wishes claim disjoint intervals of a measure; usual surroundings yield to a word for the whole image."""
+    yields = later.implied or later.usual > 0
+    return any(
+        _apart(a, b)
+        for a in first.claims
+        for b in later.claims
+        if _axis(a) == _axis(b)
+        or (yields and (a.part, b.part) == ("picture", "surroundings") and a.measure == b.measure)
+    )
+
+
+def _disjoint_effects(first: Wish, later: Wish) -> bool:
+    """True if two wishes want ranges of one parameter that have nothing in common; defaults want none."""
+    for a in first.effects:
+        for b in later.effects:
+            same = (a.owner, a.name, a.mode) == (b.owner, b.name, b.mode) and not (a.weak or b.weak)
+            if same and a.lower and b.lower:
+                ends = zip(*_ends(a, b), *_ends(b, a), strict=True)
+                if any(max(x, y) > min(v, w) for x, v, y, w in ends):
+                    return True
+    return False
+
+
+def _ends(effect: Effect, other: Effect) -> tuple[Values, Values]:
+    """The ends of a range, in as many components as the other's: one number stands for all three of a color."""
+    times = max(len(other.lower) // len(effect.lower), 1)
+    return effect.lower * times, effect.upper * times
+
+
+def _warmth(wish: Wish) -> int:
+    """1 for a wish for warm light, -1 for cool light, else 0."""
+    signs = [warmth_asked(claim.measure, claim.lower[0], claim.upper[0]) for claim in wish.claims]
+    signs += [_kelvins(effect) for effect in wish.effects if not effect.weak]
+    return next((sign for sign in signs if sign), 0)
+
+
+def _ruled_out(color: Wish, wish: Wish) -> bool:
+    """True if a named color leaves no room for a wish: a forest in front of a purple background is not green."""
+    lab = lab_from_srgb(color.attribute.color or ())
+    if (wish.implied or wish.usual) and (wish.quantity, wish.toward) in set(_impossible(color, lab)):
+        return True
+    if wish.attribute.color:
+        return wish.implied and color.attribute.kind == wish.attribute.kind
+    if wish.quantity == "light_color" and color.attribute.kind in _ALL_LIGHT:
+        return not (color.attribute.of_one_light or wish.attribute.of_one_light) and _opposed(wish, lab)
+    # the color that a place or a sky usually has
+    kind = color.attribute.kind
+    seen = wish.quantity == "surroundings_color" and kind in ("surroundings", "sky")
+    fixed = any(c.measure in _FIXED and c.part == kind for c in wish.claims)
+    return seen and fixed and not color.attribute.owners
+
+
+def _impossible(color: Wish, lab: Lab) -> Iterator[tuple[str, str]]:
+    """Quantities with the class that an image cannot be of where a target has a color by name."""
+    light, a, b = lab
+    attribute, strong = color.attribute, chroma(lab)
+    around = attribute.kind == "surroundings" and not attribute.owners
+    tinted = attribute.kind in _AIR and strong > _COLORED
+    warmth = warm(a, b) if around and strong > _VIVID else 0.0
+    rules = (
+        (around and light < _DARK, "brightness", "bright"),
+        (around and light > _LIGHT, "brightness", "dark"),
+        (around and strong < _GRAY, "saturation", "vivid"),
+        (strong > _VIVID, "saturation", "muted"),
+        (tinted or warmth < -_WARMTH, "light_color", "warm"),
+        (tinted or warmth > _WARMTH, "light_color", "cool"),
+    )
+    return ((quantity, named) for holds, quantity, named in rules if holds)
+
+
+def _opposed(wish: Wish, lab: Lab) -> bool:
+    """True if a wish asks for light of the other side than a color's: for warm light, where it is named blue."""
+    strong, warmth = chroma(lab), warm(*lab[1:])
+    if strong <= _GRAY:
+        return False
+    ways = [_kelvins(effect) * warmth for effect in wish.effects]
+    for claim in (each for each in wish.claims if each.part == "picture"):
+        if claim.color:
+            _, a, b = lab_from_srgb(srgb_from_hex(claim.color))
+            ways.append((a * lab[1] + b * lab[2]) / (math.hypot(a, b) * strong))
+        else:
+            ways.append(warmth_asked(claim.measure, claim.lower[0], claim.upper[0]) * warmth)
+    return min(ways, default=0.0) < -_OPPOSED
+
+
+def _kelvins(effect: Effect) -> int:
+    """1 for an effect that makes light warm, -1 for one that makes it cool, else 0."""
+    if effect.name != "temperature" or effect.mode:
+        return 0
+    middle = (effect.lower[0] + effect.upper[0]) / 2
+    return 1 if middle < _WHITE_LIGHT[0] else -1 if middle > _WHITE_LIGHT[1] else 0
+
+
+def _is_tinted(wish: Wish) -> bool:
+    color = wish.attribute.color
+    if color and wish.attribute.kind in _ALL_LIGHT and chroma(lab_from_srgb(color)) >= _COLORED:
+        return True
+    return wish.quantity == "light_color" and _warmth(wish) != 0
+
+
+def _is_recolored(color: Wish, material: Wish) -> bool:
+    """True if an object gets another hue than its material: no copper is blue, and oak is blue only as a stain."""
+    if not color.attribute.color or color.quantity not in PAINTED or material.quantity != "color":
+        return False
+    own = _own_color(material, weak=color.attribute.thing == material.attribute.thing)
+    return own is not None and hue_apart(color.attribute.color, own) > _ANOTHER_HUE
+
+
+def _own_color(wish: Wish, weak: bool) -> Values | None:
+    """The color, sRGB, of a wish's material; None where it has none, or, unless `weak`, may have any."""
+    for e in wish.effects:
+        if e.family == "material/tint" and e.color[:1] == "#" and (weak or not e.weak):
+            return srgb_from_hex(e.color)
+    return None
+
+
+def _is_gray(wish: Wish) -> bool:
+    """True if a wish is the color of an object, and a gray one: that of asphalt."""
+    color = wish.attribute.color or _own_color(wish, weak=True)
+    return color is not None and chroma(lab_from_srgb(color)) < _COLORED
 
 
 @dataclass(frozen=True)
@@ -26,7 +273,7 @@ class Lost:
 
     @property
     def is_news(self) -> bool:
-        """Whether artists should hear of it: both were said, and mean what they say. Words come before a picture, as expected."""
+        """True if artists should hear of it: both were said, and mean what they say. Words come before a picture, as expected."""
         unsaid = (w.implied or w.usual or w.of_picture for w in (self.wish, self.winner))
         return not any(unsaid)
 
@@ -36,7 +283,7 @@ class Lost:
 
 @dataclass(frozen=True)
 class Goals:
-    """What the image must look like: the bound prompt, the wishes that are sought, in its order, and those that gave way."""
+    """Goals for the image: the bound prompt, the wishes that are sought, in its order, and those that gave way."""
 
     parsed: Parsed
     wishes: tuple[Wish, ...] = ()
@@ -46,7 +293,7 @@ class Goals:
 
     @cached_property
     def pictured(self) -> tuple[Wish, ...]:
-        """What is sought of a reference image."""
+        """The wishes of a reference image that are sought."""
         return tuple(wish for wish in self.wishes if wish.of_picture)
 
     def with_picture(self, pictured: Iterable[Wish]) -> Goals:
@@ -70,17 +317,17 @@ class Goals:
         return tuple(dict.fromkeys(out))
 
     def notes(self) -> Iterator[str]:
-        """Which words gave way to which, one sentence each."""
+        """Sentences on the words that gave way to others."""
         return (str(each) for each in self.lost if each.is_news)
 
 
 def goals_or_why(understood: Understood) -> Goals | VibeError:
-    """What a prompt asks for, or why nothing in it is understood."""
+    """The goals of a prompt, or why nothing in it is understood."""
     return understood.unknown or goals_of(understood.parsed)
 
 
 def goals_of(parsed: Parsed, vocabulary: Vocabulary | None = None) -> Goals:
-    """What a prompt asks for, its contradictions resolved."""
+    """The goals of a prompt, its contradictions resolved."""
     wishes = wishes_of(parsed.attributes, vocabulary or default_vocabulary())
     return resolved(parsed, wishes)
 
@@ -122,10 +369,7 @@ def _by_rank(wishes: Sequence[Wish]) -> tuple[list[Wish], list[Lost]]:
 
 
 def _unseen(kept: Sequence[Wish], lost: Sequence[Lost]) -> dict[int, Wish]:
-    """Words whose visible wishes all gave way -> the first winner. What else such a word wishes for only supports these.
-
-    Of a material each quantity counts by itself: wet concrete is no less of concrete for being wet.
-    """
+    """Words whose visible wishes all gave way -> the first winner. Of a material each quantity counts by itself."""
     main = (each for each in reversed(lost) if each.wish.is_seen and each.wish.attribute.slot not in SURFACES)
     winners = {id(each.wish.attribute): each.winner for each in main}
     sought = {id(wish.attribute) for wish in kept if wish.is_seen}

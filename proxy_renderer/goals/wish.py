@@ -28,7 +28,7 @@ _MAIN = 1  # priority of what a word is mainly about
 
 @dataclass(frozen=True)
 class Wish:
-    """What one word wants of one quantity."""
+    """The demand of one word on one quantity."""
 
     attribute: Attribute  # the word, with what it describes: source and target
     quantity: str  # name in `quantities.toml`
@@ -52,12 +52,12 @@ class Wish:
 
     @property
     def implied(self) -> bool:
-        """Whether a mood stands for it: the prompt does not say it."""
+        """True if a mood stands for it: the prompt does not say it."""
         return bool(self.attribute.cause)
 
     @property
     def of_picture(self) -> bool:
-        """Whether a reference image says it, and no word."""
+        """True if a reference image says it, and no word."""
         return self.attribute.slot == PICTURE
 
     def asked_of(self, claim: ClaimText) -> ClaimText:
@@ -71,12 +71,12 @@ class Wish:
 
     @property
     def is_seen(self) -> bool:
-        """Whether it says what the image is to look like, and not only what may be done for it."""
+        """True if it says what the image is to look like, and not only what may be done for it."""
         return bool(self.named) or self.is_measured
 
     @property
     def is_measured(self) -> bool:
-        """Whether it claims something of the image, which a measure reads off it."""
+        """True if it claims something of the image, which a measure reads off it."""
         material = self.attribute.slot == "material" and self.quantity == "color" and self.effects
         return bool(self.claims or self.attribute.color or material)
 
@@ -92,7 +92,7 @@ class Wish:
 
     @cached_property
     def rank(self) -> tuple[bool, bool, int, bool, bool, int, bool, int, int]:
-        """Who wins a conflict: the least.
+        """The place in a conflict, which the least wins.
 
         In this order: words before a reference image; what is more than a default; what is said before what is implied, and that
         before what is usual; what is said of one thing before what is said of all; a named color before that of a material, and
@@ -110,7 +110,7 @@ class Wish:
 
 
 def breadth_of(wishes: Iterable[Wish]) -> int:
-    """How many things the wishes of one word claim of the image."""
+    """Number of things that the wishes of one word claim of the image."""
     return len({(claim.measure, claim.part) for wish in wishes for claim in wish.claims})
 
 
@@ -127,7 +127,7 @@ _NO_MATTER = ("light", "fog", "tone", "shadow")  # kinds of things of which a wo
 
 
 def wishes_of(attributes: Iterable[Attribute], vocabulary: Vocabulary) -> list[Wish]:
-    """What words wish for, in their order."""
+    """The wishes of words, in their order."""
     return [wish for attribute in attributes for wish in _of_word(attribute, vocabulary)]
 
 
@@ -157,7 +157,7 @@ def _of_word(attribute: Attribute, vocabulary: Vocabulary) -> Iterator[Wish]:
 
 
 def _wish(own: EntryWish, attribute: Attribute, strength: float) -> Wish:
-    """What an entry's wish comes to for a word that is said of something, softly or strongly."""
+    """An entry's wish for a word that is said of something, softly or strongly."""
     quantity = quantities().by_name[own.quantity]
     named = own.named if _speaks_of(attribute, own.quantity) else ""
     if named and attribute.strength < _SOFT:
@@ -168,7 +168,7 @@ def _wish(own: EntryWish, attribute: Attribute, strength: float) -> Wish:
 
 
 def _speaks_of(attribute: Attribute, quantity: str) -> bool:
-    """Whether a word names a class of a quantity where it stands: the classes of light speak of the key, or of all light."""
+    """True if a word names a class of a quantity where it stands: the classes of light speak of the key, or of all light."""
     if quantity in _OF_LIGHT:
         return not (attribute.told_apart or attribute.role in ("rim", "fill"))
     if quantity in _OF_MATTER:
@@ -182,7 +182,7 @@ def _allowed(effects: Iterable[Effect], attribute: Attribute) -> tuple[Effect, .
 
 
 def _denied(entry: VocabularyEntry, vocabulary: Vocabulary) -> list[EntryWish]:
-    """What a denied word means: what it forbids, else its opposite, else that its effects do nothing."""
+    """The wishes of a denied word: what it forbids, else its opposite, else that its effects do nothing."""
     opposite = vocabulary.opposite(entry)
     # pastel and noir are both muted
     shared = entry.classes.items() & opposite.classes.items() if opposite else set()

@@ -126,7 +126,7 @@ class JsonFields:
 
 
 def _is_number(value: Any) -> bool:
-    """Whether a value is a finite number; an integer may have hundreds of digits."""
+    """True if a value is a finite number; an integer may have hundreds of digits."""
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
 
 
@@ -134,7 +134,7 @@ VERSION = 1  # of the format
 _LARGEST, _MOST = 2_000_000, 500  # bytes of a file, and words in it
 _REGIONS: tuple[str, ...] = get_args(Region)
 KINDS = (*(kind for kind in shipped_vocabulary().painted if not kind.startswith("hidden")), "whole")
-"""What a word may describe: all that a color may be said of, and the image as a whole."""
+"""Kinds of targets of a word: all that a color may be said of, and the image as a whole."""
 ROLES = ("", *NAMED_ROLES, "others")  # lights that may be meant
 _PICTURED = ("", "times", "plus")  # modes of effects that a reference image may have
 _HELP = "Write a new file with `vibe explain PROMPT --goals`, and change that; docs/reference/goals.md has all fields."
@@ -211,10 +211,7 @@ class WrittenGoals:
     holds: bool = False  # whether the rest of the image stays
 
     def within(self, words: SceneDescription) -> Goals:
-        """The goals in a scene: what describes a material or a light that is not there describes all of its region.
-
-        What a reference image says of such a material is left out.
-        """
+        """The goals in a scene: a word for a material or light that it lacks describes the region; of an image it is left out."""
         known = {*words.lights, *(f"{GLOW}{name}" for name in words.glows)}
         bound, gone, notes = dict[int, Attribute](), set[int](), list[str]()
         for a in self.attributes:
@@ -300,9 +297,8 @@ def _read_word(word: JsonFields) -> tuple[Attribute, list[Wish]]:
     rows = word.take("wishes", list, [])
     target.end()
     word.end()
-    wishes = [
-        _read_wish(JsonFields(row, f"{word.place}.wishes[{n}]"), attribute) for n, row in enumerate(rows)
-    ]
+    fields = (JsonFields(row, f"{word.place}.wishes[{n}]") for n, row in enumerate(rows))
+    wishes = [_read_wish(each, attribute) for each in fields]
     breadth = 0 if attribute.slot == PICTURE else breadth_of(wishes)
     return attribute, [replace(wish, breadth=breadth, vague=vague) for wish in wishes]
 

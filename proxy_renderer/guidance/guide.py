@@ -8,7 +8,7 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from ..planning.captions import Prompts
+from ..planning.advice import Prompts
 from . import regions
 from .encoder import Encoder
 

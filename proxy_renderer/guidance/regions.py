@@ -14,28 +14,27 @@ from . import regions
 
 _CORNERS = torch.tensor([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 _TRIES = 8
-
+_HELD = 0.7  # least share of a region in a crop
+_SCALE = (0.75, 1.0)  # of a crop's side, relative to the image's
+_DISTORTION = 0.2  # by which its corners may move inwards, relative to half the side
 _EVERY_PLAIN = 2  # step between the views of a subject that stand on its surroundings' mean color
 
 
-def quads(
-    count: int, generator: torch.Generator, scale: tuple[float, float] = (0.75, 1.0), distortion: float = 0.2
-) -> Tensor:
+def quads(count: int, generator: torch.Generator) -> Tensor:
     """Random quadrilaterals inside the image, each the source of one view: (count, 4, 2) corners in [-1, 1].
 
-    They run clockwise from the top left; x to the right, y down. The crop's side is within the scale, relative to the image's; a
-    corner may move inwards by the distortion, relative to half the side.
+    They run clockwise from the top left; x to the right, y down.
     """
-    side = scale[0] + (scale[1] - scale[0]) * torch.rand(count, 1, 1, generator=generator)
+    side = _SCALE[0] + (_SCALE[1] - _SCALE[0]) * torch.rand(count, 1, 1, generator=generator)
     center = (2.0 * torch.rand(count, 1, 2, generator=generator) - 1.0) * (1.0 - side)
-    inwards = 1.0 - distortion * torch.rand(count, 4, 2, generator=generator)
+    inwards = 1.0 - _DISTORTION * torch.rand(count, 4, 2, generator=generator)
     return center + side * _CORNERS * inwards
 
 
-def keeping(mask: Tensor, count: int, generator: torch.Generator, share: float = 0.7) -> Tensor:
-    """Random quadrilaterals, as from `quads`, that hold at least a share of a region.
+def keeping(mask: Tensor, count: int, generator: torch.Generator) -> Tensor:
+    """Random quadrilaterals, as from `quads`, that hold enough of a region.
 
-    Crops that hold less of the soft mask (H, W) are drawn again; after a few tries the one that holds most is taken.
+    Crops that hold too little of the soft mask (H, W) are drawn again; after a few tries the one that holds most is taken.
     """
     tries = quads(count * _TRIES, generator)
     small = F.interpolate(mask.detach().cpu().float()[None, None], size=(32, 32), mode="area")[0, 0]
@@ -45,7 +44,7 @@ def keeping(mask: Tensor, count: int, generator: torch.Generator, share: float =
     inside_y = (grid >= low[:, 1:]) & (grid <= high[:, 1:])
     held = torch.einsum("nh,hw,nw->n", inside_y.float(), small, inside_x.float())
     held = (held / small.sum().clamp_min(1e-6)).view(count, _TRIES)
-    enough = (held >= share).float()
+    enough = (held >= _HELD).float()
     pick = torch.where(enough.any(1), enough.argmax(1), held.argmax(1))
     return tries.view(count, _TRIES, 4, 2)[torch.arange(count), pick]
 

@@ -42,10 +42,8 @@ class Assessment:
     def misses(self, values: Tensor) -> Tensor:
         """(claims,) noticeable steps by which values (M,) miss each claim."""
         count = int(self.claim.max()) + 1 if len(self.claim) else 0
-        squares = values.new_zeros(count).index_add(
-            0, self.claim, outside(values, self.lower, self.upper).square()
-        )
-        return squares.sqrt()
+        squares = outside(values, self.lower, self.upper).square()
+        return values.new_zeros(count).index_add(0, self.claim, squares).sqrt()
 
     def loss(self, values: Tensor, rest: Tensor, weight: float) -> float:
         """The loss of values (M,) and a rest (): missed claims, quadratic up to one noticeable step and linear beyond (Huber 1964)."""
@@ -146,10 +144,7 @@ class LinearModel:
         return 1.0 - float(rest.norm()) / length
 
     def corrected(self, seen: Assessment, move: Tensor) -> LinearModel:
-        """The model at x, whose slopes agree with what was seen at x + move (n,), not zero (Broyden 1965).
-
-        Values that a component does not change, it still does not (Schubert 1970).
-        """
+        """The model at x, whose nonzero slopes agree with what was seen at x + move (n,), not zero (Broyden 1965, Schubert 1970)."""
         along = move / move.square().sum()
         moved = (self.slopes != 0) * move  # (M, n)
         missing = seen.values - self.here.values - self.slopes @ move
@@ -169,9 +164,7 @@ class LinearModel:
 class ClaimObjective(Protocol):
     """Judges images of u."""
 
-    @property
-    def claim_weight(self) -> float:
-        """Of a noticeable step by which a claim is missed."""
+    claim_weight: float  # of a noticeable step by which a claim is missed
 
     def stiffness(self, chosen: Tensor) -> Tensor:
         """(n, n) known curvature of the rest by the places of the n chosen components (N,) in their ranges."""

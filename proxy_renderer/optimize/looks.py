@@ -12,7 +12,7 @@ from ..planning.advice import Advice, Advisor
 from ..schema import messages
 from ..words.types import SceneDescription
 from .shots import ShotState
-from .vector import begun, feasible_ranges, project
+from .vector import feasible_ranges, project, start_point
 
 
 @dataclass(frozen=True)
@@ -34,14 +34,11 @@ class Looks:
             self._seen = shot.gbuffer(self._home)
 
     def planned(self, advisor: Advisor) -> tuple[Tensor, Advice]:
-        """Lines 2 to 5 and 7 of Algorithm 1 on the artist's scene: the result (N,) of the words alone, and the advice.
-
-        Raises VibeError if no word of the prompt is known.
-        """
+        """Lines 2 to 5 and 7 of Algorithm 1: what the words alone give (N,), and the advice; raises VibeError if no word is known."""
         vector, home = self._shot.vector, self._home
         advice = self._shot.advised(advisor, home, self._described)
         ranges = feasible_ranges(advice.plan, vector.instances, vector.values(home))
-        return project(begun(vector, advice.plan, home), *vector.bounds(ranges)), advice
+        return project(start_point(vector, advice.plan, home), *vector.bounds(ranges)), advice
 
     def values(self, u: Tensor) -> EarlyLook:
         """The values of u (N,), without an image."""

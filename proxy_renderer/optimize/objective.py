@@ -19,7 +19,7 @@ from ..planning.types import Plan
 from ..render.proxy import LatentImage, Render
 from .least_squares import Assessment, Slopes, fixed_views
 from .shots import ShotState, chosen_values
-from .vector import ParameterVector, begun
+from .vector import ParameterVector, start_point
 
 _PICTURES = 5  # images that take as long as a backward pass through one
 
@@ -28,9 +28,7 @@ _NAMED = 0.15
 similarity alone."""
 _UNNAMED = 100.0  # how much more a color that no word names is kept from other hues: a floor may be lighter, not greener
 _GRAY = 1e-4  # how far the components of a gray may lie apart
-_BETWEEN_GRAYS = (
-    8.0  # how much more a color between grays is kept from a hue: darks may be lifted, not tinted
-)
+_BETWEEN_GRAYS = 8.0  # the same of a color between grays: darks may be lifted, not tinted
 
 _TOGETHER = 32  # backward passes that share their operations: each takes the memory of a pass
 _NEAR = 5.0  # noticeable steps inside of an end of what is sought, from where one step does not lose it
@@ -61,6 +59,7 @@ class RoundObjective:
         differences: bool = False,
     ) -> None:
         self.seen, self.vector, self.free = seen, vector, set(free)
+        self.claim_weight = weights.claims
         self._box, self._weights, self._differences = box, weights, differences
         lower, upper = box
         self._span = (upper - lower).clamp_min(1e-9)
@@ -68,11 +67,12 @@ class RoundObjective:
 
         # The pull home, by component: where to, and its weight in [0, 1], 0 where words name a range
         artist = vector.encode({})
-        self._home = begun(vector, plan, artist)
+        self._home = start_point(vector, plan, artist)
         self._pull = torch.zeros_like(artist)
         for key in free:
             self._pull[vector.slices[key]] = plan[key].prior if plan[key].start is None else _NAMED
-        self._supports = vector.mark({key for key in free if _is_support(vector, plan, key)})
+        scene = {key for key in free if vector.instances[key].parameter.group != "material"}
+        self._supports = vector.mark(key for key in scene if not plan[key].is_named)
 
         # Colors keep their hue
         unnamed = (self._pull > 0.0) & (self._home == artist)
@@ -92,11 +92,6 @@ class RoundObjective:
     def shots(self) -> int:
         """Number of images."""
         return len(self.seen)
-
-    @property
-    def claim_weight(self) -> float:
-        """Of a noticeable step by which a claim is missed."""
-        return self._weights.claims
 
     def render(self, u: Tensor, shot: int) -> Render:
         """The proxy's image of u (N,) in a shot (from 0), differentiable in the free keys."""
@@ -156,10 +151,7 @@ class RoundObjective:
         return self._weights.prior * prior + self._weights.hue * hue
 
     def stiffness(self, chosen: Tensor) -> Tensor:
-        """(n, n) curvature of `held` by the places of the n chosen components (N,) in their ranges.
-
-        Only theirs is computed: a scene may have thousands.
-        """
+        """(n, n) curvature of `held` by the places of the n chosen components (N,) in their ranges; a scene may have thousands."""
         prior = 2.0 * self._weights.prior * torch.diag(self._pull[chosen])
         rest, places = torch.zeros_like(self._pull), chosen.nonzero(as_tuple=True)
 
@@ -170,10 +162,7 @@ class RoundObjective:
         return prior + self._weights.hue * hue
 
     def slopes(self, u: Tensor, chosen: Tensor) -> Slopes:
-        """The change of what is judged at u (N,) by the n chosen components (N,): forward or backward, whichever is cheaper.
-
-        What supports the words is not moved for the finish of a surface: a darker room is not a duller sofa.
-        """
+        """Slopes at u (N,) over the n chosen components (N,). Supports may not fake a finish: a darker room is not a duller sofa."""
         found = self._slopes(u, chosen)
         assert found.here.finish is not None
         faked = found.here.finish[:, None] & self._supports[chosen]
@@ -201,10 +190,6 @@ class RoundObjective:
 
     def _moves_camera(self, keys: Collection[str]) -> bool:
         return any(self.vector.instances[key].parameter.group == "camera" for key in keys)
-
-
-def _is_support(vector: ParameterVector, plan: Plan, key: str) -> bool:
-    return vector.instances[key].parameter.group != "material" and not plan[key].is_named
 
 
 def backward_slopes(assess: Callable[[Tensor], Assessment], u: Tensor, chosen: Tensor) -> Slopes:
@@ -356,10 +341,7 @@ class _ForwardShot:
         return self._proxy.develop(latent, values)
 
     def add(self, slopes: Tensor, gradients: Sequence[Tensor], move: Tensor) -> None:
-        """Adds what the scene's parameters change to slopes (M + 1, N), from gradients (M + 1, ...) of the leaves.
-
-        Components are moved by (N,), 0 for those that are not chosen.
-        """
+        """Adds the effects of moves (N,) of the scene's parameters to slopes (M + 1, N), from gradients (M + 1, ...) of the leaves."""
         moved = self._shot.vector.along(self._u, move)
         for key in sorted(self._scene):
             part = self._shot.vector.slices[key]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who follows the loop, and how much longer it will take."""
+"""The observer of the loop, and the time that is left."""
 
 from __future__ import annotations
 
@@ -28,10 +28,7 @@ class Observer(Protocol):
         """Something other than a step begins."""
 
     def begin(self, display: Tensor, lit: bool) -> None:
-        """The loop begins; display (H, W, 3) in [0, 1] is its image of the artist's own values.
-
-        Without `lit` that is black, and so is what the words alone make of it.
-        """
+        """The loop begins; display (H, W, 3) in [0, 1] shows the artist's values: black, also with the words, if not `lit`."""
 
     def look(self, look: EarlyLook) -> None:
         """There is a look, or a better one; its image may come a moment later."""

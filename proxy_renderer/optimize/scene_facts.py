@@ -77,7 +77,6 @@ def mean_luminance(image: np.ndarray | None) -> float:
 
 
 def _picture_stats(picture: Render) -> PictureStats:
-    """Mean colors of the regions, and percentiles of the lightness of the whole image."""
     lab, mask = lab_from_srgb(picture.display.detach()).cpu(), picture.mask.detach().cpu()
     means: dict[Region, Tensor] = {
         "subject": regions.mean(lab, mask),
@@ -140,10 +139,7 @@ def light_sizes(scene: SceneData, geometry: RayGeometry) -> dict[str, float]:
 def nearer_lights(
     scene: SceneData, geometry: RayGeometry, plan: Mapping[str, PlanEntry]
 ) -> dict[str, PlanEntry]:
-    """Other entries for lights that would stand behind a wall where words want them: nearer, with as much less power.
-
-    Where there is no room for a light, it keeps its direction. One that is shut in as it stands is left to the artist.
-    """
+    """Other entries for lights that a wall would hide where words want them: nearer and weaker, or without room as they stand."""
     found: dict[str, PlanEntry] = {}
     for light in (light for light in scene.lights if not light.fixed):
         azimuth, elevation, distance, power = keys = [f"light/{light.name}/{name}" for name in _PLACE]
@@ -182,10 +178,7 @@ def _dimmed(entry: PlanEntry, power: Instance, share: float) -> PlanEntry:
 
 
 def _free(scene: SceneData, geometry: RayGeometry, angles: Sequence[tuple[float, float]]) -> list[float]:
-    """The distance in meters at each azimuth and elevation from which a light still lights the subject.
-
-    Infinite in the open; 0 where there is no room for it between the subject, which is in nobody's way, and a wall.
-    """
+    """Meters in each direction (azimuth, elevation) up to which a light lights the subject: infinite in the open, 0 in a wall."""
     toward = torch.tensor([orbit.direction(*each) for each in angles], device=geometry.device).T
     origin = torch.tensor(scene.pivot, device=geometry.device)[:, None].expand_as(toward)
     mine = torch.tensor([o.subject for o in scene.objects], device=geometry.device)[geometry.object]

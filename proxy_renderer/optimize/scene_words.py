@@ -13,7 +13,7 @@ from ..color.floats import srgb_from_linear
 from ..planning.glow import glowing, glows
 from ..render.geometry.camera import view_of
 from ..render.geometry.samples import pixel_centers
-from ..render.material.textures import geometry_of
+from ..render.material.inputs import geometry_of
 from ..scene import SceneData, SceneMesh
 from ..scene.data import Material
 from ..scene.values import RenderValues
@@ -236,10 +236,7 @@ def _extent(height: np.ndarray) -> tuple[float, float]:
 
 
 def _parts(height: np.ndarray, slope: np.ndarray, scene: tuple[float, float, float]) -> Iterator[str]:
-    """Structures that a material may be.
-
-    A scene has the height of its lowest point, its extent upward, and the height that the subject stands on.
-    """
+    """Structures that a material may be, by the scene's lowest height, its extent upward, and the height the subject stands on."""
     low, tall, stands = scene
     level = height[slope > _LEVEL]
     if len(level) > _MOST * len(height) and abs(np.median(level) - low) < _NEAR * tall:

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a vibe begins with: the words, read against the scene once, and the scene, lit as they ask for."""
+"""The stage of a vibe: the words, read against the scene once, and the scene, lit as they ask for."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..claims.claim import Claim
 from ..claims.from_goals import claims_of
-from ..goals.further import further
+from ..goals.relative import further
 from ..goals.resolve import Goals, goals_or_why
 from ..goals.written import WrittenGoals
 from ..planning.acting import goals_without_rig
 from ..planning.advice import OfflineAdvisor
-from ..planning.missing import asks_for_backdrop, missing_lights
+from ..planning.support import asks_for_backdrop, missing_lights
 from ..planning.types import LightPlan
 from ..rigs.chosen import chosen_rig
 from ..rigs.lighting import OFF, Lighting, lighting

@@ -155,7 +155,7 @@ def project(u: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
     return torch.minimum(torch.maximum(u, lower), upper)
 
 
-def begun(vector: ParameterVector, plan: Plan, u: Tensor) -> Tensor:
+def start_point(vector: ParameterVector, plan: Plan, u: Tensor) -> Tensor:
     """The artist's point u (N,), with the values where words have the search begin, see `PlanEntry.start`."""
     starts = {key: entry.start for key, entry in plan.items() if entry.start is not None}
     return torch.where(vector.mark(starts), vector.encode(starts), u)
@@ -190,10 +190,7 @@ def feasible_ranges(
 
 
 def nearest_turn(instance: Instance, lower: Values, upper: Values, value: Values) -> tuple[Values, Values]:
-    """The range of an angle, turned by whole circles within the hard bounds so that it lies nearest to the value.
-
-    An azimuth of -170 is ten degrees from the range [180, 200], not 350. Other parameters' ranges stay.
-    """
+    """The range of an angle, turned by whole circles to lie nearest to the value: -170 is ten degrees from the range [180, 200]."""
     if instance.parameter.unit != "deg" or instance.parameter.upper - instance.parameter.lower < 2 * _TURN:
         return lower, upper
 

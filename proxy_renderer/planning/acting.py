@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which effects of wishes act in a scene: on what, in which order, and what is left of them beside a rig."""
+"""The effects of wishes that act in a scene: on what, in which order, and those that a rig leaves."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ..color.floats import lab_from_srgb
 from ..color.shades import hue_apart
-from ..goals.contradictions import contradicts
-from ..goals.resolve import Goals, Lost
+from ..goals.resolve import Goals, Lost, contradicts
 from ..goals.wish import Wish
 from ..words.lexicon.entries import Effect
 from ..words.lexicon.quantities import quantities
@@ -38,7 +37,7 @@ def acts(goals: Goals, vocabulary: Vocabulary, owners: Owners) -> list[Act]:
 
 
 def _effects(wish: Wish, vocabulary: Vocabulary, owners: Owners) -> tuple[Effect, ...]:
-    """What a wish does: a color of surroundings that hide the world is painted on them alone."""
+    """The effects of a wish: a color of surroundings that hide the world is painted on them alone."""
     color, kind = wish.attribute.color, wish.attribute.kind
     if color and wish.effects and kind == "surroundings" and owners.world_is_hidden():
         light = lab_from_srgb(color)[0]
@@ -63,10 +62,7 @@ def _redirected(goals: Goals, owners: Owners) -> dict[int, Attribute]:
 
 
 def _would_hide(gel: Attribute, wishes: Sequence[Wish], owners: Owners) -> bool:
-    """Whether a color of light, without a direction, leaves nothing of the subject's: "orange pumpkin, purple light".
-
-    The key then stays for the one, and the other lights get the other.
-    """
+    """True if a color of light, without a direction, leaves nothing of the subject's: "orange pumpkin, purple light"."""
     effects = (e for wish in wishes if not wish.implied for e in wish.effects)
     directed = any(e.owner in ("light", "key") and e.name == "azimuth" for e in effects)
     said = (wish.attribute for wish in wishes)
@@ -96,7 +92,7 @@ def goals_without_rig(goals: Goals, light: LightPlan) -> Goals:
 
 
 def _outshone(wish: Wish, served: Wish, light: LightPlan) -> bool:
-    """Whether a word that is about no light contradicts the light of a rig: an "old" well in moonlight is not lit warmly."""
+    """True if a word that is about no light contradicts the light of a rig: an "old" well in moonlight is not lit warmly."""
     if wish.of_picture or served in light.shown:
         return wish.of_picture and contradicts(served, wish)
     about_light = wish.attribute.slot == "lighting" or wish.attribute.color or wish.attribute in light.served
@@ -104,7 +100,7 @@ def _outshone(wish: Wish, served: Wish, light: LightPlan) -> bool:
 
 
 def _left(wish: Wish, light: LightPlan) -> Wish:
-    """What is left of a wish beside a rig."""
+    """The part of a wish that a rig leaves."""
     served = wish.attribute in light.served
     if not (served or wish.implied):
         return wish
@@ -116,19 +112,19 @@ def _left(wish: Wish, light: LightPlan) -> Wish:
 
 
 def grade_of(light: LightPlan) -> Iterator[Act]:
-    """What belongs to a rig of the film."""
+    """The film's effects of a rig, with their wishes."""
     for attribute, effect in light.grade:
         quantity = quantities().of_parameter(effect.owner, effect.family, effect.mode)
         yield Wish(attribute, quantity, effects=(effect,), strength=attribute.strength), effect
 
 
 def is_usual(wish: Wish, effect: Effect) -> bool:
-    """Whether a place only usually has it: the sky of a garden is blue, but not at night."""
+    """True if a place only usually has it: the sky of a garden is blue, but not at night."""
     return wish.attribute.slot == "setting" and effect.weak and effect.priority > _MAIN
 
 
 def stage_of(effect: Effect) -> int:
-    """What has to wait for what, the least first: the world's strength for its color and for the key, glows for surfaces."""
+    """The stage of an effect, the least first: the world's strength for its color and for the key, glows for surfaces."""
     if effect.color == "own":
         return 2
     return 1 if effect.mode == "share" or effect.family == "world/strength" else 0

@@ -48,7 +48,7 @@ class WorldLook:
 
 @dataclass(frozen=True)
 class Sources:
-    """What ranges are computed from besides the effect itself."""
+    """Facts that ranges are computed from, next to the effect itself."""
 
     scene: SceneDescription
     exposure: float = 0.0  # stops between the scene's radiance and the view transform, as the artist has them
@@ -65,7 +65,7 @@ Value = Callable[[Instance], Values]
 
 
 def watts(instance: Instance, scene: SceneDescription) -> float:
-    """What `power` (per d^2), `strength` or `emission` makes a facing white surface's radiance 1, at the light's own exposure."""
+    """`power` (per d^2), `strength` or `emission` that gives a facing white surface a radiance of 1, at the light's own exposure."""
     if instance.parameter.group == "material":
         glow = scene.emitters[instance.owner]
         return 1.0 / max(glow.light * glow.strength, 1e-6)

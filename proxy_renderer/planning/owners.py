@@ -1,15 +1,233 @@
 # SPDX-License-Identifier: Apache-2.0
 """Materials, lights and the world, as words mean them."""
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from ..schema import Instance, Values
+from ..words.attributes import fixture, side
 from ..words.lexicon.entries import OWNERS, Effect
 from ..words.lexicon.vocabulary import Vocabulary
-from ..words.names import is_detail, kind_of
-from ..words.types import Attribute, Parsed, SceneDescription
-from .scene_lights import SceneLights
+from ..words.names import is_detail, kind_of, plain_name
+from ..words.types import GLOW, Attribute, Parsed, SceneDescription
+from .light_levels import facing_radiance
+
+_NEAR = 90.0  # degrees from where words want a light within which one is already there
+
+
+@dataclass(frozen=True)
+class KnownLight:
+    """A light of a scene, as words may mean it."""
+
+    name: str  # the artist's name of a light, or "material/NAME" of what glows
+    role: str
+    names: tuple[str, ...]  # what it may be called: its own name and type, or its material's and its objects'
+    turn: float  # azimuth relative to the camera, degrees
+    added: bool = False
+
+
+def numbered_lights(
+    attributes: Sequence[Attribute], lights: Sequence[KnownLight], vocabulary: Vocabulary
+) -> dict[int, list[str]]:
+    """The lights that are told apart (`Attribute.lamp`), each with the names of its own; none where the scene has too few.
+
+    Lights that are left over are lit like the nearest of those that have a side, or else like the last one without a
+    name of its own. The most important of the scene's lights comes first, the added ones last.
+    """
+    said: dict[int, list[Attribute]] = {}
+    for attribute in attributes:
+        if attribute.lamp:
+            said.setdefault(attribute.lamp, []).append(attribute)
+    words = {
+        n: frozenset().union(*(fixture(a.thing, vocabulary) for a in group)) for n, group in said.items()
+    }
+    roles = {n: role_of(group) for n, group in said.items()}
+    turns = {n: sum(ends) / 2 for n, group in said.items() if (ends := side(group, vocabulary))}
+    found: dict[int, list[str]] = {n: [] for n in said}
+    free = list(lights)
+
+    def give(number: int, theirs: Sequence[KnownLight]) -> None:
+        found[number] += [light.name for light in theirs]
+        free[:] = [light for light in free if light not in theirs]
+
+    for number in said:
+        give(number, [light for light in free if _is_called(light, words[number])])
+    for number in said:
+        if not found[number] and roles[number]:
+            give(number, [light for light in free if light.role == roles[number]])
+    own = {number for number in said if found[number]}
+    for number in sorted(
+        turns.keys() - own, key=lambda n: min((_apart(x, turns[n]) for x in free), default=0.0)
+    ):
+        near = [light for light in free if light.added or _apart(light, turns[number]) < _NEAR]
+        give(number, sorted(near, key=lambda x: (x.added, _apart(x, turns[number])))[:1])
+    for number in said:
+        if not found[number]:
+            give(number, free[:1])
+    sided = {number: turn for number, turn in turns.items() if number not in own}
+    last = [number for number in said if number not in own and not roles[number]][-1:]
+    for light in list(free):
+        if len(sided) > 1:
+            give(min(sided, key=lambda n: _apart(light, sided[n])), [light])
+        elif last:
+            give(last[0], [light])
+    return found
+
+
+def role_of(said: Sequence[Attribute]) -> str:
+    """The role that words give to a light: "key", "fill" or "rim"; "" if they give none."""
+    return next((a.role or a.kind for a in said if a.role or a.kind != "light"), "")
+
+
+def _is_called(light: KnownLight, words: frozenset[str]) -> bool:
+    """True if words name a light: "window", or "moonlight" a Moon; a sun is one by its type."""
+    theirs = {_singular(word) for name in light.names for word in plain_name(name).split()}
+    spoken = {_singular(word) for word in words}
+    return bool(theirs & (spoken | {word.removesuffix("light") for word in spoken}))
+
+
+def _singular(word: str) -> str:
+    return word.removesuffix("s")
+
+
+def _apart(light: KnownLight, turn: float) -> float:
+    return abs((light.turn - turn + 180.0) % 360.0 - 180.0)
+
+
+_SHARE = 0.15  # of the light on the subject from which a glow counts as a light of the scene
+_OF_GLOWS = {"power": "emission", "color": "emission_color", "temperature": "emission_color"}
+"""Parameters of lights -> those of glowing materials, which have neither place nor size to change."""
+_PLACES = ("azimuth", "elevation", "distance", "size", "angle")
+_NAMED = ("light", "subject", "surroundings")  # kinds of things by whose name a prompt may call a light
+_BEHIND = 180.0
+
+
+class SceneLights:
+    """The lights of a scene by role, and what glows as they do.
+
+    Attributes:
+        key: Names of the key lights; the one that is brightest on the subject where no light has that role.
+        rim: Names of the rim lights; else the one nearest to behind the subject, if there are several.
+        fill: Names of the fill lights.
+        lamps: All lights.
+        glows: Glowing materials that light the scene as lights do, as "material/NAME"; they may be key and fill too.
+        numbered: Number of a light that the prompt tells apart -> names, of which the first is meant above all.
+    """
+
+    def __init__(
+        self, parsed: Parsed, instances: dict[str, Instance], scene: SceneDescription, vocabulary: Vocabulary
+    ) -> None:
+        self._instances, self._scene, self._vocabulary = instances, scene, vocabulary
+        self.lamps = list(dict.fromkeys(i.owner for i in instances.values() if i.parameter.group == "light"))
+        # Materials that light the subject with a share of all light that is seen; dials and diodes do not.
+        least = _SHARE * max(self._radiance(), 1e-6)
+        glows = (f"{GLOW}{material}" for material in scene.emitters)
+        self.glows = [name for name in glows if self._radiance(name) > least]
+        self.key = self._key()
+        self.rim = [n for n in self.of_role("rim") if n not in self.key] or self._nearest_behind()
+        self.fill = [n for n in [*self.of_role("fill"), *self.glows] if n not in self.key]
+        self.numbered = numbered_lights(parsed.attributes, self._known(), vocabulary)
+
+    @property
+    def every(self) -> list[str]:
+        """All lights and glows."""
+        return [*self.lamps, *self.glows]
+
+    def of_role(self, role: str) -> list[str]:
+        """The lights that have a role in the scene."""
+        playing = {i.owner for i in self._instances.values() if i.role == role}
+        return [name for name in self.lamps if name in playing]
+
+    def values(self, effect: Effect, attribute: Attribute) -> list[Instance]:
+        """The parameters on which an effect of a word acts; of a glow, those that stand for a light's."""
+        glowing = _OF_GLOWS.get(effect.name)
+        keys = [
+            f"{light}/{glowing}" if light.startswith(GLOW) else f"light/{light}/{effect.name}"
+            for light in self.targets(effect, attribute)
+            if glowing or not light.startswith(GLOW)
+        ]
+        return [self._instances[key] for key in keys if key in self._instances]
+
+    def targets(self, effect: Effect, attribute: Attribute) -> list[str]:
+        """The lights and glows on which an effect of a word acts."""
+        owner, role = effect.owner, attribute.role
+        if effect.name in _PLACES and not set(self.key) & set(self.lamps):
+            return [] if role or owner in ("rim", "fill", "others") else self._brightest(self.lamps)
+        own = self._spoken_of(attribute)
+        if own is not None and owner not in ("rim", "fill"):
+            if owner == "others":
+                return self._but([*own, *(name for names in self.numbered.values() for name in names)])
+            turned = owner != "lights" and effect.name in ("azimuth", "elevation")
+            return own[:1] if turned else own
+        if owner == "others":
+            return self._but(self._with_role(role if role in ("rim", "fill") else "key"))
+        if owner not in ("light", "lights"):
+            return self._with_role(owner)
+        if role:
+            return self._with_role(role)
+        return self.key if owner == "light" else self.every
+
+    def _with_role(self, role: str) -> list[str]:
+        own = {"key": self.key, "rim": self.rim, "fill": self.fill}
+        return own[role] if role in own else self._but(self.key)
+
+    def _but(self, names: list[str]) -> list[str]:
+        return [name for name in self.every if name not in names]
+
+    def _spoken_of(self, attribute: Attribute) -> list[str] | None:
+        """The lights that a word is said of, where the prompt tells several apart or calls one by its name."""
+        if attribute.lights:
+            return list(attribute.lights)
+        if attribute.lamp:
+            return self.numbered[attribute.lamp]
+        if attribute.role or attribute.cause or attribute.kind not in _NAMED:
+            return None
+        words = fixture(attribute.thing, self._vocabulary)
+        return [light.name for light in self._known() if _is_called(light, words)] or None
+
+    def _key(self) -> list[str]:
+        lamps = self.of_role("key")
+        if not self.glows:
+            return lamps or self._brightest(self.lamps)
+        return self._brightest([*(lamps or self.lamps), *self.glows])
+
+    def _nearest_behind(self) -> list[str]:
+        """The light that is most behind the subject, seen from the camera; never the key."""
+        others = [n for n in self.lamps if n not in self.key]
+        unassigned = [n for n in others if n not in self.of_role("fill")] or others
+        behind = sorted(unassigned, key=lambda light: abs(self._turn(light) % 360.0 - _BEHIND))
+        return behind[:1]
+
+    def _known(self) -> list[KnownLight]:
+        """All lights, the key first and those that are added for the words last."""
+        order = {name: place for place, name in enumerate(self.key)}
+        added = self._scene.added_lights
+        names = sorted(self.every, key=lambda n: (n in added, order.get(n, len(order))))
+        return [self._known_glow(n) if n in self.glows else self._known_lamp(n) for n in names]
+
+    def _known_lamp(self, name: str) -> KnownLight:
+        role = next((r for r in ("key", "fill", "rim") if name in self.of_role(r)), "")
+        names = (name, self._scene.light(name).type)
+        return KnownLight(name, role, names, self._turn(name), name in self._scene.added_lights)
+
+    def _known_glow(self, name: str) -> KnownLight:
+        material = name.removeprefix(GLOW)
+        glow = self._scene.emitters[material]
+        role = "key" if name in self.key else "fill"
+        return KnownLight(name, role, (material, *glow.objects), glow.azimuth - self._scene.camera_azimuth)
+
+    def _turn(self, light: str) -> float:
+        instance = self._instances.get(f"light/{light}/azimuth")
+        azimuth = instance.value[0] / instance.reference if instance else 0.0
+        return azimuth - self._scene.camera_azimuth
+
+    def _brightest(self, lights: list[str]) -> list[str]:
+        return [max(lights, key=self._radiance)] if lights else []
+
+    def _radiance(self, *lights: str) -> float:
+        """Radiance of a white surface that faces some lights, or all."""
+        return facing_radiance(self._instances, self._scene, lambda i: i.value, lights or None)
+
 
 _PART = 0.12  # materials on less of their region are parts: tyres, eyes, screws
 _LIKE = 0.25  # where all are parts, share of the largest that those have which make it up: a shelf of a hundred books
@@ -28,7 +246,7 @@ class SceneMaterials:
         found = (i for i in self._instances.values() if i.parameter.group == "material" and i.role == region)
         return list(dict.fromkeys(i.owner for i in found))
 
-    def meant(self, effect: Effect, attribute: Attribute) -> list[str]:
+    def targets(self, effect: Effect, attribute: Attribute) -> list[str]:
         """The materials on which an effect of a word acts."""
         region = attribute.region if effect.owner == "material" else effect.owner
         if effect.owner == "surroundings" and attribute.kind == "sky":
@@ -43,17 +261,14 @@ class SceneMaterials:
         return [name for name in names if not recolors or self._is_recolored(name, effect, attribute)]
 
     def _is_recolored(self, name: str, effect: Effect, attribute: Attribute) -> bool:
-        """Whether a word may gray what is then tinted: a surface, or a glow that gets a color itself."""
+        """True if a word may gray what is then tinted: a surface, or a glow that gets a color itself."""
         glow = f"material/{name}/tint" not in self._instances
         if attribute.kind == "glow":
             return glow
         return not glow or (attribute.color is not None and effect.owner == "material")
 
     def _whole(self, names: list[str]) -> list[str]:
-        """Of the materials of a thing those that make it up: "red car" means neither its tyres nor a screw.
-
-        A small one that looks like a large one is no part of its own: the fender is as gray as the hood.
-        """
+        """Of the materials of a thing those that make it up, and small ones that look like these: "red car" means no tyres."""
         shares: dict[str, float] = {}
         for name in names:  # all of a kind, or none: not the one tyre that is seen best
             kind = kind_of(name)
@@ -75,7 +290,7 @@ class SceneMaterials:
 
 BACKDROP = "world/backdrop_strength"  # there, if what the camera sees of the world is not what lights
 _OF_BACKDROP = {"color": "backdrop_color", "tint": "backdrop_tint", "strength": "backdrop_strength"}
-"""What the world's parameters are of its backdrop."""
+"""The world's parameters -> those of its backdrop."""
 SEEN, _SHED = ("surroundings", "sky"), ("share", "times", "gel")  # kinds: seen of it; modes: its light
 SLIVER = 0.05  # of the surroundings: so little world counts as none
 
@@ -98,14 +313,14 @@ class Owners:
         if group == "world":
             names = self._of_world(effect, attribute)
         elif group == "material":
-            names = [f"{material}/{effect.name}" for material in self.materials.meant(effect, attribute)]
+            names = [f"{material}/{effect.name}" for material in self.materials.targets(effect, attribute)]
         else:
             names = [effect.name]
         keys = (f"{group}/{name}" for name in names)
         return [self._instances[key] for key in keys if key in self._instances]
 
     def world_is_hidden(self) -> bool:
-        """Whether surfaces fill all that the camera sees."""
+        """True if surfaces fill all that the camera sees."""
         share = self._world_share
         return share is not None and share < SLIVER and bool(self.materials.of_region("surroundings"))
 

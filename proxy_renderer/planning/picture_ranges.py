@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far the values of a scene may go to look like a reference image: ranges from its wishes, beside those of words."""
+"""Ranges of a scene's values from the wishes of a reference image, next to those of words."""
 
 import math
 import operator
@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..color.floats import linear_from_srgb, srgb_from_lab
-from ..goals.contradictions import CASTS
-from ..goals.picture import beside_picture
-from ..goals.resolve import Goals
+from ..goals.relative import goals_with_picture
+from ..goals.resolve import CASTS, Goals
 from ..goals.wish import Wish
 from ..schema import Instance, Values
 from ..words.lexicon.entries import OWNERS, Effect
@@ -21,7 +20,7 @@ from .types import Plan, PlanEntry
 
 _LIGHTNESS = 65.0  # L* at which a cast is taken for a color
 _STRONGER, _WEAKER = 1.6, 0.5
-"""How much stronger than the strongest cast a light's color may be, since other light lies over it, and how much weaker than
+"""Factors of the strongest cast that a light's color may reach, since other light lies over it, and how much weaker than
 any. A range up to white would hold hues that are in no cast: pink and yellow beside orange."""
 _FEW_HUES = 0.0  # cosine between the hues of two casts from where each has a light of its own
 _PALE, _COLORFUL = 6.0, 16.0  # mean C* of a gray picture, and how much more keeps all paint's saturation
@@ -82,12 +81,11 @@ def _cosine(one: tuple[float, float], other: tuple[float, float]) -> float:
     return (one[0] * other[0] + one[1] * other[1]) / lengths if lengths > 1e-9 else 1.0
 
 
-def beside_words(plan: Plan, goals: Goals, instances: Mapping[str, Instance], vocabulary: Vocabulary) -> Plan:
-    """A plan of words, with what a picture's wishes let change; without a picture the same plan.
-
-    What words name is theirs. What only supports them, as a material that is to stand out, is the picture's to say.
-    """
-    pictured = beside_picture(goals, vocabulary).pictured
+def plan_with_picture(
+    plan: Plan, goals: Goals, instances: Mapping[str, Instance], vocabulary: Vocabulary
+) -> Plan:
+    """A plan of words, with what a picture's wishes let change of what words do not name; without a picture the same plan."""
+    pictured = goals_with_picture(goals, vocabulary).pictured
     if not pictured:
         return plan
     free = {key: protected(instance, goals.parsed) for key, instance in instances.items()}
@@ -120,10 +118,8 @@ def entries_of(pictured: Sequence[Wish], instances: Mapping[str, Instance]) -> d
             lower = (colors.paint,)
         lit = colors if family in _LIT else None
         own = tuple(map(min, lower, instance.value)), tuple(map(max, upper, instance.value))
-        ends, reason = (
-            _lit(lit, instance) if lit else clip(*own, instance),
-            f"free to come to look like {name}",
-        )
+        ends = _lit(lit, instance) if lit else clip(*own, instance)
+        reason = f"free to come to look like {name}"
         entries[key] = PlanEntry(*ends, effect.priority, reason, HELD_LIGHTLY, any_hue=not lit)
     return entries
 
@@ -134,10 +130,7 @@ def _acts_on(effect: Effect, instance: Instance) -> bool:
 
 
 def _lit(colors: LightColors, instance: Instance) -> tuple[Values, Values]:
-    """Ends for a color of light, as dark as the artist's or lighter; the artist's own hue is not among them.
-
-    It would open the range to hues between the two, which neither has.
-    """
+    """Ends for a color of light, as dark as the artist's or lighter, without hues between the artist's and those of the casts."""
     level = max(instance.value)
     strong, weak = colors.key if instance.role == "key" else colors.fill
     lower = tuple(max(level * v, least) for v, least in zip(strong, instance.lower, strict=True))

@@ -14,11 +14,10 @@ from ..words.lexicon.user_words import default_vocabulary
 from ..words.lexicon.vocabulary import Vocabulary
 from ..words.types import GLOW, Attribute, SceneDescription
 from .acting import STAGES, acts, goals_without_rig, grade_of, is_usual, stage_of
-from .color_ranges import named_color, painted
 from .light_levels import Sources, WorldLook, facing_radiance
 from .owners import BACKDROP, SEEN, Owners, protected
-from .picture_ranges import beside_words
-from .ranges import clip, effect_range, within
+from .picture_ranges import plan_with_picture
+from .ranges import clip, effect_range, named_color, painted, within
 from .support import added_power, supports
 from .types import LEFT_ALONE, LightPlan, Plan, PlanEntry
 
@@ -47,7 +46,7 @@ class WishedRange:
 
     @property
     def is_plain(self) -> bool:
-        """Whether it is said, and is no default."""
+        """True if it is said, and is no default."""
         return not (self.weak or self.wish.implied or self.wish.usual)
 
 
@@ -98,14 +97,10 @@ class Agreements:
                 continue
             low, high = tuple(map(max, lower, each.lower)), tuple(map(min, upper, each.upper))
             agrees = all(a <= b for a, b in zip(low, high, strict=True))
+            both_plain = first.is_plain and each.is_plain
             if agrees and not first.start:  # what is left of a named color's room would be another color
                 lower, upper, winners = low, high, [*winners, each]
-            elif (
-                first.is_plain
-                and each.is_plain
-                and each.reason != first.reason
-                and (each.start or not agrees)
-            ):
+            elif both_plain and each.reason != first.reason and (each.start or not agrees):
                 pair = each.wish.attribute.word, first.wish.attribute.word
                 self._lost.setdefault(pair, {})[each.key] = None
         return Agreement(lower, upper, winners)
@@ -128,7 +123,7 @@ _GRADES = {
     "film/contrast": (0.8, 1.3), "film/saturation": (0.0, 1.45), "film/vignette": (0.0, 0.5),
     "film/lift": (0.94, 1.06), "film/midtone": (0.85, 1.15), "film/gain": (0.8, 1.2),
 }  # fmt: skip
-"""How far a grade goes beside a rig, which is most of a look."""
+"""Ends of a grade next to a rig, which is most of a look."""
 _FAINT = 0.1  # share of its power with which a light begins that is added beside what is there
 _SECOND = 6  # how much later a mood's own words come than the prompt's
 
@@ -159,7 +154,7 @@ def plan(
         entries |= {key: _mild(entries[key], *ends) for key, ends in graded.items()}
     entries |= support
     decided = Plan({key: entries[key] for key in instances}, tuple(dict.fromkeys(planner.notes)))
-    return beside_words(decided, goals, planner.instances, planner.vocabulary)
+    return plan_with_picture(decided, goals, planner.instances, planner.vocabulary)
 
 
 def _faint(
@@ -274,7 +269,7 @@ class _Planner:
         )
 
     def _priority(self, wish: Wish, effect: Effect, instance: Instance) -> int:
-        """How much a range counts; the least counts most."""
+        """The rank of a range; the least counts most."""
         light = f"{GLOW}{instance.owner}" if instance.parameter.group == "material" else instance.owner
         of_others = effect.owner == "lights" and light not in self.owners.lights.key
         # A color that is named comes before a word that only changes it: "a teal ball, the ball darker".
@@ -292,7 +287,7 @@ class _Planner:
         self.sources = replace(self.sources, world=world, backdrop=backdrop)
 
     def _world(self, part: str, level: float) -> WorldLook:
-        """What is settled of the world, or of its backdrop, whose picture has a mean luminance."""
+        """The settled look of the world, or of its backdrop, whose picture has a mean luminance."""
         color, tint = (self.instances.get(f"world/{part}{name}") for name in ("color", "tint"))
         if color:
             return WorldLook(self.agreed.value(color))
@@ -307,7 +302,7 @@ class _Planner:
         return next((srgb_from_linear(self.agreed.value(i)) for i in found if i), (1.0, 1.0, 1.0))
 
     def _glow(self, owner: str) -> float:
-        """How strongly a material glows as the artist has it, in the unit of its emission."""
+        """The strength of a material's glow as the artist has it, in the unit of its emission."""
         strength, color = (
             self.instances.get(f"material/{owner}/{n}") for n in ("emission", "emission_color")
         )
@@ -348,7 +343,7 @@ def _mild(entry: PlanEntry, low: float, high: float) -> PlanEntry:
 
 
 def _start(instance: Instance, first: WishedRange, lower: Values, upper: Values) -> Values | None:
-    """Where the search for a value begins; None for the artist's, or the nearest in its range."""
+    """The start of the search for a value; None for the artist's, or the nearest in its range."""
     moved = not math.isclose(instance.value[0], within(instance.value, lower, upper)[0], rel_tol=1e-6)
     if instance.parameter.name in _OF_SHADOWS and moved:
         near, far = (lower, upper) if instance.value < lower else (upper, lower)

@@ -1,20 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What no word names but claims may need: that the subject stands out, and neither burns nor drowns in black.
+"""Values that claims may need though no word names them, and lights and a backdrop that the scene lacks.
 
-The paper's own failure is under-exposure of dark materials (section 4.2): these entries are why it does not happen. They
-only say how far from the artist's values the search may look; whether and where to is for the claims. Exposure, lights, world
-and grade support the words; no material does (`schema/means.py`).
+The subject has to stand out, and neither burn nor drown in black: the paper's own failure is under-exposure of dark materials
+(section 4.2). Entries only say how far from the artist's values the search may look; whether and where to is for the claims.
+Exposure, lights, world and grade support the words; no material does.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
-from ..color.floats import linear_from_srgb, luminance, srgb_from_linear
+from ..color.floats import chroma, lab_from_srgb, linear_from_srgb, luminance, srgb_from_linear
+from ..goals.resolve import Goals
 from ..schema import Instance, Values
-from ..words.lexicon.entries import temperature
-from ..words.types import Attribute, Parsed
+from ..words.attributes import side
+from ..words.lexicon.entries import OWNERS, Effect, temperature
+from ..words.lexicon.vocabulary import Vocabulary
+from ..words.types import Attribute, Parsed, SceneDescription
+from .acting import Act, acts, is_usual
 from .light_levels import Range, Sources, kelvin_color, radiance
-from .owners import BACKDROP, Owners
+from .owners import BACKDROP, Owners, SceneLights, role_of
 from .ranges import clip, facing_white
 from .types import PlanEntry
 
@@ -38,10 +42,7 @@ def supports(
     entries: dict[str, PlanEntry],
     owners: Owners,
 ) -> dict[str, PlanEntry]:
-    """Entries that replace those of untouched parameters; never those of locked or named ones.
-
-    All of them hold the artist's value, but for the power of a light that is added, which has none.
-    """
+    """Entries that replace those of untouched parameters, and hold the artist's value, which an added light's power lacks."""
     reaches = dict(_reaches(parsed, instances, sources, owners))
     free = {key for key in reaches if entries[key].priority is None and not instances[key].locked}
     found = {}
@@ -124,3 +125,89 @@ def _added_lights(
         for key in keys
         if key in instances and entries[key].priority is None and not instances[key].locked
     }
+
+
+_BEHIND = 110.0  # degrees from the camera beyond which a light stands behind the subject
+
+
+def missing_lights(
+    goals: Goals,
+    instances: dict[str, Instance],
+    scene: SceneDescription,
+    standby: Mapping[str, str],
+    vocabulary: Vocabulary,
+) -> list[str]:
+    """The lights on standby, given with their roles, that the words ask for."""
+    attributes = goals.parsed.attributes
+    owners = Owners(goals.parsed, instances, scene, vocabulary)
+    missing = [number for number, names in owners.lights.numbered.items() if not names]
+    said = ([a for a in attributes if a.lamp == number] for number in missing)
+    roles = [_described(group, owners.lights, vocabulary) for group in said]
+    for wish, effect in acts(goals, vocabulary, owners):
+        role = _asked(effect, wish.attribute, owners)
+        roles += [role] if role and role not in roles else []
+    found: list[str] = []
+    for role in roles:
+        free = [name for name in standby if name not in found]
+        found += sorted(free, key=lambda name: standby[name] != role)[:1]
+    return found
+
+
+def _described(said: list[Attribute], lights: SceneLights, vocabulary: Vocabulary) -> str:
+    """The role of a light that words tell apart and that is missing."""
+    if given := role_of(said):
+        return given
+    ends = side(said, vocabulary)
+    if ends and abs((sum(ends) / 2 + 180.0) % 360.0 - 180.0) > _BEHIND:
+        return "rim"
+    return "fill" if lights.lamps else "key"
+
+
+def _asked(effect: Effect, attribute: Attribute, owners: Owners) -> str:
+    """The role of the light that an effect needs and that nothing in the scene has; else ""."""
+    if effect.weak or effect.mode == "times" or OWNERS[effect.owner] != "light" or attribute.told_apart:
+        return ""
+    owner = attribute.role if effect.owner in ("light", "lights") and attribute.role else effect.owner
+    if owner in ("rim", "fill"):
+        return "" if owners.lights.of_role(owner) else owner
+    if owner == "others":
+        return "" if owners.of(effect, attribute) else "fill"
+    return "key" if effect.name in ("azimuth", "elevation") and not owners.lights.lamps else ""
+
+
+_VIVID = 20.0  # chroma from which a world tints what it lights
+
+
+def asks_for_backdrop(
+    goals: Goals, instances: dict[str, Instance], scene: SceneDescription, vocabulary: Vocabulary
+) -> bool:
+    """True if words give the background a color that is not to tint the scene, or a lightness that its light cannot have.
+
+    A white or pale background is a light too, as in a photographer's studio, if no other word wants less light. What a
+    place usually has is no such wish: the sky of a garden at night is the night's.
+    """
+    owners = Owners(goals.parsed, instances, scene, vocabulary)
+    of_world = [
+        (wish, effect)
+        for wish, effect in acts(goals, vocabulary, owners)
+        if effect.family == "world/strength" and owners.of(effect, wish.attribute)
+    ]
+    seen = [act for act in of_world if act[0].attribute.kind == "surroundings" and not is_usual(*act)]
+    shed = [act for act in of_world if act[0].attribute.kind not in ("surroundings", "sky")]
+    shown = [wish.attribute.color for wish, effect in seen if effect.mode == "shown"]
+    tints = any(chroma(lab_from_srgb(color)) > _VIVID for color in shown if color)
+    return tints or any(_apart(one, other) for one in seen for other in shed)
+
+
+def _apart(one: Act, other: Act) -> bool:
+    """True if no strength of the world serves both."""
+    a, b = _lightness(one), _lightness(other)
+    return a is not None and b is not None and (a[1] < b[0] or b[1] < a[0])
+
+
+def _lightness(act: Act) -> tuple[float, float] | None:
+    """The L* that the world is to have, from and to; None where a wish says nothing of it."""
+    wish, effect = act
+    if effect.mode == "shown" and wish.attribute.color:
+        return (lab_from_srgb(wish.attribute.color)[0],) * 2
+    return (effect.lower[0], effect.upper[0]) if effect.mode == "lightness" else None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What planning takes and gives: what is known about a scene, and a range for each of its parameters."""
+"""The records of planning: a plan has an entry with a range for each parameter of a scene."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..words.types import Attribute
 
 @dataclass(frozen=True)
 class PlanEntry:
-    """What may happen to one parameter instance."""
+    """The range and the priority of one parameter instance."""
 
     lower: Values  # component-wise, within the instance's hard bounds
     upper: Values  # likewise
@@ -28,20 +28,20 @@ class PlanEntry:
 
     @classmethod
     def kept(cls, instance: Instance, reason: str) -> PlanEntry:
-        """What keeps the artist's value, which may be locked."""
+        """An entry that keeps the artist's value, which may be locked."""
         if instance.locked:
             return cls(instance.value, instance.value, None, f"locked: {instance.locked}")
         return cls(instance.lower, instance.upper, None, reason)
 
     @property
     def is_named(self) -> bool:
-        """Whether words name the range."""
+        """True if words name the range."""
         return self.priority is not None and self.prior == 0.0
 
 
 @dataclass(frozen=True)
 class LightPlan:
-    """What a lighting rig plans, in the place of the words that it stands for."""
+    """The plan of a lighting rig, in the place of the words that it stands for."""
 
     entries: dict[str, PlanEntry] = field(default_factory=dict)  # for every parameter that it sets, by key
     served: tuple[Attribute, ...] = ()  # the words that it stands for; they ask for nothing else

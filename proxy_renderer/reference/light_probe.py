@@ -19,10 +19,8 @@ _SAME_COLOR = 0.03  # by which components of its color may be off
 class LightProbe:
     """The light of a panorama, if it were the world's."""
 
-    azimuth: (
-        float | None
-    )  # of the key, with the elevation: degrees as in `schema.orbit`; None if no part stands out
-    elevation: float | None
+    azimuth: float | None  # of the key: degrees as in `schema.orbit`; None if no part stands out
+    elevation: float | None  # likewise
     key: Values  # colors of the key and of the rest, linear, the greatest component 1
     around: Values
     ratio: float  # light of the key on a surface that faces it, in parts of what the rest gives
@@ -71,7 +69,7 @@ def _near(parameter: str, value: Values, reach: float) -> str:
 
 
 def summary_of(found: LightProbe, name: str) -> str:
-    """What is said of a panorama, in a sentence."""
+    """A sentence on the light of a panorama."""
     if found.azimuth is None or found.elevation is None:
         return f"In {name} light comes from all around: the key light keeps its direction."
     return (

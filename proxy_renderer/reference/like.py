@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A reference image, its wishes, and plans for it in the place of words or with them."""
+"""A reference image, its wishes, their effects, and plans for it in the place of words or with them."""
 
 from __future__ import annotations
 
@@ -14,25 +14,24 @@ import torch
 from torch import Tensor
 
 from ..claims.measures import MEASURES
-from ..goals.picture import FACTS
+from ..goals.relative import FACTS
 from ..goals.resolve import Goals
 from ..goals.wish import Wish
 from ..planning.advice import NO_PROMPTS, Advice, Advisor
-from ..planning.picture_ranges import UNTOUCHED, beside_words
+from ..planning.picture_ranges import UNTOUCHED, plan_with_picture
 from ..planning.types import Plan, PlanEntry
 from ..render.film import Film
-from ..render.gbuffer import GBuffer
+from ..render.surface.view_cache import GBuffer
 from ..scene import SceneData
 from ..schema import Instance, VibeError
 from ..schema.options.table import TRAITS, Options
 from ..schema.parameters import PICTURE
-from ..words.lexicon.entries import read_wishes
+from ..words.lexicon.entries import Effect, parse_effect, read_wishes
 from ..words.lexicon.quantities import ClaimText
 from ..words.lexicon.user_words import default_vocabulary
 from ..words.types import Attribute, Parsed, Part, SceneDescription
-from . import light_probe, ranges, statements
-from .picture import ReferencePicture, read_reference
-from .ranges import effects_of
+from . import light_probe, statements
+from .files import ReferencePicture, read_reference
 from .regions import PictureRegions, regions_of
 
 
@@ -46,10 +45,7 @@ class Reference:
 
     @classmethod
     def of(cls, options: Options, scene: SceneData) -> Reference | None:
-        """The picture that the options name, or None. Linear light is shown as the scene shows its own.
-
-        Raises VibeError if it cannot be read.
-        """
+        """The picture that the options name, or None, linear light as the scene shows its own; raises VibeError if unreadable."""
         if not options.like:
             return None
         path = Path(options.like)
@@ -65,7 +61,7 @@ class Reference:
 
     @property
     def traits(self) -> tuple[str, ...]:
-        """What is taken over: what was asked for, else all but materials, which only a picture of this scene tells."""
+        """The traits that are taken over: what was asked for, else all but materials, which only a picture of this scene tells."""
         return self._only or (TRAITS if self.same else TRAITS[:-1])
 
     def compare(self, rendered: Tensor) -> None:
@@ -74,7 +70,7 @@ class Reference:
             self.same = statements.is_same(self.display, rendered)
 
     def wishes(self, instances: Collection[Instance], seen: Callable[[], GBuffer]) -> list[Wish]:
-        """What may change and what the picture has, then a wish for each statement; `seen` is asked for only of the same scene."""
+        """Wishes for what may change and what the picture has, then one for each statement; `seen` is asked for only of the same scene."""
         if self.probe:
             return self._wishes(self.name, light_probe.effects_of(self.probe))
         if self.same:
@@ -90,13 +86,12 @@ class Reference:
 
     def _wishes(self, word: str, texts: list[str], material: str = "") -> list[Wish]:
         said = _word(word, self.name, material)
-        return [
-            Wish(said, each.quantity, effects=each.effects, claims=each.claims) for each in read_wishes(texts)
-        ]
+        found = read_wishes(texts)
+        return [Wish(said, each.quantity, effects=each.effects, claims=each.claims) for each in found]
 
     @cached_property
     def probe(self) -> light_probe.LightProbe | None:
-        """What a panorama says of light; None for a picture that has a frame."""
+        """The light of a panorama; None for a picture that has a frame."""
         linear = self.picture.linear
         return light_probe.probe(linear) if self.picture.panorama and linear is not None else None
 
@@ -105,7 +100,7 @@ class Reference:
         return regions_of(self.picture.display, self.picture.alpha)
 
     def _facts(self) -> Iterator[ClaimText]:
-        """What the picture itself has, as far as a flat picture tells."""
+        """Claims of what the picture itself has, as far as a flat picture tells."""
         parts: tuple[Part, ...] = ("picture", "subject") if self._regions.subject else ("picture",)
         for part in parts:
             where = self._regions.region(part)
@@ -148,12 +143,12 @@ class LikeAdvisor:
             advice = self._words.advise(display, instances, scene)
         self._wishes = self._wishes or self._reference.wishes(instances.values(), self._seen)
         goals = advice.goals.with_picture(self._wishes)
-        plan = beside_words(advice.plan, goals, instances, default_vocabulary())
+        plan = plan_with_picture(advice.plan, goals, instances, default_vocabulary())
         moving = {key for key, entry in plan.items() if entry.priority is not None}
         if not (moving or self._words):
             remedy = "Unlock something, allow more groups, or name more in --like-only."
             raise VibeError("Nothing that the picture speaks of may change in this scene.", remedy)
-        notes = (*plan.notes, self._found(), *ranges.kept_values(instances, moving))
+        notes = (*plan.notes, self._found(), *kept_values(instances, moving))
         return replace(advice, goals=goals, plan=Plan(dict(plan), notes))
 
     def _found(self) -> str:
@@ -163,3 +158,91 @@ class LikeAdvisor:
         if same:
             return f"{name} shows this very scene: it is compared place by place."
         return f"{name} shows something else: its look is taken over, not its content."
+
+
+def _effects(*texts: str) -> dict[str, Effect]:
+    """Family -> what a picture may do to its values, written as in the vocabulary; a bare range holds the artist's value too."""
+    return {effect.family: effect for effect in map(parse_effect, texts)}
+
+
+_ANOTHER_SCENE = _effects(
+    "lights/power times 0.0625..16 !0", "lights/strength times 0.0625..16 !0", "lights/color 0.08..1 !1",
+    "lights/azimuth plus -75..75 !3", "lights/elevation plus -35..35 !3",
+    "world/strength 0..4 !1", "world/color 0..1 !1", "world/tint 0.05..2 !1",
+    "world/backdrop_strength 0..4 !1", "world/backdrop_color 0..1 !1", "world/backdrop_tint 0.05..2 !1",
+    "volume/density 0..2 !2", "volume/color 0.1..1 !3",
+    "film/grade_exposure -2..2 !2", "film/lift 0.9..1.1 !2", "film/midtone 0.75..1.3 !2", "film/gain 0.7..1.3 !2",
+    "film/contrast 0.7..1.4 !2", "film/saturation 0..1.4 !2", "film/grade_gamma 0.6..1.7 !3", "film/vignette 0..1 !3",
+    "material/base_color 0..1 !2", "material/tint 0.05..2 !2",
+)  # fmt: skip
+"""For a picture of another scene."""
+_NEEDS = {
+    "light/azimuth": "from_right", "light/elevation": "from_above", "volume/density": "veil", "volume/color": "veil",
+    "film/vignette": "vignette",
+}  # fmt: skip
+"""Family -> the measure that such a picture has to claim for it."""
+
+_SAME_SCENE = _ANOTHER_SCENE | _effects(
+    "lights/power times 0.01..100 !0", "lights/strength times 0.01..100 !0", "lights/color 0..1 !1",
+    "lights/temperature 1500..15000 !1", "lights/size times 0.1..10 !3", "lights/angle 0..60 !3",
+    "lights/azimuth plus -180..180 !0", "lights/elevation -20..89 !0",
+    "world/strength 0..10 !1", "world/rotation plus -180..180 !1",
+    "volume/density 0..4 !2", "volume/color 0..1 !3", "volume/falloff 0..4 !3",
+    "film/exposure plus -4..4 !2", "film/lift 0.7..1.3 !3", "film/midtone 0.6..1.5 !3", "film/gain 0.5..1.6 !3",
+    "film/contrast 0.5..2 !2", "film/saturation 0..2 !2", "film/vignette 0..1 !3", "film/glare 0..1 !4",
+    "material/roughness 0..1 !4", "material/metallic 0..1 !5",
+)  # fmt: skip
+"""The same for a picture of the artist's scene. What does the same as exposure, in the compositor, stays."""
+_TRAITS = {"light": "light", "world": "light", "volume": "air", "film": "grade", "material": "materials"}
+"""Group of parameters -> the trait of a picture that they serve."""
+
+_BESIDE_LIGHT = _effects(
+    "film/lift 0.98..1.08 !2", "film/midtone 0.85..1.2 !2", "film/gain 0.8..1.25 !2",
+    "film/contrast 0.7..1.3 !2",
+)  # fmt: skip
+"""The grade where the light's color may change, too: what tints gray things is light. A grade that cancels it tints paint, and
+a lift that cuts off more colors the shadows."""
+
+_STAYS = {
+    "film/exposure": "exposure looks like more or less light in the scene",
+    "film/gamma": "gamma looks like the grade's own",
+    "light/temperature": "a warm lamp looks like one of a warm color",
+    "light/size": "how soft shadows are cannot be told from a flat picture",
+    "light/distance": "a lamp that is nearer looks like a stronger one",
+    "volume/anisotropy": "where fog scatters looks like more or less of it",
+}
+"""Families that stay as the artist has them, and why."""
+
+
+def effects_of(
+    instances: Collection[Instance], traits: Collection[str], measures: Collection[str], same: bool
+) -> list[Effect]:
+    """The effects that a picture lets act for traits that are taken over, where these measures are claimed of an image like it."""
+    table = dict(_SAME_SCENE if same else _ANOTHER_SCENE)
+    lit = any(
+        i.parameter.name == "color" and i.parameter.group in ("light", "world") and not i.locked
+        for i in instances
+    )
+    if same:
+        table.pop("film/grade_exposure")
+    elif lit and {"light", "palette"} & {*traits}:
+        table |= _BESIDE_LIGHT
+    return [
+        effect
+        for family, effect in table.items()
+        if _serves(family, traits) and (same or _NEEDS.get(family, "") in ("", *measures))
+    ]
+
+
+def kept_values(instances: Mapping[str, Instance], entries: Collection[str]) -> tuple[str, ...]:
+    """Sentences on the families that stay because a picture cannot tell them."""
+    families = {i.parameter.family for key, i in instances.items() if key not in entries and not i.locked}
+    said = (f"{family}: {why}" for family, why in _STAYS.items() if family in families)
+    return tuple(f"Kept as you have it, {text}." for text in said)
+
+
+def _serves(family: str, traits: Collection[str]) -> bool:
+    """True if values of a family serve what is taken over; the colors of light serve a palette, too."""
+    group = family.partition("/")[0]
+    colors = group in ("light", "world") or family == "film/saturation"
+    return _TRAITS[group] in traits or ("palette" in traits and colors)

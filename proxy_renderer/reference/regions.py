@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can be told of where things are in a flat picture: a subject before what is around it, and a sky.
+"""Regions of a flat picture, as far as it tells them: a subject before what is around it, and a sky.
 
 Nothing is recognized. A subject is what differs from the picture's border and lies near its middle, as in saliency by
 background priors (Wei et al. 2012, Geodesic saliency using background priors); a sky is even, light, and hangs from the
@@ -18,7 +18,7 @@ from torch import Tensor
 from ..claims.claim import Claim
 from ..claims.measures.picture import MeasuredPicture
 from ..color.tensors import lab_from_srgb
-from ..render.gbuffer import GBuffer
+from ..render.surface.view_cache import GBuffer
 from ..schema import Values
 from ..words.types import Part
 
@@ -53,10 +53,7 @@ class PictureRegions:
 
 
 def regions_of(display: np.ndarray, alpha: np.ndarray | None = None) -> PictureRegions:
-    """The regions of a picture (H, W, 3), sRGB-encoded in [0, 1], whose pixels count as `alpha` (H, W) says.
-
-    A cutout has no subject: what was around it is not known.
-    """
+    """The regions of an sRGB picture (H, W, 3) in [0, 1] whose pixels count as `alpha` (H, W) says; a cutout has no subject."""
     seen = np.ones(display.shape[:2], bool) if alpha is None else alpha > _TRANSPARENT
     planes = torch.from_numpy(_filled(display, seen)).permute(2, 0, 1)[None]
     small = _resized(planes, _SMALL)
@@ -81,7 +78,7 @@ def _filled(display: np.ndarray, seen: np.ndarray) -> np.ndarray:
 
 
 def _flat(subject: Tensor, sky: Tensor) -> GBuffer:
-    """What is known of a flat picture's pixels: which are the subject's, and which the sky's."""
+    """A G-buffer of a flat picture: only the subject's pixels and the sky's are known."""
     material = torch.where((sky > 0.5) & (subject < 0.5), -1, 0)
     blank = torch.ones_like(subject)
     return GBuffer(subject, material, ("",), torch.zeros(*subject.shape, 3), blank, blank)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a picture says, as claims: of any scene its tones, casts, light, palette and haze; of the same scene every place and material."""
+"""Statements of a picture, as claims: of any scene its tones, casts, light, palette and haze; of the same scene every place and material."""
 
 import math
 from collections.abc import Iterator
@@ -13,11 +13,10 @@ from torch import Tensor
 
 from ..claims.claim import Claim
 from ..claims.measures import MEASURES
-from ..claims.measures.color import grayness
+from ..claims.measures.color import corner_falls, grayness
 from ..claims.measures.picture import MeasuredPicture
-from ..claims.measures.tone import corner_falls
 from ..color.tensors import lab_from_srgb
-from ..render.gbuffer import GBuffer
+from ..render.surface.view_cache import GBuffer
 from ..schema import Values
 from ..words.lexicon.quantities import ClaimText
 from ..words.types import Part
@@ -48,7 +47,7 @@ _EXACT = 0.5  # noticeable steps that a cell may be off on either side
 
 
 def is_same(reference: Tensor, rendered: Tensor) -> bool:
-    """Whether two pictures show the same things in the same places, however lit."""
+    """True if two pictures show the same things in the same places, however lit."""
     one, other = (picture.shape[1] / picture.shape[0] for picture in (reference, rendered))
     return abs(one / other - 1) < _ASPECT and likeness(reference, rendered) > _ALIKE
 
@@ -72,7 +71,7 @@ def _edges(picture: Tensor, shape: tuple[int, int]) -> Tensor:
 
 
 def statements_by_place(picture: Tensor, alpha: np.ndarray | None, seen: GBuffer) -> list[Statement]:
-    """What a picture of this scene says of every place in the frame, and of every material, where all of it is seen."""
+    """Statements of a picture of this scene on every place in the frame and every material, where all of it is seen."""
     measured = MeasuredPicture.of(picture, seen)
     hidden = torch.zeros_like(seen.subject, dtype=torch.bool)
     if alpha is not None:
@@ -116,7 +115,7 @@ _HUES = (
 
 
 def hue(a: float, b: float) -> str:
-    """What people call a tint: "teal", "slightly orange", "neutral"."""
+    """The name of a tint: "teal", "slightly orange", "neutral"."""
     strength = math.hypot(a, b)
     if strength < _GRAY:
         return "neutral"
@@ -148,7 +147,7 @@ _THIRDS = {place: (0.0, n / 3, 1.0, (n + 1) / 3) for n, place in enumerate(_WORD
 
 
 def statements_of(regions: PictureRegions) -> list[Statement]:
-    """What is said of a picture."""
+    """Statements on a picture."""
     reader = _Reader(regions)
     return [*reader.grade(), *reader.light(), *reader.palette(), *reader.air()]
 
@@ -182,7 +181,7 @@ class _Reader:
             yield self._near("grade", "vignette", "vignette", "picture", LOOSE, reason)
 
     def light(self) -> Iterator[Statement]:
-        """How a subject is lit, and how it stands before its ground; nothing where none can be told."""
+        """The light on a subject, and its contrast with the ground; nothing where none can be told."""
         if not self.regions.subject:
             return
         (range_,) = self._value("spread", "subject")

@@ -27,6 +27,7 @@ from torch.nn.functional import embedding_bag, max_pool2d
 from ..schema import VibeError
 from .geometry.camera import View
 from .geometry.samples import Samples
+from .geometry.vectors import overlap
 from .geometry.visibility import Hits, RayGeometry
 from .surface.view_cache import ViewCache
 
@@ -71,10 +72,7 @@ class Correction:
         view: View,
         cache: ViewCache,
     ) -> Correction:
-        """Compares a picture with the proxy's of the same values and size.
-
-        `whole` (3, P) is the proxy's, `parts` its pictures (3, P) of each owner's light alone, `colors` those lights' (3,).
-        """
+        """Compares a picture with the proxy's: `whole` (3, P), `parts` (3, P) of each owner's light alone, and their `colors` (3,)."""
         guide = _names(cache.samples.center_hits, cache.geometry).view(cache.depth.shape)
         known_owners = [owner for owner in picture.parts if owner in parts]
         reference = _flat(picture.whole).to(whole)
@@ -110,10 +108,7 @@ class Correction:
         cache: ViewCache,
         before: Callable[[], Tensor],
     ) -> Tensor:
-        """Corrected samples (3, N) of another view: sample by sample, so that outlines stay smooth; gradients pass.
-
-        `before` makes the proxy's samples (3, N) of θ₀ for this camera.
-        """
+        """Corrected samples (3, N) of another view, so that outlines stay smooth; `before` makes the proxy's of θ₀."""
         if self._kept is None or self._kept[0] is not cache:
             with torch.no_grad():
                 self._kept = cache, self._look_up(cache.samples, cache.geometry, view, before)
@@ -165,19 +160,16 @@ def _flat(picture: Tensor) -> Tensor:
 
 def _compared(reference: Tensor, whole: Tensor, guide: Tensor) -> tuple[Tensor, Tensor, Tensor]:
     """Both pictures (3, P), smoothed, and a faint radiance () below which ratios say nothing."""
-    above, below = blur(torch.cat((reference, whole)), guide, _RADIUS, _SIGMA).split(3)
+    above, below = blur(torch.cat((reference, whole)), guide).split(3)
     return above, below.clamp_min(0.0), 1e-6 + _FAINT * reference.mean()
 
 
 def _shares(picture: CyclesPicture, known_owners: list[str], proxy: Tensor, guide: Tensor) -> Tensor:
-    """Shares (G, 3, P) that the known owners and the rest have in the picture; they add up to 1.
-
-    The noisy parts are smoothed relative to the proxy's, whose shadows have sharp edges.
-    """
+    """Shares (G, 3, P) of the known owners and the rest, smoothed relative to the proxy's sharp shadows; their sum is 1."""
     other = sum((p for o, p in picture.parts.items() if o not in known_owners), picture.rest)
     noisy = _flat(torch.stack([*(picture.parts[owner] for owner in known_owners), other])).to(proxy)
     model = proxy.clamp_min(0.0) + _HAZY * proxy.abs().mean()
-    above, below = (blur(p.flatten(0, 1), guide, _RADIUS, _SIGMA) for p in (noisy, model))
+    above, below = (blur(p.flatten(0, 1), guide) for p in (noisy, model))
     parts = model * (above / below.clamp_min(1e-20)).view_as(model)
     total = parts.sum(0)
     shares = parts / total.clamp_min(1e-20)
@@ -185,24 +177,19 @@ def _shares(picture: CyclesPicture, known_owners: list[str], proxy: Tensor, guid
     return shares
 
 
-def blur(fields: Tensor, guide: Tensor, radius: int, sigma: float) -> Tensor:
+def blur(fields: Tensor, guide: Tensor) -> Tensor:
     """Gaussian averages (C, P) of fields (C, P) over each pixel's neighbors that have the same name in the guide (H, W)."""
     height, width = guide.shape
     picture = fields.view(-1, height, width)
     total, weights = torch.zeros_like(picture), torch.zeros_like(picture[0])
-    for dy in range(-radius, radius + 1):
-        for dx in range(-radius, radius + 1):
-            (y, from_y), (x, from_x) = _overlap(dy, height), _overlap(dx, width)
-            weight = torch.exp(torch.tensor(-(dx * dx + dy * dy) / (2 * sigma * sigma))).to(fields)
+    for dy in range(-_RADIUS, _RADIUS + 1):
+        for dx in range(-_RADIUS, _RADIUS + 1):
+            (y, from_y), (x, from_x) = overlap(dy, height), overlap(dx, width)
+            weight = torch.exp(torch.tensor(-(dx * dx + dy * dy) / (2 * _SIGMA * _SIGMA))).to(fields)
             same = weight * (guide[y, x] == guide[from_y, from_x])
             total[:, y, x] += same * picture[:, from_y, from_x]
             weights[y, x] += same
     return (total / weights).view_as(fields)
-
-
-def _overlap(shift: int, size: int) -> tuple[slice, slice]:
-    """The part of a picture's axis that a shifted copy overlaps, and the same part in the copy."""
-    return slice(max(0, -shift), size - max(0, shift)), slice(max(0, shift), size - max(0, -shift))
 
 
 def look_up(
@@ -261,10 +248,7 @@ class CyclesPicture:
 
     @staticmethod
     def load(path: Path | str, groups: Mapping[str, str]) -> CyclesPicture:
-        """Reads what the add-on's `anchoring.render_anchor` has written; `groups` are its light groups' owners by name.
-
-        Raises VibeError if the file cannot be read, or lacks a picture.
-        """
+        """Reads an anchor that Blender has rendered, its light groups' owners by name; raises VibeError if a picture is missing."""
         layers = _layers(Path(path))
         denoised = "Noisy Image" in layers  # some builds of Blender have no denoiser
         layers.setdefault("Noisy Image", layers.get("Combined", np.empty(0)))

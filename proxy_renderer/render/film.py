@@ -55,10 +55,7 @@ class Film:
         return self.show(graded / alpha.clamp_min(_CLEAR), values) * alpha
 
     def grade(self, linear: Tensor, values: Mapping[str, Tensor]) -> Tensor:
-        """The renderer's gain, the artist's compositor, and the compositor group "Vibe Grade" in its order.
-
-        Neutral steps that nothing learns from are skipped.
-        """
+        """The renderer's gain, the artist's compositor, and "Vibe Grade" in its order, without neutral steps that nothing learns from."""
         set_ = _Settings(values, linear)
         c = linear if self._gain == 1.0 else linear * self._gain
         if self._compositor is not None:
@@ -111,9 +108,8 @@ class _Settings:
 
     def moves(self, *names: str) -> bool:
         """True if any of them changes the picture, or could: it is being learned."""
-        return any(
-            self[n].requires_grad or bool((self[n] != FAMILIES[f"film/{n}"].default).any()) for n in names
-        )
+        pairs = ((self[name], FAMILIES[f"film/{name}"].default) for name in names)
+        return any(value.requires_grad or bool((value != neutral).any()) for value, neutral in pairs)
 
 
 def power(picture: Picture, exponent: Amount) -> Picture:
@@ -182,10 +178,7 @@ def _highlights(picture: Tensor) -> Tensor:
 
 
 def _halve(layer: Tensor, calm: bool) -> Tensor:
-    """Half the size of (1, 3, H, W), from five overlapping squares of four 2×2 blocks each, the middle one counting half.
-
-    Calm: blocks are weighted by 1 / (1 + brightness), so that fireflies stay small.
-    """
+    """Half the size of (1, 3, H, W), from five overlapping squares of four 2×2 blocks, the middle one half; calm: no fireflies."""
     blocks = functional.avg_pool2d(functional.pad(layer, (3, 3, 3, 3), mode="replicate"), 2, 1)
     squares = _corners(blocks)
     if calm:

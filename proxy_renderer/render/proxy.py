@@ -16,20 +16,18 @@ from ..scene.values import Remembered, RenderValues
 from ..schema import FAMILIES, VibeError
 from .cycles import Correction, CyclesPicture
 from .film import Film
-from .gbuffer import GBuffer, gbuffer_of
 from .geometry.camera import View, view_of
 from .lights.emitters import Emitters
 from .lights.environment import Environment, sky_of
 from .lights.light_source import LightSource
 from .lights.light_types import light_sources
-from .material.shading_inputs import ShadingInputs, shading_inputs_of
-from .material.textures import geometry_of
+from .material.inputs import ShadingInputs, geometry_of, shading_inputs_of
 from .surface import surfaces
 from .surface.surfaces import RenderState
-from .surface.view_cache import ViewCache
+from .surface.view_cache import GBuffer, ViewCache
 from .transport.fog import DIRECTIONS, FogMedium, SingleScattering
 from .transport.indirect import IndirectLight
-from .transport.radiance_table import RadianceTable
+from .transport.secondary_hits import RadianceTable
 
 _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")
 
@@ -135,10 +133,9 @@ class Proxy:
             clear = _transmittance(frame, passing)
             gray = self._gray(frame) * (1.0 if passing is None else passing) + light
             linear = _resolve(frame, gray)[0].view(3, *clear.shape).permute(1, 2, 0)
-            shown = self.develop(
-                LatentImage(linear=linear, mask=clear, depth=clear, transmittance=clear), values
-            )
-            return gbuffer_of(self.scene, self.geometry, frame.view, frame.cache, clear, shown.display)
+            latent = LatentImage(linear=linear, mask=clear, depth=clear, transmittance=clear)
+            shown = self.develop(latent, values)
+            return frame.cache.gbuffer(frame.view, clear, shown.display)
 
     def _gray(self, frame: RenderState) -> Tensor:
         """Radiance (3, N) of all samples if every surface scattered half of all light, whatever its color; black for the world."""
@@ -147,10 +144,7 @@ class Proxy:
         return functional.pad(light, (0, frame.cache.samples.place.shape[1] - light.shape[1]))
 
     def anchor(self, values: Mapping[str, Tensor], picture: CyclesPicture) -> Correction:
-        """Corrects all renders from now on by Cycles' picture of these values, which has the proxy's size.
-
-        A proxy of another size can be given the correction as well. Raises VibeError if the picture has another size.
-        """
+        """Corrects renders from now on by Cycles' picture of these values; raises VibeError if its size is not the proxy's."""
         if picture.size != self.size:
             remedy = "Ask for that size."
             raise VibeError(f"Cycles' picture has {picture.size} pixels instead of {self.size}.", remedy)
@@ -176,9 +170,8 @@ class Proxy:
         shading_inputs = [self._inputs(m, settings) for m in self.scene.materials]
         if cache is None:
             # What was traced is forgotten if a glass has changed, or a surface glows for the first time.
-            if self.geometry.let_through(
-                torch.stack([surfaces.glass_transmittance(p) for p in shading_inputs])
-            ):
+            glass = torch.stack([surfaces.glass_transmittance(p) for p in shading_inputs])
+            if self.geometry.let_through(glass):
                 self._cache, self.volume = None, SingleScattering(self.geometry.clear)
             if self.emitters.notice(shading_inputs):
                 self._cache = None
@@ -245,7 +238,6 @@ class Proxy:
         return float(self.scene.references.get("view_distance", self.geometry.size))
 
     def _gather(self, frame: RenderState, table: RadianceTable) -> IndirectLight:
-        """Indirect light."""
         if not frame.fog.active:
             return frame.cache.indirect.gather(table)
         indirect_fog = frame.cache.indirect_fog(self._near).gather(frame.fog, frame.sources, frame.sky)

@@ -55,10 +55,7 @@ def with_source(rig: Rig, other: Rig) -> Rig:
 
 
 def at_an_hour(rig: Rig, hour: Rig) -> Rig:
-    """A setup under the sky of an hour or a weather, which may darken it a little; of several skies under the darkest.
-
-    A sun has the color that it has at that hour.
-    """
+    """A setup under the sky of an hour or a weather, of several the darkest; suns have their color at that hour."""
     if rig.under_sky and rig.sky is not None and (hour.sky is None or hour.sky > rig.sky):
         return rig
     sun = next((light for light in hour.lights[:1] if light.type == "SUN"), None)
@@ -78,10 +75,7 @@ def at_an_hour(rig: Rig, hour: Rig) -> Rig:
 
 
 def in_a_style(rig: Rig, style: Rig) -> Rig:
-    """A setup as dark as a dark style has its shadows and its background, developed as the style is.
-
-    Where a sun shines, or an hour has its sky, nothing is darker.
-    """
+    """A setup as dark as a dark style, and developed as it is; nothing is darker where a sun shines or an hour has its sky."""
     has_own_sky = rig.under_sky or any(light.type == "SUN" for light in rig.lights[:1])
     darker = {
         name: theirs if mine is None else min(mine, theirs)
@@ -283,7 +277,7 @@ class _Build:
             self._in_a_mood = True
 
     def _is_its_sun(self, attribute: Attribute, other: Rig) -> bool:
-        """Whether a word says more of the sun of an hour: "early morning, low golden sun"."""
+        """True if a word says more of the sun of an hour: "early morning, low golden sun"."""
         suns = all(light.type == "SUN" for rig in (self.rig, other) for light in rig.lights[:1])
         same_sky = other.has_dark_sky == self.first.has_dark_sky
         named = self.table.is_a_light(attribute.entry, attribute.word) and other.kind in TIMES
@@ -343,7 +337,7 @@ class _Build:
         self.rig = replace(self.rig, lights=(*others, light))
 
     def may_modify(self, attribute: Attribute) -> bool:
-        """Whether a word changes lights of the rig; where the scene stays lit as it is, it is about the scene's own."""
+        """True if a word changes lights of the rig; where the scene stays lit as it is, it is about the scene's own."""
         of_light = attribute.kind in _OF_LIGHT and not attribute.owners
         return of_light and not self.first.keeps_own_light and bool(self.table.modifier(attribute.entry))
 
@@ -434,7 +428,7 @@ def _gels(said: Sequence[Attribute], setups: Sequence[Attribute], table: RigTabl
 
 
 def _darkens_the_rest(attribute: Attribute, said: Sequence[Attribute], vocabulary: Vocabulary) -> bool:
-    """Whether a word leaves all in the dark but what is lit: "everything else falls into black"."""
+    """True if a word leaves all in the dark but what is lit: "everything else falls into black"."""
     others = attribute.thing in vocabulary.lists["others"]
     around = others or attribute.kind in ("surroundings", "sky")
     if attribute.negated or not around or (attribute.owners and not others):

@@ -74,7 +74,7 @@ def _merged(groups: Mapping[int, list[Attribute]], table: RigTable) -> dict[int,
 
 
 def _tells(words: Sequence[Attribute], table: RigTable, lights: int) -> bool:
-    """Whether words single a light out: by what it is for, where it comes from or what burns there; by its color beside others."""
+    """True if words single a light out: by what it is for, where it comes from or what burns there; by its color beside others."""
     said = [a for a in words if not a.negated]
     sources = [a for a in said if _source(a, table)]
     if len(sources) > 1 or _places(said, table) or any(a.lights for a in said):
@@ -122,7 +122,7 @@ def composed(
 
 
 def mirrored(light: DescribedLight, table: RigTable) -> bool:
-    """Whether words say that the other side gets such a light too."""
+    """True if words say that the other side gets such a light too."""
     return any(modifier.both for _, modifier in _places(light.said, table))
 
 
@@ -156,7 +156,7 @@ def _source(attribute: Attribute, table: RigTable) -> RigLight | None:
 def _template(
     light: DescribedLight, base: RigLight | None, key: RigLight | None, table: RigTable
 ) -> RigLight:
-    """What a light is before words say more of it: what burns there, else the rig's own, else a plain one of its part."""
+    """A light before words say more of it: what burns there, else the rig's own, else a plain one of its part."""
     plain = (table.rigs[_TEMPLATES[light.part]] if light.part in _TEMPLATES else table.plain).lights[0]
     stops = _OF_FREE if light.part in _FREE[1:] else plain.stops
     made = replace(base, stops=max(base.stops, stops)) if base else replace(plain, stops=stops)
@@ -190,16 +190,13 @@ def _placed(made: RigLight, light: DescribedLight, table: RigTable) -> RigLight:
 
 
 def _places(said: Iterable[Attribute], table: RigTable) -> list[tuple[str, Modifier]]:
-    """What words say of where a light comes from, with their entries."""
+    """The directions that words give a light, with their entries."""
     found = [(a.entry, table.modifier(a.entry)) for a in said if not (a.negated or a.color)]
     return [(entry, m) for entry, m in found if m and "direction" in m.aspects]
 
 
 def _direction(said: Iterable[Attribute], table: RigTable) -> tuple[float | None, float | None]:
-    """Azimuth and elevation that words give a light, degrees; None for what they leave open.
-
-    Of "back left" it is half way between both; a mere "side" gives way to other words.
-    """
+    """Azimuth and elevation that words give a light, degrees, or None; "back left" is half way, and a mere "side" gives way."""
     places = _places(said, table)
     turns = {entry: m.azimuth for entry, m in places if m.azimuth is not None}
     if len(turns) > 1:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How strong the lights of a rig are, so that the scene is exposed and lit in its ratios."""
+"""The strength of a rig's lights, so that the scene is exposed and lit in its ratios."""
 
 import math
 from collections.abc import Collection, Mapping, Sequence
@@ -32,7 +32,7 @@ _PALER, _NEAR = (0.0, 0.12, 0.24, 0.36, 0.48, 0.6), 0.03  # towards gray until a
 
 
 class Exposing:
-    """How much light the camera of a scene needs."""
+    """The exposure of a scene: light that is displayed as it should be."""
 
     def __init__(self, scene: SceneData) -> None:
         film = scene.film
@@ -63,9 +63,7 @@ class Exposing:
 
 GRAY = 0.18
 _LIT = 0.5  # share of the subject that counts as its lit side
-_EDGE = (
-    0.12  # share of the subject that a light from behind reaches, and of a background that is its hot spot
-)
+_EDGE = 0.12  # share of the subject that light from behind reaches, and of a background that is its hot spot
 _EDGE_SHARE = 0.2  # of an edge light's brightest light, what the whole of the subject may get of it at most
 _ALBEDOS = (0.05, 0.8)
 _KEPT_DARK, _KEPT_LIGHT = 0.42, 0.7  # of a darker, or lighter, subject's own lightness, in the exponent
@@ -81,7 +79,7 @@ _BARELY = 1e-7
 
 @dataclass(frozen=True)
 class Levels:
-    """What a rig's lights are to give."""
+    """The light that a rig gives."""
 
     factors: Mapping[str, float]  # light -> factor on its power in the trial values; 0 if it reaches nothing
     key: float  # irradiance of the key on the subject's lit side
@@ -96,10 +94,7 @@ def measured(
     rig: Rig,
     ambient: float,
 ) -> Levels:
-    """The levels of a rig whose lights have trial values with a power.
-
-    The radiance of the scene's own world, `ambient`, counts for rigs that leave the scene lit as it is.
-    """
+    """The levels of a rig whose lights have trial values; `ambient` counts for rigs that leave the scene lit as it is."""
     given = {key: torch.tensor(value) for key, value in values.items()}
     lamps = {lamp.light.name: lamp for lamp in light_sources(scene, RenderValues(scene, given, "cpu"))}
     sheds = {
@@ -170,14 +165,14 @@ def _shed(lamp: LightSource, stage: LightStage, points: Points) -> Tensor:
 
 
 def _together(rig: Rig, lights: Sequence[Placed]) -> float:
-    """What the subject's lit side gets of all lights, against the key alone."""
+    """Light of all lights on the subject's lit side, against the key alone."""
     fills = (each.light.stops for each in lights[1:] if each.light.part in _FILLS)
     world = 0.0 if rig.world is None else 2.0**rig.world
     return 1.0 + world + _OF_FILLS * sum(2.0**stops for stops in fills)
 
 
 def _bounce(stage: LightStage, key: tuple[Tensor, ...]) -> float:
-    """What the walls of a room throw back of the key, against what its lit side gets: a box keeps light."""
+    """Light of the key that the walls of a room throw back, against what its lit side gets: a box keeps light."""
     lit, every = _brightest(key[0], _LIT), torch.cat(key)
     if lit <= _BARELY or not len(every):
         return 0.0

@@ -12,8 +12,9 @@ from ..color import arrays
 from ..color.floats import hex_from_srgb, linear_from_srgb, luminance, mixed, srgb_from_hex, srgb_from_linear
 from ..planning.glow import glows
 from ..planning.light_levels import kelvin_color
+from ..planning.ranges import within
 from ..planning.types import LightPlan, PlanEntry
-from ..render.material.textures import geometry_of
+from ..render.material.inputs import geometry_of
 from ..scene import SceneData
 from ..schema import Instance, Values, orbit, radiometry
 from ..schema.added_lights import CARD, CARD_AWAY, card
@@ -197,10 +198,7 @@ def _world_luminance(scene: SceneData, values: Mapping[str, Values], part: str =
 
 
 def _sky(scene: SceneData, rig: Rig, hazy: bool) -> dict[str, Values]:
-    """What the camera sees of the world: the light that is displayed with the rig's color and lightness.
-
-    A color that cannot be so light is darker: a pure sky is worth more than a pale one.
-    """
+    """Values for the sky to be displayed with the rig's color and lightness; a color that cannot be so light is darker."""
     if rig.sky is None or "world/backdrop_strength" not in scene.instances:
         return {}
     color = linear_from_srgb(srgb_from_hex(_sky_color(rig)))
@@ -224,10 +222,7 @@ def _sky(scene: SceneData, rig: Rig, hazy: bool) -> dict[str, Values]:
 
 
 def _ends_of_sky(rig: Rig, shown: Values, hazy: bool) -> tuple[Values, Values]:
-    """What is displayed of a sky at the top of the image, and at the horizon.
-
-    A clear sky goes from the color of the light that it sheds to the sun's. It is lightest at the horizon, and so is a lit backdrop.
-    """
+    """Colors displayed at the sky's top, and lighter at the horizon; a clear sky goes from its light's color to the sun's."""
     clear = rig.sky_color and not hazy
     spread = _SPREAD * max(1.0 - luminance(shown), 0.0)
     ends = []
@@ -271,11 +266,7 @@ def _within(scene: SceneData, values: dict[str, Values]) -> dict[str, Values]:
 
 
 def _air(scene: SceneData, rig: Rig, parsed: Parsed, served: Sequence[Attribute]) -> dict[str, Values]:
-    """The air of a rig, where no other word of the prompt speaks of it: a sandstorm brings its own.
-
-    Haze has the color that words give the sky behind it. At night it is darker: in the light of a lamp, white haze would be a
-    bright wall.
-    """
+    """The air of a rig, where no word speaks of it; haze has the color of the named sky, and is dark at night."""
     density, color = (scene.instances.get(f"volume/{name}") for name in ("density", "color"))
     said = any(a.slot == "atmosphere" and not a.cause and a not in served for a in parsed.attributes)
     found: dict[str, Values] = {}
@@ -321,14 +312,20 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
 def _entry(instance: Instance, value: Values, word: str, still: set[str]) -> PlanEntry:
     """The range around what the rig gives a parameter, from which the search begins."""
     name, reason = instance.parameter.name, f"'{word}'"
-    low, high = instance.lower, instance.upper
     if name in _DRIFT:
         ends = tuple(v / _DRIFT[name] for v in value), tuple(v * _DRIFT[name] for v in value)
     elif name in _TURN and instance.owner not in still:
         ends = tuple(v - _TURN[name] for v in value), tuple(v + _TURN[name] for v in value)
     else:
         ends = value, value
-    lower, upper = (tuple(min(max(v, a), b) for v, a, b in zip(end, low, high, strict=True)) for end in ends)
-    start = tuple(min(max(v, a), b) for v, a, b in zip(value, lower, upper, strict=True))
+    lower, upper = (within(end, instance.lower, instance.upper) for end in ends)
     bright = name in ("power", "strength") and instance.parameter.group in ("light", "world")
-    return PlanEntry(lower, upper, _FIRST if bright else _LATER, reason, prior=0.0, usual=True, start=start)
+    return PlanEntry(
+        lower,
+        upper,
+        _FIRST if bright else _LATER,
+        reason,
+        prior=0.0,
+        usual=True,
+        start=within(value, lower, upper),
+    )

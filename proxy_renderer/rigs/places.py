@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the lights of a rig stand in a scene: its own lights first, then the place from which an added one reaches what it is to light.
+"""Places of a rig's lights in a scene: its own lights first, then places from which added ones reach what they are to light.
 
 Candidates around the place that the rig names are tried with rays: what is in the way, how far the walls are, on which side the
 subject can be reached. A sun that comes in through a window is looked for over the whole sky.
@@ -55,10 +55,7 @@ class Placed:
 
 
 def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True) -> list[Placed]:
-    """The lights of a rig, the key first, each where it reaches its target; those that reach nothing are left out.
-
-    Without `add` the scene gets no lights, and its own key is the rig's wherever it stands.
-    """
+    """The lights of a rig that reach their targets, the key first; without `add`, the scene's own key plays its part anywhere."""
     found: list[Placed] = []
     turned = 1.0
     for light in lights:
@@ -116,7 +113,7 @@ def _as_it_stands(light: RigLight, own: Light, stage: LightStage) -> Placed:
 
 
 def _stands_for(light: Light, wanted: RigLight, stage: LightStage) -> bool:
-    """Whether a light of the scene is of the type that a rig wants, and about where the rig wants it."""
+    """True if a light of the scene is of the type that a rig wants, and about where the rig wants it."""
     if light.type != wanted.type or wanted.through or wanted.pattern:
         return False
     azimuth, elevation = _angles(light, stage.scene)
@@ -167,9 +164,8 @@ def _made(
 def _free_name(part: str, kind: str, stage: LightStage, taken: set[str]) -> str:
     """The name of an added light for a part, or of another part's where a rig has two of it; "" if all are taken."""
     free = {light.name for light in stage.scene.standby.lights} - taken
-    return next(
-        (name for each in dict.fromkeys((part, *PARTS)) if (name := light_name(each, kind)) in free), ""
-    )
+    names = (light_name(each, kind) for each in (part, *PARTS))
+    return next((name for name in names if name in free), "")
 
 
 def _targets(light: RigLight, stage: LightStage) -> Points:
@@ -219,7 +215,7 @@ def _sun(light: RigLight, stage: LightStage) -> tuple[float, float] | None:
 
 
 def _through_window(light: RigLight, stage: LightStage, azimuth: float, elevation: float) -> float:
-    """How good a sun through a window is: 0 where all is open, or nothing gets in."""
+    """The score of a sun through a window: 0 where all is open, or nothing gets in."""
     if abs(azimuth) < _FROM_CAMERA:
         return 0.0
     patch = float((stage.sunlit(stage.around, azimuth, elevation) > _TOUCHED).float().mean())
@@ -238,7 +234,7 @@ def _in_the_open(light: RigLight, stage: LightStage, azimuth: float, elevation: 
 
 
 def _away(light: RigLight, azimuth: float, elevation: float) -> float:
-    """How far a direction is from the one that the rig has, from 0 to 1."""
+    """The distance of a direction from the one that the rig has, from 0 to 1."""
     sides = (light.azimuth, -light.azimuth) if light.mirrored else (light.azimuth,)
     aside = min(abs(_relative(azimuth - side)) for side in sides)
     return 0.5 * (aside / 180.0 + abs(elevation - light.elevation) / 90.0)

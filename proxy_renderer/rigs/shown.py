@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What pictures have to show of a rig: the structure of its light, not averages of the image."""
+"""Wishes for what pictures show of a rig: the structure of its light, not averages of the image."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -24,7 +24,7 @@ _GRAYISH = 12.0  # C* from which a light has a color
 
 
 def wishes_of_rig(chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage) -> tuple[Wish, ...]:
-    """What the words wish for that a rig stands for: of each word what is to be seen of its parts of the rig."""
+    """The wishes of words that a rig stands for: of each word what is to be seen of its parts of the rig."""
     found: list[Wish] = []
     for word, (parts, aspects) in chosen.words.items():
         attribute = Attribute(word, "", "lighting", "whole", "light")
@@ -38,7 +38,7 @@ def wishes_of_rig(chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage
 def _structure(
     chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage
 ) -> Iterator[tuple[str, ClaimText]]:
-    """What is to be seen of some lights of a rig, each with the aspect of light that it is about."""
+    """Claims about some lights of a rig, each with the aspect of light that it is about."""
     rig = chosen.rig
     key = next((each for each in lights if each.light.part == "key"), None)
     if rig.name == "silhouette":
@@ -62,7 +62,7 @@ def _structure(
 
 
 def _direction(key: Placed, stage: LightStage) -> Iterator[ClaimText]:
-    """Where the key comes from, as the camera sees it: a light from above is from the front to a camera that looks down."""
+    """The key's direction, as the camera sees it: a light from above is from the front to a camera that looks down."""
     right, up, toward = (sum(a * b for a, b in zip(axis, orbit.direction(key.azimuth, key.elevation), strict=True)) for axis in stage.camera_axes)  # fmt: skip
     if max(abs(right), abs(up)) > _ASIDE:
         measure, slope = ("light_right", right) if abs(right) > _ASIDE else ("light_up", up)

@@ -46,7 +46,7 @@ class Points:
 
 
 class LightStage:
-    """What the camera of one shot sees, and where light gets to it."""
+    """Surfaces that the camera of one shot sees, and the light that gets to them."""
 
     def __init__(self, scene: SceneData, geometry: RayGeometry) -> None:
         self.scene, self.geometry = scene, geometry
@@ -153,7 +153,7 @@ def _box(corners: np.ndarray) -> tuple[Tensor, float]:
 
 
 def _seen(scene: SceneData, geometry: RayGeometry) -> tuple[Points, Tensor]:
-    """What a grid of camera rays meets, and (N,) whether that is the subject."""
+    """Points that a grid of camera rays meets, and (N,) bool: those of the subject."""
     device = geometry.device
     view = view_of(scene, RenderValues(scene, {}, device), (_GRID, _GRID))
     origin, toward = view.rays(pixel_centers(view.size).to(device))

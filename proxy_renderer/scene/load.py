@@ -117,9 +117,7 @@ def _texture(folder: Path, row: dict[str, Any]) -> data.Texture:
 
 
 def _world(folder: Path, row: dict[str, Any]) -> data.WorldData:
-    image, backdrop = (
-        _picture(folder / row[name]) if name in row else None for name in ("image", "backdrop")
-    )
+    image, backdrop = (_picture(folder / row[k]) if k in row else None for k in ("image", "backdrop"))
     hidden, horizon = tuple(row.get("hidden", ())), float(row.get("horizon", 0.0))
     return data.WorldData(row["kind"], image, backdrop, hidden, horizon)
 

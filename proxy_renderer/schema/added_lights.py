@@ -44,10 +44,7 @@ Quad = tuple[tuple[float, float], tuple[float, float], tuple[float, float], tupl
 
 
 def card(pattern: str, size: float) -> list[Quad]:
-    """The opaque parts of a card before a light, across its axis: x to the right and y up as the light sees it, meters.
-
-    "slats" are a window with blinds in a wall, "leaves" a crown of leaves.
-    """
+    """The opaque parts of a card before a light, meters, as the light sees it: "slats" of a window with blinds, or "leaves"."""
     if pattern == "slats":
         pitch = 2 * _WINDOW / _SLATS
         rows = [-_WINDOW + pitch * i for i in range(_SLATS)]

@@ -35,5 +35,5 @@ def every(name: str) -> str:
 
 
 def is_worn_by(wearers: str, name: str) -> bool:
-    """Whether an object is one of the wearers in a copy's name."""
+    """True if an object is one of the wearers in a copy's name."""
     return not {name, every(name)}.isdisjoint(wearers.split(_AND))

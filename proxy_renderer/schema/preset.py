@@ -64,10 +64,7 @@ def title(prompt: str) -> str:
 
 
 def loads(text: str) -> Preset:
-    """Reads the text of a preset file. Nothing in it is opened, run or looked up.
-
-    Raises VibeError: it is no preset, is of a newer version, or holds what is unknown, of the wrong type, or out of bounds.
-    """
+    """Reads the text of a preset file; nothing in it is run. Raises VibeError if it is none, is newer, or holds what is wrong."""
     try:
         raw = json.loads(text)
     except RecursionError as error:
@@ -121,11 +118,8 @@ def _check_kinds(kinds: Any, roles: Mapping[str, list[Entry]]) -> None:
     if not isinstance(kinds, dict):
         raise VibeError("The preset's kinds of lights are broken.", _OURS)
     for role, types in kinds.items():
-        if (
-            ROLES.get(role) != "light"
-            or not isinstance(types, list)
-            or len(types) != len(roles.get(role, ()))
-        ):
+        of_light = ROLES.get(role) == "light" and isinstance(types, list)
+        if not of_light or len(types) != len(roles.get(role, ())):
             raise VibeError(f"The preset's kinds of lights for {quoted(role)} do not fit its lights.", _OURS)
         for each in types:
             if each not in LIGHT_TYPES:

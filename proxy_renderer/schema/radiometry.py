@@ -19,10 +19,7 @@ _AT_INFINITY = ("SUN",)  # their energy is an irradiance, which no distance chan
 
 
 def unit_energy(light_type: str, distance: float = 1.0) -> float:
-    """The energy at which a white diffuse surface that faces the light has a radiance of 1.
-
-    In watts, at a distance in meters of several times the light's size; W/m² of a sun, which ignores it.
-    """
+    """The energy at which a white diffuse surface that faces the light has a radiance of 1: watts at meters, or W/m² of a sun."""
     if light_type not in _UNIT_ENERGY:
         remedy = f"Use one of {', '.join(_UNIT_ENERGY)}."
         raise VibeError(f'Lights of type "{light_type}" are unknown.', remedy)

@@ -115,11 +115,8 @@ class Dialect:
             return True
         formats = question.schema is not None and self.format != "text"
         pictures = question.picture is not None and self.pictures
-        if (
-            pictures
-            and not question.must_see
-            and ((_PICTURE.search(complaint) and not _FORMAT.search(complaint)) or not formats)
-        ):
+        of_picture = _PICTURE.search(complaint) and not _FORMAT.search(complaint)
+        if pictures and not question.must_see and (of_picture or not formats):
             self.pictures = False
             return True
         if formats:
@@ -265,12 +262,8 @@ class Client:
                 return self._send(body, end)
             except ModelError as error:
                 broken = error.wait is not None and not self.dialect.about(error.complaint)
-                if (
-                    error.lasting
-                    or not error.complaint
-                    or broken
-                    or not self.dialect.give_up(error.complaint, question)
-                ):
+                final = error.lasting or not error.complaint or broken
+                if final or not self.dialect.give_up(error.complaint, question):
                     raise
         remedy = "Use another model."
         raise ModelError(f"{self.endpoint.place} refuses everything that it is asked.", remedy, lasting=True)

@@ -64,9 +64,8 @@ def find_endpoint(
     theirs = (env.get("OPENAI_BASE_URL", "").strip() or OPENAI).rstrip("/")
     url = (options.vlm_url or env.get("VIBE_VLM_URL", "")).strip().rstrip("/") or theirs
     _check(url)
-    key = (key or env.get("VIBE_VLM_KEY", "")).strip() or (
-        env.get("OPENAI_API_KEY", "").strip() if url == theirs else ""
-    )
+    shared = env.get("OPENAI_API_KEY", "").strip() if url == theirs else ""
+    key = (key or env.get("VIBE_VLM_KEY", "")).strip() or shared
     if url == OPENAI and not key:
         remedy = "Set OPENAI_API_KEY, or name another place by VIBE_VLM_URL. " + _HOW
         raise VibeError(f"The model {model} at OpenAI needs a key.", remedy)

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..color.floats import decode, encode, hex_from_srgb, srgb_from_lab
 from ..goals.resolve import Goals
-from ..planning.captions import Prompts
+from ..planning.advice import Prompts
 from ..planning.types import Plan
 from ..schema import FAMILIES, Instance, Values
 from ..schema.parameters import SRGB

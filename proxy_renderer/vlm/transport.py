@@ -190,9 +190,8 @@ class Transport:
         if isinstance(error, openai.APITimeoutError):
             return self._late(point.seconds)
         if isinstance(error, openai.APIStatusError):
-            return explain_status(
-                error.status_code, _complaint(error, point.key), error.response.headers, point
-            )
+            complaint = _complaint(error, point.key)
+            return explain_status(error.status_code, complaint, error.response.headers, point)
         if isinstance(error, _TooLong) or isinstance(error.__cause__, _TooLong):
             remedy = "Check that it is the right endpoint."
             return ModelError(f"{point.place} sent more than {LARGEST // 10**6} MB.", remedy)

@@ -110,7 +110,7 @@ def _called(noun: str, scene: SceneDescription, vocabulary: Vocabulary) -> tuple
     whole = [name for name, way in ways.items() if way and way == surest]
     if whole:
         return tuple(dict.fromkeys(each for name in whole for each in (name, *index.parts_of(name))))
-    materials = scene.made(LookIndex, vocabulary).meant(noun, ())
+    materials = scene.made(LookIndex, vocabulary).shaped(noun)
     region = REGIONS.get(vocabulary.nouns.get(noun, ""), "")
     return tuple(
         name

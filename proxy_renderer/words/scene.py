@@ -224,14 +224,14 @@ class LookIndex:
         things = [n for n in named if n.kind == "things"]
         if noun.presents and things:
             return [replace(n, names=self._of_color(color, n.names) or n.names) for n in things]
-        shaped = frozenset() if named else self._shaped(noun.text)
+        shaped = frozenset() if named else self.shaped(noun.text)
         if color and not named:
             shaped = self._of_color(color, shaped) or self._of_color(color, self._looks.keys())
         elif len(shaped) > 1 and not noun.text.endswith("walls"):
             return []
         return [Named("things", shaped, _BY_LOOK)] if shaped else []
 
-    def _shaped(self, noun: str) -> frozenset[str]:
+    def shaped(self, noun: str) -> frozenset[str]:
         """The materials with the shape that a noun says: "the roof"."""
         words = {noun, noun.rpartition(" ")[2]}
         kinds = {kind for kind in STRUCTURES if words & self._vocabulary.words[kind]}

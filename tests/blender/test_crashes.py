@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from proxy_renderer.blender import crashes, launch
+from proxy_renderer.blender import launch
 from proxy_renderer.schema.errors import UnexpectedError
 
 BLENDER = """
@@ -46,10 +46,8 @@ def test_a_crash_is_one_line_and_a_log(tmp_path, monkeypatch):
 
 
 def test_last_words_are_not_the_trace():
-    assert (
-        crashes.last_words(["fine\n", "Fatal Python error: Aborted\n", '  File "a.py", line 1\n']) == "fine"
-    )
-    assert crashes.last_words([]) == ""
+    assert launch.last_words(["fine\n", "Fatal Python error: Aborted\n", '  File "a.py", line 1\n']) == "fine"
+    assert launch.last_words([]) == ""
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from proxy_renderer.claims.colors import tints
 from proxy_renderer.claims.measures import MEASURES
 from proxy_renderer.claims.measures.picture import MeasuredPicture, region_of
 from proxy_renderer.color.tensors import linear_from_srgb, oklab_from_srgb, srgb_from_linear
-from proxy_renderer.render.gbuffer import GBuffer
+from proxy_renderer.render.surface.view_cache import GBuffer
 
 SIZE = 96
 

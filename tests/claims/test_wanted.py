@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from proxy_renderer.claims.claim import Claim
-from proxy_renderer.claims.from_goals import beside_paint, claims_of
+from proxy_renderer.claims.from_goals import claims_of, light_claims
 from proxy_renderer.claims.measures import MEASURES
 from proxy_renderer.color.floats import lab_from_srgb, oklab_from_srgb, srgb_from_hex
 from proxy_renderer.goals.resolve import goals_of
@@ -528,9 +528,9 @@ def test_a_rig_does_not_ask_for_paint_that_a_word_contradicts() -> None:
     light = [Claim("moonlight", "subject", m, "subject", *ends) for m, ends in (
         ("highlight_warmth", ((-math.inf,), (-1.5,))), ("standing_out", ((4.0,), (math.inf,))), ("key_to_fill", ((1.0,), (math.inf,))),
     )]  # fmt: skip
-    painted = {(c.measure, c.part) for c in beside_paint(light, claims("red vase"))}
+    painted = {(c.measure, c.part) for c in light_claims(light, claims("red vase"))}
     assert painted == {("highlight_warmth", "picture"), ("key_to_fill", "subject")}
-    assert [*beside_paint(light, claims("glossy vase"))] == light
+    assert [*light_claims(light, claims("glossy vase"))] == light
 
 
 def test_a_weak_word_asks_for_less_at_both_ends():

@@ -4,7 +4,7 @@
 import pytest
 
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.planning.captions import compose
+from proxy_renderer.planning.advice import compose
 from proxy_renderer.schema import VibeError
 from proxy_renderer.words.parser import parse
 from proxy_renderer.words.types import SceneDescription

@@ -3,7 +3,7 @@
 
 import pytest
 
-from proxy_renderer.cli import commands
+from proxy_renderer.cli import main as commands
 from proxy_renderer.cli.main import main
 
 

@@ -11,7 +11,7 @@ from goal_parts import ROOM, plan_of, read
 from proxy_renderer.claims.claim import Claim
 from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.goals import written
-from proxy_renderer.goals.further import further
+from proxy_renderer.goals.relative import further
 from proxy_renderer.rigs.chosen import chosen_rig
 from proxy_renderer.schema import sentences
 from proxy_renderer.words.lexicon.rigs import rig_table

@@ -11,7 +11,7 @@ from goal_parts import ROOM, plan_of, read
 
 from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.goals import written
-from proxy_renderer.goals.picture import beside_picture
+from proxy_renderer.goals.relative import goals_with_picture
 from proxy_renderer.goals.resolve import Goals
 from proxy_renderer.goals.wish import Wish
 from proxy_renderer.planning.acting import goals_without_rig
@@ -144,7 +144,7 @@ def test_words_that_compare_are_told_in_any_language(prompt):
     facts = [fact(measure, 30.0) for measure in ("warmth", "contrast", "lightness")]
     goals = beside(prompt, *facts)
     changes = [
-        c.change for w in beside_picture(goals, VOCABULARY).wishes if not w.of_picture for c in w.claims
+        c.change for w in goals_with_picture(goals, VOCABULARY).wishes if not w.of_picture for c in w.claims
     ]
     assert changes
     assert set(changes) == {None}
@@ -153,7 +153,7 @@ def test_words_that_compare_are_told_in_any_language(prompt):
 @pytest.mark.parametrize("prompt", ["cold light", "low contrast"])
 def test_words_that_do_not_compare_keep_their_interval(prompt):
     goals = beside(prompt, fact("warmth", 30.0), fact("contrast", 50.0))
-    said = [w.claims for w in beside_picture(goals, VOCABULARY).wishes if not w.of_picture]
+    said = [w.claims for w in goals_with_picture(goals, VOCABULARY).wishes if not w.of_picture]
     assert said == [w.claims for w in read(prompt).wishes]
 
 

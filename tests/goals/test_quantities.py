@@ -6,7 +6,7 @@ import torch
 
 from proxy_renderer.claims.measures import MEASURES
 from proxy_renderer.claims.measures.picture import MeasuredPicture
-from proxy_renderer.render.gbuffer import GBuffer
+from proxy_renderer.render.surface.view_cache import GBuffer
 from proxy_renderer.schema import VibeError
 from proxy_renderer.words.lexicon.quantities import quantities, read_claim
 

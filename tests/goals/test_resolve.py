@@ -11,8 +11,7 @@ import pytest
 from goal_parts import ROOM, drawn, plan_of, read
 
 from proxy_renderer.claims.from_goals import claims_of
-from proxy_renderer.goals.contradictions import contradicts
-from proxy_renderer.goals.resolve import Goals, goals_of, resolved
+from proxy_renderer.goals.resolve import Goals, contradicts, goals_of, resolved
 from proxy_renderer.goals.wish import Wish, wishes_of
 from proxy_renderer.schema.parameters import SURFACES
 from proxy_renderer.words.lexicon.entries import OWNERS

@@ -13,7 +13,7 @@ from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.goals import written
 from proxy_renderer.goals.resolve import Goals, goals_of
 from proxy_renderer.goals.wish import Wish
-from proxy_renderer.planning.captions import compose
+from proxy_renderer.planning.advice import compose
 from proxy_renderer.rigs.chosen import chosen_rig
 from proxy_renderer.schema.preset import Preset
 from proxy_renderer.words.lexicon.rigs import rig_table

@@ -10,9 +10,8 @@ import torch
 from loop_parts import PROMPT, Silent, any_round
 
 from proxy_renderer.guidance.encoder import load_encoder
-from proxy_renderer.optimize import anchoring, pipeline
-from proxy_renderer.optimize.anchoring import BlenderPictures
-from proxy_renderer.optimize.shots import ShotInput, gathered
+from proxy_renderer.optimize import pipeline, shots
+from proxy_renderer.optimize.shots import BlenderPictures, ShotInput, gathered
 from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.schema import messages
@@ -132,7 +131,7 @@ def test_blenders_pictures_are_read_and_removed(scene):
     blender, asked = answers(scene, SIZE)
     picture = blender({"film/contrast": [1.2]}, SIZE)
     assert picture.parts["world"].mean() == pytest.approx(0.2)
-    assert asked == [messages.Anchor(1, {"film/contrast": [1.2]}, 32, anchoring.SAMPLES, 5)]
+    assert asked == [messages.Anchor(1, {"film/contrast": [1.2]}, 32, shots.SAMPLES, 5)]
     assert blender.seconds == [1.25]
     assert not (scene.folder / "a.exr").exists()
 
@@ -154,7 +153,7 @@ def test_a_vibe_that_ends_is_no_failure(scene):
 
 
 def test_slow_pictures_are_the_last(scene, monkeypatch):
-    monkeypatch.setattr(anchoring, "LONGEST", 1.0)
+    monkeypatch.setattr(shots, "LONGEST", 1.0)
     blender, asked = answers(scene, SIZE, SIZE)
     assert blender({}, SIZE) is not None
     assert blender({}, SIZE) is None

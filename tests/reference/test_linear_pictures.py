@@ -7,8 +7,7 @@ from PIL import Image
 from refused_pictures import refused
 
 from proxy_renderer.color.arrays import srgb_from_linear
-from proxy_renderer.reference.linear_files import rec709_from
-from proxy_renderer.reference.picture import read_reference
+from proxy_renderer.reference.files import read_reference, rec709_from
 
 COLOR = (0.5, 0.25, 2.0)
 

@@ -10,7 +10,7 @@ from color_profiles import adobe_rgb, display_p3, inks
 from PIL import Image
 from refused_pictures import refused
 
-from proxy_renderer.reference.picture import read_reference
+from proxy_renderer.reference.files import read_reference
 
 ORANGE = (230, 120, 40)
 

@@ -8,7 +8,7 @@ import pytest
 from proxy_renderer.goals.wish import Wish
 from proxy_renderer.planning import picture_ranges
 from proxy_renderer.planning.picture_ranges import LightColors, light_colors
-from proxy_renderer.reference.ranges import effects_of
+from proxy_renderer.reference.like import effects_of
 from proxy_renderer.schema import FAMILIES, Instance
 from proxy_renderer.schema.parameters import PICTURE
 from proxy_renderer.words.lexicon.quantities import ClaimText

@@ -10,7 +10,7 @@ import pytest
 import torch
 
 from lab.bench.scenes import balls
-from proxy_renderer.render.material.textures import geometry_of
+from proxy_renderer.render.material.inputs import geometry_of
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import SceneData, Texture
 

@@ -200,7 +200,7 @@ def test_smoothing_and_looking_up_stop_at_outlines() -> None:
     names = torch.zeros((8, 8), dtype=torch.int64)
     names[:, 4:] = 1
     field = torch.where(names == 0, 1.0, 5.0).flatten()[None]
-    torch.testing.assert_close(blur(field, names, 2, 1.0), field)
+    torch.testing.assert_close(blur(field, names), field)
     place = torch.tensor([[3.9, 4.1, 0.0, 100.0], [4.0, 4.0, 0.0, 4.0]])
     found = look_up(field, names, place, torch.tensor([0, 1, 0, 0]), torch.tensor([9.0]))
     torch.testing.assert_close(found, torch.tensor([[1.0, 5.0, 1.0, 9.0]]))

@@ -12,8 +12,7 @@ import trimesh
 from lab.bench.scenes import balls
 from proxy_renderer.render.geometry.camera import view_of
 from proxy_renderer.render.lights.emitters import Emitters, clusters_of
-from proxy_renderer.render.material.shading_inputs import shading_inputs_of
-from proxy_renderer.render.material.textures import geometry_of
+from proxy_renderer.render.material.inputs import geometry_of, shading_inputs_of
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene.data import Texture
 from proxy_renderer.scene.values import RenderValues

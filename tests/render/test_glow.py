@@ -9,7 +9,7 @@ import trimesh
 
 from proxy_renderer.render.geometry.vectors import unit
 from proxy_renderer.render.geometry.visibility import RayGeometry, Surface, sphere_points
-from proxy_renderer.render.material.textures import geometry_of
+from proxy_renderer.render.material.inputs import geometry_of
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.render.transport.glow import BLURS, GlowShares, LobeRays, glow_of
 

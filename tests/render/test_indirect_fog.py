@@ -10,7 +10,7 @@ from tiny_job import write_job
 from proxy_renderer.render.geometry.camera import view_of
 from proxy_renderer.render.lights.environment import Environment, sky_of
 from proxy_renderer.render.lights.light_types import light_sources
-from proxy_renderer.render.material.textures import geometry_of
+from proxy_renderer.render.material.inputs import geometry_of
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.render.surface.view_cache import ViewCache
 from proxy_renderer.render.transport import indirect_fog

@@ -8,7 +8,7 @@ import torch
 
 from lab.bench.metrics import difference
 from lab.bench.scenes import balls
-from proxy_renderer.render.lights import clusters
+from proxy_renderer.render.lights import shadows
 from proxy_renderer.render.proxy import Proxy
 
 SIZE = (40, 40)
@@ -30,16 +30,16 @@ def proxy(scene):
 
 
 def test_few_lights_stay_alone():
-    few = Proxy(balls(3, clusters.EXACT, 2), (16, 16))
+    few = Proxy(balls(3, shadows.EXACT, 2), (16, 16))
     with torch.no_grad():
         few.render({})
-    assert [c.members for c in few._cache.clusters.clusters] == [(i,) for i in range(clusters.EXACT)]
+    assert [c.members for c in few._cache.clusters.clusters] == [(i,) for i in range(shadows.EXACT)]
 
 
 def test_many_lights_are_traced_as_few_and_look_like_all(scene, proxy, monkeypatch):
     with torch.no_grad():
         clustered = proxy.render(DARK).display
-        monkeypatch.setattr(clusters, "EXACT", MANY)
+        monkeypatch.setattr(shadows, "EXACT", MANY)
         exact = Proxy(scene, SIZE).render(DARK).display
     assert len(proxy._cache.clusters) == 16
     assert sorted(proxy._cache.clusters.row) == list(range(MANY))
@@ -97,7 +97,7 @@ def test_lights_that_light_some_things_only_stay_alone(scene, proxy):
         replace(lamp, light=replace(lamp.light, unlit=(0,))) if i == 20 else lamp
         for i, lamp in enumerate(lamps)
     ]
-    found = clusters.LightClusters.of(
+    found = shadows.LightClusters.of(
         odd, [False] * MANY, proxy._cache.view_samples(proxy._frame({}).view).surface
     )
     assert found.clusters[found.row[20]].members == (20,)

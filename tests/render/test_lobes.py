@@ -11,7 +11,7 @@ from torch import Tensor
 from lab.bench.scenes import balls
 from proxy_renderer.render.lights.area_specular import AreaSpecular
 from proxy_renderer.render.material.albedo import basis
-from proxy_renderer.render.material.shading_inputs import shading_inputs_of
+from proxy_renderer.render.material.inputs import shading_inputs_of
 from proxy_renderer.render.surface import principled
 from proxy_renderer.render.surface.principled import IncidentLight, ReflectedRadiance
 from proxy_renderer.scene.values import RenderValues

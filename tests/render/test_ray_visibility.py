@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from lab.bench.scenes import balls
-from proxy_renderer.render.geometry import trees
+from proxy_renderer.render.geometry import visibility
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import MeshObject, SceneData
 
@@ -30,13 +30,13 @@ def _scene(*hidden: str) -> SceneData:
 def test_every_triangle_is_built_into_one_tree_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Also of glass and of lamps, and by all proxies of a scene: trees cost more than rays."""
     built: list[int] = []
-    original = trees.TriangleMesh
+    original = visibility.TriangleMesh
 
     def spy(scene: object, vertices: object, faces: torch.Tensor) -> object:
         built.append(len(faces))
         return original(scene, vertices, faces)
 
-    monkeypatch.setattr(trees, "TriangleMesh", spy)
+    monkeypatch.setattr(visibility, "TriangleMesh", spy)
     scene = _scene()
     first, second = Proxy(scene, SIZE), Proxy(scene, (16, 16))
     for proxy in (first, second):
@@ -49,7 +49,7 @@ def test_threads_share_rays_and_find_the_same(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(torch, "get_num_threads", lambda: 1)
     alone = Proxy(_scene(), SIZE).render({}).linear
     monkeypatch.setattr(torch, "get_num_threads", lambda: 3)
-    monkeypatch.setattr(trees, "_SHARE", 10)
+    monkeypatch.setattr(visibility, "_SHARE", 10)
     assert torch.equal(Proxy(_scene(), SIZE).render({}).linear, alone)
 
 

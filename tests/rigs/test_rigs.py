@@ -19,7 +19,7 @@ from proxy_renderer.color.view_transform import ViewTransform
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.optimize.scene_words import described
 from proxy_renderer.optimize.stage import set_stage
-from proxy_renderer.render.material.textures import geometry_of
+from proxy_renderer.render.material.inputs import geometry_of
 from proxy_renderer.rigs.chosen import ChosenRig, _under_named_sky, chosen_rig
 from proxy_renderer.rigs.levels import Exposing, _bounce, sky_irradiance
 from proxy_renderer.rigs.lighting import _is_hazy, _sky, _veiled

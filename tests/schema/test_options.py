@@ -10,8 +10,7 @@ from proxy_renderer.batch.manifest_options import OptionReader, TomlSource
 from proxy_renderer.cli.main import parser
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.options import checks, command_line
-from proxy_renderer.schema.options.option import HEADINGS, Panel, option
-from proxy_renderer.schema.options.table import SUPPORT, TABLE, TASK, Options, rows
+from proxy_renderer.schema.options.table import HEADINGS, SUPPORT, TABLE, TASK, Options, Panel, option, rows
 
 
 @dataclass(frozen=True)

@@ -17,16 +17,15 @@ from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import pipeline
 from proxy_renderer.optimize.scene_words import described
 from proxy_renderer.optimize.shots import ShotInput
-from proxy_renderer.planning.captions import Prompts
+from proxy_renderer.planning.advice import Prompts
 from proxy_renderer.planning.types import Plan
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import FAMILIES, Instance, VibeError
 from proxy_renderer.schema.messages import Options
 from proxy_renderer.vlm import client as client_module
-from proxy_renderer.vlm.advisor import ModelAdvisor
+from proxy_renderer.vlm.advisor import ModelAdvisor, read_reply
 from proxy_renderer.vlm.client import Client
 from proxy_renderer.vlm.endpoint import Endpoint
-from proxy_renderer.vlm.reply import read_reply
 from proxy_renderer.vlm.request import AliasTable, answer_schema, make_question
 from proxy_renderer.words.parser import Understood
 from proxy_renderer.words.types import Parsed, SceneDescription

@@ -20,8 +20,7 @@ from proxy_renderer.color.floats import (
 )
 from proxy_renderer.color.shades import basic
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.planning.advice import as_dict, explain
-from proxy_renderer.planning.captions import compose
+from proxy_renderer.planning.advice import as_dict, compose, explain
 from proxy_renderer.planning.light_levels import radiance
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.schema import FAMILIES, Instance, VibeError

@@ -12,7 +12,7 @@ from lab.train.sentences import read_folder
 from lab.train.sentences.glossed import glossed
 from lab.train.sentences.stand_in import stand_in
 from proxy_renderer import words
-from proxy_renderer.planning.captions import compose
+from proxy_renderer.planning.advice import compose
 from proxy_renderer.words.foreign import cut, gloss
 from proxy_renderer.words.lexer import Lexer
 from proxy_renderer.words.lexicon.languages import TABLES, lexicons, listed

@@ -6,7 +6,7 @@ import json
 import pytest
 
 from proxy_renderer.cli.explain import account
-from proxy_renderer.planning.captions import compose
+from proxy_renderer.planning.advice import compose
 from proxy_renderer.schema import VibeError
 from proxy_renderer.words.parser import parse
 from proxy_renderer.words.types import SceneDescription

@@ -10,7 +10,7 @@ import pytest
 from lab import bench
 from proxy_renderer.cli.main import main
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.planning.captions import compose
+from proxy_renderer.planning.advice import compose
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.schema import VibeError
 from proxy_renderer.words.lexicon.entries import normalize

@@ -11,8 +11,8 @@ from lab.train.sentences.labels import LabeledScene
 from lab.train.sentences.stand_in import STANDBY, SceneStandIn, stand_in
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.goals.wish import wishes_of
-from proxy_renderer.planning.missing import missing_lights
 from proxy_renderer.planning.owners import Owners
+from proxy_renderer.planning.support import missing_lights
 from proxy_renderer.schema import VibeError
 from proxy_renderer.words.lexicon.entries import OWNERS, Effect
 from proxy_renderer.words.lexicon.vocabulary import Vocabulary

@@ -35,7 +35,7 @@ from lab.train.pictures.looks import INDEX, NAMES
 from lab.train.text.captions import caption, sayable
 from lab.train.text.wording import WordingSplit
 from proxy_renderer.guidance.encoder import Encoder, load_encoder
-from proxy_renderer.planning.captions import compose
+from proxy_renderer.planning.advice import compose
 from proxy_renderer.schema import VibeError, atomic
 from proxy_renderer.words.lexicon.entries import normalize
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary

@@ -13,10 +13,9 @@ from PIL import Image
 from scipy import ndimage
 
 from proxy_renderer.claims.measures.picture import MeasuredPicture
-from proxy_renderer.color import arrays
-from proxy_renderer.color.tensors import lab_from_srgb
+from proxy_renderer.color import tensors
 from proxy_renderer.engine.pictures import load_picture
-from proxy_renderer.render.gbuffer import GBuffer
+from proxy_renderer.render.surface.view_cache import GBuffer
 
 FloatArray = NDArray[np.float64]
 _BORDER = 1  # pixels on either side of an outline that belong to neither
@@ -59,7 +58,7 @@ class FinishedPicture:
     @property
     def lab(self) -> FloatArray:
         """(H, W, 3) CIE Lab."""
-        return lab_from_srgb(torch.from_numpy(self.display)).numpy()
+        return tensors.lab_from_srgb(torch.from_numpy(self.display)).numpy()
 
     @property
     def luminance(self) -> FloatArray:
@@ -88,7 +87,7 @@ class FinishedPicture:
 
 def luminance(display: FloatArray) -> FloatArray:
     """Linear luminance (H, W) of an sRGB-encoded picture (H, W, 3)."""
-    return arrays.luminance(arrays.linear_from_srgb(display))
+    return tensors.luminance(tensors.linear_from_srgb(torch.from_numpy(display)))[..., 0].numpy()
 
 
 def load(folder: Path, which: str) -> FinishedPicture:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from lab.methods import OURS, Variation
-from proxy_renderer.blender import crashes, launch
+from proxy_renderer.blender import launch
 from proxy_renderer.schema import atomic
 
 _LONGEST = 900
@@ -71,9 +71,9 @@ def vibe(
             env=environment,
         )
         while process.poll() is None:
-            most = max(most, crashes.memory(process.pid))
+            most = max(most, launch.memory(process.pid))
             if time.monotonic() - start > _LONGEST:
-                crashes.kill(process.pid)
+                launch.kill(process.pid)
             time.sleep(_TICK)
     seconds = time.monotonic() - start
     return Ended(process.returncode, seconds, most, _last_line(log) if process.returncode else "")

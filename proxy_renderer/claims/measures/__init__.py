@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from torch import Tensor
 
-from . import color, light, tone
+from . import color, light
 
 
 @dataclass(frozen=True)
@@ -41,20 +41,20 @@ MEASURES: dict[str, Measure] = {
     "shadow_warmth": Measure(color.shadow_warmth, "b*", 1.5, "warmth of the shadows of the {}"),
     "highlight_warmth": Measure(color.highlight_warmth, "b*", 1.5, "warmth of the lit parts of the {}"),
     "brown_distance": Measure(color.brown_distance, "a*b*", 1.5, "distance of the {} from tints of brown"),
-    "contrast": Measure(tone.contrast, "L*", 3.0, "contrast of the {}"),
+    "contrast": Measure(color.contrast, "L*", 3.0, "contrast of the {}"),
     "black_point": Measure(color.tone(0.02), "L*", 2.0, "lightness of the darkest parts of the {}"),
     "white_point": Measure(color.tone(0.98), "L*", 2.0, "lightness of the lightest parts of the {}"),
-    "vignette": Measure(tone.vignette, "L*", 1.5, "darkening of the corners of the {}"),
+    "vignette": Measure(color.vignette, "L*", 1.5, "darkening of the corners of the {}"),
     "standing_out": Measure(
-        tone.standing_out, "L*", 3.0, "lightness of the {} above the surroundings", beside=True
+        color.standing_out, "L*", 3.0, "lightness of the {} above the surroundings", beside=True
     ),
     "silhouette": Measure(
-        tone.silhouette, "L*", 3.0, "darkness of the {} against the surroundings", beside=True
+        color.silhouette, "L*", 3.0, "darkness of the {} against the surroundings", beside=True
     ),
-    "separation": Measure(tone.separation, "ΔE", 2.0, "color distance of the {} from what is around it"),
-    "burnt": Measure(tone.burnt, "", 0.02, "overexposed share of the {}"),
-    "clipped": Measure(tone.clipped, "", 0.01, "share of the {} with a clipped channel"),
-    "drowned": Measure(tone.drowned, "", 0.02, "share of the {} that drowns in black"),
+    "separation": Measure(color.separation, "ΔE", 2.0, "color distance of the {} from what is around it"),
+    "burnt": Measure(color.burnt, "", 0.02, "overexposed share of the {}"),
+    "clipped": Measure(color.clipped, "", 0.01, "share of the {} with a clipped channel"),
+    "drowned": Measure(color.drowned, "", 0.02, "share of the {} that drowns in black"),
     "light_right": Measure(light.light_along(0), "of 1", 0.1, "light from the right on the {}"),
     "light_up": Measure(light.light_along(1), "of 1", 0.1, "light from above on the {}"),
     "light_front": Measure(light.light_along(2), "of 1", 0.1, "light from the camera's side on the {}"),

@@ -8,6 +8,7 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
+from ...render.geometry.vectors import overlap
 from .picture import FEW, GRAIN, MeasuredPicture, largest_around
 
 _FLOOR = 0.004  # linear luminance below which differences are not seen on a display in a lit room
@@ -31,10 +32,7 @@ def light_along(axis: int) -> Callable[[MeasuredPicture, Tensor], Tensor]:
 
 
 def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """The steepest slope of light where surfaces are smooth, even and of one material: edges of shadows, (1,) stops per pixel.
-
-    Highlights, too, have steep slopes under small lights. It is per pixel of an image of 192; 0 if fewer than 32 can be measured.
-    """
+    """The steepest slope of light on smooth and even surfaces, as at edges of shadows: (1,) stops per pixel of an image of 192."""
     seen = picture.seen
     material = seen.material.float()
     same = largest_around(material, 5) == -largest_around(-material, 5)
@@ -52,11 +50,7 @@ def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def key_to_fill(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Light on the sides that the key reaches, relative to those that only the fill does: (1,) stops.
-
-    Between the tenths of the region in most and in least light, each material by itself, so that dark paint is no shade;
-    the brightest percent, highlights, is left out.
-    """
+    """Contrast of light and shade within each material, so that dark paint is no shade, without highlights: (1,) stops."""
     light, material = (picture.shading.clamp_min(0) + _FLOOR).log2()[where], picture.seen.material[where]
     spans, counts = [], []
     for number in material.unique():
@@ -104,10 +98,7 @@ def gloss(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def _shading(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """(3,) direction from which a region is lit, in the camera's space; short if that can hardly be told.
-
-    A least-squares fit of a + b · n to luminance over the normals; the brightest percent, highlights, is left out.
-    """
+    """(3,) direction from which a region is lit, in the camera's space, by a fit of a + b · n to luminance; short if unclear."""
     normal = picture.seen.normal
     where = where & (normal.norm(dim=-1) > 0.5)
     light, normals = picture.luminance[where], normal[where]
@@ -134,16 +125,9 @@ def _beside(light: Tensor, where: Tensor, material: Tensor, normal: Tensor, step
 
 def _moved(field: Tensor, step: tuple[int, int], outside: float) -> Tensor:
     """A field (H, W, …) as it is a step away."""
-    (down, right), (height, width) = step, field.shape[:2]
     moved = torch.full_like(field, outside)
-    to, source = (
-        (
-            slice(max(s * down, 0), min(height + s * down, height)),
-            slice(max(s * right, 0), min(width + s * right, width)),
-        )
-        for s in (-1, 1)
-    )
-    moved[to] = field[source]
+    (rows, from_rows), (columns, from_columns) = map(overlap, step, field.shape[:2])
+    moved[rows, columns] = field[from_rows, from_columns]
     return moved
 
 
@@ -156,20 +140,14 @@ def _blurred(field: Tensor) -> Tensor:
 
 
 def haze(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Share of the light of what is seen there that fog takes away: (1,) in [0, 1].
-
-    The world has no distance; a region that shows little else is measured with it.
-    """
+    """Share of the light of what is seen there that fog takes away: (1,) in [0, 1]. The world counts where there is little else."""
     passing = picture.seen.transmittance
     surfaces = where & (picture.seen.material >= 0)
     return 1.0 - passing[surfaces if surfaces.sum() > 0.1 * where.sum() else where].mean()[None]
 
 
 def mist_below(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Share of light that the air takes away from the lowest fifth of a target in the frame, less that of its highest: (1,).
-
-    Mist that lies on the ground hides the foot and leaves the head; all of a target is about as far away.
-    """
+    """Share of light that the air takes from the lowest fifth of a target, less that of its highest, as ground mist does: (1,)."""
     row = where.nonzero()[:, 0].to(picture.seen.transmittance)
     high, low = torch.quantile(row, row.new_tensor([_END, 1 - _END]))
     passing = picture.seen.transmittance[where]
@@ -177,10 +155,7 @@ def mist_below(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def air_lightness(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Lightness of a region, weighted by how much the air hides it: (1,) L*; its mean lightness without fog.
-
-    More air does not make it lighter: thin fog shows the dark that is behind it, and is not white for that.
-    """
+    """Lightness of a region, weighted by how much the air hides it: (1,) L*. It does not grow with the amount of air."""
     veil = (1.0 - picture.seen.transmittance.detach())[where] + _CLEAR
     return (picture.lab[..., 0][where] @ veil / veil.sum())[None]
 
@@ -205,10 +180,7 @@ def unscattered(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def sheen(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Light of a surface that is seen from 60 degrees beyond scattered light, as a share of the mean: (1,); without highlights.
-
-    Velvet and dust glow along their edges, on the side of the light and on the other.
-    """
+    """Glow of a surface along its edges, as of velvet, seen from 60 degrees, as a share of the mean without highlights: (1,)."""
 
     def rise(light: Tensor, normal: Tensor, place: Tensor) -> Tensor:
         kept = light <= torch.quantile(light.detach(), _MIRROR_HIGHLIGHTS)
@@ -236,10 +208,7 @@ def sharpness(picture: MeasuredPicture, where: Tensor) -> Tensor:
 def _by_material(
     picture: MeasuredPicture, where: Tensor, take: Callable[[Tensor, Tensor, Tensor], Tensor]
 ) -> Tensor:
-    """(1,) mean over a region's pixels of what is taken off each of its materials; 0 where none has enough pixels.
-
-    It is taken off n pixels' light (n,) without textures, normals (n, 3), and places (n, 2).
-    """
+    """(1,) mean of what is taken off each material's light (n,), normals (n, 3) and places (n, 2); 0 where they are few."""
     seen, found = picture.seen, []
     where = where & (seen.normal.norm(dim=-1) > 0.5)
     for number in seen.material[where].unique():

@@ -13,17 +13,15 @@ from torch import Tensor
 
 from ...color.constants import CONES_FROM_REC709, REC709_FROM_CONES
 from ...color.tensors import lab_from_srgb, linear_from_srgb, luminance, oklab_from_srgb, srgb_from_linear
-from ...render.gbuffer import GBuffer
+from ...render.surface.view_cache import GBuffer
 from ...words.types import Part
 
 FEW = 32  # pixels of which nothing is told
 GRAIN = 192  # slopes are given per pixel of a picture of this size
 _BLACK = 0.02  # of white, as an image is stored: what is darker everywhere shows nothing
 _ADAPTED = 0.7  # share of the light's color that is not noticed, and of its stops, where it is dim
-_MIDDLE, _DIM = (
-    0.18,
-    6.0,
-)  # of white: a gray surface in light that is not dim; times darker, beyond which things are dark
+_MIDDLE = 0.18  # of white: gray in light that is not dim
+_DIM = 6.0  # times darker, beyond which things are dark
 _UNLIT = 1e-4  # of white: light that has no color to adapt to
 _DARKEST = 0.05  # of a pattern, relative to its mean: what is darker mirrors rather than scatters light
 

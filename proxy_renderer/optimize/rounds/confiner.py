@@ -138,10 +138,7 @@ class Confiner:
 
 
 def carry(plan: Plan, earlier: Plan) -> Plan:
-    """The plan, with values that an earlier round (empty for the first) supported and this one does not held in their range.
-
-    Without it a value would stay where the earlier round moved it, though its reason says otherwise.
-    """
+    """The plan, with values held that an earlier round supported and this one does not: they would stay where it moved them."""
     gone = {k: e for k, e in earlier.items() if e.prior < 1.0 and plan[k].prior == 1.0}
     held = {key: replace(entry, priority=None) for key, entry in gone.items()}
     return Plan({**plan, **held}, plan.notes)

@@ -31,10 +31,7 @@ _BETTER = 0.01  # correlation by which another direction has to be better than t
 def with_key_turned(
     scene: SceneData, vector: ParameterVector, u: Tensor, lower: Tensor, upper: Tensor, goal: Tensor
 ) -> Tensor:
-    """A point in the box whose key light comes from where it does in an sRGB-encoded image (H, W, 3).
-
-    It is u (N,) itself where none is better, or the light may not turn.
-    """
+    """A point in the box whose key light comes from where it does in an sRGB image (H, W, 3); u (N,) where none is better."""
     keys = [
         key
         for key, instance in vector.instances.items()
@@ -64,9 +61,8 @@ class _TurnedKey:
         self._proxy = Proxy(scene, picture_size(scene.resolution, _SIZE))
         self._vector, self._u = vector, u
         self._keys = f"{light}/azimuth", f"{light}/elevation"
-        self._power = next(
-            f"{light}/{n}" for n in ("power", "strength") if f"{light}/{n}" in vector.instances
-        )
+        energies = (f"{light}/{name}" for name in ("power", "strength"))
+        self._power = next(key for key in energies if key in vector.instances)
         self._goal = _cells(goal)
         with torch.no_grad():
             dark = {self._power: torch.zeros(1)}

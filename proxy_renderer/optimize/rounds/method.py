@@ -47,10 +47,7 @@ class Method:
     def guidance(
         self, encoder: Encoder, prompt: str, advice: Advice, start: Render, every_word: bool = False
     ) -> Guidance:
-        """The judge of an image's similarity to the words that the encoder is asked for.
-
-        It is calibrated on the artist's image. `every_word`, as in the paper, if an artist has named an encoder.
-        """
+        """The judge of similarity to the words that the encoder is asked for (`every_word`: all), calibrated on the artist's image."""
         prompts = advice.prompts if every_word or self.every_word else advice.unmeasured
         if prompts == NO_PROMPTS:  # claims say all
             return NoGuidance()

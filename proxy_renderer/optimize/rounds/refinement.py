@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How one round follows another, and the result of them all.
+"""The order of rounds, and the result of them all.
 
 Each round ends with a picture of Cycles. There is no other round when it shows all that the words claim. A round that ended
 farther from them than an earlier one is taken back, and the next has the plan's own ranges again, or may go half as far. One
@@ -17,7 +17,7 @@ from torch import Tensor
 
 from ...claims.claim import Claim, outside
 from ...goals.resolve import Goals
-from ...planning.captions import Prompts
+from ...planning.advice import Prompts
 from ...planning.types import Plan
 from ...reference.like import Reference
 from ...schema import Values

@@ -25,7 +25,7 @@ from ..looks import Looks
 from ..progress import Clock, Observer
 from ..shots import ShotInput, ShotState, gathered, inner_size
 from ..stage import StagedScenes, read_stage
-from ..vector import begun
+from ..vector import start_point
 from .confiner import Confined, Confiner, RoundStart
 from .key_start import with_key_turned
 from .method import Method
@@ -186,7 +186,7 @@ class Search:
         first, *others = self.judge.equipped(shots, advice)
         shots = [first, *(shot.planned(advice.plan) for shot in others)]
         if not here.earlier and here.start.drawn is None:
-            u = begun(self.vector, advice.plan, u)
+            u = start_point(self.vector, advice.plan, u)
         now = self.confiner.confined(advice, u, here, shots, self.judge.claims)
         if begins:
             image = shots[0].draw(artist).display
@@ -200,9 +200,8 @@ class Search:
         if not here.earlier and self.reference and self.reference.same:
             goal = self.reference.display
             u = with_key_turned(self.shots[0].scene, self.vector, u, now.lower, now.upper, goal)
-        return replace(
-            now, u=u, shots=[shot.anchored(u, here.number, _STRIDE).viewed(u) for shot in now.shots]
-        )
+        shots = [shot.anchored(u, here.number, _STRIDE).viewed(u) for shot in now.shots]
+        return replace(now, u=u, shots=shots)
 
     def select(self, now: Confined, u: Tensor, shots: Sequence[ShotState] = ()) -> Selection:
         """S_K (line 6), chosen at u (N,), and the objective over it; `shots` judge, all of the round if there are none."""

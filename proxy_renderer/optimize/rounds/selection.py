@@ -26,7 +26,7 @@ from .confiner import Confined
 
 _HALF = 1.5  # places in the order of priorities that half the gain costs
 _MISSED = 3.0
-"""How many more where claims are missed for long: what words name goes first, but what it cannot earn is left to what can."""
+"""More such places where claims are missed for long: what words name goes first, but what it cannot earn is left to what can."""
 
 _FAINTEST = 2.0**-20
 
@@ -63,10 +63,7 @@ def select(
     options: Options,
     weights: Weights,
 ) -> Selection:
-    """S_K (equation 7), chosen at u (N,): the K parameters that receive gradients, `top_k` in the options.
-
-    Raises VibeError if nothing that the words name may change.
-    """
+    """S_K (equation 7), chosen at u (N,): the `top_k` parameters that receive gradients; raises VibeError if words name none."""
     plan, lower, upper = now.plan, now.lower, now.upper
     # Moving the camera means tracing everything again: only words are worth that.
     probed = {
@@ -115,10 +112,7 @@ def relevant(plan: Plan, vector: ParameterVector, wide: Tensor) -> set[str]:
 def needed(
     plan: Plan, model: LinearModel, parts: Mapping[str, slice], low: Tensor, high: Tensor
 ) -> Mapping[str, slice]:
-    """The parts that the words name; all parts if the supporting parameters can do more.
-
-    A red sofa in a sunlit room needs a red sofa, not a darker room.
-    """
+    """The parts that the words name; all if supports can do more. A red sofa in a sunlit room needs no darker room."""
     named = {key: part for key, part in parts.items() if plan[key].is_named}
     free = torch.zeros(len(low), dtype=torch.bool)
     for part in named.values():

@@ -29,16 +29,13 @@ _ROAM: dict[str, tuple[float, float, bool]] = {  # how far down and up, and whet
     "light/angle": (0.3, 3.0, True),
     "world/rotation": (-75.0, 75.0, False),
 }
-"""What may differ between variants where the words leave it open: all lights turn as one."""
+"""Parameters that may differ between variants where the words leave them open: all lights turn as one."""
 _CELLS = 16
 _LAST = 99  # priority of what no word names
 
 
 def find_starts(search: Search) -> list[Start]:
-    """The artist's scene; with variants or several starts, points drawn in the plan's ranges and tried in a coarse pass.
-
-    Each variant starts at one: those of least loss among which the images differ most.
-    """
+    """The artist's scene; or for each variant one of the points tried in a coarse pass: of least loss, and the most different."""
     home, options = search.vector.encode({}), search.options
     number = max(options.starts, _PER_VARIANT * options.variants if search.several else 1)
     artist = Start(home, search.shots)

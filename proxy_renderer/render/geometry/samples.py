@@ -43,10 +43,7 @@ class Samples:
 
 
 class _Resolve(torch.autograd.Function):
-    """A weighted sum per pixel whose backward is a gather, not a scatter.
-
-    Where one sample stands for a pixel, its neighbors stand for what the filter meets around it.
-    """
+    """A weighted sum per pixel whose backward is a gather; a single sample's neighbors stand for what the filter meets there."""
 
     @staticmethod
     def forward(ctx, values, samples):
@@ -233,10 +230,7 @@ def _before(far: Tensor, hits: Hits) -> Hits:
 
 
 def last_of(group: Tensor, order: Tensor, count: int) -> Tensor:
-    """The member (count,) of every group that comes last in an order, a permutation (N,).
-
-    Group is (N,) int64 in [0, count); every group must have a member.
-    """
+    """The member (count,) of every group that comes last in an order, a permutation (N,); no group (N,) may be empty."""
     rank = torch.arange(len(order), device=order.device)
     last = torch.zeros(count, dtype=torch.int64, device=order.device)
     # Not by assignment: which of several writes to one place wins is not defined.

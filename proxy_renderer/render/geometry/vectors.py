@@ -66,10 +66,7 @@ def within(value: Tensor, low: float, high: float) -> Tensor:
 
 
 def tangents(normal: Tensor) -> tuple[Tensor, Tensor]:
-    """Two unit vectors (3, N) that make a right-handed frame with unit vectors (3, N).
-
-    Duff et al., "Building an Orthonormal Basis, Revisited", 2017.
-    """
+    """Two unit vectors (3, N) that make a right-handed frame with unit vectors (3, N) (Duff et al. 2017)."""
     x, y, z = normal.unbind(0)
     sign = torch.where(z < 0, -1.0, 1.0).to(z.dtype)
     a = -1.0 / (sign + z)
@@ -93,6 +90,11 @@ def cosine_directions(normal: Tensor, uv: Tensor) -> Tensor:
     radius, angle = uv[0].sqrt(), 2 * math.pi * uv[1]
     across, up = tangents(normal)
     return across * (radius * angle.cos()) + up * (radius * angle.sin()) + normal * (1 - uv[0]).sqrt()
+
+
+def overlap(shift: int, size: int) -> tuple[slice, slice]:
+    """The part of a picture's axis that a shifted copy overlaps, and the same part in the copy."""
+    return slice(max(0, -shift), size - max(0, shift)), slice(max(0, shift), size - max(0, -shift))
 
 
 def texels(height: int, width: int, device: torch.device) -> tuple[Tensor, Tensor]:

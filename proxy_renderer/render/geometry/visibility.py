@@ -3,16 +3,125 @@
 
 from __future__ import annotations
 
+import functools
+import hashlib
+import weakref
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import torch
+from embreex import rtcore_scene
+from embreex.mesh_construction import TriangleMesh
 from torch import Tensor
 
 from ...scene import SceneMesh
-from .trees import TriangleClass, classes_of
 from .vectors import cross, damped, dot, unit
+
+RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")  # an object may be hidden from them
+
+_SHARE = 8192  # rays that are worth a thread
+
+_pool = functools.cache(ThreadPoolExecutor)
+
+
+TraceResult = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+"""Ends of N rays: triangles (N,), -1 for a miss; the weights u and v, and distances, float32."""
+
+
+class TriangleTree:
+    """The triangles of a mesh with indices `members` (n,), ready for rays."""
+
+    def __init__(self, mesh: SceneMesh, members: np.ndarray) -> None:
+        self._mesh, self._members = weakref.ref(mesh), members
+
+    @property
+    def count(self) -> int:
+        """Number of triangles."""
+        return len(self._members)
+
+    @functools.cached_property
+    def _embree(self) -> rtcore_scene.EmbreeScene:
+        mesh = self._mesh()
+        assert mesh is not None  # whoever traces has it
+        faces = mesh.faces[self._members]
+        used = np.zeros(len(mesh.vertices), bool)
+        used[faces] = True
+        number = np.cumsum(used, dtype=np.int32) - 1
+        scene = rtcore_scene.EmbreeScene()
+        TriangleMesh(scene, mesh.vertices[used], np.ascontiguousarray(number[faces], np.int32))
+        scene.run(np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32))  # the first ray builds the tree
+        return scene
+
+    def _run(self, *rays: np.ndarray, **how: Any) -> Any:
+        """Embree's answer for rays (N, …), by as many threads as torch has: it lets go of Python's lock."""
+        threads = min(torch.get_num_threads(), len(rays[0]) // _SHARE)
+        if threads < 2:
+            return self._embree.run(*rays, **how)
+        parts = zip(*(np.array_split(each, threads) for each in rays), strict=True)
+        answers = list(_pool(torch.get_num_threads()).map(lambda part: self._embree.run(*part, **how), parts))
+        if isinstance(answers[0], dict):
+            return {name: np.concatenate([each[name] for each in answers]) for name in answers[0]}
+        return np.concatenate(answers)
+
+    def nearest(self, origin: np.ndarray, toward: np.ndarray, before: TraceResult | None) -> TraceResult:
+        """The nearest hits of rays (N, 3), those that another tree gave among them."""
+        if before is None:
+            answer = self._run(origin, toward, output=1)
+        else:
+            answer = self._run(origin, toward, before[3], query="INTERSECT", output=1)
+        met = answer["primID"] >= 0
+        triangle = self._members[answer["primID"].clip(0)]
+        u, v, distance = answer["u"], answer["v"], answer["tfar"]
+        if before is None:
+            return np.where(met, triangle, -1), u, v, np.where(met, distance, np.float32(1e30))
+        triangle, u, v, distance = (
+            np.where(met, new, old) for new, old in zip((triangle, u, v, distance), before, strict=True)
+        )
+        return triangle, u, v, distance
+
+    def blocks(self, origin: np.ndarray, toward: np.ndarray, distance: np.ndarray) -> np.ndarray:
+        """(N,) bool: rays (N, 3) that meet a triangle before a distance (N,)."""
+        return self._run(origin, toward, distance, query="OCCLUDED") >= 0
+
+
+_trees: weakref.WeakKeyDictionary[SceneMesh, dict[bytes, TriangleTree]] = weakref.WeakKeyDictionary()
+
+
+def tree_of(mesh: SceneMesh, members: np.ndarray) -> TriangleTree:
+    """The tree of some triangles (n,) of a mesh: all that trace the same ones share it, as long as the mesh lives."""
+    key = hashlib.blake2b(members.tobytes(), digest_size=16).digest()
+    trees = _trees.setdefault(mesh, {})
+    return trees.setdefault(key, TriangleTree(mesh, members))
+
+
+@dataclass(frozen=True)
+class TriangleClass:
+    """Triangles that all rays treat alike."""
+
+    tree: TriangleTree  # the triangles
+    hidden: frozenset[str]  # kinds of rays that pass them, of `RAYS`
+    clear: bool  # whether they may let light through
+    material: int  # the glowing material of them all, which casts no shadow in its own light; -1 for others
+
+
+def classes_of(
+    mesh: SceneMesh, hidden: list[frozenset[str]], clear: np.ndarray, apart: frozenset[int]
+) -> list[TriangleClass]:
+    """Sorts the triangles of a mesh into classes by what objects are `hidden` from, `clear` (M,) materials, and those `apart`."""
+    kinds = list(dict.fromkeys(hidden))
+    kind = np.array([kinds.index(h) for h in hidden])
+    own = np.array([m if m in apart else -1 for m in range(len(clear))])
+    names = len(clear) + 1
+    code = (kind[mesh.object] * 2 + clear[mesh.material]) * names + own[mesh.material] + 1
+    classes = []
+    for number in np.flatnonzero(np.bincount(code)).tolist():
+        rest, material = divmod(number, names)
+        tree = tree_of(mesh, np.flatnonzero(code == number))
+        classes.append(TriangleClass(tree, kinds[rest // 2], bool(rest % 2), material - 1))
+    return sorted(classes, key=lambda c: -c.tree.count)
+
 
 _GRAZING = 0.3  # cosine below which gradients of hits are damped
 _LAYERS = 8  # transparent surfaces that a ray passes at most: Cycles' default of transparent bounces
@@ -101,7 +210,6 @@ class RayGeometry:
             self._sort()
 
     def _sort(self) -> None:
-        """Sorts the triangles by how rays treat them."""
         clear = self.glass > 0 if self.opacity is None else self.opacity.clear | (self.glass > 0)
         self._classes = classes_of(self._mesh, self._hidden, clear.cpu().numpy(), self._apart)
         self._filter = any(c.clear for c in self._classes)
@@ -112,10 +220,7 @@ class RayGeometry:
         return met[self.object]
 
     def first_hits(self, origin: Tensor, toward: Tensor, ray: str, numbers: Tensor | None = None) -> Hits:
-        """Ends of rays (3, N) of a kind with unit directions (3, N); a transparent surface stops a share of them.
-
-        Which ones depends on their `numbers` (N,), by default from 0 on: the same rays among others end in the same places.
-        """
+        """Ends of rays (3, N) of a kind; a transparent surface stops a share of them, the same by their `numbers` (N,)."""
         hits = self.nearest(origin, toward, ray)
         if not self._filter:
             return hits
@@ -159,10 +264,7 @@ class RayGeometry:
     def clear(
         self, origin: Tensor, toward: Tensor, distance: Tensor, without: int = -1, ray: str = "shadow"
     ) -> Tensor:
-        """Share (N,) of light that passes along rays (3, N), in unit directions, over distances (N,) in meters.
-
-        A material `without` that was set apart does not block them.
-        """
+        """Share (N,) of light that passes along unit directions (3, N) over meters (N,), not blocked by a material `without`."""
         passing = torch.ones(origin.shape[1], device=self.device)
         blocking = [c for c in self._classes if ray not in c.hidden]
         if without >= 0:
@@ -175,10 +277,7 @@ class RayGeometry:
         return self._filtered(origin, toward, distance, passing, veils) if veils else passing
 
     def stopping(self, surface: Surface, toward: Tensor) -> Tensor:
-        """Share (N,) of light along rays (3, N) that a surface stops.
-
-        Curved glass gathers light in its middle: its rim, where rays graze, casts shadow.
-        """
+        """Share (N,) of light along rays (3, N) that a surface stops: the rim of curved glass, where rays graze, casts shadow."""
         solid = 1.0 if self.opacity is None else self.opacity.at(surface)
         through = self.glass[surface.material] * dot(surface.normal, toward).abs()
         return solid * (1 - through)
@@ -270,10 +369,7 @@ class Surface:
 
 
 def facing(normal: Tensor, toward: Tensor) -> Tensor:
-    """Unit normals (3, N) bent so far that rays (3, N) meet them from outside.
-
-    One that looks away from the eye would put the whole surface in the dark.
-    """
+    """Unit normals (3, N) bent so far that rays (3, N) meet them from outside; else the surface would be in the dark."""
     cosine = -dot(normal, toward)
     return unit(normal - toward * (0.02 - cosine).clamp_min(0.0))
 

@@ -49,10 +49,7 @@ class AreaSpecular:
         return replace(self, strength=self.strength * visible, _lobes={})
 
     def lobe(self, roughness: Float[Tensor, "*varying"]) -> Float[Tensor, " n"]:
-        """Reflected radiance (N,) per unit of the lamp's color, Fresnel aside, for a roughness () or (N,).
-
-        Kept until the roughness changes, unless gradients are wanted.
-        """
+        """Reflected radiance (N,) per unit of color, Fresnel aside, for a roughness () or (N,); kept until that changes."""
         if needs_gradient(roughness, self.strength, self.outline):
             return self._lobe(roughness)
         key = id(roughness) if roughness.dim() else float(roughness)

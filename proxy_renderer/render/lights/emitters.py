@@ -18,10 +18,10 @@ from ...color.tensors import luminance
 from ...scene import Light
 from ..geometry.vectors import cosine_directions, cross, dot, unit
 from ..geometry.visibility import RayGeometry, sphere_points
-from ..material.shading_inputs import ShadingInputs
-from .clusters import k_means
+from ..material.inputs import ShadingInputs
 from .light_source import clipped_sphere
 from .light_types import PointLight
+from .shadows import k_means
 
 _LEAST = 0.25  # radiance from which a surface counts as a lamp; less is no brighter than what lamps light
 _POINTS = 4096
@@ -36,22 +36,11 @@ class EmitterLight(PointLight):
 
     form: Tensor  # (3, 3) symmetric: the root of w.form.w is how bright it is to unit vectors w and -w
     lean: Tensor  # (3,) what it shines more to w than to -w, as a factor of w
-    material: int  # of the surface
 
     @property
     def owner(self) -> str:
         """It is no light of the scene."""
         return ""
-
-    @property
-    def pictured(self) -> bool:
-        """Reflections show the surface."""
-        return True
-
-    @property
-    def shadowless(self) -> int:
-        """It casts no shadow in its own light."""
-        return self.material
 
     @property
     def has_shadow_edges(self) -> bool:
@@ -192,7 +181,8 @@ def _cluster(
     turn = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     light = Light(f"emitter/{material}/{number}", "POINT", turn, (0.0, 0.0, 0.0), soft_falloff=False)
     ones, middle = torch.ones(3, device=place.device), place.mean(1)
-    lamp = EmitterLight(light, ones, middle, axes, _radius(place), form, lean, material)
+    place_and_form = middle, axes, _radius(place), form, lean
+    lamp = EmitterLight(light, ones, *place_and_form, pictured=True, shadowless=material)
     return lamp, 2 * math.pi * area
 
 

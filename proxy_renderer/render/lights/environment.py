@@ -91,7 +91,7 @@ class Sky:
         return self.environment.whole is None
 
     def reaches(self, ray: str) -> bool:
-        """Whether a kind of rays meets it."""
+        """True if a kind of rays meets it."""
         return ray not in self.environment.hidden
 
     @property
@@ -112,10 +112,7 @@ class Sky:
         return self._radiance(self.environment.soft, toward, self.turn)
 
     def reflected(self, mirrored: Tensor, normal: Tensor, view: Tensor, roughness: float) -> Tensor:
-        """Uncolored radiance (3, N) that a rough surface reflects of the world, without highlights.
-
-        The view (7, N) is the albedo basis at the viewing cosine. There should be few roughnesses.
-        """
+        """Uncolored radiance (3, N) that a rough surface reflects of the world, by the view's albedo basis (7, N)."""
         if self.plain:
             return torch.ones_like(mirrored)
         leans, widths = torch.einsum("pkb,bn->pkn", taps(roughness).to(view), view)
@@ -171,10 +168,7 @@ class Sky:
 
     @property
     def hemispheres(self) -> Tensor:
-        """(2, 3) light of the world on surfaces that face up and down: irradiance over pi.
-
-        Ramamoorthi and Hanrahan's convolution with the cosine (2001), which the rotation does not change.
-        """
+        """(2, 3) light of the world on what faces up and down: irradiance over pi (Ramamoorthi and Hanrahan 2001)."""
         h = self.environment.harmonics * self.color * self.reaches("diffuse")
         even, odd = 0.282095 * h[0] + 0.315392 * 2 / 4 * h[6], 0.488603 * 2 / 3 * h[2]
         return torch.stack((even + odd, even - odd)).clamp_min(0.0)

@@ -31,17 +31,10 @@ _SEARCH_HEIGHT = 128
 class EnvironmentSunLight(SunLight):
     """A bright part of the world's picture, in place of a sun."""
 
-    wide: bool  # whether it is too large to pass for a disc in a mirror
-
     @property
     def owner(self) -> str:
         """The world."""
         return "world"
-
-    @property
-    def pictured(self) -> bool:
-        """Reflections show a wide one as it is in the picture."""
-        return self.wide
 
 
 @dataclass(frozen=True)
@@ -69,15 +62,11 @@ class EnvironmentSun:
         identity = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
         light = Light(f"world/{number}", "SUN", identity, (0.0, 0.0, 0.0), hidden=hidden)
         place, size = torch.zeros_like(self.toward), torch.full_like(turn.detach(), self.angle)
-        return EnvironmentSunLight(light, self.color * tint, place, axes, size, wide=self.wide)
+        return EnvironmentSunLight(light, self.color * tint, place, axes, size, pictured=self.wide)
 
 
 def split(picture: Tensor) -> tuple[Tensor, Tensor, list[EnvironmentSun]]:
-    """Separates the suns from an equirectangular picture (1, 3, H, W), bottom row first.
-
-    Returns the picture without the suns that are not wide, which is reflected; the picture without any sun; and the
-    suns, the wide ones last.
-    """
+    """Splits an equirectangular picture (1, 3, H, W): without narrow suns, without any, and the suns, the wide ones last."""
     height = min(_SEARCH_HEIGHT, picture.shape[2])
     small = interpolate(picture, (height, 2 * height), mode="area")[0].flatten(1)
     toward, solid = texels(height, 2 * height, picture.device)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import ClassVar, Self
 
 import torch
@@ -63,6 +63,8 @@ class LightSource(ABC):
     position: Float[Tensor, " 3"]  # (3,) in meters; for suns the pivot, which nothing depends on
     axes: Float[Tensor, "3 3"]  # (3, 3) columns x, y, z of the light; it shines along -z
     size: Float[Tensor, ""]  # () as `read_size` has it
+    pictured: bool = field(default=False, kw_only=True)  # reflections show its image: it has no highlight
+    shadowless: int = field(default=-1, kw_only=True)  # material without shadows in its light; -1 for none
 
     energy_name: ClassVar[str] = "power"  # the parameter of its energy: "power" in watts, "strength" in W/m²
     at_infinity: ClassVar[bool] = False  # whether all its light comes from one direction, with no distance
@@ -121,7 +123,7 @@ class LightSource(ABC):
         return ~torch.isin(objects, objects.new_tensor(self.light.unlit))
 
     def reaches(self, ray: str) -> bool:
-        """Whether a kind of surfaces' rays meets it."""
+        """True if a kind of surfaces' rays meets it."""
         return ray not in self.light.hidden
 
     @property
@@ -133,16 +135,6 @@ class LightSource(ABC):
     def shines(self) -> bool:
         """True if it gives light, or its color is being learned."""
         return self.color.requires_grad or bool(self.color.any())
-
-    @property
-    def pictured(self) -> bool:
-        """True if reflections show its image, so that it has no highlight."""
-        return False
-
-    @property
-    def shadowless(self) -> int:
-        """The material whose surfaces cast no shadow in its light; -1 for none."""
-        return -1
 
     @property
     def has_shadow_edges(self) -> bool:

@@ -61,10 +61,7 @@ class PointLight(LightSource):
         return DirectIrradiance(toward, distance, frontal * cosine, frontal, solid)
 
     def directivity(self, toward: Vectors, radius: Numbers | None = None) -> Numbers:
-        """Light (N,) in directions (3, N) from points to its center, relative to a light that is the same to all sides.
-
-        Its radius (N,) is seen from the points, as a tangent; None for a small one.
-        """
+        """Light (N,) in directions (3, N), relative to an even light; its radius (N,) is a tangent, None for a small one."""
         return torch.ones_like(toward[0])
 
     def surface_cosine(self, cosine: Numbers, sine2: Numbers) -> Numbers:
@@ -305,9 +302,8 @@ def light_sources(
 ) -> list[LightSource]:
     """All lights of the scene at the render's values, some made before; raises VibeError if one has an unknown type."""
     kept = made or Remembered()
-    return [
-        kept.of(
-            f"light/{light.name}", values, partial(light_type(light.type).of, light, scene, values), number
-        )
-        for number, light in enumerate(scene.lights)  # instances of a lamp have its name
-    ]
+    found = []
+    for number, light in enumerate(scene.lights):  # instances of a lamp have its name
+        make = partial(light_type(light.type).of, light, scene, values)
+        found.append(kept.of(f"light/{light.name}", values, make, number))
+    return found

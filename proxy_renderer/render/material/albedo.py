@@ -91,10 +91,7 @@ def weigh(coefficients: Tensor, basis_: Tensor) -> Tensor:
 
 
 def _between(table: Tensor, place: Tensor) -> Tensor:
-    """Cubic (Catmull-Rom) look-up along the first axis of a table (R, ...) over [0, 1]: smooth, so gradients are.
-
-    With places (N,) instead of one, the table has at most one more axis, and N comes last in the answer.
-    """
+    """Cubic (Catmull-Rom) look-up along the first axis of a table (R, ...) over [0, 1]; N of places (N,) comes last."""
     last = len(table) - 1
     x = place.clamp(0.0, 1.0) * last
     if place.dim():
@@ -178,10 +175,7 @@ def mirrored(cosine: Tensor, normal: Tensor) -> tuple[Tensor, Tensor]:
 
 
 def unshadowed(cosine: Tensor, alpha: Tensor | float, leaving: Tensor) -> Tensor:
-    """Share (...) of the light from visible microfacets that no other facet blocks; 0 below the horizon.
-
-    Cosines (...) are those of the viewer's and of the leaving light's angle to the surface's normal; alpha is roughness².
-    """
+    """Share (...) of light that no facet blocks, by cosines (...) of the viewer's and the leaving light's angle, and roughness²."""
     masking = (1 + alpha**2 * (1 / (cosine * cosine) - 1)).sqrt()
     shadowing = (1 + alpha**2 * (1 / leaving.clamp(1e-4, 1.0) ** 2 - 1)).sqrt()
     return torch.where(leaving > 0, (1 + masking) / (masking + shadowing), 0.0)

@@ -64,10 +64,7 @@ class Defocus:
 
 
 def _radii(camera: Camera, view: View, distance: Tensor) -> Tensor:
-    """Signed radius (H, W) of the circles of confusion in pixels, below 0 behind the plane in focus.
-
-    A thin lens, as Cycles has it: all rays through a pixel meet where the one through the lens' middle is in focus.
-    """
+    """Signed radius (H, W) of the circles of confusion of a thin lens, as in Cycles: pixels, below 0 behind the plane in focus."""
     height, width = distance.shape
     toward = view.rays(pixel_centers((width, height)).to(distance.device))[1]
     ahead = -view.rotation[:, 2:3]

@@ -20,9 +20,8 @@ from ..geometry.samples import Samples
 from ..geometry.vectors import above, dot, reflect
 from ..geometry.visibility import RayGeometry, Surface
 from ..lights.area_specular import AreaSpecular, area_specular
-from ..lights.clusters import LightClusters, weights
 from ..lights.light_source import DirectIrradiance, LightSource
-from ..lights.shadows import ShadowFilter, cluster_shadow, shadow
+from ..lights.shadows import LightClusters, ShadowFilter, cluster_shadow, shadow, weights
 from ..material import albedo
 from ..transport.fog import FogMedium, LightPaths
 from .edges import ShadowEdges

@@ -47,10 +47,7 @@ class ShadowEdges:
     def of(
         geometry: RayGeometry, samples: Samples, view: View, lamp: LightSource, visible: Tensor
     ) -> ShadowEdges:
-        """Traces shadows of a lamp, detached, where a view, detached, shows its penumbra.
-
-        `visible` (N,) is the share of the lamp that the samples see.
-        """
+        """Traces shadows of a lamp where a view shows its penumbra, both detached; samples see a `visible` share (N,) of it."""
         pixel_index = (samples.center_hits.hit & _penumbra(samples, visible)).nonzero()[:, 0]
         width = samples.size[0]
         centers = torch.stack((pixel_index % width, pixel_index // width)).to(torch.float32) + 0.5

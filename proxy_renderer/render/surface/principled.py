@@ -19,7 +19,7 @@ from torch import Tensor
 from ..geometry.vectors import within
 from ..lights.area_specular import AreaSpecular
 from ..material import albedo
-from ..material.shading_inputs import ShadingInputs, used
+from ..material.inputs import ShadingInputs, used
 
 _FAINT = 1e-4  # reflectance seen head on below which the dielectric layer fades out
 
@@ -97,7 +97,6 @@ def _metal(inputs: ShadingInputs, view: Tensor, base: Tensor, single: tuple[Tens
 
 
 def _dielectric(inputs: ShadingInputs, view: Tensor, single: tuple[Tensor, Tensor]) -> _Layer:
-    """The dielectric layer above a diffuse base."""
     e, mean = single
     f0 = albedo.f0_of(inputs.ior) * 2 * inputs.specular
     root = f0.clamp(1e-5, 0.95).sqrt()

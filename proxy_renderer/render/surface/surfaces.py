@@ -18,11 +18,11 @@ from ..geometry.vectors import within
 from ..lights.environment import GLOSSY, SATIN, Sky
 from ..lights.light_source import LightSource
 from ..material import albedo
-from ..material.shading_inputs import ShadingInputs, used
+from ..material.inputs import ShadingInputs, used
 from ..transport.fog import FogMedium
 from ..transport.glow import BLURS
 from ..transport.indirect import IndirectLight
-from ..transport.radiance_table import RadianceTable
+from ..transport.secondary_hits import RadianceTable
 from .direct_lights import DirectLight, ViewSamples
 from .principled import IncidentLight, ReflectedRadiance, shade
 from .view_cache import ViewCache
@@ -109,11 +109,7 @@ def _direct(lights: Sequence[tuple[LightSource, DirectLight]]) -> Tensor | float
 def _images(
     gathered: IndirectLight, worlds: Sequence[Tensor], around: Tensor
 ) -> tuple[tuple[float, ...], list[Tensor]]:
-    """Reflected radiance by roughness: increasing roughnesses, and the radiance (3, N) for each.
-
-    The world (3, N) in the mirror direction is sharp, a little blurred if it is a picture, and blurred; `around` (3, N) is
-    what the roughest surface reflects.
-    """
+    """Reflected radiance (3, N) by increasing roughness, from the world in the mirror direction to what is `around` (3, N)."""
     sharp, blurred = worlds[0], worlds[-1]
     first = gathered.mirror + sharp * gathered.open_mirror
     last = gathered.glossy + blurred * gathered.open_glossy
@@ -152,10 +148,7 @@ def table_of(frame: RenderState) -> RadianceTable:
 def _behind(
     frame: RenderState, table: RadianceTable, gathered: IndirectLight, material: int, part: slice
 ) -> Tensor:
-    """Radiance (3, n) seen through a transparent material.
-
-    The gradient of the IOR is a secant between two traced pictures: refracted rays may jump over edges.
-    """
+    """Radiance (3, n) seen through a material. The gradient of the IOR is a secant, for refracted rays may jump over edges."""
     ior = frame.shading_inputs[material].ior
     here = float(ior.detach())
 
@@ -212,10 +205,7 @@ class RenderState:
 
 
 def mirror_weight(inputs: ShadingInputs) -> Tensor:
-    """Weight () of mirror reflection where other surfaces show a material: 1 - roughness of a metal, else 0.
-
-    In quarters, because rays are traced again when it changes.
-    """
+    """Weight () of mirror reflection: 1 - roughness of a metal, else 0; in quarters, as rays are traced again when it changes."""
     smooth = (1 - inputs.roughness.detach()) * (inputs.metallic.detach() > 0.5)
     return (smooth * 4).ceil() / 4
 

@@ -15,13 +15,13 @@ from ...scene import SceneData
 from ...scene.values import needs_gradient
 from ..geometry.camera import View
 from ..geometry.gather_points import SparseWeights
-from ..geometry.samples import take
+from ..geometry.samples import pixel_centers, take
 from ..geometry.vectors import dot, unit
 from ..geometry.visibility import RayGeometry, Surface, facing
-from ..lights.clusters import LightClusters
 from ..lights.environment import GLOSSY, SATIN, Sky
 from ..lights.light_source import LightSource
-from ..material.textures import MaterialTextures
+from ..lights.shadows import LightClusters
+from ..material.inputs import MaterialTextures
 from ..transport.indirect import FinalGather
 from ..transport.indirect_fog import IndirectFogRays
 from ..transport.secondary_hits import SecondaryHits, through
@@ -32,6 +32,23 @@ from .edges import Silhouettes
 _SMALL_STEP = 0.02  # of a lamp's distance: a loop may move it so far before bounced light is traced again
 _LEAST_ALIKE = 0.1  # cosine between a mapped and the true normal below which the map does not count
 _GEOMETRIC = ("alpha", "normal", "far")
+
+
+@dataclass(frozen=True)
+class GBuffer:
+    """Surfaces that the camera sees."""
+
+    subject: Tensor  # (H, W) share of each pixel that the subject covers
+    material: Tensor  # (H, W) int64, number of the material in the pixel's middle; -1 for the world
+    materials: tuple[str, ...]  # names of the materials by number
+    normal: Tensor  # (H, W, 3) unit normals, x to the right, y up, z towards the camera; zero for the world
+    transmittance: Tensor  # (H, W) share of light that fog lets through from what is seen
+    pattern: Tensor  # (H, W) luminance of textured base colors relative to their material's mean; else 1
+    # names of the materials of the surroundings, which the subject may wear too: words for it do not paint them
+    surrounding: tuple[str, ...] = ()
+    # (H, W, 3) a gray surface in the place of what is seen, as shown: its color is that of the light; black for the
+    # world; None where that is not known
+    gray: Tensor | None = None
 
 
 @dataclass(frozen=True)
@@ -84,11 +101,10 @@ class ViewCache:
             shape = metals, len(self.clusters), emissive, glowing, self._maps, generator
             self.indirect = FinalGather(geometry, samples, surface, self._view, *shape)
             # (3,) average of every material's linked base color; 1 where none is linked
+            linked = (m.texture and m.texture.image.mean((0, 1)) for m in scene.materials)
+            ones = np.ones(3, np.float32)
             self.mean_texture = [
-                torch.from_numpy(m.texture.image.mean((0, 1)) if m.texture else np.ones(3, np.float32)).to(
-                    geometry.device
-                )
-                for m in scene.materials
+                torch.from_numpy(ones if m is None else m).to(geometry.device) for m in linked
             ]
             # (1, N + B) 1 for samples of the subject, of any surface, and of what is no holdout, else 0
             subject = torch.tensor([o.subject for o in scene.objects], device=geometry.device)
@@ -173,6 +189,24 @@ class ViewCache:
                 relative[0, start:stop] = light / light.mean().clamp_min(1e-3)
         return self.samples.resolve(relative).view(self.depth.shape)
 
+    @torch.no_grad()
+    def gbuffer(self, view: View, transmittance: Tensor, gray: Tensor) -> GBuffer:
+        """The G-buffer of a view, with the transmittance (H, W) of the fog before it, and a gray surface (H, W, 3) in its place."""
+        hits, still = self.samples.center_hits, view.detached()
+        _, toward = still.rays(pixel_centers(view.size).to(self.geometry.device))
+        surface = self.geometry.surface(hits, toward)
+        normal = torch.where(hits.hit, still.rotation.T @ surface.normal, 0.0)
+        return GBuffer(
+            subject=self.mask,
+            material=torch.where(hits.hit, surface.material, -1).view(self.depth.shape),
+            materials=tuple(m.name for m in self.scene.materials),
+            normal=normal.T.reshape(*self.depth.shape, 3),
+            transmittance=transmittance,
+            pattern=self.pattern(),
+            gray=gray,
+            surrounding=tuple(m.name for m in self.scene.materials if m.role != "subject"),
+        )
+
     def direct_light(
         self, index: int, lamps: Sequence[LightSource], view_samples: ViewSamples, view: View
     ) -> DirectLight:
@@ -197,10 +231,7 @@ class ViewCache:
     def behind(
         self, material: int, side: int, part: slice, ior: float, lamps: Sequence[LightSource]
     ) -> RefractedHits:
-        """The view through a material's samples; traced anew for a new IOR.
-
-        Side is 0, or -1 and 1 for the IORs next to it: each is kept. The lamps stand for the clusters of lights.
-        """
+        """The view through a material's samples at an IOR, or next to it (side -1, 1); the lamps stand for the clusters of lights."""
         place = tuple(lamp.signature() for lamp in lamps)
         kept = self._through.get((material, side))
         if kept is None or abs(kept[0] - ior) > 1e-3:
@@ -235,10 +266,7 @@ class ViewCache:
         return self._outlines
 
     def worlds(self, sky: Sky, view_samples: ViewSamples) -> tuple[Tensor, ...]:
-        """Uncolored world in the mirror directions, sharp to blurred (3, N), and behind all (3, B).
-
-        A picture has a third level between the two.
-        """
+        """Uncolored world in the mirror directions, sharp to blurred (3, N), and behind all (3, B); a picture has three levels."""
         if needs_gradient(sky.turn) or (view_samples.moving and sky.pictured):
             return _worlds(sky, view_samples)
         if self._worlds is None or self._worlds[0] != sky.signature():

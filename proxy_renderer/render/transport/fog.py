@@ -27,6 +27,9 @@ from ..geometry.camera import RaySegments, View
 from ..geometry.vectors import length
 from ..lights.light_source import LightSource
 
+_Vectors = Float[Tensor, "3 *#n"]
+_Numbers = Float[Tensor, "*#n"]
+
 _EVERYWHERE = 1.0e3  # diameter of an infinite fog in sizes of the box: farther away it counts no more
 SEGMENTS = 16
 COARSE = 8  # pixels of the picture per ray of the coarse one
@@ -83,20 +86,12 @@ class FogMedium:
         return float(torch.maximum((origin - low).abs(), (origin - high).abs()).norm())
 
     def transmittance(
-        self,
-        start: Float[Tensor, "3 *#n"],
-        toward: Float[Tensor, "3 *#n"],
-        distance: Float[Tensor, "*#n"] | float,
+        self, start: _Vectors, toward: _Vectors, distance: _Numbers | float
     ) -> Float[Tensor, "*n"]:
         """Share of light (…) that gets through, from starts (3, …) in unit directions (3, …) over distances (…), finite or not."""
         return torch.exp(-self.density * self.thickness(start, toward, distance))
 
-    def thickness(
-        self,
-        start: Float[Tensor, "3 *#n"],
-        toward: Float[Tensor, "3 *#n"],
-        distance: Float[Tensor, "*#n"] | float,
-    ) -> Float[Tensor, "*n"]:
+    def thickness(self, start: _Vectors, toward: _Vectors, distance: _Numbers | float) -> Float[Tensor, "*n"]:
         """Optical depth over density, in meters (…); arguments as for `transmittance`."""
         first, last = self._inside(start, toward, distance)
         length = last - first
@@ -141,9 +136,9 @@ class FogMedium:
 class LightPaths:
     """Segments through one scene's fog, as `FogMedium.transmittance` takes them; their thickness is cached."""
 
-    start: Float[Tensor, "3 *#n"]
-    toward: Float[Tensor, "3 *#n"]
-    distance: Float[Tensor, "*#n"]
+    start: _Vectors
+    toward: _Vectors
+    distance: _Numbers
     _measured: dict[tuple[float, ...], Tensor] = field(default_factory=dict, repr=False, compare=False)
 
     def transmittance(self, fog: FogMedium) -> Float[Tensor, "*n"]:
@@ -187,10 +182,7 @@ class FroxelGrid:
     _end: float
 
     def look_up(self, place: Tensor, distance: Tensor) -> tuple[Tensor, Tensor]:
-        """Fog between the camera and samples at places (2, N) in pixels and distances (N,), infinite for the background.
-
-        Returns scattered light (3, N), to be added, and transmittance (N,), to be multiplied with before.
-        """
+        """Light (3, N) that fog adds before samples at places (2, N) in pixels and distances (N,), and its transmittance (N,)."""
         segments, rows, columns = self._sums.shape[2] - 1, *self._sums.shape[3:]
         cut = (torch.log1p(distance / self._near) / math.log(self._growth)).clamp(0, segments - 1)
         whole = cut.detach().floor().clamp_max(segments - 2)
@@ -248,7 +240,7 @@ class SingleScattering:
     def _of(
         self, fog: FogMedium, rays: RaySegments, name: str, key: Hashable, make: Callable[[], Tensor]
     ) -> Tensor:
-        """What follows from fog, rays and a key; made again when they change, or are learned (a key of None)."""
+        """A value that depends on fog, rays and a key; made again when they change, or are learned (a key of None)."""
         if fog.signature is None or key is None or needs_gradient(rays.start, rays.toward):
             return make()
         cut = tuple(rays.cuts.flatten()[1:2].tolist())  # () where no ray starts: the camera sees no surface
@@ -270,7 +262,6 @@ class SingleScattering:
         return strength.unflatten(0, (len(rays.cuts) - 1, -1)).mean(1)
 
     def _world_light(self, fog: FogMedium, rays: RaySegments, world: Tensor) -> Tensor:
-        """The same for the world."""
         key = "world", *rays.start.shape
         arriving = self._of(fog, rays, "", key, lambda: self._world_arriving(fog, rays))
         return torch.einsum("cd,dsxy->csxy", world.expand(3, len(WEIGHTS)), arriving)
@@ -282,9 +273,8 @@ class SingleScattering:
         everywhere = directions.expand(-1, -1, *points.shape[2:])
         far = torch.full_like(everywhere[0], math.inf)
         reaching = fog.transmittance(points, directions, far)
-        reaching = reaching * self._shadow(
-            "", rays.signature, points.expand_as(everywhere), everywhere, far, self._clear
-        )
+        ways = points.expand_as(everywhere), everywhere, far
+        reaching = reaching * self._shadow("", rays.signature, *ways, self._clear)
         lobe = phase((directions[:, :, 0] * rays.toward[:, None]).sum(0), fog.anisotropy)
         lobe = lobe * WEIGHTS.to(points).view(-1, 1, 1)
         # A few directions miss a narrow lobe: keep its energy

@@ -67,10 +67,7 @@ def glow_of(
 
 
 class _Search:
-    """Looks from points for what glows, as one kind of rays sees it; points on the lamps are chosen once.
-
-    Every material gets as many of them, evenly over its area.
-    """
+    """Looks from points for what glows, as one kind of rays sees it; of each material as many points, chosen once."""
 
     def __init__(
         self,

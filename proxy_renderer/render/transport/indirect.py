@@ -21,12 +21,11 @@ from ..geometry.vectors import above, length, reflect
 from ..geometry.visibility import RayGeometry, Surface, shared_points
 from ..lights.environment import GLOSSY
 from ..lights.light_source import LightSource
-from ..material.textures import MaterialTextures
+from ..material.inputs import MaterialTextures
 from .fog import FogMedium, LightPaths
 from .glow import GlowShares, LobeRays, glow_of
 from .indirect_fog import IndirectFog
-from .radiance_table import RadianceTable
-from .secondary_hits import SecondaryHits
+from .secondary_hits import RadianceTable, SecondaryHits
 
 _DIFFUSE_RAYS = 16
 _GLOSSY_RAYS = 8
@@ -49,7 +48,7 @@ class IndirectLight:
 
 @dataclass(frozen=True)
 class _PointWeights:
-    """How much of each radiance of a `RadianceTable` arrives at A points.
+    """Weights of the radiances of a `RadianceTable` at A points.
 
     Most of it is scattered: with many lights these are millions of numbers, so those of lights that have moved are kept apart.
     """

@@ -35,10 +35,7 @@ _NEAR = 0.1  # first cut of a ray, of the view's distance: in thick fog, light s
 
 @dataclass(frozen=True)
 class IndirectFog:
-    """Effects of fog on indirect light at A gather points.
-
-    The S sources are those of `RadianceTable`: L lights and 2 hemispheres, then the same for light scattered twice.
-    """
+    """Effects of fog on indirect light at A gather points, from the S sources of `RadianceTable`."""
 
     ambient: Tensor  # (A,) transmittance of the world's light
     passing: Tensor  # (A,) transmittance between the point and the surfaces that light it diffusely
@@ -66,10 +63,8 @@ class IndirectFogRays:
         coarse = GatherPoints(samples, surface, _ACROSS)
         self._points = points = surface.pick(coarse.index)
         self._smooth = coarse.smooth
-        distance = samples.hits.distance[gather_points]
-        self._to_gather_points = coarse.spread_to(
-            surface.pick(gather_points), samples.place[:, gather_points], distance
-        )
+        place, distance = samples.place[:, gather_points], samples.hits.distance[gather_points]
+        self._to_gather_points = coarse.spread_to(surface.pick(gather_points), place, distance)
         mirrored = above(reflect(samples.toward[:, coarse.index], points.normal), points.facet)
         rays = torch.cat((_diffuse(points), mirrored[:, :, None]), 2)  # (3, P, rays)
         self._toward = rays
@@ -121,7 +116,7 @@ class IndirectFogRays:
         return (reaching * facing).sum(0) / facing.sum(0)
 
     def _of(self, fog: FogMedium, name: Hashable, make: Callable[[], T], key: Hashable = None) -> T:
-        """What follows from the fog, and from what has the key; made again when they change, or the fog is learned."""
+        """A value that depends on the fog and a key; made again when they change, or the fog is learned."""
         return make() if fog.signature is None else self._kept.of(name, (fog.signature, key), make)
 
     def _passing(self, fog: FogMedium) -> tuple[Tensor, Tensor, Tensor]:

@@ -8,8 +8,10 @@ of radiances.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from copy import copy
+from dataclasses import dataclass, replace
 
 import torch
 from jaxtyping import Float
@@ -19,8 +21,109 @@ from ..geometry.vectors import above, cosine_directions, dot, reflect, unit
 from ..geometry.visibility import RayGeometry, Surface
 from ..lights.environment import harmonics
 from ..lights.light_source import DirectIrradiance, LightSource
-from ..material.textures import MaterialTextures
-from .radiance_table import RadianceTable, hit_radiance
+from ..material.inputs import MaterialTextures
+
+
+@dataclass(frozen=True)
+class RadianceTable:
+    """Radiance of all that secondary rays can meet, in one render.
+
+    There are S = 2 (L + 2) sources: the L lights, the upper and the lower hemisphere of the world, and the same for light that
+    is scattered twice and more.
+    """
+
+    scattered: Tensor  # (S, M, 3) what each material scatters of each source
+    emission: Tensor  # (M, 3)
+    sky: Tensor  # (9, 3) spherical harmonics of the world
+    albedo: Tensor  # (M, 3) share of light that each material scatters
+
+    @staticmethod
+    def of(
+        albedo: Tensor,
+        metallic: Tensor,
+        emission: Tensor,
+        lamp_colors: Tensor,
+        hemispheres: Tensor,
+        sky: Tensor,
+    ) -> RadianceTable:
+        """Builds the table.
+
+        Args:
+            albedo: (M, 3) share of light that each material scatters, or reflects if it is a metal.
+            metallic: (M,) share of each material that is metal.
+            emission: (M, 3) emitted radiance.
+            lamp_colors: (L, 3).
+            hemispheres: (2, 3) light of the world on what faces up and down.
+            sky: (9, 3) its spherical harmonics.
+        """
+        sources = torch.cat((lamp_colors / math.pi, hemispheres))
+        again = albedo * albedo / (1 - albedo / 2)  # third and later bounces follow the second
+        # A metal shows things of other colors than its own: of the mean color of those that are none.
+        plain = (1 - metallic)[:, None] + 1e-6
+        common = (albedo * plain).sum(0) / plain.sum(0)
+        again = torch.lerp(again, albedo * common / (1 - common / 2), metallic[:, None])
+        scattered = torch.cat((sources[:, None] * albedo, sources[:, None] * again))
+        return RadianceTable(scattered, emission, sky, albedo)
+
+    def without_emission(self) -> RadianceTable:
+        """The table of surfaces that do not glow."""
+        return replace(self, emission=torch.zeros_like(self.emission))
+
+    def dimmed(self, shares: Tensor) -> RadianceTable:
+        """The table behind fog that lets shares (S,) of the sources through."""
+        return replace(self, scattered=self.scattered * shares[:, None, None])
+
+
+def hit_radiance(
+    table: RadianceTable,
+    ambient: Tensor,
+    incoming: Tensor,
+    members: Sequence[Tensor],
+    relative_base_color: Tensor | None,
+) -> Tensor:
+    """Radiance (3, N) of single hits; 0 where they leave the scene.
+
+    `ambient` (3, N) is irradiance that is not the table's, `incoming` (S, N) how much of each source a hit gets; `members` has the hits of each material, whose mean color textures (3, N) are relative to.
+    """
+    given = table.scattered, table.emission, table.albedo / math.pi
+    radiance: Tensor = _HitRadiance.apply(*given, ambient, incoming, members, relative_base_color)
+    return radiance
+
+
+class _HitRadiance(torch.autograd.Function):
+    """Radiance (3, N) of single hits: a product with a mostly empty matrix, without that matrix."""
+
+    @staticmethod
+    def forward(ctx, scattered, emission, albedo, ambient, incoming, members, relative_base_color):
+        ctx.save_for_backward(albedo, ambient)
+        ctx.relative_base_color = relative_base_color
+        ctx.members, ctx.incoming = members, incoming
+        out = torch.zeros((3, incoming.shape[1]), device=incoming.device)
+        for m, chosen in enumerate(members):
+            if len(chosen):
+                light = scattered[:, m].T @ incoming.index_select(1, chosen)
+                light += ambient.index_select(1, chosen) * albedo[m][:, None]
+                if relative_base_color is not None:
+                    light *= relative_base_color.index_select(1, chosen)
+                out.index_copy_(1, chosen, light + emission[m][:, None])
+        return out
+
+    @staticmethod
+    def backward(ctx, gradient):
+        albedo, ambient = ctx.saved_tensors
+        scattered = gradient.new_zeros((len(ctx.incoming), len(albedo), 3))
+        emission, albedos, ambients = (torch.zeros_like(each) for each in (albedo, albedo, ambient))
+        for m, chosen in enumerate(ctx.members):
+            if len(chosen):
+                part = gradient.index_select(1, chosen)
+                emission[m] = part.sum(1)
+                if ctx.relative_base_color is not None:
+                    part = part * ctx.relative_base_color.index_select(1, chosen)
+                scattered[:, m] = ctx.incoming.index_select(1, chosen) @ part.T
+                albedos[m] = (part * ambient.index_select(1, chosen)).sum(1)
+                ambients.index_copy_(1, chosen, part * albedo[m][:, None])
+        return scattered, emission, albedos, ambients, None, None, None
+
 
 _WORLD_AT_SECOND = 0.3  # most of the world that second bounces see; in rooms, which rays rarely leave, less
 
@@ -79,18 +182,13 @@ class SecondaryHits:
     def _weigh(self, metals: Tensor) -> None:
         """Takes on mirrors (M,)."""
         self.mirror_weight = metals[self.surface.material] * self.hit
-        self._matte = (self.hit > self.mirror_weight).nonzero()[
-            :, 0
-        ]  # mirrors do not scatter what lights them
+        self._matte = (self.hit > self.mirror_weight).nonzero()[:, 0]  # mirrors do not scatter light
         self._first = self.surface.pick(self._matte)
         # Without it, the light that lies about counts where a metal is rough, and what it mirrors otherwise.
         self._share = torch.ones_like(self.hit) if self._deep else self.mirror_weight
 
     def with_mirrors(self, metals: Tensor, lamps: Mapping[int, LightSource]) -> SecondaryHits:
-        """A copy with other mirrors (M,): only what is seen in those that have changed is traced again.
-
-        The lamps, by row, are those whose shadows have been traced.
-        """
+        """A copy with other mirrors (M,), where only what these show is traced again, for the lamps, by row, traced before."""
         other = self.aside()
         other._weigh(metals)
         changed = other.mirror_weight != self.mirror_weight
@@ -119,10 +217,7 @@ class SecondaryHits:
             self.incoming[-2:] = torch.stack((up, down)) * leaves[around].mean().clamp_max(_WORLD_AT_SECOND)
 
     def _look_from(self, chosen: Tensor) -> None:
-        """Traces one ray from each of the hits at an index (H,).
-
-        Metals send it where they mirror, others anywhere above them, distributed like a cosine.
-        """
+        """Traces one ray from each hit at an index (H,): where metals mirror, else anywhere above, like a cosine."""
         generator = torch.Generator().manual_seed(7)
         uv = torch.rand((2, len(self.hit)), generator=generator).to(self.hit.device)[:, chosen]
         start, mirror_weight = self.surface.pick(chosen), self.mirror_weight[chosen]
@@ -149,14 +244,10 @@ class SecondaryHits:
         return other
 
     def light(self, index: int, lamp: LightSource, same_rays: bool = False) -> None:
-        """Traces shadow rays from all hits to one light, whose row among the sources is `index`.
-
-        Those traced before are kept where they are the `same_rays`, as for a light that has only changed its size.
-        """
+        """Traces shadow rays from all hits to a row's light, unless they are the `same_rays`, as when only its size changed."""
         self._trace(lamp, self._bounces(index), same_rays)
 
     def _trace(self, lamp: LightSource, bounces: list[_Bounce], same_rays: bool = False) -> None:
-        """Traces shadow rays from the surfaces of bounces."""
         for row, rays, surface, share in bounces:
             direct = lamp.irradiance(surface.position, surface.normal)
             if not same_rays:
@@ -194,10 +285,7 @@ class SecondaryHits:
         return torch.cat((emission, emission.new_zeros((1, 3)))).T.index_select(1, self.owner)
 
     def weights(self, sources: Sequence[int] | None = None) -> Tensor:
-        """(A, S + 1, M) averages over each point's rays: of each source that materials scatter, and of what they emit.
-
-        With `sources`, only of those.
-        """
+        """(A, S + 1, M) averages over each point's rays of what materials scatter of each source, and emit; or of `sources` alone."""
         slots = torch.cat((self.incoming, self.hit[None])) if sources is None else self.incoming[[*sources]]
         slots = slots.view(len(slots), -1, self.count).transpose(0, 1)
         owner = self.owner.view(-1, self.count)

@@ -12,8 +12,7 @@ from .. import limits
 from ..errors import VibeError
 from ..limits import LONGEST_PROMPT
 from ..parameters import GROUPS
-from .option import Option
-from .table import TABLE, TRAITS
+from .table import TABLE, TRAITS, Option
 
 
 def frame_numbers(text: str) -> list[int]:

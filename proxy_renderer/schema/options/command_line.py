@@ -5,8 +5,7 @@ import argparse
 from collections.abc import Iterable
 from typing import Any
 
-from .option import HEADINGS, Option
-from .table import TABLE, Options, rows
+from .table import HEADINGS, TABLE, Option, Options, rows
 
 
 def add_option(container: argparse._ActionsContainer, option: Option, **changes: Any) -> None:

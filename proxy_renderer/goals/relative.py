@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Words that compare, as "colder": relative to a reference image, or to the image that a further sentence goes on from."""
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from ..schema import FAMILIES
+from ..words.lexicon.entries import Effect
+from ..words.lexicon.quantities import ClaimText
+from ..words.lexicon.vocabulary import Vocabulary
+from ..words.types import Attribute
+from .resolve import CASTS, Goals, resolved
+from .wish import Wish, wishes_of
+
+Axis = tuple[str, str]  # a part of the image, and a measure of it
+_WARMER = (0.4, 0.8)  # in a* and b*, one step of warmth, see `claims.measures.color.warmth`
+_LIGHTER = {
+    "black_point": (0.2,), "lower_quartile": (0.8,), "median": (1.0,), "upper_quartile": (0.8,),
+    "white_point": (0.2,), "lightness": (1.0,),
+}  # fmt: skip
+"""The ends move less: a picture that is lighter has black in it all the same."""
+_MOVED: Mapping[str, Mapping[str, tuple[float, ...]]] = {
+    "lightness": _LIGHTER,
+    "warmth": dict.fromkeys(CASTS, _WARMER),
+    "shadow_warmth": {"shadow_cast": _WARMER},
+    "highlight_warmth": {"highlight_cast": _WARMER},
+    "contrast": {
+        "black_point": (-0.5,), "lower_quartile": (-0.25,), "upper_quartile": (0.25,), "white_point": (0.5,),
+    },
+}  # fmt: skip
+"""Measure of a word -> a picture's measures of the same, and how far each of its numbers moves for one of the word's.
+The picture's own pattern stays: lights that are warmer than shadows are so in a colder picture, too."""
+FACTS = (*_MOVED, "chroma", "vignette")
+"""Measures of which a picture's wishes state what it has (weight 0), for words are relative to them."""
+_SEEN = 2.5  # changes that are enough in words alone, from where "colder" is seen beside a picture
+_ENOUGH = 0.8  # share of the way from where a word that compares is satisfied
+
+
+def goals_with_picture(goals: Goals, vocabulary: Vocabulary) -> Goals:
+    """Goals whose words and picture fit each other; without a picture the same goals.
+
+    Where a word asks for more or less of something than the picture has, the picture's claims of the same move along: to where the
+    word is satisfied, or, of a word that compares, as "colder" does, by what is clearly seen. Such a word is then measured against
+    the picture. Of one measure and part the first word in rank counts.
+    """
+    facts = (claim for wish in goals.pictured for claim in wish.claims if not claim.weight)
+    has = {(fact.part, fact.measure): fact.lower[0] for fact in facts if fact.lower == fact.upper}
+    ways: dict[tuple[str, str], float] = {}
+    fitted: dict[int, Wish] = {}
+    for wish in sorted(goals.wishes, key=lambda each: each.rank) if has else ():
+        if wish.of_picture:  # the last in rank
+            claims = [_moved(claim, wish.part_of(claim), ways) for claim in wish.claims]
+        else:
+            compared = compares(wish.attribute, goals.parsed.attributes, vocabulary)
+            claims = [_relative(claim, wish, compared, has, ways) for claim in wish.claims]
+        fitted[id(wish)] = replace(wish, claims=tuple(claims))
+    return replace(goals, wishes=tuple(fitted.get(id(wish), wish) for wish in goals.wishes))
+
+
+def _relative(
+    claim: ClaimText, wish: Wish, compares: bool, has: Mapping[Axis, float], ways: dict[Axis, float]
+) -> ClaimText:
+    """A word's claim beside a picture; how far it moves what the picture has of it is added to `ways`."""
+    axis = wish.part_of(claim), claim.measure
+    own = None if claim.part == "thing" and wish.attribute.owners else has.get(axis)
+    if own is None or not (compares or claim.measure in _MOVED):
+        return claim
+    asked = wish.asked_of(claim)
+    way = min(max(own, asked.lower[0]), asked.upper[0]) - own  # how far it moves what the picture has
+    if asked.change is not None and (compares or not asked.near):
+        way = _SEEN * asked.change
+    ways.setdefault(axis, way)
+    if not (compares and asked.change):
+        return claim
+    border = (own + _ENOUGH * way,)
+    ends = (border, (math.inf,)) if way > 0.0 else ((-math.inf,), border)
+    return replace(claim, lower=ends[0], upper=ends[1], change=None)
+
+
+def compares(attribute: Attribute, attributes: Sequence[Attribute], vocabulary: Vocabulary) -> bool:
+    """True if an attribute, or the mood that it comes from, has a comparative word, as "colder"."""
+    if attribute.cause:
+        moods = [a for a in attributes if not a.cause and attribute.cause == a.word]
+        return any(compares(mood, (), vocabulary) for mood in moods)
+    known = vocabulary.adjectives.keys() | vocabulary.synonyms.keys()
+    return any(
+        word in vocabulary.lists["degree"] or not known.isdisjoint(vocabulary.stems(word, "comparative"))
+        for word in (attribute.english or attribute.word).split()
+    )
+
+
+def _moved(claim: ClaimText, part: str, ways: Mapping[Axis, float]) -> ClaimText:
+    """A claim of a picture, moved by the words that are about it."""
+    for (place, measure), way in ways.items():
+        along = _MOVED.get(measure, {}).get(claim.measure)
+        if along and place in ("picture", part) and claim.weight:
+            lower, upper = (
+                tuple(v + way * share for v, share in zip(end, along, strict=True))
+                for end in (claim.lower, claim.upper)
+            )
+            claim = replace(claim, lower=lower, upper=upper)
+    return claim
+
+
+_SMALL = re.compile(r"\b(?:bit|little|slightly|subtly|gently)\b")
+_LARGE = re.compile(r"\b(?:much|very|strongly|far|extremely)\b")
+_NOTICED = 2.0  # noticeable differences of one step: of warmth a cast of about 3 ΔE
+_LEAST, _MOST = 0.8, 1.3  # shares of its way between which a word is satisfied
+_REACH = 0.07  # share of its range by which a value may move for one step, either way
+_BRIGHTER = 1.25  # factor of one step, of what no measure reads
+_EXACT = 0.01  # share by which "twice as much" may be missed
+
+
+def further(goals: Goals, vocabulary: Vocabulary, factor: float = 0.0) -> Goals:
+    """Goals of a sentence that goes on from an image; the factor of "twice as much fog" is 2, and 0 if it says none."""
+    said, wishes = list[Attribute](), list[Wish]()
+    every = (*goals.wishes, *(each.wish for each in goals.lost))
+    for attribute in goals.parsed.attributes:
+        mine = [wish for wish in every if wish.attribute is attribute]
+        if not attribute.cause and compares(attribute, (), vocabulary):
+            mine = [*_compared(attribute, vocabulary, factor)]
+            attribute = mine[0].attribute if mine else attribute
+        elif attribute.role in ("rim", "fill"):  # another light has to show beside what is there
+            mine = [replace(wish, claims=tuple(map(_beside, wish.claims))) for wish in mine]
+        said.append(attribute)
+        wishes += mine
+    return replace(resolved(replace(goals.parsed, attributes=said), wishes), holds=True)
+
+
+def _beside(claim: ClaimText) -> ClaimText:
+    """A claim of which a change is enough, as that change."""
+    ends = (1.0, 2.5) if (claim.change or 0.0) > 0.0 else (-2.5, -1.0)
+    return replace(claim, lower=ends[:1], upper=ends[1:], change=None, by=True) if claim.change else claim
+
+
+def _compared(attribute: Attribute, vocabulary: Vocabulary, factor: float) -> Iterator[Wish]:
+    """The wish of a word that compares: the change of one measure by the parameters that the word has for it."""
+    plain = wishes_of([replace(attribute, strength=1.0)], vocabulary)
+    main = next((wish for wish in plain if wish.claims), next((wish for wish in plain if wish.effects), None))
+    if main is None:
+        return
+    # What belongs to it: other quantities have a class of their own, or are only usual.
+    others = (w for w in plain if not (w is main or w.named or w.claims))
+    effects = (*main.effects, *(e for wish in others for e in wish.effects if not e.weak))
+    way = _steps(attribute.word) * (-1.0 if _asks_for_less(attribute, vocabulary) else 1.0)
+    claims: tuple[ClaimText, ...] = ()
+    if main.claims and not factor:
+        claim = main.claims[-1]
+        rises = claim.change > 0.0 if claim.change else claim.lower[0] > -math.inf
+        noticed = _NOTICED * (way if rises else -way)
+        lower, upper = sorted((_LEAST * noticed, _MOST * noticed))
+        claims = (replace(claim, lower=(lower,), upper=(upper,), change=None, near=True, by=True),)
+        moved = [_around(effect, noticed) for effect in effects]
+    else:
+        moved = [_effect_moved(e, way, factor) for e in effects if FAMILIES[e.family].components == 1]
+    # Without an entry it stands for no rig.
+    bound = replace(attribute, entry="", strength=1.0, shades=())
+    yield Wish(bound, main.quantity, effects=tuple(dict.fromkeys(moved)), claims=claims)
+
+
+def _around(effect: Effect, noticed: float) -> Effect:
+    """An effect's parameter, free around its value; the size of a light only to where shadows change as wanted."""
+    reach = _REACH * abs(noticed) / _NOTICED
+    sized = effect.name in ("size", "angle")
+    down, up = (0.0 if sized and noticed < 0.0 else reach), (0.0 if sized and noticed > 0.0 else reach)
+    return Effect(effect.owner, effect.name, "near", (-down,), (up,), priority=1)
+
+
+def _effect_moved(effect: Effect, way: float, factor: float) -> Effect:
+    """An effect's parameter, moved by a factor, or by steps in the effect's own direction."""
+    parameter = FAMILIES[effect.family]
+    if not factor:
+        rises = effect.lower[0] * effect.upper[0] > 1.0
+        if effect.mode != "times":
+            rises = effect.lower[0] + effect.upper[0] > 2 * parameter.default
+        way = way if rises else -way
+        if parameter.scale.name != "log":
+            ends = sorted((_REACH * way * (1 - _EXACT), _REACH * way * (1 + _EXACT)))
+            return Effect(effect.owner, effect.name, "near", (ends[0],), (ends[1],), priority=1)
+        factor = _BRIGHTER**way
+    low, high = ((factor * (1 + off),) for off in (-_EXACT, _EXACT))
+    return Effect(effect.owner, effect.name, "times", low, high, priority=1)
+
+
+def _steps(word: str) -> float:
+    """Noticeable steps that a word asks for: 1 for "a bit warmer", 2 for "warmer", 4 for "much warmer"."""
+    return 1.0 if _SMALL.search(word) else 4.0 if _LARGE.search(word) else 2.0
+
+
+def _asks_for_less(attribute: Attribute, vocabulary: Vocabulary) -> bool:
+    """True if a word asks for less of its entry: "less fog" is said of fog, but "less glossy" of matte."""
+    words = attribute.word.split()
+    entry = vocabulary.entries.get(attribute.entry)
+    ends = (" ".join(words[n:]) for n in range(len(words)))
+    return "less" in words and entry is not None and any("less" not in e and e in entry.words for e in ends)
