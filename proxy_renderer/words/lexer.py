@@ -117,6 +117,9 @@ class Lexer:
         tokens: list[Token] = []
         start = 0
         while start < len(words):
+            if tokens and self._covers(words[start], tokens[-1]):
+                start += 1
+                continue
             for count in range(min(_LONGEST, len(words) - start), 0, -1):
                 part = words[start : start + count]
                 if self._ends_in_thing(part):
@@ -128,6 +131,11 @@ class Lexer:
                     start += count
                     break
         return tokens
+
+    def _covers(self, word: str, thing: Token) -> bool:
+        """Whether a word names the surface of the thing before it and wishes for no material: "wet frog skin"."""
+        named = (thing.scene or "thing" in thing.lists or thing.noun) and not thing.names_a_look
+        return bool(named) and word in self.vocabulary.words["coverings"] and word not in self.names
 
     def _cuts_a_phrase(self, words: list[str], start: int, end: int) -> bool:
         """Whether words take the first word of a listed phrase that is no surface: "warm golden" of "golden hour"."""

@@ -88,7 +88,7 @@ def read_words(
     pairs = reading(text, scene, vocabulary, foreign)
     phrases = light_phrases(pairs.passage, vocabulary, rig_table())
     each = zip(likeliest_row(pairs, weights), pairs.pairs, strict=True)
-    row = [_of_its_light(pair, others, pairs, phrases) for pair, others in each]
+    row = [_where_it_stands(pair, others, pairs, phrases, scene, vocabulary) for pair, others in each]
     chosen, unused = with_choices(row, targets or {}, english or {}, scene, vocabulary)
     objects = AbsentObjects(pairs, scene, vocabulary)
     subject, parsed, passage = objects.subject or scene.subject, Parsed(text), pairs.passage
@@ -111,17 +111,39 @@ def read_words(
     return read
 
 
-def _of_its_light(
-    pair: TargetPair, pairs: list[TargetPair], found: PromptPairs, phrases: Mapping[int, tuple[int, ...]]
+def _where_it_stands(
+    pair: TargetPair,
+    pairs: list[TargetPair],
+    found: PromptPairs,
+    phrases: Mapping[int, tuple[int, ...]],
+    scene: SceneDescription,
+    vocabulary: Vocabulary,
 ) -> TargetPair:
-    """In the description of a light words are said of light, unless it names what they are said of: "a pink one at the left"."""
-    target, token, numbers = pair.target, pair.look.token, phrases.get(pair.look.index)
-    may_move = target.kind in LAMPS or (target.kind in MATTER and (token.color or token.adjective))
+    """A word with the target that its place leaves no doubt of.
+
+    In the description of a light words are said of light, unless it names what they are said of: "a pink one at the left". A sun is
+    no lamp: "sun through the window". A color right before fog or smoke is that of the air: "greenish ground fog".
+    """
+    target, look, kind = pair.target, pair.look, ""
+    numbers, rig = phrases.get(look.index), rig_table().rigs.get(pair.sense.entry)
     noun = found.mentions[target.mention] if target.mention >= 0 else None
     here = noun and phrases.get(noun.start) == numbers and (noun.named or noun.role)
-    if not numbers or not may_move or here:
-        return pair
-    return next((other for other in pairs if other.target.kind == "light"), pair)
+    may_move = target.kind in LAMPS or (target.kind in MATTER and (look.token.color or look.token.adjective))
+    is_sun = rig is not None and any(light.type == "SUN" for light in rig.lights[:1])
+    if is_sun and target.kind in LAMPS and target.names:
+        kind = (
+            ""
+            if any(scene.lights[n].type in ("SUN", "") for n in target.names if n in scene.lights)
+            else "light"
+        )
+    elif numbers:
+        kind = "light" if may_move and not here else ""
+    elif look.token.color:
+        items = found.passage.items
+        after = next((item for item in items[look.index + 1 :] if item.strength is None), None)
+        if after and after.clause == items[look.index].clause:
+            kind = "air" if after.noun == "fog" or vocabulary.slot(after.entry) == "atmosphere" else ""
+    return next((other for other in pairs if other.target.kind == kind), pair)
 
 
 def _find_absent(read: PromptReading, objects: AbsentObjects) -> None:
@@ -240,13 +262,23 @@ def _thing(read: PromptReading, pair: TargetPair) -> Attribute:
     if kind == "picture":  # the image, or what a word about many things is about in the first place
         if slot == "color":
             return _of("tone", name, "whole") if is_named else _of("ambience", "tint", "whole")
-        about = "tone" if pair.sense.way == "row" else _OF_SLOT.get(slot, "whole")
+        grade = pair.sense.way == "row" or (slot in ("mood", "setting") and _is_of_a_grade(read, pair))
+        about = "tone" if grade else _OF_SLOT.get(slot, "whole")
         return _of(about, word, "surroundings" if about == "surroundings" else "whole")
     region: Region = "surroundings" if kind == "sky" else "whole"
     apart = kind == "lights" and target.names != {*read.scene.lights}  # all lights are light as a whole
     lights = tuple(sorted(target.names)) if apart else ()
     role = kind if kind in ROLES else ""
     return replace(_of(_KINDS.get(kind, kind), name, region), role=role, lights=lights)
+
+
+def _is_of_a_grade(read: PromptReading, pair: TargetPair) -> bool:
+    """Whether a mood is one of the grade alone: "gritty" of "gritty bleach bypass grade"."""
+    items, grades = read.pairs.passage.items, read.vocabulary.words["grades"]
+    clause = items[pair.look.index].clause
+    after = [item for item in items[pair.look.index :] if item.clause == clause]
+    head = next((i for i, item in enumerate(after) if item.text in grades), 0)
+    return head > 0 and all(item.names_a_look or item.filler for item in after[1:head])
 
 
 def _of(kind: str, thing: str, region: Region, owners: tuple[str, ...] = ()) -> Attribute:
