@@ -6,7 +6,7 @@ import math
 import pytest
 import torch
 
-from proxy_renderer.optimize.vector import ParameterVector, begun, nearest_turn, opened, project
+from proxy_renderer.optimize.vector import ParameterVector, nearest_turn, opened, project, start_point
 from proxy_renderer.planning.types import Plan, PlanEntry
 from proxy_renderer.schema import FAMILIES, PARAMETERS, Instance
 
@@ -135,6 +135,6 @@ def test_what_words_name_begins_where_they_say_and_the_rest_at_home():
     vector = vector_of(painted, other)
     teal, ends = (0.0, 0.3, 0.3), ((0.0, 0.1, 0.1), (0.1, 0.6, 0.6))
     plan = Plan({painted.key: PlanEntry(*ends, 1, "'teal'", start=teal), other.key: PlanEntry(*ends, 2, "")})
-    values = vector.values(begun(vector, plan, vector.encode({})))
+    values = vector.values(start_point(vector, plan, vector.encode({})))
     assert values[painted.key] == pytest.approx(teal, abs=1e-6)
     assert values[other.key] == other.value
