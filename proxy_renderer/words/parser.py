@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from ..schema import VibeError
 from ..schema.limits import LONGEST_PROMPT
 from ..schema.options import checks
-from ..schema.targets import GENERAL, NOT_USED, OFFERED, joined
+from ..schema.targets import GENERAL, NOT_USED, NUMBER, OFFERED, joined
 from .attributes import complete
 from .foreign import Gloss, Retelling, gloss, other_language, understood
 from .lexer import Token
@@ -155,8 +155,9 @@ def read(
     glossed, mixed, normal = _opened(prompt, scene, vocabulary)
     retelling = Retelling(glossed)
     english = {w: retelling.english(w) for w in map(plain_key, told or ()) if glossed.language}
+    targets = {**normal.targets, **(told or {})}
     reading = read_words(
-        normal.text, scene, vocabulary, weights, foreign=glossed.unknown, targets=told, english=english
+        normal.text, scene, vocabulary, weights, foreign=glossed.unknown, targets=targets, english=english
     )
     parsed, passage = reading.parsed, reading.pairs.passage
     parsed.prompt = glossed.prompt
@@ -203,17 +204,26 @@ class Normalized:
     protections: list[Protection]
     links: list[SaidLink]
     notes: list[str]  # on links that name nothing
+    targets: dict[str, str]  # look word -> the name before its colon: "Cup: copper"
 
 
 def normalized(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> Normalized:
     """A prompt in English, normalized."""
-    names = scene_names(scene) | {name.lower() for name in (*scene.lights, *scene.materials, *scene.objects)}
+    own = {name.lower(): name for name in (*scene.lights, *scene.materials, *scene.objects)}
+    names, targets = scene_names(scene) | {*own}, dict[str, str]()
 
     def sentence(pair: re.Match[str]) -> str:
         """ "fog: none, cup: copper" as "no fog, the cup is copper"."""
         key, value = pair[1].strip().lower(), pair[2].strip()
         if value.lower() in vocabulary.words["off"]:
             return f"no {key}"
+        if key in own:
+            kind = "lights" if own[key] in scene.lights else "things"
+            before = [look.text for look in looks(pair.string[: pair.start()], scene, vocabulary).looks]
+            for look in looks(value, scene, vocabulary).looks:
+                before.append(look.text)
+                if sense_at(look.token, kind, vocabulary):
+                    targets[f"{look.text}{NUMBER}{before.count(look.text)}"] = own[key]
         if key in names or singular(key) in thing_words():
             return f"the {key} is {value}"
         short = len(value.split()) <= _MOST_WORDS
@@ -228,7 +238,7 @@ def normalized(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> No
             if kept or number == 0:  # "keep it warm", "the light stays soft" protect nothing
                 found.append((match[0].strip(), kept))
                 rest = rest.replace(match[0].strip(), ",")
-    return Normalized(rest if rest.strip(" ,.;") else text, found, links, notes)
+    return Normalized(rest if rest.strip(" ,.;") else text, found, links, notes, targets)
 
 
 def _hour(match: re.Match[str]) -> str:
