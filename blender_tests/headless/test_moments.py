@@ -92,6 +92,14 @@ def test_a_sequence_is_checked(shot, tmp_path):
     assert "Frame 7: no longer visible: red." in output
     assert (out / "sequence.png").is_file()
 
+    arguments = ["--prompt=red box", "--check-every=6", "--steady", f"--out={out}"]
+    code, output = run_headless("run", tmp_path / "flash.blend", *arguments, *QUICK)
+    assert code == 0, output
+    assert "one look for frames 7 too" in output
+    assert (out / "after-2.png").is_file()
+    bpy.ops.wm.open_mainfile(filepath=str(out / "vibed.blend"))
+    assert bpy.context.scene.frame_current == 1
+
 
 def test_keyframes_of_the_artist_move_with_a_look(shot, tmp_path):
     bpy.ops.wm.open_mainfile(filepath=str(shot))
@@ -123,6 +131,7 @@ def test_keyframes_of_the_artist_move_with_a_look(shot, tmp_path):
     [
         (["--moments=1: noon; 5: night", "--offset-keys"], "--offset-keys"),
         (["--markers"], "There is only one moment"),
+        (["--prompt=noon", "--steady"], "--check-every 10"),
         (["--moments=1: noon; 5: xqzt"], "xqzt"),
         (["--moments=5: noon; 1: night"], "does not come after frame 5"),
     ],

@@ -199,8 +199,13 @@ def _locked(outcome: Outcome, claim: Claim) -> str:
 
 def _opponent(outcome: Outcome, number: int) -> str:
     """The opponent of a claim by the linear model of the last steps: nothing that helps, an end of a range, or another claim."""
-    shot, known = outcome.shots[0], outcome.descent.known if outcome.descent else None
-    measured = [i for i, where in enumerate(shot.claims.regions) if where is not None] if shot.claims else []
+    known, claims = (
+        outcome.descent.known if outcome.descent else None,
+        [s.claims for s in outcome.shots if s.claims],
+    )
+    measured = [
+        i for each in claims for i, where in enumerate(each.regions) if where is not None
+    ]  # shot by shot
     if known is None or number not in measured:
         return ""
     (model, places, low, high), here = known, known[0].here
@@ -217,7 +222,7 @@ def _opponent(outcome: Outcome, number: int) -> str:
         return f"{labels.title(key)} is at the end of its range"
     step = torch.where(left == left.max(), move, 0.0)
     worse = here.misses(here.values + model.slopes @ step) - here.misses(here.values)
-    worse[measured.index(number)] = 0.0
+    worse[[i == number for i in measured]] = 0.0
     if worse.max() < _WORSE:
         return "more rounds may come nearer"
     other = outcome.claims[measured[int(worse.argmax())]]

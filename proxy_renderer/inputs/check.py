@@ -52,6 +52,7 @@ def shots(scenes: Sequence[Path], arguments: argparse.Namespace) -> list[Path]:
         if several and getattr(arguments, name):
             flag = f"--{name.replace('_', '-')}"
             raise VibeError(f"{flag} is for one shot.", "Leave out more scenes, --cameras and --frames.")
+    checks.steady(arguments)
     if arguments.grade_each and not several:
         raise VibeError("--grade-each is for several shots.", "Name --cameras, --frames or more scenes.")
     return list(dict.fromkeys(scenes))

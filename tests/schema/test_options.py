@@ -82,7 +82,7 @@ def test_what_vibe_run_hands_over_means_the_same_on_the_other_side():
     argv += ["--no-new-lights", "--figures", "--light-mix"]
     argv += ["--like=still.jpg", "--like-only=light", "--like-same", "--goals=g.json"]
     argv += ["--size=64", "--samples=2", "--then=warmer"]
-    argv += ["--moments=1: noon; 9: night", "--markers", "--check-every=10", "--offset-keys"]
+    argv += ["--moments=1: noon; 9: night", "--markers", "--check-every=10", "--steady", "--offset-keys"]
     given = parser().parse_args(argv)
     checks.numbers(given)
     names = [row.name for row in TABLE if row.blender and row.name != "effort"]

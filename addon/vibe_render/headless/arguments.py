@@ -61,6 +61,7 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         args.moments = checks.moments(args)
         if not (args.moments or args.markers):
             checks.prompt(args.prompt, args.like, args.goals, args.then)
+        checks.steady(args)
         if max(map(len, (args.scenes, args.cameras, args.frames))) > 1:
             one = next((name for name in ("then", "check_every", "offset_keys") if getattr(args, name)), "")
             if one:

@@ -13,6 +13,7 @@ from ..core.files import Outputs
 from ..core.schema_import import schema
 from ..engine.process import Engine
 from ..render import final_render
+from ..run.sequence import lost_frames
 from ..scene import bindings, snapshot
 from ..scene.steps import Steps
 from . import moments, summary
@@ -29,7 +30,13 @@ def run(args: argparse.Namespace, reporter: Reporter) -> None:
         if args.moments or args.markers:
             moments.run(args, reporter, engine)
         elif args.prompt.strip() or args.like or args.goals or not args.then:
-            run_one(HeadlessVibe(args, reporter, engine), args.then)
+            first = HeadlessVibe(args, reporter, engine)
+            analysis = run_one(first, args.then)
+            if args.steady and (frames := lost_frames(first.sequence)):
+                reporter.stage(f"searching one look for frames {', '.join(map(str, frames))} too")
+                steady = copy(args)
+                steady.frames, steady.check_every = [analysis.scene.frame_current, *frames], 0
+                run_one(HeadlessVibe(steady, reporter, engine), [])
             args = _written(args)
         for sentence in args.then:
             go_on(args, sentence, reporter, engine)

@@ -157,7 +157,7 @@ def sequence_lines(rows: Sequence[CheckedFrame]) -> list[str]:
     lines = [line for each in rows if (line := frame_line(each))]
     if lost := [str(each.frame) for each in rows if each.lost]:
         lines.append(
-            f"To search one look for them too, run it with --frames {','.join(lost)} and the frame above."
+            f"To search one look for them too, add --steady, or --frames {','.join(lost)} with the frame above."
         )
     elif rows and not lines:
         lines = [f"At all {len(rows)} checked frames the same words are visible."]

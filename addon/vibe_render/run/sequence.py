@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable
+from collections.abc import Generator, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -20,6 +20,7 @@ from .driver import Driver
 from .notes import words_of
 
 _SIZE, _SAMPLES = 256, 16  # longer side in pixels, and samples, of the images
+_MOST = 4  # frames that a look is searched for besides its own
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,12 @@ class SequenceDriver(Driver):
 
     def _show_frame(self, frame: int) -> None:
         self.stage = f"Checking frame {frame}"
+
+
+def lost_frames(checked: Sequence[CheckedFrame]) -> list[int]:
+    """Frames where a word is no longer visible: at most `_MOST`, evenly spread, as the search has all in memory."""
+    lost = [each.frame for each in checked if each.lost]
+    return lost[:: -(-len(lost) // _MOST)] if lost else []
 
 
 def frame_line(checked: CheckedFrame) -> str:

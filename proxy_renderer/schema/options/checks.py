@@ -65,6 +65,15 @@ def moments(given: argparse.Namespace) -> list[tuple[int, str]]:
     return timed(text) if text.strip() else []
 
 
+def steady(given: argparse.Namespace) -> None:
+    """Refuses `--steady` without frames that are checked, or with what goes on from the look of a single frame."""
+    if given.steady and not given.check_every:
+        raise VibeError("--steady has no frames to hold at.", "Say which are checked: --check-every 10.")
+    if given.steady and (clash := [name for name in ("then", "offset_keys") if getattr(given, name)]):
+        flag = f"--{clash[0].replace('_', '-')}"
+        raise VibeError(f"{flag} goes on from one frame's look.", f"Leave out {flag} or --steady.")
+
+
 def timed(text: str) -> list[tuple[int, str]]:
     """Frames and looks as people write them; raises VibeError for what is not written so, or only one.
 

@@ -226,6 +226,8 @@ TASK = (
            "animated stays so", "shots", unit="1,50,100", manifest=("shots",)),
     Option("check_every", 0, "after the search, measure every N-th frame of the scene, and list those where a word is no "
            "longer visible", "shots", bounds=(0, 10000), manifest=()),
+    Option("steady", False, "after --check-every, search one look for the frames too where a word was no longer visible",
+           "shots", manifest=()),
     Option("moments", "", 'frames and their looks, instead of --prompt: "1: noon; 120: golden hour; 200: moonlit night"',
            "moments", unit="TEXT", manifest=()),
     Option("markers", False, "the names of the scene's timeline markers are the looks at their frames", "moments",
