@@ -63,7 +63,7 @@ def node_tree(block: Any) -> NodeTree | None:
 
 
 def displaces_normals(material: bpy.types.Material) -> bool:
-    """Whether a material's displacement is rendered as bump, or as both."""
+    """True if a material's displacement is rendered as bump, or as both."""
     owner = material if "displacement_method" in material.bl_rna.properties else material.cycles
     return owner.displacement_method != "DISPLACEMENT"
 
@@ -174,10 +174,9 @@ def set_to_curve(block: ID, curve: bpy.types.FCurve, frame: float) -> None:
 
 
 def drop_action(tree: NodeTree | None, frame: int | None = None) -> None:
-    """Takes the action of a copied tree away, which it shares with the original: Blender 5 removes curves with what the copy loses.
+    """Takes a copied tree's action away: Blender 5 removes curves of the original with what the copy loses.
 
-    Args:
-        frame: Sets the values that the curves have there first; None for a tree whose values are up to date.
+    With a frame, values are set to their curves there first.
     """
     data = tree.animation_data if tree else None
     if data is None:

@@ -66,12 +66,7 @@ class Journal:
         return node
 
     def new(self, collection: str, name: str, *kind: Any) -> Any:
-        """Adds a data-block; Blender numbers a name that is taken.
-
-        Args:
-            collection: Of `bpy.data`: "node_groups".
-            *kind: What else the collection's `new` takes: the type of a light, the mesh of an object.
-        """
+        """Adds a data-block, numbered if its name is taken; `kind` is what else `bpy.data`'s `new` takes."""
         block = getattr(bpy.data, collection).new(name, *kind)
         self.entries.append({"op": "new", "id": self.refer(block), "collection": collection})
         return block
@@ -95,11 +90,7 @@ class Journal:
         return name
 
     def channelbag(self, block: ID) -> Any:
-        """The keyframes of a data-block or of the node tree in one; one without an action gets one.
-
-        Raises:
-            LookupError: Its own action is not set up for it.
-        """
+        """The keyframes of a data-block or its node tree; a LookupError if its action has none for it."""
         data = block.animation_data
         if data and data.action:
             if (bag := _channelbag(block)) is None:
@@ -164,7 +155,7 @@ class Journal:
                 entry["new"] = self._plain(getattr(owner, entry["name"]))
 
     def _changed_since(self, entry: JournalEntry) -> bool:
-        """Whether a value is another one than `remember` has noted."""
+        """True if a value is another one than `remember` has noted."""
         block = self.ids[entry["id"]]
         if "new" not in entry or block is None:
             return False
@@ -179,11 +170,7 @@ class Journal:
         return value if isinstance(value, bool | int | float | str | None) else list(value)
 
     def undo(self, first: int = 0) -> list[str]:
-        """Undoes the entries from the first on, newest first, and forgets them.
-
-        Returns:
-            What could not be restored because the artist has removed it, in words.
-        """
+        """Undoes and forgets the entries from the first on; returns what the artist has removed, in words."""
         lost: list[str] = []
         added: list[tuple[str, ID]] = []
         # Before anything is undone: one value may follow from another, as a location from a matrix.

@@ -61,7 +61,7 @@ class EngineSetup:
 
     @property
     def running(self) -> bool:
-        """Whether it is being made."""
+        """True if it is being made."""
         return not self._work.done()
 
     def finish(self) -> None:

@@ -42,7 +42,7 @@ def by_key(key: str) -> TorchBuild:
 
 
 def has_nvidia_card(root: Path = Path("/")) -> bool:
-    """Whether NVIDIA's driver runs a card on this Linux; the open driver runs no CUDA."""
+    """True if NVIDIA's driver runs a card on this Linux; the open driver runs no CUDA."""
     cards = (root / "proc/driver/nvidia/gpus").glob("*")
     return any(cards) or (root / "usr/lib/wsl/lib/libcuda.so.1").is_file()  # under Windows, its driver's
 

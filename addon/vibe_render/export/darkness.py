@@ -37,5 +37,5 @@ def check_shows(scene: bpy.types.Scene, filling: str, lit: bool) -> None:
 
 
 def is_cut_off(scene: bpy.types.Scene) -> bool:
-    """Whether no picture reaches the output of a scene's compositor, so that every render is black."""
+    """True if no picture reaches the output of a scene's compositor, so that every render is black."""
     return grade.cut_off(compat.compositor(scene))

@@ -18,11 +18,7 @@ _WHOLE_PICTURE = 0.98  # of the picture: what fills this much leaves nothing els
 
 
 def notes_by_reason(notes: Mapping[str, Sequence[str]]) -> list[str]:
-    """Lines such as "Glossy BSDF is approximated in A, B and 7 more.", one for each reason.
-
-    Args:
-        notes: Reasons (sentences without full stops) by the name of a thing; the most important thing comes first.
-    """
+    """Lines for each reason: "Glossy BSDF is approximated in A, B and 7 more."; important names first."""
     things: dict[str, list[str]] = {}
     for name, reasons in notes.items():
         for reason in dict.fromkeys(reasons):
@@ -50,11 +46,7 @@ def filling(analysis: SceneAnalysis) -> int | None:
 
 
 def view_notes(analysis: SceneAnalysis) -> list[str]:
-    """Faults of the camera's view, in words for the artist.
-
-    Raises:
-        VibeError: The picture shows nothing but an object that the artist has hidden in the viewport.
-    """
+    """Faults of the camera's view; a VibeError if it is filled by what is hidden in the viewport."""
     if (number := filling(analysis)) is None:
         return []
     name, parent = analysis.geometry.objects[number]

@@ -165,7 +165,7 @@ def ocio_config() -> str:
 
 
 def light_notes(scene: bpy.types.Scene) -> list[str]:
-    """What the prediction leaves out of the lights, in words for the artist."""
+    """Notes for the artist on what the prediction leaves out of the lights."""
     notes = []
     for obj in sorted(rendered.shown(scene), key=lambda o: o.name_full):
         linking = obj.light_linking

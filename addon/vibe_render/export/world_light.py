@@ -19,7 +19,7 @@ from .textures import image_colors, is_encoded_usually
 
 _HEIGHT, _SAMPLES = 512, 8
 _LIGHT = {"Is Diffuse Ray": 1.0, "Is Reflection Ray": 1.0, "Ray Depth": 1.0, "Diffuse Depth": 1.0}
-"""What a Light Path node says where a world lights a matte surface; its other outputs are 0."""
+"""Outputs of a Light Path node where a world lights a matte surface; the others are 0."""
 
 
 @dataclass(frozen=True)

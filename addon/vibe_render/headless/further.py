@@ -49,11 +49,7 @@ def _written(args: argparse.Namespace) -> argparse.Namespace:
 
 
 def go_on(args: argparse.Namespace, sentence: str, reporter: Reporter, engine: Engine) -> None:
-    """Runs a further sentence on the command line's scene.
-
-    Raises:
-        VibeError: The scene has no look yet, or the sentence is empty or about a step that is not there.
-    """
+    """Runs a further sentence; a VibeError if the scene has no look, or the sentence says nothing."""
     scene, _, _ = open_scene(args, reporter)
     steps = Steps.of(scene)
     if not snapshot.exists(scene):

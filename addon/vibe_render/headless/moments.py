@@ -39,8 +39,7 @@ _STEPS = 3  # of the strip, from one moment to the next
 def run(args: argparse.Namespace, reporter: Reporter, engine: Engine) -> None:
     """Finds the look of each moment, each from the artist's own scene, and writes them into one .blend.
 
-    Raises:
-        VibeError: The markers are no moments, or one of the vibes failed; nothing is written.
+    If the markers are no moments, or one of the vibes fails, nothing is written.
     """
     queue = list(args.moments) or _of_markers(args, reporter)
     count = len(queue)

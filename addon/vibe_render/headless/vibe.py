@@ -83,14 +83,7 @@ class HeadlessVibe(SequenceDriver):
         self._unlit = False  # whether the first shot, which the engine tells about, is black before the vibe
 
     def run(self) -> SceneAnalysis:
-        """Runs it to its end.
-
-        Returns:
-            The analysis of the last shot's scene, which has its new values now.
-
-        Raises:
-            VibeError: A mistake in the command line, or the engine's error.
-        """
+        """Runs it to its end; returns the analysis of the last shot's scene, which has its new values."""
         with self._temporary:
             with self._out:
                 drive(self._run())

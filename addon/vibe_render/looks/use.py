@@ -19,13 +19,10 @@ _POWER = "/power"
 
 
 def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectChoice) -> list[str]:
-    """Applies a look to the scene; Strength, Before, Keep and Revert work as after a vibe.
+    """Applies a look to the scene, as a vibe's result is; returns what did not fit, in words for the artist.
 
     A look from another preset that has not been kept is taken out first, so that presets can be tried one after the
     other. A failure leaves the scene as it was.
-
-    Returns:
-        What did not fit, in words for the artist.
 
     Raises:
         VibeError: Nothing of the look fits, or the scene cannot be worked with.
@@ -62,11 +59,7 @@ def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectCho
 
 
 def capture_preset(scene: bpy.types.Scene, choice: SubjectChoice, name: str) -> preset.Preset:
-    """The scene's present look: all that the last vibe or preset changed. The scene shows the vibe afterwards.
-
-    Raises:
-        VibeError: There is no such look, or the scene cannot be read.
-    """
+    """All that the last vibe or preset changed, which the scene then shows; a VibeError if that is nothing."""
     settings = scene.vibe
     settings.show_original = False
     scene_reading = reading.read_scene(scene, choice)

@@ -31,10 +31,7 @@ def _render_linear(scene: bpy.types.Scene, samples: int) -> np.ndarray:
     """Renders the scene with Cycles as it is set up: (H, W, 3) float32, scene linear, row 0 at the bottom."""
     scene.render.engine = "CYCLES"
     exact = {"samples": samples, "use_denoising": False, "use_adaptive_sampling": False}
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        changed(scene.cycles, device="CPU", max_bounces=0, **exact),
-    ):
+    with tempfile.TemporaryDirectory() as folder, changed(scene.cycles, device="CPU", max_bounces=0, **exact):
         path = Path(folder) / "linear.exr"
         # Later settings of a file are valid only after the earlier ones.
         kind = {"media_type": "IMAGE", "file_format": "OPEN_EXR", "color_depth": "32", "color_mode": "RGB"}

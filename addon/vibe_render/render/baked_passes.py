@@ -68,10 +68,9 @@ class BakedPicture:
 def bake_passes(
     scene: bpy.types.Scene, requests: Sequence[PassRequest], plane: CapturePlane | None = None
 ) -> dict[tuple[str, str], BakedPicture]:
-    """Bakes computed inputs with one render of the camera's view, or of a plane captured straight on.
+    """Bakes inputs with one render of the view, or of a plane; by name of the material and channel.
 
-    Returns:
-        By full name of the material and channel; without inputs that are not seen, and materials of linked libraries.
+    Inputs that are not seen, and materials of linked libraries, are left out.
     """
     requests = [r for r in requests if not (r.material.library or r.tree.library or r.tree.override_library)]
     if not requests:
@@ -270,11 +269,7 @@ def straight_on(scene: bpy.types.Scene, plane: CapturePlane) -> Iterator[None]:
 
 
 def render_passes(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
-    """Renders a scene as it is set up; its first view layer's passes by name.
-
-    Returns:
-        (H, W, C) float32 each, row 0 at the bottom; the channels in the order R, G, B, A or X, Y, Z, W.
-    """
+    """Renders a scene; its first layer's passes by name: (H, W, RGBA or XYZW) float32, row 0 at the bottom."""
     layer = rendered.layer(scene)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "passes.exr"
@@ -297,9 +292,6 @@ def read_exr(path: Path) -> dict[str, np.ndarray]:
 
     Blender's own Python can write such files, not read them. Only what Blender writes with the settings of `render_passes` is
     understood: one part, scan lines, no compression, 32-bit floats (openexr.com/en/latest/OpenEXRFileLayout.html).
-
-    Raises:
-        ValueError: The file is of another kind.
     """
     data = path.read_bytes()
     if data[:4] != b"v/1\x01" or data[5] & 0b11010:  # tiles, deep data, several parts

@@ -20,7 +20,7 @@ from . import bake, light_groups
 from .light_groups import LightLayer
 
 _NOISE = 0.05
-"""Where a pixel's noise is below this, sampling it stops: the denoiser does the rest."""
+"""Noise of a pixel below which its sampling stops: the denoiser does the rest."""
 
 _MASK_SAMPLES = 16
 
@@ -162,7 +162,7 @@ def _write_as(twin: bpy.types.Scene, path: Path, kind: dict[str, Any], **options
 
 
 def is_fog(thing: bpy.types.Object) -> bool:
-    """Whether all materials of a thing are fog."""
+    """True if all materials of a thing are fog."""
     slots = [slot.material for slot in thing.material_slots if slot.material]
     return bool(slots) and not any(rendered.has_surface(m) for m in slots)
 
@@ -191,5 +191,5 @@ def _save(pixels: np.ndarray, path: Path) -> None:
 
 
 def is_black(picture: Path) -> bool:
-    """Whether a picture shows nothing: every pixel of it is black."""
+    """True if a picture shows nothing: every pixel of it is black."""
     return bool(bake.read_file(picture)[..., :3].max() < _BLACKEST)

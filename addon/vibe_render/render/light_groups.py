@@ -62,7 +62,7 @@ def light_layers(scene: Scene) -> list[LightLayer]:
 
 
 def is_light(block: ID) -> bool:
-    """Whether a data-block is a light object."""
+    """True if a data-block is a light object."""
     return isinstance(block, Object) and block.type == "LIGHT"
 
 
@@ -115,11 +115,7 @@ def _few(lights: Sequence[Object]) -> dict[str, list[Object]]:
 
 @contextmanager
 def grouped(layer: ViewLayer, groups: Iterable[tuple[str, Sequence[ID]]]) -> Iterator[list[str]]:
-    """Puts sources of light into new light groups of a copied scene's view layer; afterwards they are in their own again.
-
-    Yields:
-        The names of the groups, which Blender shortens and makes unique.
-    """
+    """Puts sources of light into new light groups of a copied scene, within the block; yields their names."""
     with ExitStack() as stack:
         names = []
         for wanted, members in groups:

@@ -35,13 +35,7 @@ class LightMix:
     """
 
     def __init__(self, path: Path, view_layer: str, names: Sequence[str], size: tuple[int, int]) -> None:
-        """Reads the light layers of a file of `final_render.render_picture`, which has to stay there.
-
-        Args:
-            view_layer: The name of the view layer that was rendered.
-            names: Of the light groups.
-            size: Width and height, pixels.
-        """
+        """Reads light groups of a file of `render_picture`, which has to stay; `size` is width and height."""
         self._path = path
         self.layers: dict[str, np.ndarray] = {}
         with _opened(path, size) as (scene, image):
@@ -66,11 +60,7 @@ class LightMix:
         self.rest[..., :3] -= total
 
     def mixed(self, factors: Mapping[str, Sequence[float]]) -> np.ndarray:
-        """The image that the layers add up to: (H, W, 4) float32, scene-linear.
-
-        Args:
-            factors: By layer, what its red, green and blue are multiplied by; 1 for those that are not named.
-        """
+        """The sum of the layers times their factors, 1 without one: (H, W, 4) float32, scene-linear."""
         image = self.rest.copy()
         for name, layer in self.layers.items():
             image[..., :3] += layer * np.array(factors.get(name, (1.0, 1.0, 1.0)), np.float32)
@@ -101,12 +91,7 @@ class LightMix:
 
 
 def _feed(tree: NodeTree, image: Image, passes: Image, first: str) -> None:
-    """Puts images in the place of the Render Layers nodes of a compositor that is ours, so that nothing is rendered.
-
-    Args:
-        image: In the place of the image of the first view layer.
-        passes: The file with the other passes.
-    """
+    """Puts images in the place of Render Layers nodes, `image` in that of the first view layer."""
     for node in list(tree.nodes):
         if node.type == "GROUP" and node.node_tree:
             node.mute = node.mute or node.node_tree.get(rendered.MARK) == mix.NAME

@@ -39,12 +39,12 @@ class Live(SceneSession):
 
     @property
     def busy(self) -> bool:
-        """Whether there is something to do."""
+        """True if there is something to do."""
         return bool(self._due or self.stage)
 
     @property
     def typing(self) -> bool:
-        """Whether words were typed that no vibe has taken over yet."""
+        """True if words were typed that no vibe has taken over yet."""
         return bool(self._words)
 
     @property

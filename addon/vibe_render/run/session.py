@@ -65,14 +65,7 @@ class Session(SceneSession, SequenceDriver):
         return reference.request_title(self.prompt, self.like)
 
     def advance(self) -> bool:
-        """Does the next step.
-
-        Returns:
-            False when the vibe is in the scene.
-
-        Raises:
-            VibeError: The vibe failed; the scene is as it was.
-        """
+        """Does the next step; False when the vibe is in the scene. A VibeError leaves the scene as it was."""
         try:
             return next(self._steps, None) is not None
         except OSError as error:
@@ -85,7 +78,7 @@ class Session(SceneSession, SequenceDriver):
 
     @property
     def can_stop(self) -> bool:
-        """Whether there is a best look so far, which `stop` would take."""
+        """True if there is a best look so far, which `stop` would take."""
         return super().can_stop and not self.checking
 
     def check(self, scene: bpy.types.Scene, every: int) -> None:

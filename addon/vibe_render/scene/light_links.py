@@ -35,11 +35,7 @@ def read(scene: Scene) -> dict[str, schema.Values]:
 
 
 def put(journal: Journal, scene: Scene, values: Mapping[str, Sequence[float]]) -> dict[str, str]:
-    """Links lights of a scene, or takes links of ours away, as values say by key; other keys are left out.
-
-    Returns:
-        The keys of links that could not be set, and why.
-    """
+    """Links lights, or takes links of ours away, by key; returns those that could not be set, and why."""
     rest: dict[str, str] = {}
     wanted: dict[Object, dict[str, bool]] = {}
     for key, value in values.items():

@@ -68,13 +68,10 @@ def of(scene: Scene) -> list[Moment]:
 
 
 def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
-    """Writes looks at their frames, as keyframes, in place of those of ours that are there.
+    """Writes looks at their frames as keyframes, in place of ours; returns what was left alone, and why.
 
     What only one of them has is in the scene at all frames, a light without power. Values with the artist's own keyframes
     or drivers stay.
-
-    Returns:
-        What has been left alone, and why, in words for the artist.
     """
     moments = sorted(moments, key=lambda moment: moment.frame)
     keyframes.take_away(scene)

@@ -32,8 +32,8 @@ _PLACES = {
     "top": (0.0, 80.0, 1.0, 0.8),
     "bounce": (0.0, -40.0, 0.8, 0.3),
 }
-"""Where an added light stands at first, by its part: azimuth from the camera, elevation (degrees), size in distances, and the
-radiance of a white surface that faces it."""
+"""The first place of an added light, by its part: azimuth from the camera and elevation (degrees), size in distances,
+and the radiance of a white surface that faces it."""
 OURS = {"key": "Vibe Key", "fill": "Vibe Fill", "rim": "Vibe Rim"}
 """By the role that a scene lacks, the light that it gets."""
 _SUN = 0.526  # degrees
@@ -44,14 +44,7 @@ LIGHT_TYPE = AreaLightType.name
 
 
 def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
-    """Adds what is missing, marked as ours and recorded in the scene's snapshot.
-
-    Args:
-        subject: The objects that the picture is about; without any, everything that a render sees.
-
-    Returns:
-        The additions, in words for the artist.
-    """
+    """Adds what is missing for the subject, or for all that is seen; returns the additions in words."""
     about = list(subject) or scene_context.meshes(scene)
     low, high = scene_context.bounds(scene, about)
     with snapshot.transaction(scene) as journal:
@@ -179,7 +172,7 @@ def added_light_distance(low: Vector, high: Vector) -> float:
 
 
 def _is_lit(scene: Scene) -> bool:
-    """Whether the world lights the scene."""
+    """True if the world lights the scene."""
     world = rendered.world(scene)
     if world is None:
         return False

@@ -193,7 +193,7 @@ def light_roles(context: SceneContext) -> dict[Object, str]:
 
 
 def _from_behind(obj: Object, context: SceneContext) -> bool:
-    """Whether a light shines from behind the subject, as the camera sees it."""
+    """True if a light shines from behind the subject, as the camera sees it."""
     camera, pivot = context.scene.camera, context.pivot
     front = Vector(schema.orbit.direction(0.0, 0.0))
     view = (camera.matrix_world.translation - pivot if camera else front).xy

@@ -240,10 +240,8 @@ def _finish_solid(thing: bpy.types.Object, stuff: bpy.types.Material) -> bpy.typ
 def build_stage(path: str | Path, kind: str = "cyclorama", subject_name: str = "Subject") -> bpy.types.Scene:
     """Starts an empty file and stages the mesh in it; the subject's objects are left selected.
 
-    The mesh is moved to stand on height 0 and scaled until its bounding box has a radius of 1 m.
-
-    Raises:
-        VibeError: If the kind is not known, or the file is missing, broken or without any mesh.
+    The mesh is moved to stand on height 0 and scaled until its bounding box has a radius of 1 m. An unknown kind,
+    or a file that is missing, broken or without any mesh, is a VibeError.
     """
     if kind not in options.STAGES:
         raise schema.VibeError(f"There is no stage {kind!r}.", f"Use one of: {', '.join(options.STAGES)}.")

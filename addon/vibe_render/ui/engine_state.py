@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether and where an engine is: searched, tested and set up in the background, while panels show the progress."""
+"""State of the engine: searched, tested and set up in the background, while panels show the progress."""
 
 from __future__ import annotations
 
@@ -50,22 +50,18 @@ class EngineState:
 
     @property
     def busy(self) -> bool:
-        """Whether a search, a test or a setup runs, which panels show."""
         return self.searching or self.testing or self.setting_up
 
     @property
     def searching(self) -> bool:
-        """Whether the engine is being searched."""
         return self._search_work is not None
 
     @property
     def testing(self) -> bool:
-        """Whether the engine is being tested."""
         return self._test_work is not None
 
     @property
     def setting_up(self) -> bool:
-        """Whether an environment is being made."""
         return self.setup is not None and self.setup.running
 
     def search(self, choice: str, again: bool = False) -> None:

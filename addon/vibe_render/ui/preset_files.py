@@ -29,11 +29,7 @@ class _ExportDialog(_FileDialog, ExportHelper):
     """A file dialog for saving, with a proposed name."""
 
     def propose(self, name: str, folder: str = "") -> None:
-        """Proposes a file for a look.
-
-        Args:
-            folder: Used if there was no dialog before; else it is the last one's folder.
-        """
+        """Proposes a file for a look, in the last dialog's folder, or else in the given one."""
         if self.filepath:  # type: ignore[has-type]
             folder = str(Path(self.filepath).parent)  # type: ignore[has-type]
         self.filepath = str(library.path_for(Path(folder), name).with_suffix(self.filename_ext))

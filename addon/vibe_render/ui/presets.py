@@ -155,7 +155,6 @@ class PresetOperator(IdleOperator):
     )
 
     def look(self, context: bpy.types.Context) -> library.Look:
-        """The preset; raises a VibeError if it is gone."""
         return library.preset_at(self.path or context.window_manager.vibe_presets.chosen)
 
     def name_or_report(self, context: bpy.types.Context) -> str | None:
@@ -210,7 +209,6 @@ class VIBE_OT_preset_choose(bpy.types.Operator):
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
-        """The preset's prompt, as a tool tip."""
         try:
             look = library.preset_at(properties.path)
         except schema.VibeError as error:

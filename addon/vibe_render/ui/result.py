@@ -324,7 +324,6 @@ class VIBE_OT_why(bpy.types.Operator):
         return f"{change.reason}.\n{where}" if change.reason else where
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Reports the reason in the status bar too."""
         self.report({"INFO"}, context.scene.vibe.changes[self.key].reason or "The look needs it")
         return {"CANCELLED"}
 

@@ -207,7 +207,6 @@ class VIBE_OT_setup_engine(bpy.types.Operator):
             drawing.paragraph(column, context, line, letters=_DIALOG_LETTERS)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Begins; panels and preferences show how it goes."""
         chosen = self.properties.is_property_set("build")
         build = torch_builds.by_key(self.build) if chosen else torch_builds.suggested()
         try:

@@ -83,7 +83,6 @@ class VIBE_OT_further(run.Vibing):
         return bases.allowed(cls, reason or ("Set up the engine first" if engine_state.problem else ""))
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Starts the search in the background, if the sentence needs one."""
         return self._at_once(context) or super().invoke(context, event)
 
     def execute(self, context: bpy.types.Context) -> set[str]:

@@ -62,7 +62,7 @@ def grade_slot(scene: Scene, name: str) -> LazySlot | None:
 
 
 def cut_off(tree: NodeTree | None) -> bool:
-    """Whether no picture reaches the output of a compositor, so that every render is black."""
+    """True if no picture reaches the output of a compositor, so that every render is black."""
     if tree is None:
         return False
     target = compat.compositor_output(tree)

@@ -24,7 +24,7 @@ _SHOWS = {
     "ShaderNodeBsdfSheen": 0.3,
     EMISSION: 0.5,
 }
-"""How much of a shader's own color shows, against that of a matte one: coats and glass show what is around them."""
+"""The visible part of a shader's own color, of a matte one's: coats and glass show what is around them."""
 _GRAZING = {"Fresnel": 0.1, "Facing": 0.3}
 """The mean share of the second shader where a Fresnel or Layer Weight node mixes: little but at the edges."""
 _PART = (

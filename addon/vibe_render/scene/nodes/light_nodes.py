@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the nodes of a light do to its power and color: Emission, Blackbody, Light Falloff."""
+"""Effects of a light's nodes on its power and color: Emission, Blackbody, Light Falloff."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Vibe Render adds to a scene: marked, named and colored, so that artists know it and we find it again."""
+"""Additions to a scene: marked, named and colored, so that artists know them and we find them again."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ COLOR = (0.32, 0.22, 0.46)
 
 
 def is_unseen(obj: Object) -> bool:
-    """Whether an object of ours has no surface that a picture shows: a fog box, a card before a light."""
+    """True if an object of ours has no surface that a picture shows: a fog box, a card before a light."""
     return obj.get(MARK) in (FOG, CARD)
 
 
