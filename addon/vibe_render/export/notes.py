@@ -1,19 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Notes for the artist: what spoils a picture whatever its look, and what a prediction approximates."""
+"""Notes for the artist: what spoils a picture whatever its look or makes it black, and what a prediction approximates."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import bpy
 import numpy as np
 
-from ..core import rendered
+from ..core import compat, rendered
 from ..core.schema_import import schema
+from ..scene.nodes import grade
 from .analysis import SceneAnalysis
 
 _NAMED = 3
 _MOST = 5
 
+_FAINT = 2.0**-8  # of exposure, below which white in full light is black
 _WHOLE_PICTURE = 0.98  # of the picture: what fills this much leaves nothing else to see
 
 
@@ -63,3 +66,27 @@ def view_notes(analysis: SceneAnalysis) -> list[str]:
             f'The camera is inside "{name}" and sees nothing else: move it out, or hide "{name}" in renders.'
         ]
     return []
+
+
+def check_shows(scene: bpy.types.Scene, filling: str, lit: bool) -> None:
+    """Raises a VibeError with the cause of a black picture, unless light cures that and the words bring some.
+
+    Args:
+        filling: Name of the object that fills the picture; "" where several are seen.
+        lit: Whether what the words ask for lights the scene.
+    """
+    if grade.cut_off(compat.compositor(scene)):
+        why = "no picture reaches the output of its compositor", "Connect one, or take the compositor out."
+    elif scene.cycles.film_exposure * 2.0**scene.view_settings.exposure < _FAINT:
+        why = "it is hardly exposed", "Raise Exposure in Render Properties > Film, or in Color Management."
+    elif filling:
+        why = (
+            f'"{filling}" fills the picture, and no light reaches the side that the camera sees',
+            f'Move "{filling}" away from the camera, or hide it in renders.',
+        )
+    elif not lit:
+        remedy = "Turn a light on or towards it, or ask for one in the prompt: “lit from the left”."
+        why = "no light reaches what the camera sees", remedy
+    else:
+        return
+    raise schema.VibeError(f"The scene renders black: {why[0]}.", why[1])

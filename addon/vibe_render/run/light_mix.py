@@ -17,8 +17,7 @@ from ..core import rendered
 from ..core.color import Color
 from ..core.schema_import import schema
 from ..render import bake, final_render, light_groups
-from ..render.light_groups import LightLayer
-from ..render.light_mix import LightMix
+from ..render.light_groups import LightLayer, LightMix
 from ..scene import bindings, snapshot
 from ..scene.nodes import mix
 from ..scene.nodes.layers import emitted_radiance

@@ -8,12 +8,13 @@ from dataclasses import asdict, replace
 
 import bpy
 
-from ..core import preferences
+from ..core import compat, preferences
 from ..core.schema_import import atomic, messages, schema
 from ..engine.process import Engine
-from ..export import darkness
+from ..export import notes
 from ..render import anchors, final_render, reference
 from ..scene import bindings, keyframes, own_keys, snapshot
+from ..scene.nodes import grade
 from ..scene.prepare import separate_materials, shared_materials
 from ..scene.steps import Change, Steps
 from ..scene.subject import SubjectChoice, remember_subject
@@ -179,8 +180,8 @@ class Session(SceneSession, SequenceDriver):
         elif isinstance(message, messages.Stage) and message.picture:
             picture = self._job / message.picture
             scene = self._find_scene()
-            if darkness.is_cut_off(scene) or final_render.is_black(picture):
-                darkness.check_shows(scene, self._filling, message.lit)
+            if grade.cut_off(compat.compositor(scene)) or final_render.is_black(picture):
+                notes.check_shows(scene, self._filling, message.lit)
             self.before = before_image.store(self._before_path, picture, not self._vibed)
 
     def _anchor_stage(self, request: messages.Anchor) -> str:

@@ -14,8 +14,7 @@ from ..core.preferences import own_folder
 from ..core.schema_import import errors, messages, schema
 from ..engine.find import find_python
 from ..engine.process import Engine
-from ..engine.setup import EngineSetup, requirements
-from ..engine.torch_builds import TorchBuild
+from ..engine.setup import EngineSetup, TorchBuild, requirements
 from . import drawing
 
 _TICK = 0.25  # seconds between two looks at the background work

@@ -14,7 +14,7 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ..core.schema_import import preset, schema
 from ..export import reading
-from ..looks import assets, library, lut, thumbnail, use
+from ..looks import assets, library, lut, thumbnail, transfer
 from .bases import IdleOperator
 from .presets import LookOperator, PresetOperator
 
@@ -137,7 +137,7 @@ class VIBE_OT_export_lut(IdleOperator, _ExportDialog):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        graded, neutral = use.grade_values(context.scene), lut.neutral_grade()
+        graded, neutral = transfer.grade_values(context.scene), lut.neutral_grade()
         same = all(value == neutral[name] for name, value in graded.items() if name not in lut.LEFT_OUT)
         return "The scene's colors are not graded" if same else ""
 
@@ -147,7 +147,7 @@ class VIBE_OT_export_lut(IdleOperator, _ExportDialog):
 
     def act(self, context: bpy.types.Context) -> str:
         """Writes it; the message names what a LUT cannot hold."""
-        values = use.grade_values(context.scene)
+        values = transfer.grade_values(context.scene)
         lut.write_cube(Path(self.filepath), _name(context), values)
         neutral = lut.neutral_grade()
         rest = [name for name in lut.LEFT_OUT if values.get(name, neutral[name]) != neutral[name]]

@@ -12,7 +12,7 @@ import bpy
 from bpy.props import StringProperty
 
 from ..core.schema_import import preset, schema
-from ..looks import library, thumbnail, use
+from ..looks import library, thumbnail, transfer
 from ..run.state import addon_state
 from .bases import IdleOperator, IdlePanel, has_mesh, untouchable
 from .drawing import look_icon, paragraph
@@ -235,7 +235,7 @@ class VIBE_OT_preset_apply(PresetOperator):
         look = self.look(context)
         if look.preset is None:
             raise schema.VibeError(look.problem, "Delete it, or correct the file.")
-        rest = use.apply_preset(context.scene, look.preset, context.scene.vibe.choice())
+        rest = transfer.apply_preset(context.scene, look.preset, context.scene.vibe.choice())
         addon_state.forget()  # its pictures and variants are not of this look
         window_state = context.window_manager.vibe_presets
         window_state.chosen, window_state.rest = str(look.path), "\n".join(rest)
@@ -262,7 +262,7 @@ class VIBE_OT_preset_save(_NameDialog, LookOperator):
     def act(self, context: bpy.types.Context) -> str:
         """Saves it; the picture is a small render, during which Blender waits."""
         scene = context.scene
-        look = use.capture_preset(scene, scene.vibe.choice(), self.name)
+        look = transfer.capture_preset(scene, scene.vibe.choice(), self.name)
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             picture = Path(folder) / f"picture{thumbnail.SUFFIX}"
             thumbnail.render_thumbnail(scene, picture)

@@ -14,7 +14,7 @@ from bpy.props import EnumProperty, StringProperty
 from ..core import ADDON, preferences
 from ..core.preferences import cache_folder, engine_choice
 from ..core.schema_import import schema
-from ..engine import torch_builds
+from ..engine import setup as engine_setup
 from ..run.state import addon_state
 from . import drawing
 from .bases import IdleOperator
@@ -180,7 +180,7 @@ class VIBE_OT_setup_engine(bpy.types.Operator):
     build: EnumProperty(
         name="Runs On",
         description="What the engine computes on",
-        items=[(b.key, b.name, f"{b.download} GB to download") for b in torch_builds.choices()],
+        items=[(b.key, b.name, f"{b.download} GB to download") for b in engine_setup.choices()],
         options={"SKIP_SAVE"},
     )
 
@@ -194,21 +194,21 @@ class VIBE_OT_setup_engine(bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Says what will be downloaded, and lets the artist choose; nothing is downloaded before that."""
-        self.build = torch_builds.suggested().key
+        self.build = engine_setup.suggested().key
         return context.window_manager.invoke_props_dialog(
             self, width=_DIALOG_WIDTH, title="Set Up Engine", confirm_text="Download"
         )
 
     def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column()
-        if len(torch_builds.choices()) > 1:
+        if len(engine_setup.choices()) > 1:
             column.row().prop(self, "build", expand=True)
-        for line in torch_builds.download_text(torch_builds.by_key(self.build), setup_folder()):
+        for line in engine_setup.download_text(engine_setup.by_key(self.build), setup_folder()):
             drawing.paragraph(column, context, line, letters=_DIALOG_LETTERS)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         chosen = self.properties.is_property_set("build")
-        build = torch_builds.by_key(self.build) if chosen else torch_builds.suggested()
+        build = engine_setup.by_key(self.build) if chosen else engine_setup.suggested()
         try:
             engine_state.set_up(build)
         except schema.VibeError as error:
