@@ -62,6 +62,12 @@ def node_tree(block: Any) -> NodeTree | None:
     return block.node_tree if block.use_nodes else None
 
 
+def output_node(block: Any, target: str = "CYCLES") -> Node | None:
+    """The output that renders a material, world or light; None without a block, its nodes, or an output."""
+    tree = node_tree(block) if block else None
+    return tree.get_output_node(target) if tree else None
+
+
 def displaces_normals(material: bpy.types.Material) -> bool:
     """True if a material's displacement is rendered as bump, or as both."""
     owner = material if "displacement_method" in material.bl_rna.properties else material.cycles

@@ -43,26 +43,23 @@ class Journal:
 
     def set(self, owner: bpy_struct, name: str, value: Any) -> None:
         """Sets a property of a data-block or of a struct in one: a number, a string, an array or a pointer to a data-block."""
-        block, path = address(owner)
-        entry = {"op": "set", "id": self.refer(block), "path": path, "name": name}
+        entry = {"op": "set", **self._place(owner), "name": name}
         self.entries.append({**entry, "old": self._plain(getattr(owner, name))})
         setattr(owner, name, value)
 
     def link(self, source: NodeSocket, target: NodeSocket) -> None:
         """Links an output to an input of the same tree, in place of the input's former link."""
         tree = target.id_data
-        block, path = address(tree)
         old = _end(target.links[0].from_socket) if target.is_linked else None
         ends = {"source": _end(source), "target": _end(target), "old": old}
-        self.entries.append({"op": "link", "id": self.refer(block), "path": path, **ends})
+        self.entries.append({"op": "link", **self._place(tree), **ends})
         tree.links.new(source, target)
 
     def node(self, tree: NodeTree, kind: str, name: str) -> Node:
         """Adds a node of a `bl_idname` ("ShaderNodeMix"); Blender numbers a name that is taken."""
         node = tree.nodes.new(kind)
         node.name = name
-        block, path = address(tree)
-        self.entries.append({"op": "node", "id": self.refer(block), "path": path, "node": node.name})
+        self.entries.append({"op": "node", **self._place(tree), "node": node.name})
         return node
 
     def new(self, collection: str, name: str, *kind: Any) -> Any:
@@ -84,9 +81,8 @@ class Journal:
 
     def light_group(self, layer: bpy.types.ViewLayer, name: str) -> str:
         """Adds a light group to a view layer; returns its name, which Blender makes unique."""
-        block, path = address(layer)
         name = layer.lightgroups.add(name=name).name
-        self.entries.append({"op": "lightgroup", "id": self.refer(block), "path": path, "name": name})
+        self.entries.append({"op": "lightgroup", **self._place(layer), "name": name})
         return name
 
     def channelbag(self, block: ID) -> Any:

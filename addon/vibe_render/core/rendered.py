@@ -152,15 +152,13 @@ def override_lock(scene: Scene) -> str:
 
 def has_surface(material: Material | None) -> bool:
     """True if a material shows a surface; a box of fog has none."""
-    tree = compat.node_tree(material) if material else None
-    output = tree.get_output_node("CYCLES") if tree else None
+    output = compat.output_node(material)
     return output is None or output.inputs["Surface"].is_linked or not output.inputs["Volume"].is_linked
 
 
 def is_holdout(material: Material | None) -> bool:
     """True if a material's surface is nothing but a Holdout."""
-    tree = compat.node_tree(material) if material else None
-    output = tree.get_output_node("CYCLES") if tree else None
+    output = compat.output_node(material)
     return output is not None and any(
         link.from_node.bl_idname == "ShaderNodeHoldout" for link in output.inputs["Surface"].links
     )

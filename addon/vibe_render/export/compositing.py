@@ -79,13 +79,7 @@ def _composited(twin: bpy.types.Scene, colors: np.ndarray) -> np.ndarray:
             for link in list(node.outputs["Image"].links):
                 node.id_data.links.new(source.outputs["Image"], link.to_socket)
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder, viewer(twin, lambda _: None):
-            kind = {
-                "media_type": "IMAGE",
-                "file_format": "OPEN_EXR",
-                "color_depth": "32",
-                "color_mode": "RGB",
-            }
-            assign(twin.render.image_settings, **kind)
+            assign(twin.render.image_settings, **bake.LINEAR)
             twin.render.filepath = str(Path(folder) / "colors.exr")
             bpy.ops.render.render(scene=twin.name, write_still=True)
             return bake.read_file(Path(twin.render.filepath))[..., :3].reshape(-1, 3)

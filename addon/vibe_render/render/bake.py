@@ -25,6 +25,8 @@ from ..scene.nodes.trails import ValueOrigin, group_output, same_socket
 
 _FACTOR_HEIGHT, _FACTOR_SAMPLES = 32, 64
 _WATTS = 1000.0
+LINEAR = {"media_type": "IMAGE", "file_format": "OPEN_EXR", "color_depth": "32", "color_mode": "RGB"}
+"""Settings of an image file; the later ones are valid only after the earlier ones."""
 
 
 def _render_linear(scene: bpy.types.Scene, samples: int) -> np.ndarray:
@@ -33,9 +35,7 @@ def _render_linear(scene: bpy.types.Scene, samples: int) -> np.ndarray:
     exact = {"samples": samples, "use_denoising": False, "use_adaptive_sampling": False}
     with tempfile.TemporaryDirectory() as folder, changed(scene.cycles, device="CPU", max_bounces=0, **exact):
         path = Path(folder) / "linear.exr"
-        # Later settings of a file are valid only after the earlier ones.
-        kind = {"media_type": "IMAGE", "file_format": "OPEN_EXR", "color_depth": "32", "color_mode": "RGB"}
-        assign(scene.render.image_settings, **kind)
+        assign(scene.render.image_settings, **LINEAR)
         with whole(path) as part:
             scene.render.filepath = str(part)
             bpy.ops.render.render(scene=scene.name, layer=rendered.layer(scene).name, write_still=True)

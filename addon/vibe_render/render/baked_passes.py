@@ -118,21 +118,10 @@ def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dic
         aov = layer.aovs.add()
         aov.name = name if name in (_INDEX, _SQUARE) else f"Vibe {name}"
         aov.type = "COLOR" if _is_color(name) else "VALUE"
-    with (
-        changed(
-            cycles,
-            device="CPU",
-            samples=samples,
-            use_denoising=False,
-            use_adaptive_sampling=False,
-            max_bounces=0,
-            light_sampling_threshold=1.0,
-            volume_max_steps=2,
-            pixel_filter_type="BOX",
-            time_limit=0.0,
-        ),
-        changed(layer, pass_alpha_threshold=0.0),
-    ):
+    exact = {"use_denoising": False, "use_adaptive_sampling": False, "pixel_filter_type": "BOX"}
+    fast = {"device": "CPU", "max_bounces": 0, "light_sampling_threshold": 1.0, "volume_max_steps": 2}
+    settings = {"samples": samples, "time_limit": 0.0, **exact, **fast}
+    with changed(cycles, **settings), changed(layer, pass_alpha_threshold=0.0):
         return render_passes(twin)
 
 

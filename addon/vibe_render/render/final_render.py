@@ -109,7 +109,7 @@ def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             colors = Path(folder) / path.name
             _write(twin, colors, "RGBA")
-            _keep_alpha(colors, path)
+            _save(np.repeat(bake.read_file(colors)[..., 3:], 3, axis=2), path)
 
 
 def _set_up(twin: bpy.types.Scene, size: int, samples: int, seed: int) -> None:
@@ -165,11 +165,6 @@ def is_fog(thing: bpy.types.Object) -> bool:
     """True if all materials of a thing are fog."""
     slots = [slot.material for slot in thing.material_slots if slot.material]
     return bool(slots) and not any(rendered.has_surface(m) for m in slots)
-
-
-def _keep_alpha(rendered: Path, path: Path) -> None:
-    """Writes the alpha of one PNG as the gray of another, atomically."""
-    _save(np.repeat(bake.read_file(rendered)[..., 3:], 3, axis=2), path)
 
 
 def join_pictures(pictures: Sequence[Path], path: Path) -> None:

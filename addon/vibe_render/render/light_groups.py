@@ -31,7 +31,7 @@ MOST = 12
 """The most layers of lights: more are more sliders than one mixes by, and each layer takes memory."""
 _LITTLE = 1e-3
 """The share of all light below which what no layer has is rounding and the denoiser's, and not light."""
-_LINEAR = {"media_type": "IMAGE", "file_format": "OPEN_EXR", "color_depth": "32", "color_mode": "RGBA"}
+_LINEAR = {**bake.LINEAR, "color_mode": "RGBA"}
 _COLORS = {"media_type": "IMAGE", "file_format": "PNG", "color_mode": "RGBA", "color_depth": "8"}
 WORLD, EMISSION, REST = "World", "Emission", "Other Lights"
 

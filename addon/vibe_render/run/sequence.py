@@ -27,9 +27,8 @@ class CheckedFrame:
     """A frame that was checked."""
 
     frame: int
-    lost: list[str] = field(
-        default_factory=list
-    )  # words that are visible where the look was found, and not here
+    # words that are visible where the look was found, and not here
+    lost: list[str] = field(default_factory=list)
     verdicts: list[dict[str, str]] = field(default_factory=list)  # as in `messages.Finished`
     note: str = ""  # why nothing could be measured
     picture: Path | None = None  # with the look

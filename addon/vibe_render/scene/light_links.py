@@ -62,8 +62,8 @@ def _link(journal: Journal, scene: Scene, light: Object, wanted: Mapping[str, bo
         return
     receivers = before
     if new:
-        receivers = journal.new("collections", f"Vibe Receivers of {light.name}")
-        owned.mark_owned(receivers, "Vibe Receivers")
+        name = f"Vibe Receivers of {light.name}"
+        receivers = owned.new(journal, "collections", name, role="Vibe Receivers")
         receivers[_LINKS] = new
         if before:
             receivers[_BEFORE] = before

@@ -61,9 +61,8 @@ def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
 def _add_world(journal: Journal, scene: Scene) -> str:
     shown = rendered.world(scene)
     if shown is None:
-        world = journal.new("worlds", "Vibe World")
+        world = owned.new(journal, "worlds", "Vibe World")
         compat.enable_nodes(world)
-        owned.mark_owned(world, "Vibe World")
         rendered.set_world(scene, world, journal.set)
         return "a world"
     if rendered.world_users(shown) > 1:
@@ -75,10 +74,8 @@ def _add_world(journal: Journal, scene: Scene) -> str:
 def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
     if scene.camera is not None:
         return ""
-    data = journal.new("cameras", "Vibe Camera")
-    camera = journal.new("objects", "Vibe Camera", data)
-    for block in (data, camera):
-        owned.mark_owned(block, "Vibe Camera")
+    data = owned.new(journal, "cameras", "Vibe Camera")
+    camera = owned.new(journal, "objects", "Vibe Camera", data)
     # The lens is fitted on the longer side of the picture; the shorter one has to see all too.
     sides = (scene.render.resolution_x, scene.render.resolution_y)
     distance = 1.2 * (high - low).length / 2.0 / tan(data.angle / 2.0) * (max(sides) / min(sides))
@@ -111,10 +108,8 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     """
     what = schema.added_lights.ADDED_LIGHTS[name]
     azimuth, elevation, size, brightness = _PLACES[what.part]
-    data = journal.new("lights", name, what.type)
-    light = journal.new("objects", name, data)
-    for block in (data, light):
-        owned.mark_owned(block, name)
+    data = owned.new(journal, "lights", name, what.type)
+    light = owned.new(journal, "objects", name, data)
     pivot = (low + high) / 2.0
     front = schema.orbit.angles(scene.camera.matrix_world.translation - pivot)[0] if scene.camera else 0.0
     toward = Vector(schema.orbit.direction(front + azimuth, elevation))
@@ -134,8 +129,7 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     light.matrix_world = orbit_matrix(pivot, front + azimuth, elevation, 0.0 if what.pattern else distance)
     collection = owned.find_owned(scene.collection.children, schema.added_lights.COLLECTION)
     if collection is None:
-        collection = journal.new("collections", schema.added_lights.COLLECTION)
-        owned.mark_owned(collection, schema.added_lights.COLLECTION)
+        collection = owned.new(journal, "collections", schema.added_lights.COLLECTION)
         scene.collection.children.link(collection)
     collection.objects.link(light)
     if what.pattern:
@@ -152,13 +146,11 @@ def _add_card(journal: Journal, light: Object, pattern: str, size: float) -> Obj
     """A card that only shadow rays see, before a light and turned with it."""
     lights = schema.added_lights
     quads = lights.card(pattern, size)
-    mesh = journal.new("meshes", lights.CARD)
+    mesh = owned.new(journal, "meshes", lights.CARD)
     mesh.from_pydata(
         [(*c, 0.0) for q in quads for c in q], [], [range(4 * i, 4 * i + 4) for i in range(len(quads))]
     )
-    card = journal.new("objects", lights.CARD, mesh)
-    for block in (mesh, card):
-        owned.mark_owned(block, lights.CARD)
+    card = owned.new(journal, "objects", lights.CARD, mesh)
     card.parent = light
     card.location = (0.0, 0.0, lights.CARD_AWAY * size)
     for ray in ("camera", "diffuse", "glossy", "transmission", "volume_scatter"):
@@ -192,9 +184,8 @@ def _add_material(journal: Journal, obj: Object) -> str:
     filled = [slot for slot in obj.material_slots if slot.material]
     if filled or data.library or data.override_library or not hasattr(data, "materials"):
         return ""
-    material = journal.new("materials", f"Vibe {obj.name}")
+    material = owned.new(journal, "materials", f"Vibe {obj.name}", role="material")
     compat.enable_nodes(material)
-    owned.mark_owned(material, "material")
     if obj.material_slots:
         journal.set(obj.material_slots[0], "material", material)
     else:

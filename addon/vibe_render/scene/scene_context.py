@@ -135,9 +135,8 @@ def owners(context: SceneContext, group: str) -> list[Owner]:
     if group == "world":
         return [Owner("", world)] if world else []
     if group == "volume" and not (world and trails.world_volume(world)):
-        return [
-            Owner("", scene, locked=rendered.override_lock(scene))
-        ]  # a box of fog would show that material
+        # A box of fog would show the material that overrides all.
+        return [Owner("", scene, locked=rendered.override_lock(scene))]
     return [Owner("", scene)]
 
 

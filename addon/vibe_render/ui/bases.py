@@ -79,6 +79,14 @@ class IdlePanel:
         return not addon_state.running
 
 
+class ResultOperator(bpy.types.Operator):
+    """An operator on the result that the scene has."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return allowed(cls, result_obstacle(context))
+
+
 class IdleOperator(bpy.types.Operator):
     """An operator that waits until no vibe runs. A failure is one line, and leaves everything as it was."""
 

@@ -147,16 +147,17 @@ def before_after(
     width, height = collection[str(there[0][0])].image_size
     stacked, column = width >= height, layout.column(align=True)
     if stacked and len(there) > 1:
-        _caption(column, there.pop(0)[1])
+        caption(column, there.pop(0)[1], 0.7)
     column.template_icon(icon_value=number, scale=scale)
     row = column.row()
     for _, name in there:
-        _caption(row, name)
+        caption(row, name, 0.7)
 
 
-def _caption(layout: bpy.types.UILayout, text: str) -> None:
+def caption(layout: bpy.types.UILayout, text: str, scale: float = 1.0) -> None:
+    """Draws a faint line in the middle."""
     row = layout.row()
-    row.active, row.alignment, row.scale_y = False, "CENTER", 0.7
+    row.active, row.alignment, row.scale_y = False, "CENTER", scale
     row.label(text=text)
 
 

@@ -216,13 +216,8 @@ class VIBE_OT_mix_apply(_Mixed):
             if channel.name in wanted:
                 channel.applied = wanted[channel.name]
                 channel.reset()
-        return _message(skipped)
-
-
-def _message(skipped: dict[str, str]) -> str:
-    for key, reason in skipped.items():
-        return f"{labels.title(key)} was left alone: {reason}"
-    return "The mix is in the scene"
+        left = (f"{labels.title(key)} was left alone: {reason}" for key, reason in skipped.items())
+        return next(left, "The mix is in the scene")
 
 
 class VIBE_OT_mix_nodes(_Mixed):

@@ -15,7 +15,7 @@ from ..core.schema_import import preset, schema
 from ..looks import library, thumbnail, transfer
 from ..run.state import addon_state
 from .bases import IdleOperator, IdlePanel, has_mesh, untouchable
-from .drawing import look_icon, paragraph
+from .drawing import caption, look_icon, paragraph
 
 _WIDTH, _COLUMNS = 26, 4  # of the grid; the width in Blender's units (the height of a button)
 _LETTERS = 70  # characters in a line of text below the grid
@@ -105,17 +105,11 @@ class VIBE_PT_preset_grid(bpy.types.Panel):
         for _ in range(-len(shown) % _COLUMNS if len(shown) < _COLUMNS else 0):  # pictures keep their size
             grid.label(text="")
         if not shown:
-            _draw_faint(layout, "No preset has these words")
+            caption(layout, "No preset has these words")
         elif chosen := _chosen(context):
             _draw_chosen(layout, context, chosen, _LETTERS)
         else:
-            _draw_faint(layout, "Click a name to read more, or the button next to it to apply the look")
-
-
-def _draw_faint(layout: bpy.types.UILayout, text: str) -> None:
-    row = layout.row()
-    row.active, row.alignment = False, "CENTER"
-    row.label(text=text)
+            caption(layout, "Click a name to read more, or the button next to it to apply the look")
 
 
 def _chosen(context: bpy.types.Context) -> library.Look | None:

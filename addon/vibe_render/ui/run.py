@@ -241,10 +241,8 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Sessio
     if not (session.question or session.checking):
         buttons.operator("vibe.stop", text="Stop and Use Best")
     buttons.operator("vibe.cancel", icon="X")
-    hint = box.row()
-    hint.active, hint.alignment = False, "CENTER"
     esc = "Esc stops and uses the best" if session.can_stop else "Esc cancels"
-    hint.label(text="Blender pauses for a moment" if session.stage in PAUSING else esc)
+    drawing.caption(box, "Blender pauses for a moment" if session.stage in PAUSING else esc)
 
 
 def _draw_progress(box: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:

@@ -17,7 +17,7 @@ from ..core.schema_import import schema
 from ..engine import setup as engine_setup
 from ..run.state import addon_state
 from . import drawing
-from .bases import IdleOperator
+from .bases import IdleOperator, allowed
 from .engine_state import engine_state, setup_folder, version
 from .properties import declare
 
@@ -186,11 +186,8 @@ class VIBE_OT_setup_engine(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if not preferences.online():
-            cls.poll_message_set("Online access is off: see Preferences > System > Network")
-        elif engine_state.setting_up:
-            cls.poll_message_set("It is being set up already")
-        return preferences.online() and not engine_state.setting_up
+        off = "" if preferences.online() else "Online access is off: see Preferences > System > Network"
+        return allowed(cls, off or ("It is being set up already" if engine_state.setting_up else ""))
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Says what will be downloaded, and lets the artist choose; nothing is downloaded before that."""

@@ -78,8 +78,7 @@ def _is_mix(layer: Layer) -> bool:
 
 
 def _world_layers(world: World) -> list[Layer]:
-    tree = compat.node_tree(world)
-    output = tree.get_output_node("ALL") if tree else None
+    output = compat.output_node(world, "ALL")
     return list(behind(output.inputs["Surface"])) if output else []
 
 
@@ -271,8 +270,7 @@ def offered_backdrop(
     world: World | None, instances: Mapping[str, schema.Instance]
 ) -> dict[str, schema.Instance]:
     """The parameters that a backdrop would have; none where the world cannot have one, or is partly locked."""
-    tree = compat.node_tree(world) if world else None
-    output = tree.get_output_node("ALL") if tree else None
+    output = compat.output_node(world, "ALL")
     single = single_background(world) if world else None
     # It has to be one plain Background, in its own tree, that both lights and is seen.
     if output is None or single is None or has_backdrop(world):

@@ -69,7 +69,6 @@ def _origin(light: Light, name: str) -> ValueOrigin | None:
 
 def _emission(light: Light) -> tuple[NodeSocket, tuple[Node, ...]] | None:
     """The output of the Emission node of a light, and the groups around it."""
-    tree = compat.node_tree(light)
-    output: Node | None = tree.get_output_node("CYCLES") if tree else None
+    output = compat.output_node(light)
     given = source_output(output.inputs["Surface"], ()) if output else None
     return given if given and given[0].node.bl_idname == "ShaderNodeEmission" else None

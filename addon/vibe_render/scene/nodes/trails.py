@@ -185,8 +185,7 @@ def first_background(world: World) -> NodeInGroups | None:
 
 def bumps_normals(material: Material) -> bool:
     """True if a material's Displacement is rendered, at least partly, as a change of its normals."""
-    tree = compat.node_tree(material)
-    output = tree.get_output_node("CYCLES") if tree else None
+    output = compat.output_node(material)
     return bool(output and active_links(output.inputs["Displacement"]) and compat.displaces_normals(material))
 
 
