@@ -13,10 +13,6 @@ from bpy.types import ID, Node, NodeSocket, NodeTree, Scene
 from .journal import Journal
 
 COMPOSITOR_IS_GROUP = "compositing_node_group" in Scene.bl_rna.properties  # 5.0 and later
-HAS_TEMPERATURE = "use_temperature" in bpy.types.Light.bl_rna.properties  # 4.5 and later
-HAS_IMAGE_COORDINATES = hasattr(bpy.types, "CompositorNodeImageCoordinates")  # 4.5 and later
-
-HAS_CLIPBOARD_PICTURES = "clipboard_paste" in dir(bpy.ops.image)  # 4.0 and later
 RELATIVE_PATHS = (  # 5.0 and later want to be told that a path may begin with "//"
     {"PATH_SUPPORTS_BLEND_RELATIVE"}
     if "is_path_supports_blend_relative" in bpy.types.Property.bl_rna.properties
@@ -70,8 +66,7 @@ def output_node(block: Any, target: str = "CYCLES") -> Node | None:
 
 def displaces_normals(material: bpy.types.Material) -> bool:
     """True if a material's displacement is rendered as bump, or as both."""
-    owner = material if "displacement_method" in material.bl_rna.properties else material.cycles
-    return owner.displacement_method != "DISPLACEMENT"
+    return material.displacement_method != "DISPLACEMENT"
 
 
 def compositor(scene: Scene) -> NodeTree | None:
@@ -112,15 +107,12 @@ def curves(block: ID) -> Iterator[bpy.types.FCurve]:
         return
     yield from data.drivers
     if data.action:
-        yield from _action_curves(data.action, getattr(data, "action_slot", None))
+        yield from _action_curves(data.action, data.action_slot)
     for strip in (s for track in data.nla_tracks for s in track.strips if s.action):
-        yield from _action_curves(strip.action, getattr(strip, "action_slot", None))
+        yield from _action_curves(strip.action, strip.action_slot)
 
 
 def _action_curves(action: bpy.types.Action, slot: Any) -> Iterator[bpy.types.FCurve]:
-    if not hasattr(action, "layers"):
-        yield from action.fcurves
-        return
     for strip in (s for layer in action.layers for s in layer.strips):
         bag = strip.channelbag(slot) if slot else None
         yield from bag.fcurves if bag else ()

@@ -243,7 +243,7 @@ def image_notes(scene: Scene) -> list[str]:
     """Settings of the whole image that the prediction leaves out, in words for the artist."""
     view, render, cycles, of = scene.view_settings, scene.render, scene.cycles, layer(scene)
     culls = render.use_simplify and (cycles.use_camera_cull or cycles.use_distance_cull)
-    strips = getattr(scene.sequence_editor, "strips", getattr(scene.sequence_editor, "sequences", ()))
+    strips = getattr(scene.sequence_editor, "strips", ())
     materials = of.material_override
     settings = {
         "The view transform's curves are left out of the prediction.": view.use_curve_mapping,

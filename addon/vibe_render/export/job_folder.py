@@ -137,7 +137,7 @@ def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> Sc
         "volume": _volume(analysis, instances),
         "unseen": {key: _parameter(i) for key, i in unseen.items() if key not in instances},
     }
-    if getattr(scene.view_settings, "use_white_balance", False) and not content["film"]["white_balance"]:
+    if scene.view_settings.use_white_balance and not content["film"]["white_balance"]:
         warnings.append("The view transform's white balance is left out of the prediction.")
     if table is not None:
         content["film"]["compositor"] = "compositor.npy"

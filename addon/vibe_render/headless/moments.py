@@ -136,10 +136,8 @@ def _closing(
     lines, missing = [f"Note: {note}" for note in notes], []
     for moment, report in zip(found, reports, strict=True):
         missed = words_of(report["verdicts"], "missed")
-        lines.append(
-            f"Frame {moment.frame}: {moment.prompt}."
-            + (f" Not visible: {', '.join(missed)}." if missed else "")
-        )
+        note = f" Not visible: {', '.join(missed)}." if missed else ""
+        lines.append(f"Frame {moment.frame}: {moment.prompt}.{note}")
         missing += missed
     lines.append(f"Keyframes from frame {found[0].frame} to {found[-1].frame}. {STRIP} shows the way.")
     return lines, any(report["stopped"] for report in reports), missing

@@ -254,12 +254,9 @@ def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectCho
                 message = "Nothing in this scene takes what the preset holds."
                 raise schema.VibeError(message, "See what it is for in its description.")
             # New lights are dark at strength 0.
-            added = {
-                key: [0.0]
-                for key in fitted.values
-                if key.endswith("/power") and key not in scene_reading.instances
-            }
-            bindings.write(scene, added, subject, pivot)
+            added = (key for key in fitted.values if key not in scene_reading.instances)
+            dark = {key: [0.0] for key in added if key.endswith("/power")}
+            bindings.write(scene, dark, subject, pivot)
             # no reasons: the preset's name is above the list
             as_result = messages.Result(fitted.values, {}, "")
             result.apply(scene, look.prompt or look.name, as_result, subject, pivot, fresh_list=True)

@@ -219,9 +219,7 @@ def _lit_ball(light: Object, radius: float) -> Iterator[tuple[Scene, Light]]:
     shape.to_mesh(mesh)
     shape.free()
     lamp, ball = bpy.data.objects.new("Vibe Bake", data), bpy.data.objects.new("Vibe Bake", mesh)
-    data.energy, data.color = _WATTS, (1.0, 1.0, 1.0)
-    if hasattr(data, "use_temperature"):
-        data.use_temperature = False
+    data.energy, data.color, data.use_temperature = _WATTS, (1.0, 1.0, 1.0), False
     lamp.visible_camera = ball.visible_shadow = False
     matrix = light.matrix_world.copy()
     matrix.translation = (0.0, 0.0, 0.0)

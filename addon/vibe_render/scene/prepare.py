@@ -16,6 +16,7 @@ from ..core import compat, rendered
 from ..core.journal import Journal
 from ..core.schema_import import schema
 from . import scene_context, snapshot
+from .geometry.meshes import array
 from .light_types import AreaLightType, light_type
 from .nodes import backgrounds, layers, owned
 from .nodes.trails import active_links
@@ -209,11 +210,11 @@ def _light_of_surfaces(scene: Scene, place: Vector) -> float:
 def _light_of_mesh(mesh: bpy.types.Mesh, matrix: np.ndarray, strengths: list[float], place: Vector) -> float:
     """The sum of radiance x area / (pi d^2) over a mesh's faces, half of which look the other way."""
     count = len(mesh.polygons)
-    area, index, center = np.zeros(count), np.zeros(count, np.int32), np.zeros(3 * count)
-    mesh.polygons.foreach_get("area", area)
-    mesh.polygons.foreach_get("material_index", index)
-    mesh.polygons.foreach_get("center", center)
-    way = center.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3] - np.array(place)
+    area = array(mesh.polygons, "area", (count,), float)
+    index = array(mesh.polygons, "material_index", (count,), np.int32)
+    way = (
+        array(mesh.polygons, "center", (count, 3), float) @ matrix[:3, :3].T + matrix[:3, 3] - np.array(place)
+    )
     scale = abs(np.linalg.det(matrix[:3, :3])) ** (2.0 / 3.0)
     strength = np.array(strengths)[np.clip(index, 0, len(strengths) - 1)]
     factor = np.minimum(0.5 * scale * area / (pi * np.maximum((way**2).sum(1), 1e-6)), 1.0)
@@ -251,10 +252,8 @@ def add_copies(journal: Journal, scene: Scene, names: Iterable[str]) -> None:
     known = {material.name_full: material for material in bpy.data.materials}
     for name in sorted({*names} - known.keys()):
         source, who = schema.material_copies.copied(name)
-        wearers = {
-            o for o in scene.objects if o.is_editable and schema.material_copies.is_worn_by(who, o.name)
-        }
-        wearers = {obj for obj in wearers if known.get(source) in _materials_of(obj)}
+        editable = [o for o in scene.objects if o.is_editable and known.get(source) in _materials_of(o)]
+        wearers = {o for o in editable if schema.material_copies.is_worn_by(who, o.name)}
         if not who or not wearers:
             continue
         twin = journal.copy("materials", known[source])

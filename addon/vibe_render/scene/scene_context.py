@@ -184,7 +184,7 @@ def light_roles(context: SceneContext) -> dict[Object, str]:
     def brightness(light: Object) -> float:
         """Radiance that the light gives to a white diffuse surface at the pivot that faces it."""
         data, kind = light.data, type_of(light).name
-        power, exposure = data.energy * max(data.color), getattr(data, "exposure", 0.0)
+        power, exposure = data.energy * max(data.color), data.exposure
         return schema.radiometry.radiance(kind, power, distances[light], exposure)
 
     key = max(front, key=brightness, default=None)
