@@ -15,7 +15,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from vibe_render.engine import find, setup, torch_builds
+from vibe_render.engine import find, setup
 
 from proxy_renderer.schema import VibeError
 
@@ -65,7 +65,7 @@ def installed(environment):
 
 @pytest.mark.slow
 def test_makes_an_environment_that_is_found(wheel, tmp_path):
-    environment = setup.EngineSetup(tmp_path / "engine", [str(wheel)], torch_builds.CUDA)
+    environment = setup.EngineSetup(tmp_path / "engine", [str(wheel)], setup.CUDA)
     texts = set()
     while environment.running:
         texts.add(environment.text)
@@ -105,26 +105,26 @@ def test_torch_for_the_processor_comes_from_its_own_index(folders, tmp_path, mon
     own, usual = map(as_index, folders)
     monkeypatch.delenv("PIP_NO_INDEX")
     monkeypatch.setenv("PIP_INDEX_URL", usual)
-    build = replace(torch_builds.CPU, index=own)
+    build = replace(setup.CPU, index=own)
     setup.EngineSetup(tmp_path / "engine", ["torch>=2.5", "others"], build).finish()
     assert installed(tmp_path / "engine") >= {"torch-2.15.0+cpu", "torchvision-0.30.0+cpu", "others-1.0"}
     assert not [name for name in installed(tmp_path / "engine") if name.startswith("nvidia")]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("build", [torch_builds.CPU, torch_builds.CUDA])
+@pytest.mark.parametrize("build", [setup.CPU, setup.CUDA])
 def test_a_folder_of_wheels_serves_instead_of_every_index(folders, tmp_path, monkeypatch, build):
     """A studio without a network: pip's own settings `no-index` and `find-links`."""
     own, usual = folders
     shutil.copy(next(usual.glob("others*")), own)
-    monkeypatch.setenv("PIP_FIND_LINKS", str(own if build is torch_builds.CPU else usual))
+    monkeypatch.setenv("PIP_FIND_LINKS", str(own if build is setup.CPU else usual))
     setup.EngineSetup(tmp_path / "engine", ["torch>=2.5", "others"], build).finish()
-    assert ("nvidia_cudnn-9.0" in installed(tmp_path / "engine")) == (build is torch_builds.CUDA)
+    assert ("nvidia_cudnn-9.0" in installed(tmp_path / "engine")) == (build is setup.CUDA)
 
 
 def test_a_failure_says_why_and_leaves_nothing(tmp_path):
     (tmp_path / "file").write_text("")
-    environment = setup.EngineSetup(tmp_path / "file" / "engine", ["no-such-package"], torch_builds.CUDA)
+    environment = setup.EngineSetup(tmp_path / "file" / "engine", ["no-such-package"], setup.CUDA)
     with pytest.raises(VibeError, match="Making a Python environment failed"):
         environment.finish()
     assert (tmp_path / "file").read_text() == ""
@@ -135,7 +135,7 @@ def test_cancel_leaves_nothing_new_and_the_older_engine_whole(wheel, tmp_path):
     (tmp_path / "engine" / "kept").touch()
     (tmp_path / "engine.part").mkdir()  # of a Blender that was killed
     (tmp_path / "engine.part" / "half").touch()
-    environment = setup.EngineSetup(tmp_path / "engine", [str(wheel)], torch_builds.CUDA)
+    environment = setup.EngineSetup(tmp_path / "engine", [str(wheel)], setup.CUDA)
     while not (tmp_path / "engine.part" / "bin").exists() and environment.running:
         time.sleep(0.02)
     environment.cancel()
@@ -159,7 +159,7 @@ def test_a_finished_environment_replaces_the_older_one_and_runs_there(tmp_path):
 
 def test_a_full_disk_is_said_before_anything_is_downloaded(tmp_path, monkeypatch):
     leave_free(monkeypatch, 2e9)
-    environment = setup.EngineSetup(tmp_path / "engine", [], torch_builds.CUDA)
+    environment = setup.EngineSetup(tmp_path / "engine", [], setup.CUDA)
     with pytest.raises(VibeError, match=r"2\.0 GB are free, the engine takes 5\.8 GB"):
         environment.finish()
     assert not any(tmp_path.iterdir())
@@ -167,11 +167,11 @@ def test_a_full_disk_is_said_before_anything_is_downloaded(tmp_path, monkeypatch
 
 @pytest.mark.parametrize("trace", ["proc/driver/nvidia/gpus/0000:01:00.0", "usr/lib/wsl/lib/libcuda.so.1"])
 def test_a_card_is_seen_by_the_traces_of_its_driver(tmp_path, trace):
-    assert not torch_builds.has_nvidia_card(tmp_path)
+    assert not setup.has_nvidia_card(tmp_path)
     (tmp_path / trace).parent.mkdir(parents=True)
-    assert not torch_builds.has_nvidia_card(tmp_path)
+    assert not setup.has_nvidia_card(tmp_path)
     (tmp_path / trace).touch()
-    assert torch_builds.has_nvidia_card(tmp_path)
+    assert setup.has_nvidia_card(tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -179,18 +179,18 @@ def test_a_card_is_seen_by_the_traces_of_its_driver(tmp_path, trace):
     [("linux", True, "CUDA"), ("linux", False, "CPU"), ("darwin", False, "USUAL"), ("win32", False, "USUAL")],
 )
 def test_each_computer_gets_the_build_that_suits_it(monkeypatch, system, card, build):
-    monkeypatch.setattr(torch_builds.sys, "platform", system)
-    monkeypatch.setattr(torch_builds, "has_nvidia_card", lambda: card)
-    assert torch_builds.suggested() is torch_builds.by_key(build)
+    monkeypatch.setattr(setup.sys, "platform", system)
+    monkeypatch.setattr(setup, "has_nvidia_card", lambda: card)
+    assert setup.suggested() is setup.by_key(build)
 
 
 def test_what_is_downloaded_is_said_with_its_source_and_size(tmp_path, monkeypatch):
-    monkeypatch.setattr(torch_builds.sys, "platform", "linux")
-    monkeypatch.setattr(torch_builds, "has_nvidia_card", lambda: False)
-    small, large = (" ".join(torch_builds.download_text(build, tmp_path)) for build in torch_builds.choices())
+    monkeypatch.setattr(setup.sys, "platform", "linux")
+    monkeypatch.setattr(setup, "has_nvidia_card", lambda: False)
+    small, large = (" ".join(setup.download_text(build, tmp_path)) for build in setup.choices())
     assert {"download.pytorch.org", "pypi.org"} <= set(small.replace(",", "").replace("(", "").split())
-    assert f"{torch_builds.CPU.download} GB to download" in small
-    assert f"{torch_builds.CUDA.disk} GB in {tmp_path}" in large
+    assert f"{setup.CPU.download} GB to download" in small
+    assert f"{setup.CUDA.disk} GB in {tmp_path}" in large
     assert "No NVIDIA card was found" in large
 
 
@@ -211,7 +211,7 @@ def test_a_download_shows_its_size_and_how_far_it_is(wheel, tmp_path, monkeypatc
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         monkeypatch.setenv("PIP_FIND_LINKS", f"http://127.0.0.1:{server.server_port}/")
-        setup.EngineSetup(tmp_path / "engine", ["stand-in"], torch_builds.CUDA).finish()
+        setup.EngineSetup(tmp_path / "engine", ["stand-in"], setup.CUDA).finish()
         server.shutdown()
     assert ("Downloading stand_in (3.0 MB)", 0.0) in seen
     if sys.version_info >= (3, 13):  # older Pythons bring a pip that reports no progress

@@ -9,7 +9,7 @@ from faulty_scenes import AIM, aim, plain
 from small_scenes import cube
 from vibe_render.core.compat import start_compositor
 from vibe_render.core.journal import Journal
-from vibe_render.export import darkness, reading
+from vibe_render.export import notes, reading
 from vibe_render.render import final_render
 from vibe_render.scene.subject import SubjectChoice
 
@@ -97,10 +97,10 @@ def test_a_black_picture_has_a_cause_that_light_may_cure(scene, tmp_path, cause)
     assert final_render.is_black(tmp_path / "before.png")
     words, cured = CAUSES[cause]
     with pytest.raises(VibeError, match=words) as refused:
-        darkness.check_shows(scene, job.filling, lit=False)
+        notes.check_shows(scene, job.filling, lit=False)
     assert refused.value.remedy
     with nullcontext() if cured else pytest.raises(VibeError, match=words):
-        darkness.check_shows(scene, job.filling, lit=True)
+        notes.check_shows(scene, job.filling, lit=True)
 
 
 def test_a_lit_picture_is_not_black(scene, tmp_path):

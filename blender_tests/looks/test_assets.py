@@ -8,7 +8,7 @@ from dump import contents, difference
 from sample_presets import NOIR
 from small_scenes import studio
 from vibe_render.export import reading
-from vibe_render.looks import assets, thumbnail, use
+from vibe_render.looks import assets, thumbnail, transfer
 from vibe_render.scene.nodes import owned
 from vibe_render.scene.subject import SubjectChoice
 
@@ -24,7 +24,7 @@ def exported(scene, tmp_path, monkeypatch):
     vibe_render.register()
     studio(scene)
     look = preset.Preset("Noir", {**NOIR.roles, "volume": [{"density": [0.5]}]}, NOIR.kinds, NOIR.prompt)
-    use.apply_preset(scene, look, SubjectChoice())
+    transfer.apply_preset(scene, look, SubjectChoice())
     picture = tmp_path / "look.png"
     gray = bpy.data.images.new("gray", thumbnail.SIZE, thumbnail.SIZE)
     gray.generated_color, gray.filepath_raw, gray.file_format = (0.5, 0.5, 0.5, 1.0), str(picture), "PNG"

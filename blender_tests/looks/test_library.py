@@ -10,7 +10,7 @@ import pytest
 from dump import contents, difference
 from results import FOUND, PIVOT, PROMPT, read
 from sample_presets import DAY, NOIR
-from vibe_render.looks import library, thumbnail, transfer, use
+from vibe_render.looks import library, thumbnail, transfer
 from vibe_render.render import bake
 from vibe_render.run.session import result
 from vibe_render.scene import bindings, snapshot
@@ -104,11 +104,11 @@ def test_thumbnails_show_the_middle(wide, tmp_path, scene):
 
 def test_looks_are_tried_one_after_the_other_and_reverted(addon):
     before = contents()
-    use.apply_preset(addon, NOIR, SubjectChoice())
+    transfer.apply_preset(addon, NOIR, SubjectChoice())
     assert addon.vibe.vibed_preset == "Noir"
     noir = bindings.read(addon, (), PIVOT)
     assert noir["film/saturation"] == (0.0,)
-    assert use.apply_preset(addon, DAY, SubjectChoice()) == []
+    assert transfer.apply_preset(addon, DAY, SubjectChoice()) == []
     day = bindings.read(addon, (), PIVOT)
     assert day["film/saturation"] == (1.0,)
     assert day["film/exposure"] == (1.0,)
@@ -119,9 +119,9 @@ def test_looks_are_tried_one_after_the_other_and_reverted(addon):
 def test_a_look_on_top_of_a_vibe_leads_back_to_it(addon):
     result.apply(addon, PROMPT, messages.Result(FOUND, {}, ""), [bpy.data.objects["Subject"]], PIVOT)
     vibed = read(addon)
-    use.apply_preset(addon, NOIR, SubjectChoice())
+    transfer.apply_preset(addon, NOIR, SubjectChoice())
     assert read(addon)["film/contrast"] == [pytest.approx(1.4)]
-    use.apply_preset(addon, DAY, SubjectChoice())
+    transfer.apply_preset(addon, DAY, SubjectChoice())
     assert read(addon) == {key: pytest.approx(value, abs=1e-4) for key, value in vibed.items()}
 
 
@@ -129,7 +129,7 @@ def test_strength_dims_a_light_that_the_look_brought(addon):
     bpy.data.objects.remove(bpy.data.objects["Sun"])  # the only light behind the subject, if any is
     for light in [o for o in addon.objects if o.type == "LIGHT" and o.location.y > 0]:
         bpy.data.objects.remove(light)
-    use.apply_preset(addon, NOIR, SubjectChoice())
+    transfer.apply_preset(addon, NOIR, SubjectChoice())
     rim = bpy.data.objects["Vibe Rim"].data
     full = rim.energy
     assert full > 0.0
@@ -140,23 +140,23 @@ def test_strength_dims_a_light_that_the_look_brought(addon):
 
 
 def test_what_fails_leaves_the_scene_with_the_look_before(addon):
-    use.apply_preset(addon, NOIR, SubjectChoice())
+    transfer.apply_preset(addon, NOIR, SubjectChoice())
     before = contents()
     nothing = preset.Preset("Nothing", {"fill": [{"power": [0.06]}]}, {"fill": ["AREA"]})
     for light in [o for o in addon.objects if o.type == "LIGHT"]:
         light.hide_render = light.name != "Area"
     before = contents()
     with pytest.raises(VibeError, match="Nothing in this scene"):
-        use.apply_preset(addon, nothing, SubjectChoice())
+        transfer.apply_preset(addon, nothing, SubjectChoice())
     assert difference(before, contents()) == {}
     assert addon.vibe.vibed_preset == "Noir"
 
 
 def test_a_look_is_captured_as_it_is_now(addon, tmp_path):
     with pytest.raises(VibeError, match="no look to save"):
-        use.capture_preset(addon, SubjectChoice(), "None")
-    use.apply_preset(addon, NOIR, SubjectChoice())
-    taken = use.capture_preset(addon, SubjectChoice(), "Mine")
+        transfer.capture_preset(addon, SubjectChoice(), "None")
+    transfer.apply_preset(addon, NOIR, SubjectChoice())
+    taken = transfer.capture_preset(addon, SubjectChoice(), "Mine")
     assert taken.prompt == NOIR.prompt
     assert transfer.preset.loads(taken.dumps()) == taken
     assert taken.roles["film"] == [{n: [pytest.approx(v)] for n, (v,) in NOIR.roles["film"][0].items()}]
@@ -164,7 +164,7 @@ def test_a_look_is_captured_as_it_is_now(addon, tmp_path):
     assert taken.kinds["key"] == ["SUN"]  # as bright as the lamp of the preset
     assert taken.roles["key"][0]["strength"] == [pytest.approx(60.0 / np.pi, rel=0.02)]
     addon.vibe.strength = 0.0
-    flat = use.capture_preset(addon, SubjectChoice(), "Flat")
+    flat = transfer.capture_preset(addon, SubjectChoice(), "Flat")
     assert flat.roles["film"][0]["saturation"] == [pytest.approx(1.0)]
     assert snapshot.exists(addon)
     thumbnail.render_thumbnail(addon, tmp_path / "small.jpg")

@@ -8,7 +8,7 @@ import pytest
 import vibe_render
 from dump import contents, difference
 from small_scenes import studio
-from vibe_render.looks import library, thumbnail, use
+from vibe_render.looks import library, thumbnail, transfer
 from vibe_render.render import bake
 from vibe_render.run.session import result
 from vibe_render.scene.subject import SubjectChoice
@@ -54,7 +54,7 @@ def test_each_goes_onto_another_scene_and_off_again(addon):
     before = contents()
     for row in ROWS:
         look = library.find_preset(row["name"])
-        assert use.apply_preset(addon, look.preset, SubjectChoice()) == []
+        assert transfer.apply_preset(addon, look.preset, SubjectChoice()) == []
         assert addon.vibe.changes
     assert result.revert(addon) == []
     assert difference(before, contents()) == {}

@@ -9,7 +9,7 @@ from dump import changes, difference, dump
 from vibe_render.core import compat, rendered
 from vibe_render.core.schema_import import schema
 from vibe_render.render import bake, final_render, light_groups
-from vibe_render.render.light_mix import LightMix
+from vibe_render.render.light_groups import LightMix
 from vibe_render.run import light_mix, result
 from vibe_render.scene import snapshot
 

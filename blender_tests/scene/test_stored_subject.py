@@ -6,7 +6,7 @@ import pytest
 import vibe_render
 from dump import contents, difference
 from vibe_render.export import reading
-from vibe_render.looks import use
+from vibe_render.looks import transfer
 from vibe_render.run.session import result
 from vibe_render.scene.stage import DEMO_SUBJECT, build_demo
 from vibe_render.scene.subject import SUBJECT_KEY, SubjectChoice, recall_subject, remember_subject
@@ -31,9 +31,9 @@ def painted(scene):
 
 def test_it_is_meant_by_the_next_preset_and_revert_forgets_it(still_life):
     before = contents()
-    use.apply_preset(still_life, TEAL, SubjectChoice((DEMO_SUBJECT,)))
+    transfer.apply_preset(still_life, TEAL, SubjectChoice((DEMO_SUBJECT,)))
     assert painted(still_life) == {"Clay"}
-    use.apply_preset(still_life, TEAL, SubjectChoice())
+    transfer.apply_preset(still_life, TEAL, SubjectChoice())
     assert painted(still_life) == {"Clay"}
     assert result.revert(still_life) == []
     assert difference(before, contents()) == {}
@@ -72,6 +72,6 @@ def test_what_is_out_of_the_picture_is_not_asked_for(still_life):
 
 def test_small_parts_of_a_subject_keep_their_looks(still_life):
     """A look for one thing goes onto what is as prominent, and what stays is listed."""
-    rest = use.apply_preset(still_life, TEAL, SubjectChoice())
+    rest = transfer.apply_preset(still_life, TEAL, SubjectChoice())
     assert "Brass" not in painted(still_life)
     assert any(line.startswith("Brass: shows too little") for line in rest)

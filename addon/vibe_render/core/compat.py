@@ -13,10 +13,6 @@ from bpy.types import ID, Node, NodeSocket, NodeTree, Scene
 from .journal import Journal
 
 COMPOSITOR_IS_GROUP = "compositing_node_group" in Scene.bl_rna.properties  # 5.0 and later
-HAS_TEMPERATURE = "use_temperature" in bpy.types.Light.bl_rna.properties  # 4.5 and later
-HAS_IMAGE_COORDINATES = hasattr(bpy.types, "CompositorNodeImageCoordinates")  # 4.5 and later
-
-HAS_CLIPBOARD_PICTURES = "clipboard_paste" in dir(bpy.ops.image)  # 4.0 and later
 RELATIVE_PATHS = (  # 5.0 and later want to be told that a path may begin with "//"
     {"PATH_SUPPORTS_BLEND_RELATIVE"}
     if "is_path_supports_blend_relative" in bpy.types.Property.bl_rna.properties
@@ -62,10 +58,15 @@ def node_tree(block: Any) -> NodeTree | None:
     return block.node_tree if block.use_nodes else None
 
 
+def output_node(block: Any, target: str = "CYCLES") -> Node | None:
+    """The output that renders a material, world or light; None without a block, its nodes, or an output."""
+    tree = node_tree(block) if block else None
+    return tree.get_output_node(target) if tree else None
+
+
 def displaces_normals(material: bpy.types.Material) -> bool:
-    """Whether a material's displacement is rendered as bump, or as both."""
-    owner = material if "displacement_method" in material.bl_rna.properties else material.cycles
-    return owner.displacement_method != "DISPLACEMENT"
+    """True if a material's displacement is rendered as bump, or as both."""
+    return material.displacement_method != "DISPLACEMENT"
 
 
 def compositor(scene: Scene) -> NodeTree | None:
@@ -106,15 +107,12 @@ def curves(block: ID) -> Iterator[bpy.types.FCurve]:
         return
     yield from data.drivers
     if data.action:
-        yield from _action_curves(data.action, getattr(data, "action_slot", None))
+        yield from _action_curves(data.action, data.action_slot)
     for strip in (s for track in data.nla_tracks for s in track.strips if s.action):
-        yield from _action_curves(strip.action, getattr(strip, "action_slot", None))
+        yield from _action_curves(strip.action, strip.action_slot)
 
 
 def _action_curves(action: bpy.types.Action, slot: Any) -> Iterator[bpy.types.FCurve]:
-    if not hasattr(action, "layers"):
-        yield from action.fcurves
-        return
     for strip in (s for layer in action.layers for s in layer.strips):
         bag = strip.channelbag(slot) if slot else None
         yield from bag.fcurves if bag else ()
@@ -174,10 +172,9 @@ def set_to_curve(block: ID, curve: bpy.types.FCurve, frame: float) -> None:
 
 
 def drop_action(tree: NodeTree | None, frame: int | None = None) -> None:
-    """Takes the action of a copied tree away, which it shares with the original: Blender 5 removes curves with what the copy loses.
+    """Takes a copied tree's action away: Blender 5 removes curves of the original with what the copy loses.
 
-    Args:
-        frame: Sets the values that the curves have there first; None for a tree whose values are up to date.
+    With a frame, values are set to their curves there first.
     """
     data = tree.animation_data if tree else None
     if data is None:

@@ -25,11 +25,7 @@ _LEAST = 4096  # bytes: with fewer left, what was written last may have been cut
 def whole(path: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
     """A temporary path next to a file, moved onto the file at the end of the block; removed after a failure.
 
-    Args:
-        remedy: What to do where it cannot be written, unless the disk is full.
-
-    Raises:
-        VibeError: It cannot be written. (What Blender cannot write is a RuntimeError, or an empty file.)
+    A VibeError with the remedy says if it fails. (What Blender cannot write is a RuntimeError, or empty.)
     """
     try:
         with atomic.replacing(path) as part:

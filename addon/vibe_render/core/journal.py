@@ -43,35 +43,27 @@ class Journal:
 
     def set(self, owner: bpy_struct, name: str, value: Any) -> None:
         """Sets a property of a data-block or of a struct in one: a number, a string, an array or a pointer to a data-block."""
-        block, path = address(owner)
-        entry = {"op": "set", "id": self.refer(block), "path": path, "name": name}
+        entry = {"op": "set", **self._place(owner), "name": name}
         self.entries.append({**entry, "old": self._plain(getattr(owner, name))})
         setattr(owner, name, value)
 
     def link(self, source: NodeSocket, target: NodeSocket) -> None:
         """Links an output to an input of the same tree, in place of the input's former link."""
         tree = target.id_data
-        block, path = address(tree)
         old = _end(target.links[0].from_socket) if target.is_linked else None
         ends = {"source": _end(source), "target": _end(target), "old": old}
-        self.entries.append({"op": "link", "id": self.refer(block), "path": path, **ends})
+        self.entries.append({"op": "link", **self._place(tree), **ends})
         tree.links.new(source, target)
 
     def node(self, tree: NodeTree, kind: str, name: str) -> Node:
         """Adds a node of a `bl_idname` ("ShaderNodeMix"); Blender numbers a name that is taken."""
         node = tree.nodes.new(kind)
         node.name = name
-        block, path = address(tree)
-        self.entries.append({"op": "node", "id": self.refer(block), "path": path, "node": node.name})
+        self.entries.append({"op": "node", **self._place(tree), "node": node.name})
         return node
 
     def new(self, collection: str, name: str, *kind: Any) -> Any:
-        """Adds a data-block; Blender numbers a name that is taken.
-
-        Args:
-            collection: Of `bpy.data`: "node_groups".
-            *kind: What else the collection's `new` takes: the type of a light, the mesh of an object.
-        """
+        """Adds a data-block, numbered if its name is taken; `kind` is what else `bpy.data`'s `new` takes."""
         block = getattr(bpy.data, collection).new(name, *kind)
         self.entries.append({"op": "new", "id": self.refer(block), "collection": collection})
         return block
@@ -89,17 +81,12 @@ class Journal:
 
     def light_group(self, layer: bpy.types.ViewLayer, name: str) -> str:
         """Adds a light group to a view layer; returns its name, which Blender makes unique."""
-        block, path = address(layer)
         name = layer.lightgroups.add(name=name).name
-        self.entries.append({"op": "lightgroup", "id": self.refer(block), "path": path, "name": name})
+        self.entries.append({"op": "lightgroup", **self._place(layer), "name": name})
         return name
 
     def channelbag(self, block: ID) -> Any:
-        """The keyframes of a data-block or of the node tree in one; one without an action gets one.
-
-        Raises:
-            LookupError: Its own action is not set up for it.
-        """
+        """The keyframes of a data-block or its node tree; a LookupError if its action has none for it."""
         data = block.animation_data
         if data and data.action:
             if (bag := _channelbag(block)) is None:
@@ -164,7 +151,7 @@ class Journal:
                 entry["new"] = self._plain(getattr(owner, entry["name"]))
 
     def _changed_since(self, entry: JournalEntry) -> bool:
-        """Whether a value is another one than `remember` has noted."""
+        """True if a value is another one than `remember` has noted."""
         block = self.ids[entry["id"]]
         if "new" not in entry or block is None:
             return False
@@ -179,11 +166,7 @@ class Journal:
         return value if isinstance(value, bool | int | float | str | None) else list(value)
 
     def undo(self, first: int = 0) -> list[str]:
-        """Undoes the entries from the first on, newest first, and forgets them.
-
-        Returns:
-            What could not be restored because the artist has removed it, in words.
-        """
+        """Undoes and forgets the entries from the first on; returns what the artist has removed, in words."""
         lost: list[str] = []
         added: list[tuple[str, ID]] = []
         # Before anything is undone: one value may follow from another, as a location from a matrix.

@@ -36,7 +36,7 @@ def _animated(owner: bpy_struct, name: str) -> str:
 
 
 def _is_set_aside(curve: bpy.types.FCurve) -> bool:
-    """Whether it is muted by us: a curve of ours while another look is searched, or one of the artist's that is to move."""
+    """True if it is muted by us: a curve of ours while another look is searched, or one of the artist's that is to move."""
     ours = curve.group is not None and curve.group.name == KEYFRAMES
     return curve.mute and (ours or held_name(curve) in curve.id_data.get(HELD, ()))
 

@@ -25,11 +25,7 @@ _replaced: list[str] = []  # what `note` has not told yet
 
 
 def make_readable() -> None:
-    """Replaces all texts of the file that are no UTF-8 by what they are in Latin-1; equal texts stay equal.
-
-    Raises:
-        VibeError: One of them is in a linked library.
-    """
+    """Replaces texts of the file that are no UTF-8 by Latin-1; a VibeError for one in a linked library."""
     for struct in _structs():
         texts = (p for p in struct.bl_rna.properties if p.type == "STRING" and not p.is_readonly)
         for name in (p.identifier for p in texts):

@@ -48,8 +48,5 @@ def cache_folder(context: bpy.types.Context) -> Path:
 
 
 def online() -> bool:
-    """Whether other computers may be reached: Blender's own setting, which `--online-mode` overrides.
-
-    Where Blender is a Python module there is no such setting to click: the command line decides.
-    """
+    """True if other computers may be reached: Blender's own setting, which a Python module lacks."""
     return compat.IS_MODULE or bpy.app.online_access

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a render of a scene shows: the only place that asks Blender which objects, surfaces, lights and settings count.
+"""Content of a scene's render: the only place that asks Blender what counts, objects, lights, settings.
 
 A scene is rendered through its first view layer in use. `docs/develop/what-is-rendered.md` has a row for each property.
 """
@@ -86,7 +86,7 @@ def instances(scene: Scene) -> Iterator[tuple[Object, Object | None, Matrix]]:
 
 
 def has_finite_place(obj: Object) -> bool:
-    """Whether an object's place is finite; broken drivers and constraints leave it otherwise."""
+    """True if an object's place is finite; broken drivers and constraints leave it otherwise."""
     return _is_finite(obj.matrix_world)
 
 
@@ -123,7 +123,7 @@ def frustum(scene: Scene) -> Matrix | None:
 
 
 def in_frame(to_clip: Matrix, thing: Object, matrix: Matrix) -> bool:
-    """Whether the bounding box of an object at a matrix reaches into the camera's view; conservative."""
+    """True if the bounding box of an object at a matrix reaches into the camera's view; conservative."""
     corners = [to_clip @ matrix @ Vector((*corner, 1.0)) for corner in thing.bound_box]
     sides = [(axis, sign) for axis in range(3) for sign in (1.0, -1.0)]
     return not any(all(sign * c[axis] > c.w for c in corners) for axis, sign in sides)
@@ -151,16 +151,14 @@ def override_lock(scene: Scene) -> str:
 
 
 def has_surface(material: Material | None) -> bool:
-    """Whether a material shows a surface; a box of fog has none."""
-    tree = compat.node_tree(material) if material else None
-    output = tree.get_output_node("CYCLES") if tree else None
+    """True if a material shows a surface; a box of fog has none."""
+    output = compat.output_node(material)
     return output is None or output.inputs["Surface"].is_linked or not output.inputs["Volume"].is_linked
 
 
 def is_holdout(material: Material | None) -> bool:
-    """Whether a material's surface is nothing but a Holdout."""
-    tree = compat.node_tree(material) if material else None
-    output = tree.get_output_node("CYCLES") if tree else None
+    """True if a material's surface is nothing but a Holdout."""
+    output = compat.output_node(material)
     return output is not None and any(
         link.from_node.bl_idname == "ShaderNodeHoldout" for link in output.inputs["Surface"].links
     )
@@ -179,7 +177,7 @@ def surface_note(thing: Object, of: ViewLayer) -> str:
 
 
 def is_portal(obj: Object) -> bool:
-    """Whether a light is a portal, which guides the world's light and gives none."""
+    """True if a light is a portal, which guides the world's light and gives none."""
     return obj.data.type == "AREA" and obj.data.cycles.is_portal
 
 
@@ -245,7 +243,7 @@ def image_notes(scene: Scene) -> list[str]:
     """Settings of the whole image that the prediction leaves out, in words for the artist."""
     view, render, cycles, of = scene.view_settings, scene.render, scene.cycles, layer(scene)
     culls = render.use_simplify and (cycles.use_camera_cull or cycles.use_distance_cull)
-    strips = getattr(scene.sequence_editor, "strips", getattr(scene.sequence_editor, "sequences", ()))
+    strips = getattr(scene.sequence_editor, "strips", ())
     materials = of.material_override
     settings = {
         "The view transform's curves are left out of the prediction.": view.use_curve_mapping,

@@ -70,7 +70,7 @@ def store(scene: Scene, key: str, journal: Journal) -> None:
 
 
 def _is_entry(entry: Any, count: int) -> bool:
-    """Whether this is an entry that a journal of so many data-blocks writes."""
+    """True if this is an entry that a journal of so many data-blocks writes."""
     if not (isinstance(entry, dict) and _is_index(entry.get("id"), count)):
         return False
     op = entry.get("op")

@@ -104,5 +104,5 @@ def together(slots: Sequence[ValueSlot]) -> ValueSlot | None:
 
 
 def same(a: Any, b: Any) -> bool:
-    """Whether two numbers, or sequences of some, are equal as the 32-bit floats that Blender stores."""
+    """True if two numbers, or sequences of some, are equal as the 32-bit floats that Blender stores."""
     return bool(np.array_equal(np.float32(a), np.float32(b)))

@@ -30,13 +30,9 @@ _HELP = (
 
 
 def find_python(chosen: str = "") -> Path:
-    """The Python that has the engine.
+    """The Python that has the engine; a VibeError without one.
 
-    Args:
-        chosen: A Python, or the folder of its environment; "" to search. The environment variable VIBE_ENGINE is before it.
-
-    Raises:
-        VibeError: There is no engine, or none in the chosen place.
+    It is searched, unless a Python or the folder of its environment is chosen here, or by VIBE_ENGINE.
     """
     chosen = os.environ.get(ENVIRONMENT_VARIABLE, "") or chosen
     if chosen:
@@ -64,7 +60,7 @@ def engine_environment() -> dict[str, str]:
 
 
 def has_engine(python: Path) -> bool:
-    """Whether this Python runs and has the engine's packages; it is started for that, but imports nothing."""
+    """True if this Python runs and has the engine's packages; it is started for that, but imports nothing."""
     try:
         done = subprocess.run(
             [python, "-c", _PROBE], env=engine_environment(), capture_output=True, timeout=20
@@ -94,12 +90,7 @@ def own_group() -> dict:
 
 
 def python_of(place: Path) -> Path | None:
-    """The Python at a place, or None.
-
-    Args:
-        place: A Python, an environment's folder, or the folder of commands inside of one. Links are not resolved:
-            that would leave the environment.
-    """
+    """The Python at a place: itself, an environment or its commands. Resolving links would leave that."""
     if place.is_file():
         return place
     names = ("bin/python3", "bin/python", "Scripts/python.exe", "python3", "python", "python.exe")

@@ -96,11 +96,7 @@ def check_scene(scene: bpy.types.Scene) -> None:
 
 
 def capture(scene: bpy.types.Scene) -> SceneCapture:
-    """Copies what a render of the scene shows; nothing in it is changed.
-
-    Raises:
-        VibeError: There is no camera, or no usable one.
-    """
+    """Copies what a render of the scene shows, which stays as it is; a VibeError without a usable camera."""
     if scene.camera is None:
         raise schema.VibeError("The scene has no camera.", "Add one, and aim it at the subject.")
     check_scene(scene)
@@ -117,10 +113,7 @@ def data_blocks() -> frozenset[tuple[str, str]]:
 def analyze(
     scene: bpy.types.Scene, choice: subject.SubjectChoice, visible_scene: VisibleScene | None = None
 ) -> SceneAnalysis:
-    """Analyzes a scene; nothing in it is changed.
-
-    Args:
-        visible_scene: What its camera sees; captured if missing.
+    """Analyzes a scene, which stays as it is; what its camera sees is captured if it is missing.
 
     Raises:
         VibeError: There is no mesh, no usable camera, no mesh in view, or no such subject.
@@ -159,11 +152,7 @@ def _no_mesh(scene: bpy.types.Scene) -> schema.VibeError:
 
 
 def with_subject_of(analysis: SceneAnalysis, first_shot: SceneAnalysis) -> SceneAnalysis:
-    """The analysis of a shot, with the subject and the pivot of the scene's first shot.
-
-    Raises:
-        VibeError: The subject is hidden in this shot.
-    """
+    """The analysis of a shot with the first one's subject and pivot; a VibeError if that is hidden."""
     names = {o.name_full for o in first_shot.objects}
     objects = analysis.geometry.objects
     is_subject = np.array([name in names or parent in names for name, parent in objects])
@@ -173,9 +162,5 @@ def with_subject_of(analysis: SceneAnalysis, first_shot: SceneAnalysis) -> Scene
             "Choose other frames, or name another --subject.",
         )
     return replace(
-        analysis,
-        is_subject=is_subject,
-        objects=first_shot.objects,
-        low=first_shot.low,
-        high=first_shot.high,
+        analysis, is_subject=is_subject, objects=first_shot.objects, low=first_shot.low, high=first_shot.high
     )

@@ -25,7 +25,7 @@ _TOLERANCE = 0.02  # stops
 
 
 def color_table(scene: bpy.types.Scene) -> np.ndarray | None:
-    """What the compositor makes of scene-linear colors: (SIZE, SIZE, SIZE, 3), in stops, indexed by blue, green, red.
+    """Scene-linear colors after the compositor: (SIZE, SIZE, SIZE, 3), in stops, indexed by blue, green, red.
 
     None where it leaves colors alone, and where the table could not tell: where the place of a pixel or what is around it
     counts, or more goes in than the image of the first rendered view layer.
@@ -61,13 +61,13 @@ def _layers(tree: bpy.types.NodeTree | None) -> Iterator[bpy.types.Node]:
 
 
 def _is_plain(node: bpy.types.Node, scene: bpy.types.Scene) -> bool:
-    """Whether nothing but the image of the scene's first rendered view layer comes from a Render Layers node."""
+    """True if nothing but the image of the scene's first rendered view layer comes from a Render Layers node."""
     names = {socket.name for socket in node.outputs if socket.is_linked}
     return names == {"Image"} and node.scene in (None, scene) and node.layer == rendered.layer(scene).name
 
 
 def _composited(twin: bpy.types.Scene, colors: np.ndarray) -> np.ndarray:
-    """What the compositor makes of colors (N, 3) that a render would have, pixel by pixel."""
+    """Colors (N, 3) of a render after the compositor, pixel by pixel."""
     image = bpy.data.images.new("Vibe Colors", _SIDE, _SIDE, float_buffer=True, is_data=True)
     added = []
     try:
@@ -79,13 +79,7 @@ def _composited(twin: bpy.types.Scene, colors: np.ndarray) -> np.ndarray:
             for link in list(node.outputs["Image"].links):
                 node.id_data.links.new(source.outputs["Image"], link.to_socket)
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder, viewer(twin, lambda _: None):
-            kind = {
-                "media_type": "IMAGE",
-                "file_format": "OPEN_EXR",
-                "color_depth": "32",
-                "color_mode": "RGB",
-            }
-            assign(twin.render.image_settings, **kind)
+            assign(twin.render.image_settings, **bake.LINEAR)
             twin.render.filepath = str(Path(folder) / "colors.exr")
             bpy.ops.render.render(scene=twin.name, write_still=True)
             return bake.read_file(Path(twin.render.filepath))[..., :3].reshape(-1, 3)

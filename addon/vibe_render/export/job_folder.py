@@ -44,12 +44,7 @@ def _finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, sc
 
 
 def _finite_content(value: Any, path: str, warnings: list[str]) -> Any:
-    """A copy of nested dicts and lists in which numbers that are not finite are 0.
-
-    Args:
-        path: The keys that lead to the value, joined by "/"; "" for all of it.
-        warnings: Gets a sentence for each number that was replaced.
-    """
+    """A copy of nested dicts and lists with 0 for what is not finite, and a warning with its path."""
     if isinstance(value, Mapping):
         return {
             key: _finite_content(item, f"{path}/{key}" if path else key, warnings)
@@ -104,10 +99,9 @@ def copied_values(
 
 
 def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> SceneJob:
-    """Writes the job folder; `scene.json` comes last and atomically.
+    """Writes the job folder, `scene.json` last and atomically.
 
-    Args:
-        measure: Whether textures and the world are read, which may need renders. Without them the job only serves to explain words.
+    Without measuring textures and world, which may need renders, it only serves to explain words.
     """
     folder.mkdir(parents=True, exist_ok=True)
     scene, geometry = analysis.scene, analysis.geometry
@@ -143,7 +137,7 @@ def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> Sc
         "volume": _volume(analysis, instances),
         "unseen": {key: _parameter(i) for key, i in unseen.items() if key not in instances},
     }
-    if getattr(scene.view_settings, "use_white_balance", False) and not content["film"]["white_balance"]:
+    if scene.view_settings.use_white_balance and not content["film"]["white_balance"]:
         warnings.append("The view transform's white balance is left out of the prediction.")
     if table is not None:
         content["film"]["compositor"] = "compositor.npy"

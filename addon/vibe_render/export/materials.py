@@ -32,12 +32,8 @@ APPROXIMATE: dict[str, dict[str, tuple[float, ...]]] = {
     "ShaderNodeBsdfGlass": {"transmission": (1.0,)},
     "ShaderNodeEmission": {"base_color": (0.0, 0.0, 0.0), "specular": (0.0,)},
 }
-"""What the other shaders are in its words."""
-BLACK: dict[str, tuple[float, ...]] = {
-    "base_color": (0.0, 0.0, 0.0),
-    "specular": (0.0,),
-    "roughness": (1.0,),
-}
+"""The other shaders as Principled BSDFs."""
+BLACK: dict[str, tuple[float, ...]] = {"base_color": (0.0, 0.0, 0.0), "specular": (0.0,), "roughness": (1.0,)}
 DEFAULTS = {
     "base_color": (0.8, 0.8, 0.8),
     "emission": (0.0,),
@@ -84,7 +80,7 @@ COLORS = ("base_color", "emission_color", "specular_tint")
 _TINTED = ("base_color", "emission_color", "emission")
 """Computed inputs that a parameter multiplies."""
 NO_MATERIAL = "(no material)"
-"""What faces without a material are called; a name that Blender would not give."""
+"""Name of faces without a material; Blender would not give it."""
 
 
 @dataclass
@@ -134,11 +130,7 @@ def computed_inputs(material: bpy.types.Material | None) -> dict[str, ValueOrigi
 def export_material(
     material: bpy.types.Material | None, measured: Mapping[str, MeasuredChannel]
 ) -> ExportedMaterial:
-    """Describes a material; None stands for faces without one.
-
-    Args:
-        measured: The values of its `computed_inputs`; those that could not be measured are missing.
-    """
+    """Describes a material, or faces without one, by what was measured of its `computed_inputs`."""
     if material is None:
         values = {**DEFAULTS, **APPROXIMATE["ShaderNodeBsdfDiffuse"]}
         return ExportedMaterial(_row(NO_MATERIAL, "approximate"), {}, values, "it has no material")

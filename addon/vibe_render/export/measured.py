@@ -13,7 +13,7 @@ from .analysis import SceneAnalysis
 from .materials import ExportedMaterial, MeasuredChannel, computed_inputs, export_material, uv_of
 
 _SEEN_ELSEWHERE = ("base_color", "emission_color", "emission", "alpha")
-"""What counts of materials that the camera does not see: the light that they send to others."""
+"""Inputs that count of materials that the camera does not see: the light that they send to others."""
 
 
 def measured_materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:

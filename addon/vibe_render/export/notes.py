@@ -1,28 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Notes for the artist: what spoils a picture whatever its look, and what a prediction approximates."""
+"""Notes for the artist: what spoils a picture whatever its look or makes it black, and what a prediction approximates."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import bpy
 import numpy as np
 
-from ..core import rendered
+from ..core import compat, rendered
 from ..core.schema_import import schema
+from ..scene.nodes import grade
 from .analysis import SceneAnalysis
 
 _NAMED = 3
 _MOST = 5
 
+_FAINT = 2.0**-8  # of exposure, below which white in full light is black
 _WHOLE_PICTURE = 0.98  # of the picture: what fills this much leaves nothing else to see
 
 
 def notes_by_reason(notes: Mapping[str, Sequence[str]]) -> list[str]:
-    """Lines such as "Glossy BSDF is approximated in A, B and 7 more.", one for each reason.
-
-    Args:
-        notes: Reasons (sentences without full stops) by the name of a thing; the most important thing comes first.
-    """
+    """Lines for each reason: "Glossy BSDF is approximated in A, B and 7 more."; important names first."""
     things: dict[str, list[str]] = {}
     for name, reasons in notes.items():
         for reason in dict.fromkeys(reasons):
@@ -50,11 +49,7 @@ def filling(analysis: SceneAnalysis) -> int | None:
 
 
 def view_notes(analysis: SceneAnalysis) -> list[str]:
-    """Faults of the camera's view, in words for the artist.
-
-    Raises:
-        VibeError: The picture shows nothing but an object that the artist has hidden in the viewport.
-    """
+    """Faults of the camera's view; a VibeError if it is filled by what is hidden in the viewport."""
     if (number := filling(analysis)) is None:
         return []
     name, parent = analysis.geometry.objects[number]
@@ -71,3 +66,27 @@ def view_notes(analysis: SceneAnalysis) -> list[str]:
             f'The camera is inside "{name}" and sees nothing else: move it out, or hide "{name}" in renders.'
         ]
     return []
+
+
+def check_shows(scene: bpy.types.Scene, filling: str, lit: bool) -> None:
+    """Raises a VibeError with the cause of a black picture, unless light cures that and the words bring some.
+
+    Args:
+        filling: Name of the object that fills the picture; "" where several are seen.
+        lit: Whether what the words ask for lights the scene.
+    """
+    if grade.cut_off(compat.compositor(scene)):
+        why = "no picture reaches the output of its compositor", "Connect one, or take the compositor out."
+    elif scene.cycles.film_exposure * 2.0**scene.view_settings.exposure < _FAINT:
+        why = "it is hardly exposed", "Raise Exposure in Render Properties > Film, or in Color Management."
+    elif filling:
+        why = (
+            f'"{filling}" fills the picture, and no light reaches the side that the camera sees',
+            f'Move "{filling}" away from the camera, or hide it in renders.',
+        )
+    elif not lit:
+        remedy = "Turn a light on or towards it, or ask for one in the prompt: “lit from the left”."
+        why = "no light reaches what the camera sees", remedy
+    else:
+        return
+    raise schema.VibeError(f"The scene renders black: {why[0]}.", why[1])

@@ -40,15 +40,12 @@ def export_scene(
     eyes: Sequence[Vector] = (),
     measure: bool = True,
 ) -> SceneJob:
-    """Adds what the scene lacks and writes its job folder; a failure leaves the scene as it was.
+    """Adds what the scene lacks and writes its job folder; a failure leaves it as it was.
 
     Args:
         first_shot: The analysis of an earlier shot of this scene, whose subject and pivot this shot takes.
         eyes: Positions of the cameras of all its shots: one fog box holds them all.
         measure: As for `write_job`.
-
-    Raises:
-        VibeError: The scene cannot be worked with; see `analysis.analyze`.
     """
     with _prepared(scene, choice) as analysis:
         if eyes:
@@ -70,11 +67,7 @@ def prepare_and_capture(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneC
 def export_captured(
     scene: bpy.types.Scene, folder: Path, choice: SubjectChoice, visible: VisibleScene
 ) -> SceneJob | None:
-    """Second step of an export in two steps: analyzes the captured scene and writes its job folder.
-
-    Returns:
-        The job; None if something that was captured has been removed in between: capture again.
-    """
+    """Second step of an export; None if what was captured has been removed since: capture again."""
     if scene.camera is None or not snapshot.exists(scene) or not visible.blocks <= data_blocks():
         return None
     return write_job(analyze(scene, choice, visible), folder)

@@ -105,7 +105,7 @@ def image_colors(image: bpy.types.Image | None) -> np.ndarray | None:
 
 
 def is_encoded_usually(image: bpy.types.Image | None) -> bool:
-    """Whether an image's colors are linear, data or encoded as those of new images, which is sRGB in any configuration.
+    """True if an image's colors are linear, data or encoded as those of new images, which is sRGB in any configuration.
 
     The color spaces of a configuration have any names, and only Blender can decode all of them: by a render.
     """
@@ -144,11 +144,7 @@ def shrink(image: np.ndarray, longest: int) -> np.ndarray:
 def plain_image(
     source: bpy.types.NodeSocket | None, outputs: tuple[str, ...] = ("Color",)
 ) -> bpy.types.Node | None:
-    """The image texture node behind an output, if its image is a still one and laid flat over a UV map; else None.
-
-    Args:
-        outputs: Names of the outputs of image textures that count.
-    """
+    """The image texture node behind an output, if its image is still and flat over a UV map; else None."""
     while source is not None and source.node.type == "REROUTE":
         links = active_links(source.node.inputs[0])
         source = links[0].from_socket if links else None
@@ -205,7 +201,7 @@ def _upstream(source: bpy.types.NodeSocket) -> list[bpy.types.Node]:
 
 
 def _reads_uv_only(source: bpy.types.NodeSocket) -> bool:
-    """Whether an output depends on nothing about the surface but its UVs."""
+    """True if an output depends on nothing about the surface but its UVs."""
     for node in _upstream(source):
         if node.bl_idname == "ShaderNodeTexCoord":
             if any(s.is_linked for s in node.outputs if s.name != "UV"):

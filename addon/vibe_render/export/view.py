@@ -97,10 +97,10 @@ def _light_row(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, A
         "residual": [*map(list, orbits.Pose.of(thing, pivot).residual)],
         "position": list(thing.matrix_world.translation),
         "shadow": data.use_shadow,
-        "normalize": getattr(data, "normalize", True),
-        "exposure": getattr(data, "exposure", 0.0),
+        "normalize": data.normalize,
+        "exposure": data.exposure,
         "soft_falloff": getattr(data, "use_soft_falloff", True),
-        "use_temperature": getattr(data, "use_temperature", False),
+        "use_temperature": data.use_temperature,
         "hidden": rendered.unlit_rays(thing),
         "role": role,
         "tint": light_nodes.factor(data) or bake.mean_light_factor(thing, pivot),
@@ -130,7 +130,7 @@ def white_balance(scene: bpy.types.Scene) -> list[list[float]]:
     Blender itself is asked: it stores a few colors as such a view shows them. Empty, too, in a studio's configuration that has
     no view "Raw".
     """
-    if not getattr(scene.view_settings, "use_white_balance", False):
+    if not scene.view_settings.use_white_balance:
         return []
     colors = 0.05 * (1.0 + np.eye(4, 3, dtype=np.float32))  # dark enough to stay below 1 at any balance
     twin = scene.copy()
@@ -165,7 +165,7 @@ def ocio_config() -> str:
 
 
 def light_notes(scene: bpy.types.Scene) -> list[str]:
-    """What the prediction leaves out of the lights, in words for the artist."""
+    """Notes for the artist on what the prediction leaves out of the lights."""
     notes = []
     for obj in sorted(rendered.shown(scene), key=lambda o: o.name_full):
         linking = obj.light_linking

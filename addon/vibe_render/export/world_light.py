@@ -19,7 +19,7 @@ from .textures import image_colors, is_encoded_usually
 
 _HEIGHT, _SAMPLES = 512, 8
 _LIGHT = {"Is Diffuse Ray": 1.0, "Is Reflection Ray": 1.0, "Ray Depth": 1.0, "Diffuse Depth": 1.0}
-"""What a Light Path node says where a world lights a matte surface; its other outputs are 0."""
+"""Outputs of a Light Path node where a world lights a matte surface; the others are 0."""
 
 
 @dataclass(frozen=True)
@@ -105,12 +105,17 @@ def _panorama(world: bpy.types.World) -> np.ndarray:
     return picture[:1, :1] if even else picture
 
 
-@contextmanager
-def _untinted(world: bpy.types.World) -> Iterator[tuple[bpy.types.World, list[bpy.types.NodeTree]]]:
-    """A copy of a world, its groups included, with neutral insets, and its trees; removed afterwards."""
+def _copy(world: bpy.types.World) -> bpy.types.World:
     twin = world.copy()
     compat.drop_action(twin.node_tree)
     twin.cycles.sampling_method = "NONE"  # it lights nothing, and a map of its light can take minutes
+    return twin
+
+
+@contextmanager
+def _untinted(world: bpy.types.World) -> Iterator[tuple[bpy.types.World, list[bpy.types.NodeTree]]]:
+    """A copy of a world, its groups included, with neutral insets, and its trees; removed afterwards."""
+    twin = _copy(world)
     _unlink(twin.node_tree, ("Volume",))
     trees = [twin.node_tree]
     for tree in trees:  # grows by the groups inside
@@ -137,9 +142,7 @@ def _unlink(tree: bpy.types.NodeTree, names: tuple[str, ...]) -> None:
 @contextmanager
 def _plain(world: bpy.types.World, origin: trails.ValueOrigin) -> Iterator[bpy.types.World]:
     """A copy of a world that shows the value of an output, not rotated, at strength 1; removed afterwards."""
-    twin = world.copy()
-    compat.drop_action(twin.node_tree)
-    twin.cycles.sampling_method = "NONE"
+    twin = _copy(world)
     journal = Journal()
     if turn := backgrounds.rotation_slot(twin):  # a parameter of its own
         turn.set(journal, 0.0)

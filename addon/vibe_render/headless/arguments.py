@@ -37,10 +37,7 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     The command is given either by words, as the `vibe` command does (`run SCENE...`, `demo`, `export SCENE`,
     `apply PRESET SCENE`, `revert FILE`), or by options for the file that Blender has open (`--apply PRESET`,
     `--revert`, `--demo`, `--scene FILE`). `serve` takes any number of such command lines from the standard input.
-
-    Returns:
-        A namespace with `command`, `scene` (a path, "" for the open file; `scenes` are all of them), `preset`, and
-        the options.
+    `scene` is a path, "" for the open file; `scenes` are all of them.
     """
     args = _parser().parse_args(list(argv))
     args.command = "revert" if args.revert else "apply" if args.preset else "demo" if args.demo else "run"

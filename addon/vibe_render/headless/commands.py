@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The commands of a headless run: vibe, export, apply a preset, revert, render frames; and `serve`, which runs many of them."""
+"""The commands of a headless run: vibe and what follows it, export, apply, revert, frames; and `serve`, which runs many."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import queue
 import sys
 import threading
 from collections.abc import Callable
+from copy import copy
 from pathlib import Path
 
 import bpy
@@ -20,15 +21,83 @@ from ..engine.process import Engine
 from ..export import reading
 from ..looks import library, transfer
 from ..render import final_render
+from ..run.sequence import lost_frames
 from ..scene import bindings, snapshot
+from ..scene.steps import Steps
 from ..scene.subject import remember_subject
-from . import further, summary, vibe
+from . import moments, summary
 from .arguments import Reporter, parse
 from .scenes import check_writable, open_blend, open_scene, save_blend
 from .shots import Framing, RequestedShot
+from .vibe import HeadlessVibe, run_one
 
 _GRACE = 5.0
 """Seconds from the end of the input to the end of a busy process."""
+
+
+def run(args: argparse.Namespace, reporter: Reporter) -> None:
+    """Runs a vibe, if one is asked for, and the sentences that follow it, with an engine of its own."""
+    engine = Engine(args.engine, listener=reporter.engine)
+    engine.start()  # first, so that engine and scene load at the same time
+    try:
+        if args.moments or args.markers:
+            moments.run(args, reporter, engine)
+        elif args.prompt.strip() or args.like or args.goals or not args.then:
+            first = HeadlessVibe(args, reporter, engine)
+            analysis = run_one(first, args.then)
+            if args.steady and (lost := lost_frames(first.sequence)):
+                reporter.stage(f"searching one look for frames {', '.join(map(str, lost))} too")
+                steady = copy(args)
+                steady.frames, steady.check_every = [analysis.scene.frame_current, *lost], 0
+                run_one(HeadlessVibe(steady, reporter, engine), [])
+            args = _written(args)
+        for sentence in args.then:
+            go_on(args, sentence, reporter, engine)
+            args = _written(args)
+    except BaseException:
+        engine.stop(patience=0.1)  # it may be busy
+        raise
+    engine.stop()
+
+
+def _written(args: argparse.Namespace) -> argparse.Namespace:
+    """The command line for the .blend that it has written."""
+    args = copy(args)
+    args.scene, args.command, args.demo = str(args.out / "vibed.blend"), "run", False
+    args.scenes = [args.scene]
+    return args
+
+
+def go_on(args: argparse.Namespace, sentence: str, reporter: Reporter, engine: Engine) -> None:
+    """Runs a further sentence; a VibeError if the scene has no look, or the sentence says nothing."""
+    scene, _, _ = open_scene(args, reporter)
+    steps = Steps.of(scene)
+    if not snapshot.exists(scene):
+        name = os.path.basename(args.scene or bpy.data.filepath)
+        raise schema.VibeError(f"{name} has no look to go on from.", "Give it one first, with --prompt.")
+    steps.take_hand_made(current := bindings.read(scene, (), steps.pivot))
+    change = steps.change(sentence)
+    if change.sentence:
+        args = copy(args)
+        args.prompt, args.like, args.goals, args.like_only, args.variants = change.sentence, "", "", [], 1
+        args.target = args.target if change.first else []
+        run_one(HeadlessVibe(args, reporter, engine, change), args.then)
+        return
+    with Outputs(args.out) as out:
+        skipped = bindings.write(scene, change.values, (), steps.pivot)
+        steps.add(change, current, {})
+        steps.store(scene)
+        reporter.stage("rendering with Cycles")
+        lights = out.path("lights.exr") if args.light_mix else None
+        layers = final_render.render_picture(
+            scene, out.path("after.png"), args.size, args.samples, args.seed, lights=lights
+        )
+        out.copy(f"step-{steps.shown}.png", out.path("after.png"))
+        report = {"prompt": sentence, "steps": steps.rows(), "not_written": skipped}
+        rows = summary.light_rows("lights.exr", layers)
+        out.write_json("report.json", report | ({"lights": rows} if rows else {}))
+        save_blend(out.path("vibed.blend"))
+    reporter.result([f"The scene shows step {steps.shown} of {len(steps.steps)}."])
 
 
 def export(args: argparse.Namespace, reporter: Reporter) -> None:
@@ -98,8 +167,8 @@ def frames(args: argparse.Namespace, reporter: Reporter) -> None:
 
 
 COMMANDS: dict[str, Callable[[argparse.Namespace, Reporter], None]] = {
-    "run": further.run,
-    "demo": further.run,
+    "run": run,
+    "demo": run,
     "export": export,
     "apply": apply,
     "revert": revert,
@@ -124,7 +193,7 @@ def serve() -> None:
                 engine.start()  # a new one if it died, or the last command failed
                 args = parse(json.loads(line))
                 if args.command == "run":
-                    vibe.HeadlessVibe(args, reporter, engine).run()
+                    HeadlessVibe(args, reporter, engine).run()
                 else:
                     COMMANDS[args.command](args, reporter)
             except Exception as error:  # the next command opens a file of its own

@@ -39,8 +39,7 @@ _STEPS = 3  # of the strip, from one moment to the next
 def run(args: argparse.Namespace, reporter: Reporter, engine: Engine) -> None:
     """Finds the look of each moment, each from the artist's own scene, and writes them into one .blend.
 
-    Raises:
-        VibeError: The markers are no moments, or one of the vibes failed; nothing is written.
+    If the markers are no moments, or one of the vibes fails, nothing is written.
     """
     queue = list(args.moments) or _of_markers(args, reporter)
     count = len(queue)
@@ -137,10 +136,8 @@ def _closing(
     lines, missing = [f"Note: {note}" for note in notes], []
     for moment, report in zip(found, reports, strict=True):
         missed = words_of(report["verdicts"], "missed")
-        lines.append(
-            f"Frame {moment.frame}: {moment.prompt}."
-            + (f" Not visible: {', '.join(missed)}." if missed else "")
-        )
+        note = f" Not visible: {', '.join(missed)}." if missed else ""
+        lines.append(f"Frame {moment.frame}: {moment.prompt}.{note}")
         missing += missed
     lines.append(f"Keyframes from frame {found[0].frame} to {found[-1].frame}. {STRIP} shows the way.")
     return lines, any(report["stopped"] for report in reports), missing

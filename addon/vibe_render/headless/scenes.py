@@ -26,14 +26,7 @@ _fluids: list[tuple[str, str, bool, bool]] = []
 
 
 def open_scene(args: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.Scene, SubjectChoice, bool]:
-    """Opens, stages or builds the scene that the command line names.
-
-    Returns:
-        The scene, how its subject is chosen, and whether it is a bare mesh on our stage.
-
-    Raises:
-        VibeError: It cannot be opened.
-    """
+    """Opens or builds the scene; returns it, how its subject is chosen, and if it is a mesh on our stage."""
     path = Path(args.scene).expanduser().absolute() if args.scene else None
     chosen = tuple(args.subject)
     if args.command == "demo" or args.demo:

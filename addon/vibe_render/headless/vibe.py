@@ -21,7 +21,7 @@ from ..core import preferences
 from ..core.files import Outputs
 from ..core.schema_import import command_line, messages, schema
 from ..engine.process import Engine
-from ..export import darkness
+from ..export import notes
 from ..export.analysis import SceneAnalysis
 from ..looks import transfer
 from ..render import anchors, final_render
@@ -83,14 +83,7 @@ class HeadlessVibe(SequenceDriver):
         self._unlit = False  # whether the first shot, which the engine tells about, is black before the vibe
 
     def run(self) -> SceneAnalysis:
-        """Runs it to its end.
-
-        Returns:
-            The analysis of the last shot's scene, which has its new values now.
-
-        Raises:
-            VibeError: A mistake in the command line, or the engine's error.
-        """
+        """Runs it to its end; returns the analysis of the last shot's scene, which has its new values."""
         with self._temporary:
             with self._out:
                 drive(self._run())
@@ -129,7 +122,7 @@ class HeadlessVibe(SequenceDriver):
         for number in reversed(range(len(self._shots))):
             scene = self._render(number, "before.png", min(self._args.samples, _SAMPLES_BEFORE))
             if final_render.is_black(self._out.path(numbered("before.png", number))):
-                darkness.check_shows(scene, self._shots.jobs[number].filling, lit=True)
+                notes.check_shows(scene, self._shots.jobs[number].filling, lit=True)
                 self._unlit |= number == 0
         self._stopwatch.lap("render before")
         result = yield from self._answer(messages.Result)
@@ -240,7 +233,7 @@ class HeadlessVibe(SequenceDriver):
     def _show_message(self, message: messages.Message) -> None:
         if isinstance(message, messages.Stage) and self._unlit and not message.lit:
             job = self._shots.show(0)
-            darkness.check_shows(job.analysis.scene, job.filling, lit=False)
+            notes.check_shows(job.analysis.scene, job.filling, lit=False)
 
     def _anchor_stage(self, request: messages.Anchor) -> str:
         name = self._shots.shots[request.shot].name

@@ -63,11 +63,7 @@ def catalog_root(folder: Path, libraries: Iterable[str]) -> Path:
 
 
 def add_catalogs(place: Path, paths: Iterable[str]) -> None:
-    """Adds catalogs, such as "Vibe Render/Materials", to the catalog file in a folder.
-
-    Raises:
-        VibeError: The file cannot be read or written, or is of a newer version.
-    """
+    """Adds catalogs ("Vibe Render/Materials") to the file in a folder; a VibeError if it is unusable."""
     file = place / CATALOG_FILE
     try:
         text = file.read_text(encoding="utf-8") if file.exists() else _HEAD
@@ -161,11 +157,7 @@ class _Crate:
 def export_assets(
     analysis: SceneAnalysis, name: str, words: str, materials: Iterable[Material], path: Path, picture: Path
 ) -> list[str]:
-    """Writes the look that a scene has now; returns the names of the assets.
-
-    Raises:
-        VibeError: There is nothing to export, or the files cannot be written.
-    """
+    """Writes the look of a scene; returns the names of the assets, or raises VibeError without any."""
     crate = _Crate(name)
     try:
         surfaces = [crate.keep("materials", material.copy(), material.name) for material in materials]

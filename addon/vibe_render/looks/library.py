@@ -49,7 +49,7 @@ class Look:
 
     @property
     def shipped(self) -> bool:
-        """Whether it comes with Vibe Render: it can neither be renamed nor deleted."""
+        """True if it comes with Vibe Render: it can neither be renamed nor deleted."""
         return self.path.parent == SHIPPED
 
     @property
@@ -58,7 +58,7 @@ class Look:
         return self.path.with_suffix(PICTURE)
 
     def matches(self, words: str) -> bool:
-        """Whether its name and prompt together contain each of these words (or parts of words), in any case."""
+        """True if its name and prompt together contain each of these words (or parts of words), in any case."""
         text = f"{self.name} {self.prompt}".casefold()
         return all(word in text for word in words.casefold().split())
 
@@ -119,11 +119,7 @@ def path_for(place: Path, name: str) -> Path:
 
 
 def save_preset(look: preset.Preset, picture: Path | None = None) -> Look:
-    """Adds a preset to the artist's own, with a number in its name where another preset has it.
-
-    Args:
-        picture: A JPEG of it; a file that is none is ignored.
-    """
+    """Adds a preset to the artist's own, numbered where its name is taken, with its JPEG."""
     return _write(preset_folder(create=True), look, picture)
 
 
@@ -207,7 +203,7 @@ def _write(place: Path, look: preset.Preset, picture: Path | None, instead: Path
 
 
 def _claimed(path: Path) -> bool:
-    """Whether a file's name was free and is ours now: another Blender may want it at the same moment."""
+    """True if a file's name was free and is ours now: another Blender may want it at the same moment."""
     try:
         path.open("x").close()
     except OSError as error:  # of anything but that it is there, whoever writes says why

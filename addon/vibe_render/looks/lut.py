@@ -61,11 +61,7 @@ def _turned(c: np.ndarray, sixths: np.ndarray) -> np.ndarray:
 
 
 def grade_table(values: Mapping[str, Sequence[float]], size: int = SIZE) -> np.ndarray:
-    """The display colors of a grade, on a grid of the colors that go in.
-
-    Returns:
-        (size³, 3) sRGB, red changing fastest; black is at 0, white at 1. May leave [0, 1].
-    """
+    """The colors of a grade for a grid from black to white: (size³, 3) sRGB, red changing fastest."""
     steps = np.linspace(0.0, 1.0, size)
     blue, green, red = np.meshgrid(steps, steps, steps, indexing="ij")
     colors = to_linear(np.stack([red, green, blue], -1).reshape(-1, 3))

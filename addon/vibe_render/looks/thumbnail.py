@@ -30,11 +30,7 @@ def render_thumbnail(scene: bpy.types.Scene, out: Path) -> None:
 
 
 def save_thumbnail(picture: Path, out: Path) -> None:
-    """Writes the square in the middle of a picture, `SIZE` pixels wide, as a JPEG; whole or not at all.
-
-    Raises:
-        VibeError: The picture cannot be read, or the file cannot be written.
-    """
+    """Writes the middle square of a picture, `SIZE` pixels wide, as a JPEG; a VibeError if it cannot."""
     try:
         pixels = bake.read_file(picture)
     except RuntimeError as error:

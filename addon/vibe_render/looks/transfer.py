@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Carries a look over: takes it from a scene, by role (see 'schema.preset'), and fits it to another one."""
+"""Carries a look over: takes it from a scene, by role (see 'schema.preset'), fits it to another one, and applies it."""
 
 from __future__ import annotations
 
@@ -11,14 +11,20 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..core.schema_import import labels, preset, schema
+from ..core import compat
+from ..core.schema_import import labels, messages, preset, schema
+from ..core.value_slots import socket_slot
+from ..export import reading
 from ..export.analysis import SceneAnalysis
 from ..export.job_folder import SceneJob
-from ..export.reading import SceneReading
-from ..scene import prepare, scene_context
+from ..run import result
+from ..scene import bindings, prepare, scene_context
 from ..scene.light_types import EXTENTS, light_type, type_of
+from ..scene.nodes import grade, owned
+from ..scene.subject import SubjectChoice, remember_subject
+from . import lut
 
-SceneParameters = SceneJob | SceneReading
+SceneParameters = SceneJob | reading.SceneReading
 """An exported scene, or one that was only read."""
 
 _TEXTURE_LUMA = 0.5  # of a typical texture: what a color is divided by to become a tint
@@ -224,3 +230,65 @@ def _put(result: Fit, target: SceneParameters, group: str, owner: str, name: str
         value = [value[0] + camera_azimuth(target)]
     bounds = zip(value, instance.lower, instance.upper, strict=True)
     result.values[key] = [min(max(v * instance.reference, low), high) for v, low, high in bounds]
+
+
+def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectChoice) -> list[str]:
+    """Applies a look to the scene, as a vibe's result is; returns what did not fit, in words for the artist.
+
+    A look from another preset that has not been kept is taken out first, so that presets can be tried one after the
+    other. A failure leaves the scene as it was.
+
+    Raises:
+        VibeError: Nothing of the look fits, or the scene cannot be worked with.
+    """
+    settings = scene.vibe
+    another, shown = bool(settings.vibed_preset), settings.show_original
+    if another:
+        settings.show_original = True
+    try:
+        with reading.rollback_on_failure(scene):
+            scene_reading = reading.prepare_and_read(scene, choice)
+            subject, pivot = scene_reading.analysis.objects, scene_reading.analysis.pivot
+            fitted = fit_look(look, scene_reading)
+            if not fitted.values:
+                message = "Nothing in this scene takes what the preset holds."
+                raise schema.VibeError(message, "See what it is for in its description.")
+            # New lights are dark at strength 0.
+            added = (key for key in fitted.values if key not in scene_reading.instances)
+            dark = {key: [0.0] for key in added if key.endswith("/power")}
+            bindings.write(scene, dark, subject, pivot)
+            # no reasons: the preset's name is above the list
+            as_result = messages.Result(fitted.values, {}, "")
+            result.apply(scene, look.prompt or look.name, as_result, subject, pivot, fresh_list=True)
+    except BaseException:
+        settings.show_original = shown
+        raise
+    settings.vibed_preset = look.name
+    if choice.explicit:
+        remember_subject(scene, subject)
+    return fitted.rest
+
+
+def capture_preset(scene: bpy.types.Scene, choice: SubjectChoice, name: str) -> preset.Preset:
+    """All that the last vibe or preset changed, which the scene then shows; a VibeError if that is nothing."""
+    settings = scene.vibe
+    settings.show_original = False
+    scene_reading = reading.read_scene(scene, choice)
+    changed = (change.name for change in settings.changes)
+    values = {key: scene_reading.instances[key].value for key in changed if key in scene_reading.instances}
+    look = extract_look(settings.vibed_prompt, scene_reading, values, name, settings.vibed_goals)
+    if not look.roles:
+        raise schema.VibeError("There is no look to save.", "Vibe the scene first, or apply a preset.")
+    return look
+
+
+def grade_values(scene: bpy.types.Scene) -> dict[str, tuple[float, ...]]:
+    """The values of the scene's grade, by name; empty if it has none."""
+    nodes = owned.group_nodes(compat.compositor(scene), grade.NAME)
+    if not nodes:
+        return {}
+    rows = [row for row in bindings.BINDINGS if row.parameter.name in lut.neutral_grade()]
+    sockets = {row: nodes[0].inputs[row.parameter.blender.rpartition(" > ")[2]] for row in rows}
+    return {
+        row.parameter.name: row.codec.decode(socket_slot(socket).get()) for row, socket in sockets.items()
+    }

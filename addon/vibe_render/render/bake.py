@@ -25,20 +25,17 @@ from ..scene.nodes.trails import ValueOrigin, group_output, same_socket
 
 _FACTOR_HEIGHT, _FACTOR_SAMPLES = 32, 64
 _WATTS = 1000.0
+LINEAR = {"media_type": "IMAGE", "file_format": "OPEN_EXR", "color_depth": "32", "color_mode": "RGB"}
+"""Settings of an image file; the later ones are valid only after the earlier ones."""
 
 
 def _render_linear(scene: bpy.types.Scene, samples: int) -> np.ndarray:
     """Renders the scene with Cycles as it is set up: (H, W, 3) float32, scene linear, row 0 at the bottom."""
     scene.render.engine = "CYCLES"
     exact = {"samples": samples, "use_denoising": False, "use_adaptive_sampling": False}
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        changed(scene.cycles, device="CPU", max_bounces=0, **exact),
-    ):
+    with tempfile.TemporaryDirectory() as folder, changed(scene.cycles, device="CPU", max_bounces=0, **exact):
         path = Path(folder) / "linear.exr"
-        # Later settings of a file are valid only after the earlier ones.
-        kind = {"media_type": "IMAGE", "file_format": "OPEN_EXR", "color_depth": "32", "color_mode": "RGB"}
-        assign(scene.render.image_settings, **kind)
+        assign(scene.render.image_settings, **LINEAR)
         with whole(path) as part:
             scene.render.filepath = str(part)
             bpy.ops.render.render(scene=scene.name, layer=rendered.layer(scene).name, write_still=True)
@@ -222,9 +219,7 @@ def _lit_ball(light: Object, radius: float) -> Iterator[tuple[Scene, Light]]:
     shape.to_mesh(mesh)
     shape.free()
     lamp, ball = bpy.data.objects.new("Vibe Bake", data), bpy.data.objects.new("Vibe Bake", mesh)
-    data.energy, data.color = _WATTS, (1.0, 1.0, 1.0)
-    if hasattr(data, "use_temperature"):
-        data.use_temperature = False
+    data.energy, data.color, data.use_temperature = _WATTS, (1.0, 1.0, 1.0), False
     lamp.visible_camera = ball.visible_shadow = False
     matrix = light.matrix_world.copy()
     matrix.translation = (0.0, 0.0, 0.0)

@@ -68,10 +68,9 @@ class BakedPicture:
 def bake_passes(
     scene: bpy.types.Scene, requests: Sequence[PassRequest], plane: CapturePlane | None = None
 ) -> dict[tuple[str, str], BakedPicture]:
-    """Bakes computed inputs with one render of the camera's view, or of a plane captured straight on.
+    """Bakes inputs with one render of the view, or of a plane; by name of the material and channel.
 
-    Returns:
-        By full name of the material and channel; without inputs that are not seen, and materials of linked libraries.
+    Inputs that are not seen, and materials of linked libraries, are left out.
     """
     requests = [r for r in requests if not (r.material.library or r.tree.library or r.tree.override_library)]
     if not requests:
@@ -119,21 +118,10 @@ def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dic
         aov = layer.aovs.add()
         aov.name = name if name in (_INDEX, _SQUARE) else f"Vibe {name}"
         aov.type = "COLOR" if _is_color(name) else "VALUE"
-    with (
-        changed(
-            cycles,
-            device="CPU",
-            samples=samples,
-            use_denoising=False,
-            use_adaptive_sampling=False,
-            max_bounces=0,
-            light_sampling_threshold=1.0,
-            volume_max_steps=2,
-            pixel_filter_type="BOX",
-            time_limit=0.0,
-        ),
-        changed(layer, pass_alpha_threshold=0.0),
-    ):
+    exact = {"use_denoising": False, "use_adaptive_sampling": False, "pixel_filter_type": "BOX"}
+    fast = {"device": "CPU", "max_bounces": 0, "light_sampling_threshold": 1.0, "volume_max_steps": 2}
+    settings = {"samples": samples, "time_limit": 0.0, **exact, **fast}
+    with changed(cycles, **settings), changed(layer, pass_alpha_threshold=0.0):
         return render_passes(twin)
 
 
@@ -270,11 +258,7 @@ def straight_on(scene: bpy.types.Scene, plane: CapturePlane) -> Iterator[None]:
 
 
 def render_passes(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
-    """Renders a scene as it is set up; its first view layer's passes by name.
-
-    Returns:
-        (H, W, C) float32 each, row 0 at the bottom; the channels in the order R, G, B, A or X, Y, Z, W.
-    """
+    """Renders a scene; its first layer's passes by name: (H, W, RGBA or XYZW) float32, row 0 at the bottom."""
     layer = rendered.layer(scene)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "passes.exr"
@@ -297,9 +281,6 @@ def read_exr(path: Path) -> dict[str, np.ndarray]:
 
     Blender's own Python can write such files, not read them. Only what Blender writes with the settings of `render_passes` is
     understood: one part, scan lines, no compression, 32-bit floats (openexr.com/en/latest/OpenEXRFileLayout.html).
-
-    Raises:
-        ValueError: The file is of another kind.
     """
     data = path.read_bytes()
     if data[:4] != b"v/1\x01" or data[5] & 0b11010:  # tiles, deep data, several parts

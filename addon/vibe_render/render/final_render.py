@@ -20,7 +20,7 @@ from . import bake, light_groups
 from .light_groups import LightLayer
 
 _NOISE = 0.05
-"""Where a pixel's noise is below this, sampling it stops: the denoiser does the rest."""
+"""Noise of a pixel below which its sampling stops: the denoiser does the rest."""
 
 _MASK_SAMPLES = 16
 
@@ -109,7 +109,7 @@ def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             colors = Path(folder) / path.name
             _write(twin, colors, "RGBA")
-            _keep_alpha(colors, path)
+            _save(np.repeat(bake.read_file(colors)[..., 3:], 3, axis=2), path)
 
 
 def _set_up(twin: bpy.types.Scene, size: int, samples: int, seed: int) -> None:
@@ -162,14 +162,9 @@ def _write_as(twin: bpy.types.Scene, path: Path, kind: dict[str, Any], **options
 
 
 def is_fog(thing: bpy.types.Object) -> bool:
-    """Whether all materials of a thing are fog."""
+    """True if all materials of a thing are fog."""
     slots = [slot.material for slot in thing.material_slots if slot.material]
     return bool(slots) and not any(rendered.has_surface(m) for m in slots)
-
-
-def _keep_alpha(rendered: Path, path: Path) -> None:
-    """Writes the alpha of one PNG as the gray of another, atomically."""
-    _save(np.repeat(bake.read_file(rendered)[..., 3:], 3, axis=2), path)
 
 
 def join_pictures(pictures: Sequence[Path], path: Path) -> None:
@@ -191,5 +186,5 @@ def _save(pixels: np.ndarray, path: Path) -> None:
 
 
 def is_black(picture: Path) -> bool:
-    """Whether a picture shows nothing: every pixel of it is black."""
+    """True if a picture shows nothing: every pixel of it is black."""
     return bool(bake.read_file(picture)[..., :3].max() < _BLACKEST)

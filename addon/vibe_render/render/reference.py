@@ -42,11 +42,7 @@ def picture_obstacle(settings: Any) -> str:
 
 
 def picture_path(scene: bpy.types.Scene, folder: Path) -> str:
-    """The absolute path of the picture, "" without one; what is not a file is saved into the folder first.
-
-    Raises:
-        VibeError: It is missing, or has no pixels.
-    """
+    """The path of the picture, "" without one; an image or slot is saved first. A VibeError if it is missing."""
     settings = scene.vibe
     if not picture_name(settings):
         return ""

@@ -61,7 +61,7 @@ class Driver:
 
     @property
     def asked(self) -> bool:
-        """Whether the engine has been given the vibe."""
+        """True if the engine has been given the vibe."""
         return self._last_word_at > 0.0
 
     @property
@@ -71,7 +71,7 @@ class Driver:
 
     @property
     def can_stop(self) -> bool:
-        """Whether there is a best look so far, which `stop` would take."""
+        """True if there is a best look so far, which `stop` would take."""
         return self.progress is not None and not self._stopping
 
     @property
@@ -142,11 +142,7 @@ class Driver:
             self._engine.send(messages.Stop())
 
     def _answer(self, kind: type[_Answer]) -> Generator[str, None, _Answer]:
-        """Follows the engine until its answer to the last request.
-
-        Raises:
-            VibeError: The engine reports an error, is silent for too long, or is gone.
-        """
+        """Follows the engine until its answer; a VibeError if it fails, is silent for too long, or is gone."""
         answer = None
         while answer is None:
             yield self.stage

@@ -17,8 +17,7 @@ from ..core import rendered
 from ..core.color import Color
 from ..core.schema_import import schema
 from ..render import bake, final_render, light_groups
-from ..render.light_groups import LightLayer
-from ..render.light_mix import LightMix
+from ..render.light_groups import LightLayer, LightMix
 from ..scene import bindings, snapshot
 from ..scene.nodes import mix
 from ..scene.nodes.layers import emitted_radiance
@@ -74,7 +73,7 @@ class RenderedMix:
             raise
 
     def is_of(self, scene: Scene) -> bool:
-        """Whether a scene was rendered."""
+        """True if a scene was rendered."""
         return scene.session_uid == self._uid
 
     def draw(self, scene: Scene, colors: Mapping[str, Color]) -> None:
@@ -153,17 +152,7 @@ def _owner(key: str) -> tuple[str, str, bool]:
 
 
 def apply(scene: Scene, channels: Sequence[MixChannel], colors: Mapping[str, Color]) -> dict[str, str]:
-    """Writes a mix into the lights, the world and the emitting materials, as a step that Revert takes back.
-
-    Args:
-        colors: By channel, what its light is multiplied by, since it was rendered.
-
-    Returns:
-        The keys that were left alone, and why.
-
-    Raises:
-        VibeError: The scene's steps or its snapshot are damaged.
-    """
+    """Writes a mix, factors since the render by channel, as a step; returns the keys left alone, and why."""
     values: dict[str, tuple[float, ...]] = {}
     for channel in channels:
         if channel.name in colors:
@@ -181,11 +170,7 @@ def apply(scene: Scene, channels: Sequence[MixChannel], colors: Mapping[str, Col
 
 
 def write_nodes(scene: Scene, channels: Sequence[MixChannel], colors: Mapping[str, Color]) -> None:
-    """Writes a mix as nodes of the compositor, which Revert removes; new renders have the light groups that it needs.
-
-    Raises:
-        VibeError: The compositor does not use the image of the first rendered view layer.
-    """
+    """Writes a mix as nodes of the compositor, with the light groups that it needs; Revert removes them."""
     layer = rendered.layer(scene)
     with snapshot.transaction(scene) as journal:
         named = {}

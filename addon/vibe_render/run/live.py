@@ -31,20 +31,18 @@ class Live(SceneSession):
         super().__init__(context, engine)
         self.stage = ""
         self._words, self._due = "", 0.0  # time at which the words are looked at; 0 for not
-        self._read: tuple[Any, ...] | None = (
-            None  # settings of the scene that was read; None if that is stale
-        )
+        self._read: tuple[Any, ...] | None = None  # settings of the scene that was read; None if stale
         self._asked = self._at_work = False
         self._steps = self._run()
 
     @property
     def busy(self) -> bool:
-        """Whether there is something to do."""
+        """True if there is something to do."""
         return bool(self._due or self.stage)
 
     @property
     def typing(self) -> bool:
-        """Whether words were typed that no vibe has taken over yet."""
+        """True if words were typed that no vibe has taken over yet."""
         return bool(self._words)
 
     @property

@@ -23,7 +23,7 @@ def verdict_lines(verdicts: Sequence[Mapping[str, str]]) -> list[str]:
 
 
 def shortfall(row: Mapping[str, str]) -> str:
-    """What a missed word lacks, and why: "color of the vase is #74726f, wanted #ce371f; it conflicts with 'night'"."""
+    """The lack of a missed word and its cause: "color is #74726f, wanted #ce371f; it conflicts with 'night'"."""
     return "; ".join(filter(None, (row["missing"], row["why"])))
 
 
@@ -46,11 +46,7 @@ def failure_note(report: Mapping[str, Any]) -> str:
 
 
 def model_lines(report: Mapping[str, Any], judge: Mapping[str, Any]) -> list[str]:
-    """The model's part in a vibe: calls, tokens and cost, failures, and its verdict.
-
-    Args:
-        judge: The verdict on before and after; empty if none was asked for.
-    """
+    """The model's part in a vibe: calls, tokens, cost, failures, and its verdict, if it was asked for one."""
     lines = []
     if model := report.get("vlm"):
         tokens = model["tokens"]

@@ -22,11 +22,7 @@ KEY = "vibe_preview"
 def show(
     scene: Scene, values: Mapping[str, Sequence[float]], subject: Sequence[Object], pivot: Sequence[float]
 ) -> None:
-    """Shows values in place of those that are shown; a failure shows none.
-
-    Raises:
-        VibeError: As `bindings.write`.
-    """
+    """Shows values in place of those that are shown; a failure, as of `bindings.write`, shows none."""
     _take_away(scene)
     journal = Journal()
     try:
@@ -43,7 +39,7 @@ def show(
 
 
 def exists(scene: Scene) -> bool:
-    """Whether one is shown."""
+    """True if one is shown."""
     return KEY in scene
 
 

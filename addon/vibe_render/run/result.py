@@ -31,9 +31,6 @@ def apply(
 
     After an earlier vibe that was not kept, the list still shows the artist's own values as the old ones, to which
     Revert goes back.
-
-    Raises:
-        VibeError: The result does not fit the scene.
     """
     settings = scene.vibe
     if fresh_list:
@@ -82,11 +79,7 @@ def show(scene: bpy.types.Scene, steps: Steps) -> None:
 def choose(
     scene: bpy.types.Scene, number: int, variant: messages.Variant, subject: Sequence[bpy.types.Object]
 ) -> None:
-    """Writes another variant of the last vibe, by its number, in place of the one that is in the scene.
-
-    Raises:
-        VibeError: The values do not fit the scene.
-    """
+    """Writes another variant of the last vibe, by its number, in place of the one that is in the scene."""
     settings, steps = scene.vibe, Steps.of(scene)
     current = bindings.read(scene, subject, steps.pivot)
     change = Change(steps, title=settings.vibed_prompt, place=0 if steps.steps else None)
@@ -152,14 +145,7 @@ def forget(scene: bpy.types.Scene) -> None:
 
 
 def keyframe(scene: bpy.types.Scene) -> list[str]:
-    """Makes what is shown the look of the current frame, and writes keyframes for it and for the frames before.
-
-    Returns:
-        What has been left alone, and why, in words for the artist.
-
-    Raises:
-        VibeError: The moments in the file are damaged.
-    """
+    """Keyframes what is shown at the current frame, as the other moments; returns what was left alone."""
     settings = scene.vibe
     if settings.show_original:
         settings.show_original = False
@@ -190,14 +176,7 @@ def keep(scene: bpy.types.Scene) -> None:
 
 
 def revert(scene: bpy.types.Scene) -> list[str]:
-    """Restores the scene as it was before the first vibe.
-
-    Returns:
-        What could not be restored, one line for each value.
-
-    Raises:
-        VibeError: The scene has no snapshot, or a damaged one, or one of a newer version.
-    """
+    """Restores the scene as it was before the first vibe; returns and raises as `snapshot.revert`."""
     lost = snapshot.revert(scene)
     before_image.forget(scene)
     forget(scene)

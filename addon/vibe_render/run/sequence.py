@@ -28,9 +28,8 @@ class CheckedFrame:
     """A frame that was checked."""
 
     frame: int
-    lost: list[str] = field(
-        default_factory=list
-    )  # words that are visible where the look was found, and not here
+    # words that are visible where the look was found, and not here
+    lost: list[str] = field(default_factory=list)
     verdicts: list[dict[str, str]] = field(default_factory=list)  # as in `messages.Finished`
     note: str = ""  # why nothing could be measured
     picture: Path | None = None  # with the look
@@ -54,11 +53,9 @@ class SequenceDriver(Driver):
         seed: int,
         first: SceneAnalysis | None = None,
     ) -> Generator[str]:
-        """Renders frames with and without the look of the scene, and measures the words; nothing in the scene changes.
+        """Renders frames with and without the look, and measures the words; nothing in the scene changes.
 
-        Args:
-            seen: The words that are visible where the look was found.
-            first: The analysis of that frame, whose subject is taken over.
+        `seen` are the words that are visible where the look was found, `first` is the analysis there.
         """
         self.sequence, start, shown = (), scene.frame_current, keyframes.are_shown(scene)
         try:

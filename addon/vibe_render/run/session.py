@@ -8,12 +8,13 @@ from dataclasses import asdict, replace
 
 import bpy
 
-from ..core import preferences
+from ..core import compat, preferences
 from ..core.schema_import import atomic, messages, schema
 from ..engine.process import Engine
-from ..export import darkness
+from ..export import notes
 from ..render import anchors, final_render, reference
 from ..scene import bindings, keyframes, own_keys, snapshot
+from ..scene.nodes import grade
 from ..scene.prepare import separate_materials, shared_materials
 from ..scene.steps import Change, Steps
 from ..scene.subject import SubjectChoice, remember_subject
@@ -65,14 +66,7 @@ class Session(SceneSession, SequenceDriver):
         return reference.request_title(self.prompt, self.like)
 
     def advance(self) -> bool:
-        """Does the next step.
-
-        Returns:
-            False when the vibe is in the scene.
-
-        Raises:
-            VibeError: The vibe failed; the scene is as it was.
-        """
+        """Does the next step; False when the vibe is in the scene. A VibeError leaves the scene as it was."""
         try:
             return next(self._steps, None) is not None
         except OSError as error:
@@ -85,7 +79,7 @@ class Session(SceneSession, SequenceDriver):
 
     @property
     def can_stop(self) -> bool:
-        """Whether there is a best look so far, which `stop` would take."""
+        """True if there is a best look so far, which `stop` would take."""
         return super().can_stop and not self.checking
 
     def check(self, scene: bpy.types.Scene, every: int) -> None:
@@ -186,8 +180,8 @@ class Session(SceneSession, SequenceDriver):
         elif isinstance(message, messages.Stage) and message.picture:
             picture = self._job / message.picture
             scene = self._find_scene()
-            if darkness.is_cut_off(scene) or final_render.is_black(picture):
-                darkness.check_shows(scene, self._filling, message.lit)
+            if grade.cut_off(compat.compositor(scene)) or final_render.is_black(picture):
+                notes.check_shows(scene, self._filling, message.lit)
             self.before = before_image.store(self._before_path, picture, not self._vibed)
 
     def _anchor_stage(self, request: messages.Anchor) -> str:

@@ -67,7 +67,7 @@ class AddonState:
 
     @property
     def engine_runs(self) -> bool:
-        """Whether there is an engine that can be asked something."""
+        """True if there is an engine that can be asked something."""
         return self._engine is not None and self._engine.alive
 
     def engine(self, context: bpy.types.Context) -> Engine:

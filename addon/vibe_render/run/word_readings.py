@@ -43,7 +43,7 @@ class WordReadings:
         self._changed = 0.0  # time when the scene last changed
 
     def due(self, scene: bpy.types.Scene, live: Path | None = None) -> bool:
-        """Whether the words of a scene have not been read yet, as it is now and with its artist's targets."""
+        """True if the words of a scene have not been read yet, as it is now and with its artist's targets."""
         words = _words(scene)
         if self._asked is not None or words != self._read or not words[0]:
             return self._asked is not None or words != self._read
@@ -57,14 +57,7 @@ class WordReadings:
             self._sketched, self._changed = None, time.monotonic()
 
     def step(self, engine: Engine, scene: bpy.types.Scene, live: Path | None = None) -> bool:
-        """Takes what has arrived, and asks about the words of now; never waits.
-
-        Args:
-            engine: Runs already; it may be at work on something else. If it is gone, a VibeError says so.
-
-        Returns:
-            Whether there is something new to show.
-        """
+        """Takes what has arrived, and asks about the words of now; never waits. True if there is news."""
         arrived = engine.poll_readings()
         if arrived:
             self.newest, self._read, self._asked = arrived, self._asked or self._read, None
@@ -79,7 +72,7 @@ class WordReadings:
         return arrived is not None
 
     def may_paint(self, prompt: str) -> bool:
-        """Whether a word of a prompt describes an object, or the subject; True for words that have not been read yet."""
+        """True if a word of a prompt describes an object or the subject, or has not been read yet."""
         if self.newest.prompt.strip() != prompt.strip():
             return True
         described = {name for word in self.newest.words for name in word.candidates[:1]}

@@ -174,13 +174,10 @@ def read(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dic
 def write(
     scene: Scene, values: Mapping[str, Sequence[float]], subject: Sequence[Object], pivot: Sequence[float]
 ) -> dict[str, str]:
-    """Writes values into the scene, recorded in its snapshot; a failure leaves the scene as it was.
+    """Writes values (by key, in the schema's units), recorded in the scene's snapshot; all or none of them.
 
     Keys of one of our own lights (see `schema.added_lights`) or of a copy of a material (`schema.material_copies`) that
     the scene lacks add it. Keys of a backdrop that is to differ from the world give the world one.
-
-    Args:
-        values: Parameter key to components, in the schema's units.
 
     Returns:
         The keys that have been left alone, and why: locked, or nothing of that name in the scene.

@@ -132,16 +132,13 @@ def fog_slot(context: scene_context.SceneContext, name: str) -> ValueSlot:
 
 def _box(journal: Journal, scene: Scene, shape: FogDomain) -> None:
     origin = Vector((shape.center.x, shape.center.y, shape.base))
-    mesh = journal.new("meshes", NAME)
-    box = journal.new("objects", NAME, mesh)
-    for block in (mesh, box):
-        owned.mark_owned(block, NAME)
+    mesh = owned.new(journal, "meshes", NAME)
+    box = owned.new(journal, "objects", NAME, mesh)
     low, high = shape.center - shape.half_size - origin, shape.center + shape.half_size - origin
     corners = [(x, y, z) for x in (low.x, high.x) for y in (low.y, high.y) for z in (low.z, high.z)]
     faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     mesh.from_pydata(corners, [], faces)
-    material = journal.new("materials", NAME)
-    owned.mark_owned(material, NAME)
+    material = owned.new(journal, "materials", NAME)
     tree = compat.enable_nodes(material)
     tree.nodes.clear()
     output = tree.nodes.new("ShaderNodeOutputMaterial")

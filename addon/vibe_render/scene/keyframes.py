@@ -26,11 +26,7 @@ class Track:
 
 
 def add(scene: Scene, tracks: Sequence[Track]) -> list[str]:
-    """Writes curves for properties that have none; a failure leaves the scene as it was.
-
-    Returns:
-        Data-blocks whose values could not be keyframed, with the reason.
-    """
+    """Writes curves for properties that have none; returns what could not be keyframed, and why."""
     journal, left = Journal(), {}
     try:
         for track in tracks:
@@ -72,12 +68,12 @@ def _write(journal: Journal, track: Track) -> None:
 
 
 def exist(scene: Scene) -> bool:
-    """Whether the scene has keyframes of ours, also if they are set aside."""
+    """True if the scene has keyframes of ours, also if they are set aside."""
     return KEY in scene
 
 
 def are_shown(scene: Scene) -> bool:
-    """Whether the scene has some that are not set aside."""
+    """True if the scene has some that are not set aside."""
     return any(not curve.mute for _, curve in _journal(scene).curves())
 
 

@@ -35,11 +35,7 @@ def read(scene: Scene) -> dict[str, schema.Values]:
 
 
 def put(journal: Journal, scene: Scene, values: Mapping[str, Sequence[float]]) -> dict[str, str]:
-    """Links lights of a scene, or takes links of ours away, as values say by key; other keys are left out.
-
-    Returns:
-        The keys of links that could not be set, and why.
-    """
+    """Links lights, or takes links of ours away, by key; returns those that could not be set, and why."""
     rest: dict[str, str] = {}
     wanted: dict[Object, dict[str, bool]] = {}
     for key, value in values.items():
@@ -66,8 +62,8 @@ def _link(journal: Journal, scene: Scene, light: Object, wanted: Mapping[str, bo
         return
     receivers = before
     if new:
-        receivers = journal.new("collections", f"Vibe Receivers of {light.name}")
-        owned.mark_owned(receivers, "Vibe Receivers")
+        name = f"Vibe Receivers of {light.name}"
+        receivers = owned.new(journal, "collections", name, role="Vibe Receivers")
         receivers[_LINKS] = new
         if before:
             receivers[_BEFORE] = before

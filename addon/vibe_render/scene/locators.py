@@ -91,11 +91,9 @@ class _TemperatureSlot(PropertySlot):
 
 
 def light_temperature(context: SceneContext, obj: Object) -> ValueSlot | None:
-    """The temperature of a light, where Blender has it: that of a Blackbody node, if it has its color from one."""
-    if light_nodes.kelvin(obj.data) and not getattr(obj.data, "use_temperature", False):
+    """The temperature of a light: that of a Blackbody node, if it has its color from one."""
+    if light_nodes.kelvin(obj.data) and not obj.data.use_temperature:
         return inputs.input_slot(lambda: light_nodes.kelvin(obj.data))
-    if not compat.HAS_TEMPERATURE:
-        return None
     return _TemperatureSlot(obj.data, "temperature", _light_lock(context, obj, "temperature"))
 
 
@@ -237,6 +235,6 @@ def view(name: str, context: SceneContext, scene: Scene) -> ValueSlot:
     return PropertySlot(scene.view_settings, name, locks.of_property(scene.view_settings, name))
 
 
-def graded(name: str, context: SceneContext, scene: Scene) -> ValueSlot | None:
+def graded(name: str, context: SceneContext, scene: Scene) -> ValueSlot:
     """An input of the owned compositor group."""
     return grade.grade_slot(scene, name)

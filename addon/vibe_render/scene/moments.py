@@ -68,13 +68,10 @@ def of(scene: Scene) -> list[Moment]:
 
 
 def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
-    """Writes looks at their frames, as keyframes, in place of those of ours that are there.
+    """Writes looks at their frames as keyframes, in place of ours; returns what was left alone, and why.
 
     What only one of them has is in the scene at all frames, a light without power. Values with the artist's own keyframes
     or drivers stay.
-
-    Returns:
-        What has been left alone, and why, in words for the artist.
     """
     moments = sorted(moments, key=lambda moment: moment.frame)
     keyframes.take_away(scene)
@@ -83,7 +80,8 @@ def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
     left: dict[str, str] = {}
     try:
         for moment, look in zip(moments, looks, strict=True):
-            left |= bindings.write(scene, look, _objects(scene, moment), moment.pivot)
+            subject = [scene.objects[name] for name in moment.subject if name in scene.objects]
+            left |= bindings.write(scene, look, subject, moment.pivot)
         tracks = _tracks(scene, moments, base, looks) + _cards(scene, moments, looks)
         notes = keyframes.add(scene, tracks)
     except BaseException:
@@ -167,9 +165,8 @@ def _tracks(scene: Scene, moments: Sequence[Moment], base: ByKey, looks: Sequenc
     """
     samples = _samples(moments, looks)
     journal, pivot = Journal(), Vector(moments[-1].pivot)
-    found: dict[
-        tuple[int, str, str], dict[int | None, Any]
-    ] = {}  # values by frame; None for the scene without looks
+    # Of each property, values by frame; None for the scene without looks.
+    found: dict[tuple[int, str, str], dict[int | None, Any]] = {}
     seen: list[int | None] = []
     try:
         for frame, look, place in ((None, base, moments[-1].pivot), *samples):
@@ -179,8 +176,9 @@ def _tracks(scene: Scene, moments: Sequence[Moment], base: ByKey, looks: Sequenc
             rendered.layer(scene).update()
             for entry in journal.entries:
                 slot = entry["id"], entry.get("path", ""), entry.get("name", "")
-                if entry["op"] == "set" and _is_number(entry["old"]) and slot not in found:
-                    old = entry["old"]  # which it has had until now
+                old = entry.get("old")  # which a property has had until now
+                numeric = entry["op"] == "set" and isinstance(old, bool | int | float | list)
+                if numeric and slot not in found:
                     found[slot] = dict.fromkeys(seen, tuple(old) if isinstance(old, list) else old)
             for (number, path, name), values in found.items():
                 values[frame] = PropertySlot(resolve(journal.ids[number], path), name).get()
@@ -234,25 +232,17 @@ def _cards(scene: Scene, moments: Sequence[Moment], looks: Sequence[ByKey]) -> l
 def _opacity(journal: Journal, card: Object) -> NodeSocket:
     """The opacity of a card, which gets a material for it."""
     if not card.data.materials:
-        material = journal.new("materials", owned.CARD)
-        owned.mark_owned(material, owned.CARD)
+        material = owned.new(journal, "materials", owned.CARD)
         tree = compat.enable_nodes(material)
         tree.nodes.clear()
         kinds = ("BsdfTransparent", "BsdfDiffuse", "MixShader", "OutputMaterial")
         clear, gray, mix, output = (tree.nodes.new(f"ShaderNode{kind}") for kind in kinds)
         mix.name = owned.CARD
-        for source, target in (
-            (clear, mix.inputs[1]),
-            (gray, mix.inputs[2]),
-            (mix, output.inputs["Surface"]),
-        ):
-            tree.links.new(source.outputs[0], target)
+        tree.links.new(clear.outputs[0], mix.inputs[1])
+        tree.links.new(gray.outputs[0], mix.inputs[2])
+        tree.links.new(mix.outputs[0], output.inputs["Surface"])
         journal.append_material(card.data, material)
     return card.data.materials[0].node_tree.nodes[owned.CARD].inputs[0]
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, bool | int | float | list)
 
 
 def _flags(values: Mapping[int, bool]) -> dict[int, bool]:
@@ -306,7 +296,3 @@ def _keep(frames: np.ndarray, values: np.ndarray, one: int, other: int, kept: se
         kept.add(worst)
         _keep(frames, values, one, worst, kept)
         _keep(frames, values, worst, other, kept)
-
-
-def _objects(scene: Scene, moment: Moment) -> list[Object]:
-    return [scene.objects[name] for name in moment.subject if name in scene.objects]

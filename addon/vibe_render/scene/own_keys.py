@@ -53,7 +53,7 @@ def _may_move(curve: FCurve, action: Any) -> bool:
 
 
 def are_held(scene: Scene) -> bool:
-    """Whether keyframes of the artist's are set aside, in a scene that has a look."""
+    """True if keyframes of the artist's are set aside, in a scene that has a look."""
     return snapshot.exists(scene) and any(HELD in action for action in bpy.data.actions)
 
 

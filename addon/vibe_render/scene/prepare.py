@@ -16,6 +16,7 @@ from ..core import compat, rendered
 from ..core.journal import Journal
 from ..core.schema_import import schema
 from . import scene_context, snapshot
+from .geometry.meshes import array
 from .light_types import AreaLightType, light_type
 from .nodes import backgrounds, layers, owned
 from .nodes.trails import active_links
@@ -32,8 +33,8 @@ _PLACES = {
     "top": (0.0, 80.0, 1.0, 0.8),
     "bounce": (0.0, -40.0, 0.8, 0.3),
 }
-"""Where an added light stands at first, by its part: azimuth from the camera, elevation (degrees), size in distances, and the
-radiance of a white surface that faces it."""
+"""The first place of an added light, by its part: azimuth from the camera and elevation (degrees), size in distances,
+and the radiance of a white surface that faces it."""
 OURS = {"key": "Vibe Key", "fill": "Vibe Fill", "rim": "Vibe Rim"}
 """By the role that a scene lacks, the light that it gets."""
 _SUN = 0.526  # degrees
@@ -44,14 +45,7 @@ LIGHT_TYPE = AreaLightType.name
 
 
 def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
-    """Adds what is missing, marked as ours and recorded in the scene's snapshot.
-
-    Args:
-        subject: The objects that the picture is about; without any, everything that a render sees.
-
-    Returns:
-        The additions, in words for the artist.
-    """
+    """Adds what is missing for the subject, or for all that is seen; returns the additions in words."""
     about = list(subject) or scene_context.meshes(scene)
     low, high = scene_context.bounds(scene, about)
     with snapshot.transaction(scene) as journal:
@@ -68,9 +62,8 @@ def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
 def _add_world(journal: Journal, scene: Scene) -> str:
     shown = rendered.world(scene)
     if shown is None:
-        world = journal.new("worlds", "Vibe World")
+        world = owned.new(journal, "worlds", "Vibe World")
         compat.enable_nodes(world)
-        owned.mark_owned(world, "Vibe World")
         rendered.set_world(scene, world, journal.set)
         return "a world"
     if rendered.world_users(shown) > 1:
@@ -82,10 +75,8 @@ def _add_world(journal: Journal, scene: Scene) -> str:
 def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
     if scene.camera is not None:
         return ""
-    data = journal.new("cameras", "Vibe Camera")
-    camera = journal.new("objects", "Vibe Camera", data)
-    for block in (data, camera):
-        owned.mark_owned(block, "Vibe Camera")
+    data = owned.new(journal, "cameras", "Vibe Camera")
+    camera = owned.new(journal, "objects", "Vibe Camera", data)
     # The lens is fitted on the longer side of the picture; the shorter one has to see all too.
     sides = (scene.render.resolution_x, scene.render.resolution_y)
     distance = 1.2 * (high - low).length / 2.0 / tan(data.angle / 2.0) * (max(sides) / min(sides))
@@ -118,10 +109,8 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     """
     what = schema.added_lights.ADDED_LIGHTS[name]
     azimuth, elevation, size, brightness = _PLACES[what.part]
-    data = journal.new("lights", name, what.type)
-    light = journal.new("objects", name, data)
-    for block in (data, light):
-        owned.mark_owned(block, name)
+    data = owned.new(journal, "lights", name, what.type)
+    light = owned.new(journal, "objects", name, data)
     pivot = (low + high) / 2.0
     front = schema.orbit.angles(scene.camera.matrix_world.translation - pivot)[0] if scene.camera else 0.0
     toward = Vector(schema.orbit.direction(front + azimuth, elevation))
@@ -141,8 +130,7 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     light.matrix_world = orbit_matrix(pivot, front + azimuth, elevation, 0.0 if what.pattern else distance)
     collection = owned.find_owned(scene.collection.children, schema.added_lights.COLLECTION)
     if collection is None:
-        collection = journal.new("collections", schema.added_lights.COLLECTION)
-        owned.mark_owned(collection, schema.added_lights.COLLECTION)
+        collection = owned.new(journal, "collections", schema.added_lights.COLLECTION)
         scene.collection.children.link(collection)
     collection.objects.link(light)
     if what.pattern:
@@ -159,13 +147,11 @@ def _add_card(journal: Journal, light: Object, pattern: str, size: float) -> Obj
     """A card that only shadow rays see, before a light and turned with it."""
     lights = schema.added_lights
     quads = lights.card(pattern, size)
-    mesh = journal.new("meshes", lights.CARD)
+    mesh = owned.new(journal, "meshes", lights.CARD)
     mesh.from_pydata(
         [(*c, 0.0) for q in quads for c in q], [], [range(4 * i, 4 * i + 4) for i in range(len(quads))]
     )
-    card = journal.new("objects", lights.CARD, mesh)
-    for block in (mesh, card):
-        owned.mark_owned(block, lights.CARD)
+    card = owned.new(journal, "objects", lights.CARD, mesh)
     card.parent = light
     card.location = (0.0, 0.0, lights.CARD_AWAY * size)
     for ray in ("camera", "diffuse", "glossy", "transmission", "volume_scatter"):
@@ -179,7 +165,7 @@ def added_light_distance(low: Vector, high: Vector) -> float:
 
 
 def _is_lit(scene: Scene) -> bool:
-    """Whether the world lights the scene."""
+    """True if the world lights the scene."""
     world = rendered.world(scene)
     if world is None:
         return False
@@ -199,9 +185,8 @@ def _add_material(journal: Journal, obj: Object) -> str:
     filled = [slot for slot in obj.material_slots if slot.material]
     if filled or data.library or data.override_library or not hasattr(data, "materials"):
         return ""
-    material = journal.new("materials", f"Vibe {obj.name}")
+    material = owned.new(journal, "materials", f"Vibe {obj.name}", role="material")
     compat.enable_nodes(material)
-    owned.mark_owned(material, "material")
     if obj.material_slots:
         journal.set(obj.material_slots[0], "material", material)
     else:
@@ -225,11 +210,11 @@ def _light_of_surfaces(scene: Scene, place: Vector) -> float:
 def _light_of_mesh(mesh: bpy.types.Mesh, matrix: np.ndarray, strengths: list[float], place: Vector) -> float:
     """The sum of radiance x area / (pi d^2) over a mesh's faces, half of which look the other way."""
     count = len(mesh.polygons)
-    area, index, center = np.zeros(count), np.zeros(count, np.int32), np.zeros(3 * count)
-    mesh.polygons.foreach_get("area", area)
-    mesh.polygons.foreach_get("material_index", index)
-    mesh.polygons.foreach_get("center", center)
-    way = center.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3] - np.array(place)
+    area = array(mesh.polygons, "area", (count,), float)
+    index = array(mesh.polygons, "material_index", (count,), np.int32)
+    way = (
+        array(mesh.polygons, "center", (count, 3), float) @ matrix[:3, :3].T + matrix[:3, 3] - np.array(place)
+    )
     scale = abs(np.linalg.det(matrix[:3, :3])) ** (2.0 / 3.0)
     strength = np.array(strengths)[np.clip(index, 0, len(strengths) - 1)]
     factor = np.minimum(0.5 * scale * area / (pi * np.maximum((way**2).sum(1), 1e-6)), 1.0)
@@ -267,10 +252,8 @@ def add_copies(journal: Journal, scene: Scene, names: Iterable[str]) -> None:
     known = {material.name_full: material for material in bpy.data.materials}
     for name in sorted({*names} - known.keys()):
         source, who = schema.material_copies.copied(name)
-        wearers = {
-            o for o in scene.objects if o.is_editable and schema.material_copies.is_worn_by(who, o.name)
-        }
-        wearers = {obj for obj in wearers if known.get(source) in _materials_of(obj)}
+        editable = [o for o in scene.objects if o.is_editable and known.get(source) in _materials_of(o)]
+        wearers = {o for o in editable if schema.material_copies.is_worn_by(who, o.name)}
         if not who or not wearers:
             continue
         twin = journal.copy("materials", known[source])

@@ -135,9 +135,8 @@ def owners(context: SceneContext, group: str) -> list[Owner]:
     if group == "world":
         return [Owner("", world)] if world else []
     if group == "volume" and not (world and trails.world_volume(world)):
-        return [
-            Owner("", scene, locked=rendered.override_lock(scene))
-        ]  # a box of fog would show that material
+        # A box of fog would show the material that overrides all.
+        return [Owner("", scene, locked=rendered.override_lock(scene))]
     return [Owner("", scene)]
 
 
@@ -185,7 +184,7 @@ def light_roles(context: SceneContext) -> dict[Object, str]:
     def brightness(light: Object) -> float:
         """Radiance that the light gives to a white diffuse surface at the pivot that faces it."""
         data, kind = light.data, type_of(light).name
-        power, exposure = data.energy * max(data.color), getattr(data, "exposure", 0.0)
+        power, exposure = data.energy * max(data.color), data.exposure
         return schema.radiometry.radiance(kind, power, distances[light], exposure)
 
     key = max(front, key=brightness, default=None)
@@ -193,7 +192,7 @@ def light_roles(context: SceneContext) -> dict[Object, str]:
 
 
 def _from_behind(obj: Object, context: SceneContext) -> bool:
-    """Whether a light shines from behind the subject, as the camera sees it."""
+    """True if a light shines from behind the subject, as the camera sees it."""
     camera, pivot = context.scene.camera, context.pivot
     front = Vector(schema.orbit.direction(0.0, 0.0))
     view = (camera.matrix_world.translation - pivot if camera else front).xy

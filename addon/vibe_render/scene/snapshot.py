@@ -27,7 +27,7 @@ def take(scene: Scene) -> None:
 
 
 def exists(scene: Scene) -> bool:
-    """Whether there is something to revert to."""
+    """True if there is something to revert to."""
     return KEY in scene
 
 
@@ -39,10 +39,7 @@ def forget(scene: Scene) -> None:
 
 
 def revert(scene: Scene) -> list[str]:
-    """Restores every value, link and data-block that has been touched since `take`, and forgets it.
-
-    Returns:
-        What could not be restored because the artist has removed it, in words.
+    """Restores all that was touched since `take`, and forgets it; returns what is gone, in words.
 
     Raises:
         VibeError: There is no snapshot, or one of a newer version, or a damaged one.

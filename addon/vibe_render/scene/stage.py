@@ -15,6 +15,7 @@ from ..core.color import Color
 from ..core.compat import enable_nodes
 from ..core.schema_import import limits, options, schema
 from . import scene_context
+from .geometry.meshes import array
 from .orbits import orbit_matrix
 
 Point = Sequence[float] | np.ndarray
@@ -240,10 +241,8 @@ def _finish_solid(thing: bpy.types.Object, stuff: bpy.types.Material) -> bpy.typ
 def build_stage(path: str | Path, kind: str = "cyclorama", subject_name: str = "Subject") -> bpy.types.Scene:
     """Starts an empty file and stages the mesh in it; the subject's objects are left selected.
 
-    The mesh is moved to stand on height 0 and scaled until its bounding box has a radius of 1 m.
-
-    Raises:
-        VibeError: If the kind is not known, or the file is missing, broken or without any mesh.
+    The mesh is moved to stand on height 0 and scaled until its bounding box has a radius of 1 m. An unknown kind,
+    or a file that is missing, broken or without any mesh, is a VibeError.
     """
     if kind not in options.STAGES:
         raise schema.VibeError(f"There is no stage {kind!r}.", f"Use one of: {', '.join(options.STAGES)}.")
@@ -322,10 +321,9 @@ def _normalize(meshes: list[bpy.types.Object], path: Path) -> np.ndarray:
 def _vertices(thing: bpy.types.Object) -> np.ndarray:
     """Its vertices (V, 3) as they are shown: a skeleton may put them far from where the file has them."""
     posed = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    flat = np.empty(len(posed.data.vertices) * 3, np.float32)
-    posed.data.vertices.foreach_get("co", flat)
+    vertices = array(posed.data.vertices, "co", (len(posed.data.vertices), 3), np.float32)
     matrix = np.array(posed.matrix_world)
-    return flat.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
+    return vertices @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def _dress(meshes: list[bpy.types.Object], name: str) -> None:

@@ -40,7 +40,7 @@ class LookStep:
 
     @property
     def is_relative(self) -> bool:
-        """Whether all of its words compare: then it changes whatever is there before it."""
+        """True if all of its words compare: then it changes whatever is there before it."""
         words = self.goals.get("words", [])
         return bool(words and self.goals.get("holds")) and not any(word.get("look") for word in words)
 
@@ -66,7 +66,7 @@ class LookStep:
 
 @dataclass
 class Change:
-    """What a sentence comes to beside the steps of a scene."""
+    """A further sentence as changes to the steps of a scene."""
 
     steps: Steps
     values: dict[str, list[float]] = field(default_factory=dict)  # to write first
@@ -176,11 +176,7 @@ class Steps:
         self.shown += 1
 
     def change(self, sentence: str) -> Change:
-        """What a further sentence asks for.
-
-        Raises:
-            VibeError: It is empty, or about a step that is not there.
-        """
+        """The change that a sentence asks for; a VibeError if it is empty, or its step is not there."""
         if not sentence.strip():
             raise schema.VibeError("The step is empty.", 'Say what is to change: "a bit warmer".')
         said, title = sentences.about_steps(sentence), " ".join(sentence.split())
@@ -211,7 +207,7 @@ class Steps:
         return Change(self, self.values(place), sentence, sentence, place=place, first=place == 0)
 
     def _taken_back(self, title: str, said: sentences.AboutSteps) -> Change:
-        """What a word has changed as it was before, and the word for another target."""
+        """The values that a word has changed, as they were before, and the word for another target."""
         for number, step in reversed([*enumerate(self.steps[: self.shown])]):
             if step.on and (words := step.keys_of(said.what, by_word=said.kind == "without")):
                 before = self.values(number)
@@ -245,7 +241,7 @@ def forget(scene: Scene) -> None:
 
 
 def same(key: str, first: Sequence[float], other: Sequence[float]) -> bool:
-    """Whether two values read the same; a light that has been turned once around stands where it was."""
+    """True if two values read the same; a light that has been turned once around stands where it was."""
     if labels.parameter(key).kind == "angle":
         first = [other[0] + (first[0] - other[0] + 180.0) % 360.0 - 180.0]
     return labels.same(key, tuple(first), tuple(other))

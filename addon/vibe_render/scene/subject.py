@@ -31,7 +31,7 @@ class SubjectChoice:
 
     @property
     def explicit(self) -> bool:
-        """Whether the artist has chosen."""
+        """True if the artist has chosen."""
         return self.selected or bool(self.objects)
 
 
@@ -40,8 +40,7 @@ def choose_subject(
 ) -> np.ndarray:
     """The objects of the geometry that are the subject: (number of objects,) bool, at least one True.
 
-    Raises:
-        VibeError: A name is unknown, or nothing of what was chosen shows in the render.
+    A VibeError names an unknown name, or a choice of which nothing shows in the render.
     """
     names = {o.name_full for o in named_objects(scene, choice)}
     if not names:
@@ -57,11 +56,7 @@ def choose_subject(
 
 
 def named_objects(scene: bpy.types.Scene, choice: SubjectChoice) -> list[bpy.types.Object]:
-    """The chosen or stored objects with their children; empty if the subject is to be found automatically.
-
-    Raises:
-        VibeError: A name is unknown, or nothing is selected.
-    """
+    """The chosen or stored objects with their children; none if automatic, a VibeError if a name is unknown."""
     chosen: list[bpy.types.Object] = []
     for name in choice.objects:
         collection = next((c for c in scene.collection.children_recursive if c.name == name), None)
@@ -85,9 +80,6 @@ def automatic_subject(
 
     Surroundings are objects that reach three sides of the picture, that enclose the camera, or that are flat and leave
     the picture or carry another object; but objects among the parts of the subject are parts of it.
-
-    Raises:
-        VibeError: The camera sees nothing.
     """
     count = len(geometry.objects)
     seen = surfaces.object >= 0

@@ -60,14 +60,14 @@ def untouchable(context: bpy.types.Context) -> str:
 
 
 def allowed(operator: type[bpy.types.Operator], reason: str) -> bool:
-    """Whether an operator may run, for its `poll`: not if there is a reason, which becomes its tool tip."""
+    """True without a reason against an operator, for its `poll`; a reason becomes its tool tip."""
     if reason:
         operator.poll_message_set(reason)
     return not reason
 
 
 def has_mesh(scene: bpy.types.Scene) -> bool:
-    """Whether there is anything to render."""
+    """True if there is anything to render."""
     return any(obj.type in GEOMETRY for obj in scene.objects)
 
 
@@ -77,6 +77,14 @@ class IdlePanel:
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         return not addon_state.running
+
+
+class ResultOperator(bpy.types.Operator):
+    """An operator on the result that the scene has."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return allowed(cls, result_obstacle(context))
 
 
 class IdleOperator(bpy.types.Operator):
@@ -113,12 +121,5 @@ class IdleOperator(bpy.types.Operator):
         return {"FINISHED"}
 
     def act(self, context: bpy.types.Context) -> str:
-        """Does the work.
-
-        Returns:
-            The closing message.
-
-        Raises:
-            VibeError: It cannot be done; nothing has changed.
-        """
+        """Does the work, and returns the closing message; after a VibeError nothing has changed."""
         raise NotImplementedError

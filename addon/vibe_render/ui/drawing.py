@@ -99,14 +99,9 @@ def look_icon(look: Look) -> int:
 
 
 def icon(*pictures: Path | None, square: bool = False) -> int:
-    """The icon number of picture files for `layout.template_icon`, loaded again whenever a file has changed.
+    """The icon number of picture files, loaded again whenever one has changed; 0 if none exists yet.
 
-    Args:
-        pictures: Paths. Several become one icon: wide ones one above the other, others in a row.
-        square: Whether only the square in the middle is shown.
-
-    Returns:
-        0 if none of the files exists yet.
+    Several become one: wide ones one above the other, others in a row. `square` cuts out the middle.
     """
     there = tuple(p for p in pictures if p is not None and p.is_file())
     if not there:
@@ -152,16 +147,17 @@ def before_after(
     width, height = collection[str(there[0][0])].image_size
     stacked, column = width >= height, layout.column(align=True)
     if stacked and len(there) > 1:
-        _caption(column, there.pop(0)[1])
+        caption(column, there.pop(0)[1], 0.7)
     column.template_icon(icon_value=number, scale=scale)
     row = column.row()
     for _, name in there:
-        _caption(row, name)
+        caption(row, name, 0.7)
 
 
-def _caption(layout: bpy.types.UILayout, text: str) -> None:
+def caption(layout: bpy.types.UILayout, text: str, scale: float = 1.0) -> None:
+    """Draws a faint line in the middle."""
     row = layout.row()
-    row.active, row.alignment, row.scale_y = False, "CENTER", 0.7
+    row.active, row.alignment, row.scale_y = False, "CENTER", scale
     row.label(text=text)
 
 
@@ -178,7 +174,6 @@ def colored(layout: bpy.types.UILayout, text: str) -> None:
 
 
 def _swatch(color: str) -> int:
-    """The icon number of a plain color."""
     global _swatches
     _swatches = _swatches or bpy.utils.previews.new()
     if color not in _swatches:
@@ -217,14 +212,7 @@ def _composed(parts: list[np.ndarray]) -> np.ndarray:
 
 
 def resized(pixels: np.ndarray, height: int, width: int) -> np.ndarray:
-    """Pixels at another size, bilinear: the engine's first pictures are smaller than its last.
-
-    Args:
-        pixels: (H, W) int32, four 8-bit channels each.
-
-    Returns:
-        (height, width) int32.
-    """
+    """Pixels (H, W) int32, four 8-bit channels each, at another size, bilinear: first pictures are small."""
     channels = pixels.view(np.uint8).reshape(*pixels.shape, 4).astype(np.float32)
     for axis, count in enumerate((height, width)):
         place = np.linspace(0.0, channels.shape[axis] - 1.0, count)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether and where an engine is: searched, tested and set up in the background, while panels show the progress."""
+"""State of the engine: searched, tested and set up in the background, while panels show the progress."""
 
 from __future__ import annotations
 
@@ -14,8 +14,7 @@ from ..core.preferences import own_folder
 from ..core.schema_import import errors, messages, schema
 from ..engine.find import find_python
 from ..engine.process import Engine
-from ..engine.setup import EngineSetup, requirements
-from ..engine.torch_builds import TorchBuild
+from ..engine.setup import EngineSetup, TorchBuild, requirements
 from . import drawing
 
 _TICK = 0.25  # seconds between two looks at the background work
@@ -50,22 +49,18 @@ class EngineState:
 
     @property
     def busy(self) -> bool:
-        """Whether a search, a test or a setup runs, which panels show."""
         return self.searching or self.testing or self.setting_up
 
     @property
     def searching(self) -> bool:
-        """Whether the engine is being searched."""
         return self._search_work is not None
 
     @property
     def testing(self) -> bool:
-        """Whether the engine is being tested."""
         return self._test_work is not None
 
     @property
     def setting_up(self) -> bool:
-        """Whether an environment is being made."""
         return self.setup is not None and self.setup.running
 
     def search(self, choice: str, again: bool = False) -> None:

@@ -97,12 +97,11 @@ class VibeMixChannel(bpy.types.PropertyGroup):
     )
 
     def product(self) -> Color:
-        """What the slider and the color multiply the light by."""
+        """The factor of red, green and blue."""
         red, green, blue = (self.factor * c for c in self.color)
         return red, green, blue
 
     def reset(self) -> None:
-        """Moves the slider and the color back."""
         self.factor, self.color = 1.0, light_mix.WHITE
 
 
@@ -191,8 +190,6 @@ class VIBE_OT_mix_render(bases.IdleOperator):
 
 
 class _Mixed(bases.IdleOperator):
-    """What uses the sliders."""
-
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
         if _shown(context.scene) is None:
@@ -219,13 +216,8 @@ class VIBE_OT_mix_apply(_Mixed):
             if channel.name in wanted:
                 channel.applied = wanted[channel.name]
                 channel.reset()
-        return _message(skipped)
-
-
-def _message(skipped: dict[str, str]) -> str:
-    for key, reason in skipped.items():
-        return f"{labels.title(key)} was left alone: {reason}"
-    return "The mix is in the scene"
+        left = (f"{labels.title(key)} was left alone: {reason}" for key, reason in skipped.items())
+        return next(left, "The mix is in the scene")
 
 
 class VIBE_OT_mix_nodes(_Mixed):
@@ -240,7 +232,6 @@ class VIBE_OT_mix_nodes(_Mixed):
         return super().obstacle(context) or _obstacle(context)
 
     def act(self, context: bpy.types.Context) -> str:
-        """Writes the nodes."""
         scene, rendered = context.scene, addon_state.mix
         assert rendered
         light_mix.write_nodes(scene, rendered.channels, moved(scene))
@@ -255,7 +246,6 @@ class VIBE_OT_mix_reset(_Mixed):
     bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     def act(self, context: bpy.types.Context) -> str:
-        """Moves them back."""
         for channel in context.scene.vibe.mix:
             channel.reset()
         return "The image is as it was rendered"

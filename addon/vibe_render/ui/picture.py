@@ -86,8 +86,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         shown = drawing.icon(Path(bpy.path.abspath(settings.like)))
     elif settings.like_from == "IMAGE":
         column.template_ID(settings, "like_image", open="image.open")
-        if compat.HAS_CLIPBOARD_PICTURES:
-            column.operator("vibe.paste_picture", icon="PASTEDOWN")
+        column.operator("vibe.paste_picture", icon="PASTEDOWN")
     elif settings.like_from == "SLOT":
         column.prop(settings, "like_slot")
     if not given:

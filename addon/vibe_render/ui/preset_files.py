@@ -14,7 +14,7 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ..core.schema_import import preset, schema
 from ..export import reading
-from ..looks import assets, library, lut, thumbnail, use
+from ..looks import assets, library, lut, thumbnail, transfer
 from .bases import IdleOperator
 from .presets import LookOperator, PresetOperator
 
@@ -28,15 +28,14 @@ class _FileDialog:
 class _ExportDialog(_FileDialog, ExportHelper):
     """A file dialog for saving, with a proposed name."""
 
-    def propose(self, name: str, folder: str = "") -> None:
-        """Proposes a file for a look.
-
-        Args:
-            folder: Used if there was no dialog before; else it is the last one's folder.
-        """
+    def propose(
+        self, context: bpy.types.Context, event: bpy.types.Event, name: str, folder: str = ""
+    ) -> set[str]:
+        """Proposes a file for a look, in the last dialog's folder, or else in the given one."""
         if self.filepath:  # type: ignore[has-type]
             folder = str(Path(self.filepath).parent)  # type: ignore[has-type]
         self.filepath = str(library.path_for(Path(folder), name).with_suffix(self.filename_ext))
+        return ExportHelper.invoke(self, context, event)
 
 
 class VIBE_OT_preset_import(IdleOperator, _FileDialog, ImportHelper):
@@ -85,8 +84,7 @@ class VIBE_OT_preset_export(PresetOperator, _ExportDialog):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if (name := self.name_or_report(context)) is None:
             return {"CANCELLED"}
-        self.propose(name)
-        return ExportHelper.invoke(self, context, event)
+        return self.propose(context, event, name)
 
     def act(self, context: bpy.types.Context) -> str:
         library.export_preset(self.look(context), Path(self.filepath))
@@ -105,8 +103,7 @@ class VIBE_OT_export_assets(LookOperator, _ExportDialog):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Asks where; proposes the first asset library."""
         libraries = context.preferences.filepaths.asset_libraries
-        self.propose(_name(context), libraries[0].path if libraries else "")
-        return ExportHelper.invoke(self, context, event)
+        return self.propose(context, event, _name(context), libraries[0].path if libraries else "")
 
     def act(self, context: bpy.types.Context) -> str:
         scene = context.scene
@@ -141,17 +138,16 @@ class VIBE_OT_export_lut(IdleOperator, _ExportDialog):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        graded, neutral = use.grade_values(context.scene), lut.neutral_grade()
+        graded, neutral = transfer.grade_values(context.scene), lut.neutral_grade()
         same = all(value == neutral[name] for name, value in graded.items() if name not in lut.LEFT_OUT)
         return "The scene's colors are not graded" if same else ""
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        self.propose(_name(context))
-        return ExportHelper.invoke(self, context, event)
+        return self.propose(context, event, _name(context))
 
     def act(self, context: bpy.types.Context) -> str:
         """Writes it; the message names what a LUT cannot hold."""
-        values = use.grade_values(context.scene)
+        values = transfer.grade_values(context.scene)
         lut.write_cube(Path(self.filepath), _name(context), values)
         neutral = lut.neutral_grade()
         rest = [name for name in lut.LEFT_OUT if values.get(name, neutral[name]) != neutral[name]]

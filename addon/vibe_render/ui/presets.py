@@ -12,10 +12,10 @@ import bpy
 from bpy.props import StringProperty
 
 from ..core.schema_import import preset, schema
-from ..looks import library, thumbnail, use
+from ..looks import library, thumbnail, transfer
 from ..run.state import addon_state
 from .bases import IdleOperator, IdlePanel, has_mesh, untouchable
-from .drawing import look_icon, paragraph
+from .drawing import caption, look_icon, paragraph
 
 _WIDTH, _COLUMNS = 26, 4  # of the grid; the width in Blender's units (the height of a button)
 _LETTERS = 70  # characters in a line of text below the grid
@@ -105,17 +105,11 @@ class VIBE_PT_preset_grid(bpy.types.Panel):
         for _ in range(-len(shown) % _COLUMNS if len(shown) < _COLUMNS else 0):  # pictures keep their size
             grid.label(text="")
         if not shown:
-            _draw_faint(layout, "No preset has these words")
+            caption(layout, "No preset has these words")
         elif chosen := _chosen(context):
             _draw_chosen(layout, context, chosen, _LETTERS)
         else:
-            _draw_faint(layout, "Click a name to read more, or the button next to it to apply the look")
-
-
-def _draw_faint(layout: bpy.types.UILayout, text: str) -> None:
-    row = layout.row()
-    row.active, row.alignment = False, "CENTER"
-    row.label(text=text)
+            caption(layout, "Click a name to read more, or the button next to it to apply the look")
 
 
 def _chosen(context: bpy.types.Context) -> library.Look | None:
@@ -155,7 +149,6 @@ class PresetOperator(IdleOperator):
     )
 
     def look(self, context: bpy.types.Context) -> library.Look:
-        """The preset; raises a VibeError if it is gone."""
         return library.preset_at(self.path or context.window_manager.vibe_presets.chosen)
 
     def name_or_report(self, context: bpy.types.Context) -> str | None:
@@ -210,7 +203,6 @@ class VIBE_OT_preset_choose(bpy.types.Operator):
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
-        """The preset's prompt, as a tool tip."""
         try:
             look = library.preset_at(properties.path)
         except schema.VibeError as error:
@@ -237,7 +229,7 @@ class VIBE_OT_preset_apply(PresetOperator):
         look = self.look(context)
         if look.preset is None:
             raise schema.VibeError(look.problem, "Delete it, or correct the file.")
-        rest = use.apply_preset(context.scene, look.preset, context.scene.vibe.choice())
+        rest = transfer.apply_preset(context.scene, look.preset, context.scene.vibe.choice())
         addon_state.forget()  # its pictures and variants are not of this look
         window_state = context.window_manager.vibe_presets
         window_state.chosen, window_state.rest = str(look.path), "\n".join(rest)
@@ -264,7 +256,7 @@ class VIBE_OT_preset_save(_NameDialog, LookOperator):
     def act(self, context: bpy.types.Context) -> str:
         """Saves it; the picture is a small render, during which Blender waits."""
         scene = context.scene
-        look = use.capture_preset(scene, scene.vibe.choice(), self.name)
+        look = transfer.capture_preset(scene, scene.vibe.choice(), self.name)
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             picture = Path(folder) / f"picture{thumbnail.SUFFIX}"
             thumbnail.render_thumbnail(scene, picture)

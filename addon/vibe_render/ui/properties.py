@@ -97,7 +97,6 @@ class VibeTarget(bpy.types.PropertyGroup):
 
 
 def _toggles() -> dict[str, BoolProperty]:
-    """A toggle for every group of the schema."""
     toggles = {}
     for group in schema.GROUPS:
         words = [labels.words(p.name) for p in schema.PARAMETERS if p.group == group]
@@ -130,7 +129,7 @@ SHARED = (
     ("ALL", "Affect All Users", "The other objects change with the subject"),
     ("SINGLE", "Make Single-User", "The subject gets copies of its own; Revert removes them"),
 )
-"""What may happen to materials of the subject that other objects use too."""
+"""Choices for materials of the subject that other objects use too."""
 _EFFORT = options.named("effort").panel
 
 
@@ -213,7 +212,6 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
     pivot: FloatVectorProperty(size=3, description="What lights and camera orbit: the subject's center")
 
     def choice(self) -> SubjectChoice:
-        """The artist's choice of the subject."""
         if self.subject == "COLLECTION" and self.collection:
             return SubjectChoice(objects=(self.collection.name,))
         return SubjectChoice(selected=self.subject == "SELECTED")
@@ -233,7 +231,6 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
             added.name, added.target = word, target
 
     def groups(self) -> tuple[str, ...]:
-        """The groups that a vibe may change."""
         return tuple(g for g in schema.GROUPS if getattr(self, f"change_{g}"))
 
     def engine_options(self, context: bpy.types.Context) -> messages.Options:

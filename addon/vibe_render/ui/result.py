@@ -22,7 +22,7 @@ from ..run.session import Session
 from ..run.state import addon_state
 from ..scene import keyframes, moments, own_keys, snapshot
 from . import sequence, steps
-from .bases import allowed, result_obstacle
+from .bases import ResultOperator, allowed, result_obstacle
 from .drawing import GROUP_ICONS, HEX_COLOR, before_after, colored, columns, icon, paragraph, see_rendered
 from .scope import draw_lock
 
@@ -56,11 +56,8 @@ class ResultPanel:
         if session and session.scene != context.scene.name:
             session = None
         if not (wanted := reference.request_title(settings.vibed_prompt, settings.vibed_like)):
-            paragraph(
-                layout,
-                context,
-                "This scene has changes of Light Mix, or of an earlier vibe. Revert removes them.",
-            )
+            text = "This scene has changes of Light Mix, or of an earlier vibe. Revert removes them."
+            paragraph(layout, context, text)
         elif settings.vibed_like or settings.vibed_prompt != settings.prompt:
             paragraph(layout, context, wanted, faint=True)
         variants = session.variants if session else []
@@ -98,11 +95,8 @@ class ResultPanel:
         row.operator("vibe.run", text="Retry (New Seed)", icon="FILE_REFRESH").again = True
         row.operator("vibe.preset_save", text="Save Preset", icon="PRESET_NEW")
         if session:
-            notes = [*session.anchor_notes, *session.warnings]
-            for note in [
-                *word_notes(session.report)[:4],
-                *shortened_notes(notes),
-            ]:  # below what is always there
+            notes = shortened_notes([*session.anchor_notes, *session.warnings])
+            for note in [*word_notes(session.report)[:4], *notes]:  # below what is always there
                 paragraph(layout, context, note, "INFO", faint=True)
 
 
@@ -166,7 +160,7 @@ def _draw_variants(
 
 def draw_changes(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """Draws every value that changed: old, new, and why; one heading for each light, material and so on. Closed at first."""
-    changes = _visible(context)
+    changes = [c for c in context.scene.vibe.changes if not labels.same(c.name, *c.values())]
     header, body = layout.panel("vibe_changes", default_closed=True)
     header.label(text=f"Changes ({len(changes)})")
     if body is None:
@@ -180,11 +174,6 @@ def draw_changes(layout: bpy.types.UILayout, context: bpy.types.Context) -> None
         column.label(text=owner or labels.GROUP_TITLES[group], icon=GROUP_ICONS[group])
         for why, same in groupby(entries, key=lambda change: result.cause(change.reason)):
             _draw_changes(column, context, list(same), why)
-
-
-def _visible(context: bpy.types.Context) -> list[Any]:
-    """The changes that show in the numbers."""
-    return [c for c in context.scene.vibe.changes if not labels.same(c.name, *c.values())]
 
 
 def _draw_changes(
@@ -214,13 +203,7 @@ def _draw_changes(
         row.operator("vibe.why", text=text, emboss=False).key = same[-1].name
 
 
-class _Vibed(bpy.types.Operator):
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return allowed(cls, result_obstacle(context))
-
-
-class VIBE_OT_revert(_Vibed):
+class VIBE_OT_revert(ResultOperator):
     """Restore the scene exactly as it was before the first vibe"""
 
     bl_idname = "vibe.revert"
@@ -241,7 +224,7 @@ class VIBE_OT_revert(_Vibed):
         return {"FINISHED"}
 
 
-class VIBE_OT_keep(_Vibed):
+class VIBE_OT_keep(ResultOperator):
     """Make the result final. Revert is no longer possible"""
 
     bl_idname = "vibe.keep"
@@ -260,7 +243,7 @@ class VIBE_OT_keep(_Vibed):
         return {"FINISHED"}
 
 
-class VIBE_OT_keyframe(_Vibed):
+class VIBE_OT_keyframe(ResultOperator):
     """Keyframe all values of the result at the current frame. Values go from one keyframed look to the next in even steps"""
 
     bl_idname = "vibe.keyframe"
@@ -286,7 +269,7 @@ class VIBE_OT_keyframe(_Vibed):
         return {"FINISHED"}
 
 
-class VIBE_OT_variant(_Vibed):
+class VIBE_OT_variant(ResultOperator):
     """Use this variant in place of the other"""
 
     bl_idname = "vibe.variant"
@@ -324,7 +307,6 @@ class VIBE_OT_why(bpy.types.Operator):
         return f"{change.reason}.\n{where}" if change.reason else where
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Reports the reason in the status bar too."""
         self.report({"INFO"}, context.scene.vibe.changes[self.key].reason or "The look needs it")
         return {"CANCELLED"}
 

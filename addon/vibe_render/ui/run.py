@@ -33,7 +33,6 @@ class Vibing(bpy.types.Operator):
     bl_options: ClassVar[set[str]] = {"UNDO"}  # no REGISTER: "Adjust Last Operation" would do it all again
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Starts the vibe in the background."""
         self._session = self._begin(context, ask=True)
         self._drawn = "", 0.0
         manager = context.window_manager
@@ -174,7 +173,6 @@ class VIBE_OT_stop(_Running):
         return addon_state.running and bool(addon_state.session and addon_state.session.can_stop)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Asks the engine; its result arrives as usual."""
         try:
             if addon_state.session:
                 addon_state.session.stop()
@@ -209,7 +207,6 @@ class VIBE_OT_answer(_Running):
         return cls.bl_rna.properties["shared"].enum_items[properties.shared].description
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Goes on with the vibe."""
         context.scene.vibe.shared = self.shared
         if addon_state.session:
             addon_state.session.answer(self.shared)
@@ -244,10 +241,8 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Sessio
     if not (session.question or session.checking):
         buttons.operator("vibe.stop", text="Stop and Use Best")
     buttons.operator("vibe.cancel", icon="X")
-    hint = box.row()
-    hint.active, hint.alignment = False, "CENTER"
     esc = "Esc stops and uses the best" if session.can_stop else "Esc cancels"
-    hint.label(text="Blender pauses for a moment" if session.stage in PAUSING else esc)
+    drawing.caption(box, "Blender pauses for a moment" if session.stage in PAUSING else esc)
 
 
 def _draw_progress(box: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:

@@ -136,12 +136,7 @@ class VIBE_UL_values(bpy.types.UIList):
 
 
 def draw_lock(layout: bpy.types.UILayout, settings: Any, key: str, reason: str = "") -> None:
-    """Draws the lock of a value.
-
-    Args:
-        settings: The scene's `VibeSettings`.
-        reason: Why the value must stay anyway: the lock is closed then, with the reason as its tool tip.
-    """
+    """Draws the lock of a value; closed, with the reason as its tool tip, if the value must stay anyway."""
     locked = key in settings.locks
     row = layout.row()
     row.enabled = not reason

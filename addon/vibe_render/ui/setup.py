@@ -14,10 +14,10 @@ from bpy.props import EnumProperty, StringProperty
 from ..core import ADDON, preferences
 from ..core.preferences import cache_folder, engine_choice
 from ..core.schema_import import schema
-from ..engine import torch_builds
+from ..engine import setup as engine_setup
 from ..run.state import addon_state
 from . import drawing
-from .bases import IdleOperator
+from .bases import IdleOperator, allowed
 from .engine_state import engine_state, setup_folder, version
 from .properties import declare
 
@@ -180,36 +180,32 @@ class VIBE_OT_setup_engine(bpy.types.Operator):
     build: EnumProperty(
         name="Runs On",
         description="What the engine computes on",
-        items=[(b.key, b.name, f"{b.download} GB to download") for b in torch_builds.choices()],
+        items=[(b.key, b.name, f"{b.download} GB to download") for b in engine_setup.choices()],
         options={"SKIP_SAVE"},
     )
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if not preferences.online():
-            cls.poll_message_set("Online access is off: see Preferences > System > Network")
-        elif engine_state.setting_up:
-            cls.poll_message_set("It is being set up already")
-        return preferences.online() and not engine_state.setting_up
+        off = "" if preferences.online() else "Online access is off: see Preferences > System > Network"
+        return allowed(cls, off or ("It is being set up already" if engine_state.setting_up else ""))
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Says what will be downloaded, and lets the artist choose; nothing is downloaded before that."""
-        self.build = torch_builds.suggested().key
+        self.build = engine_setup.suggested().key
         return context.window_manager.invoke_props_dialog(
             self, width=_DIALOG_WIDTH, title="Set Up Engine", confirm_text="Download"
         )
 
     def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column()
-        if len(torch_builds.choices()) > 1:
+        if len(engine_setup.choices()) > 1:
             column.row().prop(self, "build", expand=True)
-        for line in torch_builds.download_text(torch_builds.by_key(self.build), setup_folder()):
+        for line in engine_setup.download_text(engine_setup.by_key(self.build), setup_folder()):
             drawing.paragraph(column, context, line, letters=_DIALOG_LETTERS)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Begins; panels and preferences show how it goes."""
         chosen = self.properties.is_property_set("build")
-        build = torch_builds.by_key(self.build) if chosen else torch_builds.suggested()
+        build = engine_setup.by_key(self.build) if chosen else engine_setup.suggested()
         try:
             engine_state.set_up(build)
         except schema.VibeError as error:

@@ -83,7 +83,6 @@ class VIBE_OT_further(run.Vibing):
         return bases.allowed(cls, reason or ("Set up the engine first" if engine_state.problem else ""))
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Starts the search in the background, if the sentence needs one."""
         return self._at_once(context) or super().invoke(context, event)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -118,7 +117,7 @@ class VIBE_OT_further(run.Vibing):
         return super()._done(failure, severity)
 
 
-class VIBE_OT_step(bpy.types.Operator):
+class VIBE_OT_step(bases.ResultOperator):
     """Change the list of steps"""
 
     bl_idname = "vibe.step"
@@ -131,10 +130,6 @@ class VIBE_OT_step(bpy.types.Operator):
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         return _ACTS[properties.act]
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return bases.allowed(cls, bases.result_obstacle(context))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         scene, place = context.scene, self.number - 1

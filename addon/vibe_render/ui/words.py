@@ -144,7 +144,6 @@ def _description(name: str) -> str:
 
 
 def _icon(scene: bpy.types.Scene, name: str) -> str:
-    """The icon of a target."""
     if name in targets.GENERAL:
         return _ICONS.get(targets.GENERAL[name], "LIGHT" if "light" in name else "OBJECT_DATA")
     obj = scene.objects.get(targets.target_names(name)[0])

@@ -17,14 +17,7 @@ from ...core.value_slots import LazySlot, ValueSlot
 from . import owned, trails
 from .inputs import HORIZON, artists_origin, input_slot, own_groups
 from .layers import Layer, MixSide, behind
-from .trails import (
-    NodeEntry,
-    NodeInGroups,
-    active_links,
-    depends_on_rays,
-    first_background,
-    resolve,
-)
+from .trails import NodeEntry, NodeInGroups, active_links, depends_on_rays, first_background, resolve
 
 LIGHT, BACKDROP = "light", "backdrop"
 _ROTATION = "Vibe Rotation"
@@ -39,7 +32,7 @@ _HIGHEST = 0.6  # height of the horizon in the image, of 1, from which the camer
 
 
 def has_backdrop(world: World) -> bool:
-    """Whether Mix Shaders by Is Camera Ray show the camera other Backgrounds than those that light the scene."""
+    """True if Mix Shaders by Is Camera Ray show the camera other Backgrounds than those that light the scene."""
     ways = {_seen_by_camera(layer) for layer in _world_layers(world)}
     return ways == {True, False}
 
@@ -47,10 +40,8 @@ def has_backdrop(world: World) -> bool:
 def mixed_backgrounds(world: World, part: str = LIGHT) -> list[Layer]:
     """The Backgrounds that a part of a world's surface is mixed of; none where it is a single, plain one.
 
-    One whose strength nodes compute, or whose color depends on the kind of ray, counts as a mix.
-
-    Args:
-        part: LIGHT or BACKDROP; of a world without a backdrop of its own everything is LIGHT.
+    One whose strength nodes compute, or whose color depends on the kind of ray, counts as a mix. Without a
+    backdrop of its own, everything is LIGHT.
     """
     found = _layers_of_part(world, part)
     return found if len(found) > 1 or any(_is_mix(layer) for layer in found) else []
@@ -72,7 +63,7 @@ def mixed_entries(world: World, part: str, name: str) -> list[NodeEntry]:
 
 
 def shares_picture(world: World) -> bool:
-    """Whether backdrop and light have their colors from the same output: one texture."""
+    """True if backdrop and light have their colors from the same output: one texture."""
     parts = [single_background(world, part) for part in (LIGHT, BACKDROP)]
     colors = [background.entry("Color") for background in parts if background]
     sources = [artists_origin(color).source for color in colors if color]
@@ -80,15 +71,14 @@ def shares_picture(world: World) -> bool:
 
 
 def _is_mix(layer: Layer) -> bool:
-    """Whether a Background is more than a color and a strength."""
+    """True if a Background is more than a color and a strength."""
     color, strength = layer.shader.entry("Color"), layer.shader.entry("Strength")
     computed = strength is not None and artists_origin(strength).source is not None
     return computed or (color is not None and depends_on_rays(color)) or any(map(_weighs, layer.sides))
 
 
 def _world_layers(world: World) -> list[Layer]:
-    tree = compat.node_tree(world)
-    output = tree.get_output_node("ALL") if tree else None
+    output = compat.output_node(world, "ALL")
     return list(behind(output.inputs["Surface"])) if output else []
 
 
@@ -100,13 +90,13 @@ def _layers_of_part(world: World, part: str) -> list[Layer]:
 
 
 def _seen_by_camera(layer: Layer) -> bool | None:
-    """Whether a Background is for camera rays alone, or for all others; None if it is for both."""
+    """True if a Background is for camera rays alone, False for all others, None for both."""
     ways = [side.second for side in layer.sides if not _weighs(side)]
     return ways[0] if ways else None
 
 
 def _weighs(side: MixSide) -> bool:
-    """Whether a side of a Mix Shader is a share, and not one kind of rays."""
+    """True if a side of a Mix Shader is a share, and not one kind of rays."""
     source = resolve(side.factor).source
     return not (source and source.node.type == "LIGHT_PATH" and source.name == "Is Camera Ray")
 
@@ -141,7 +131,7 @@ def environment(world: World) -> NodeInGroups | None:
 
 
 def is_only_turned(world: World) -> bool:
-    """Whether a world looks its environment texture up in all directions as they are, or turned around the vertical axis."""
+    """True if a world looks its environment texture up in all directions as they are, or turned around the vertical axis."""
     texture = environment(world)
     ways = _ways(texture) if texture else []
     if len(ways) != 1 or ways[0].node.bl_idname != "ShaderNodeMapping":
@@ -280,8 +270,7 @@ def offered_backdrop(
     world: World | None, instances: Mapping[str, schema.Instance]
 ) -> dict[str, schema.Instance]:
     """The parameters that a backdrop would have; none where the world cannot have one, or is partly locked."""
-    tree = compat.node_tree(world) if world else None
-    output = tree.get_output_node("ALL") if tree else None
+    output = compat.output_node(world, "ALL")
     single = single_background(world) if world else None
     # It has to be one plain Background, in its own tree, that both lights and is seen.
     if output is None or single is None or has_backdrop(world):
@@ -303,10 +292,9 @@ def with_backdrop(
     instances: Mapping[str, schema.Instance],
     values: Mapping[str, Sequence[float]],
 ) -> dict[str, Sequence[float]]:
-    """Adds a backdrop if values (by key, of anything) make it differ from the world.
+    """Adds a backdrop if values (by key) make it differ from the world; returns the values to write.
 
-    Returns:
-        The values to write: without those of a backdrop that equals the world; with all of a new one.
+    These are without those of a backdrop that equals the world, and with all of a new one.
     """
     offer = offered_backdrop(world, instances)
     named = [key for key in values if key in offer]

@@ -37,10 +37,8 @@ BLOOM = {"Highlights Threshold": 1.0, "Highlights Smoothness": 0.1, "Saturation"
 """The Glare node's settings, by socket identifier."""
 
 
-def grade_slot(scene: Scene, name: str) -> LazySlot | None:
-    """An input of the scene's grade; None on a Blender that cannot have one (before 4.5)."""
-    if not compat.HAS_IMAGE_COORDINATES:
-        return None
+def grade_slot(scene: Scene, name: str) -> LazySlot:
+    """An input of the scene's grade."""
     tree = compat.compositor(scene)
 
     def find() -> ValueSlot | None:
@@ -62,7 +60,7 @@ def grade_slot(scene: Scene, name: str) -> LazySlot | None:
 
 
 def cut_off(tree: NodeTree | None) -> bool:
-    """Whether no picture reaches the output of a compositor, so that every render is black."""
+    """True if no picture reaches the output of a compositor, so that every render is black."""
     if tree is None:
         return False
     target = compat.compositor_output(tree)

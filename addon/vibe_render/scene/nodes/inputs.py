@@ -57,11 +57,7 @@ class _InputSlot:
 
 
 def input_slot(find: FindEntry, tinted: bool = False) -> ValueSlot | None:
-    """The slot of an input's value, where an artist would drag it; None if there is no such input.
-
-    Args:
-        tinted: Whether a computed value has a tint instead of a slot.
-    """
+    """The slot of an input's value, where an artist would drag it; None if there is none, or a tint instead."""
     entry = find()
     if entry is None:
         return None
@@ -102,9 +98,7 @@ class Inset:
     ) -> ValueSlot | None:
         """An input of the inset on an input; None without such an input, or if its value is not computed.
 
-        Args:
-            plain: Whether a value that is not computed gets an inset too: one of several that are mixed.
-            settings: Other inputs of a new inset, with their values.
+        With `plain`, a value that is not computed has one too: of several that are mixed.
         """
         entry = find()
         if entry is None:

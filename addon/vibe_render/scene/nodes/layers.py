@@ -24,14 +24,10 @@ _SHOWS = {
     "ShaderNodeBsdfSheen": 0.3,
     EMISSION: 0.5,
 }
-"""How much of a shader's own color shows, against that of a matte one: coats and glass show what is around them."""
+"""The visible part of a shader's own color, of a matte one's: coats and glass show what is around them."""
 _GRAZING = {"Fresnel": 0.1, "Facing": 0.3}
 """The mean share of the second shader where a Fresnel or Layer Weight node mixes: little but at the edges."""
-_PART = (
-    0.3  # what makes less than this of the most prominent shader is an accent, not a part of the body's color
-)
-
-
+_PART = 0.3  # of the most prominent shader: what makes less is an accent, not a part of the body's color
 _COMPUTED_COLOR, _COMPUTED_STRENGTH = 0.5, 1.0  # assumed for emission that nodes compute
 
 
@@ -96,8 +92,7 @@ class Layer:
 
 def layers(material: Material) -> list[Layer]:
     """All shaders behind the Surface of the output that Cycles takes, transparent ones included."""
-    tree = compat.node_tree(material)
-    output = tree.get_output_node("CYCLES") if tree else None
+    output = compat.output_node(material)
     return list(behind(output.inputs["Surface"])) if output else []
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the nodes of a light do to its power and color: Emission, Blackbody, Light Falloff."""
+"""Effects of a light's nodes on its power and color: Emission, Blackbody, Light Falloff."""
 
 from __future__ import annotations
 
@@ -69,7 +69,6 @@ def _origin(light: Light, name: str) -> ValueOrigin | None:
 
 def _emission(light: Light) -> tuple[NodeSocket, tuple[Node, ...]] | None:
     """The output of the Emission node of a light, and the groups around it."""
-    tree = compat.node_tree(light)
-    output: Node | None = tree.get_output_node("CYCLES") if tree else None
+    output = compat.output_node(light)
     given = source_output(output.inputs["Surface"], ()) if output else None
     return given if given and given[0].node.bl_idname == "ShaderNodeEmission" else None

@@ -24,13 +24,10 @@ _WHITE, _BLACK = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
 
 
 def insert_mix(journal: Journal, scene: Scene, colors: Mapping[str, Color]) -> None:
-    """Puts the mix behind the Render Layers node; a mix that is there gets these colors.
-
-    Args:
-        colors: By light group of the first rendered view layer, what its light is multiplied by.
+    """Puts the mix behind the Render Layers node, or gives the one there new colors, by light group.
 
     Raises:
-        VibeError: The compositor does not use the image of that view layer.
+        VibeError: The compositor does not use the image of the first rendered view layer.
     """
     tree = compat.compositor(scene) or compat.start_compositor(journal, scene)
     tree = compat.own_compositor(journal, scene, tree)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Vibe Render adds to a scene: marked, named and colored, so that artists know it and we find it again."""
+"""Additions to a scene: marked, named and colored, so that artists know them and we find them again."""
 
 from __future__ import annotations
 
@@ -19,13 +19,15 @@ COLOR = (0.32, 0.22, 0.46)
 
 
 def is_unseen(obj: Object) -> bool:
-    """Whether an object of ours has no surface that a picture shows: a fog box, a card before a light."""
+    """True if an object of ours has no surface that a picture shows: a fog box, a card before a light."""
     return obj.get(MARK) in (FOG, CARD)
 
 
-def mark_owned(block: Any, role: str) -> None:
-    """Marks a data-block as ours."""
-    block[MARK] = role
+def new(journal: Journal, collection: str, name: str, *kind: Any, role: str = "") -> Any:
+    """Adds a data-block as `Journal.new` does, marked as ours for a role, which is its name by default."""
+    block = journal.new(collection, name, *kind)
+    block[MARK] = role or name
+    return block
 
 
 def find_owned(blocks: Iterable[ID], role: str) -> Any:
@@ -38,9 +40,7 @@ def owned_group(journal: Journal, name: str, kind: str) -> tuple[NodeTree, bool]
     tree = find_owned(bpy.data.node_groups, name)
     if tree is not None:
         return tree, False
-    tree = journal.new("node_groups", name, kind)
-    mark_owned(tree, name)
-    return tree, True
+    return new(journal, "node_groups", name, kind), True
 
 
 def group_input(

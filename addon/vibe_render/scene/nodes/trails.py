@@ -72,7 +72,7 @@ def active_links(socket: NodeSocket) -> list[NodeLink]:
 
 
 def is_foreign(node: Node) -> bool:
-    """Whether a render takes a node for absent."""
+    """True if a render takes a node for absent."""
     scripts = node.bl_idname == "ShaderNodeScript" and any(s.cycles.shading_system for s in bpy.data.scenes)
     return node.bl_idname in FOREIGN and not scripts
 
@@ -184,9 +184,8 @@ def first_background(world: World) -> NodeInGroups | None:
 
 
 def bumps_normals(material: Material) -> bool:
-    """Whether a material's Displacement is rendered, at least partly, as a change of its normals."""
-    tree = compat.node_tree(material)
-    output = tree.get_output_node("CYCLES") if tree else None
+    """True if a material's Displacement is rendered, at least partly, as a change of its normals."""
+    output = compat.output_node(material)
     return bool(output and active_links(output.inputs["Displacement"]) and compat.displaces_normals(material))
 
 
@@ -202,7 +201,7 @@ def environment_texture(color: NodeEntry) -> NodeInGroups | None:
 
 
 def depends_on_rays(color: NodeEntry) -> bool:
-    """Whether a color is another for the camera than for other rays."""
+    """True if a color is another for the camera than for other rays."""
     return _search(color.socket, color.inside, ("ShaderNodeLightPath",)) is not None
 
 
