@@ -115,25 +115,20 @@ _FIXED, _ROUND, _STEP, _RENDERS = 5.0, 3.0, 0.14, 12.0
 
 def account(plan: BatchPlan, out: Path, workers: int) -> str:
     """The plan as text."""
-    counts = {True: 0, False: 0}
     scenes: Counter[str] = Counter()
     seconds: list[float] = []
-    guessed, failed = 0.0, 0
+    guessed, failed, to_do = 0.0, 0, 0
     for job in plan:
         folder = out / "jobs" / job.name
-        done = (folder / DONE).is_file()
-        counts[done] += 1
         scenes[job.scene] += 1
-        failed += not done and (folder / FAILED).is_file()
-        if done and len(seconds) < _MEASURED:
-            seconds.append((read_json(folder / DONE) or {}).get("seconds", 0.0))
-        if not done:
+        if not (folder / DONE).is_file():
+            to_do += 1
             guessed += guess(job)
-    to_do = counts[False]
-    lines = [
-        f"{len(plan)} jobs: {counts[True]} done, {to_do} to do"
-        + (f", of which {failed} had failed." * bool(failed) or ".")
-    ]
+            failed += (folder / FAILED).is_file()
+        elif len(seconds) < _MEASURED:
+            seconds.append((read_json(folder / DONE) or {}).get("seconds", 0.0))
+    before = f", of which {failed} had failed" if failed else ""
+    lines = [f"{len(plan)} jobs: {len(plan) - to_do} done, {to_do} to do{before}."]
     lines += [f"  {count:5}  {scene}" for scene, count in list(scenes.items())[:_LISTED]]
     lines += [f"         ... and {len(scenes) - _LISTED} more scenes"] if len(scenes) > _LISTED else []
     if not to_do:

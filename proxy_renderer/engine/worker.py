@@ -197,9 +197,8 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
         except VibeError as error:
             wire.send(messages.Error(error.message, error.remedy))
         except MemoryError:
-            wire.send(
-                messages.Error("The engine ran out of memory.", "Use a smaller --size or a lighter scene.")
-            )
+            remedy = "Use a smaller --size or a lighter scene."
+            wire.send(messages.Error("The engine ran out of memory.", remedy))
         except OSError as error:
             wire.send(_file_trouble(request, error))
         except Exception as error:
