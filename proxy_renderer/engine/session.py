@@ -17,11 +17,10 @@ from ..goals.written import read
 from ..guidance import regions
 from ..guidance.encoder import Encoder, load_encoder
 from ..optimize import pipeline
-from ..optimize.links import linked
 from ..optimize.progress import Observer
 from ..optimize.rounds.method import load_method
 from ..optimize.shots import BlenderPictures, ShotInput, picture_size
-from ..optimize.stage import set_stage
+from ..optimize.stage import linked, set_stage
 from ..render.proxy import Proxy
 from ..scene import load_scene
 from ..schema import VibeError, messages

@@ -147,8 +147,5 @@ def _short(value: Any) -> str:
 
 def clamped(group: str, values: Mapping[str, Sequence[float]]) -> Entry:
     """An entry (values are multiples of the reference) within the bounds that `loads` insists on."""
-    entry = {}
-    for name, value in values.items():
-        parameter = FAMILIES[f"{group}/{name}"]
-        entry[name] = [min(max(float(v), parameter.lower), parameter.upper) for v in value]
-    return entry
+    rows = ((name, FAMILIES[f"{group}/{name}"], value) for name, value in values.items())
+    return {name: [min(max(float(v), row.lower), row.upper) for v in value] for name, row, value in rows}

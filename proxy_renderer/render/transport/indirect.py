@@ -116,8 +116,7 @@ class FinalGather:
         self.gather_points = gather_points.index
         points = surface.pick(gather_points.index)
         origin = geometry.lifted(points)
-        arrived = samples.toward[:, gather_points.index]
-        lobes = LobeRays.of(points, arrived)
+        lobes = LobeRays.of(points, samples.toward[:, gather_points.index])
         near, wide = gather_points.turns(2), gather_points.turns(4)
         glossy = shared_points(_GLOSSY_RAYS, near, generator)
         diffuse = shared_points(_DIFFUSE_RAYS, wide, generator)
@@ -139,7 +138,7 @@ class FinalGather:
         self._glow: GlowShares | None = None
         if glowing:
             turns = near, wide, glowing, emissive
-            self._glow = glow_of(geometry, points, arrived, *turns, len(metals), generator)
+            self._glow = glow_of(geometry, lobes, *turns, len(metals), generator)
 
     def aside(self) -> Self:
         """A copy in which lights may move."""
@@ -222,13 +221,8 @@ class FinalGather:
         )
         low = self._gather_points.smooth(wide) * math.pi
         full = self._gather_points.spread(torch.cat((low, narrow), 1)).T
-        return replace(
-            gathered,
-            irradiance=gathered.irradiance + full[:3],
-            glossy=gathered.glossy + full[3:],
-            mirror=gathered.mirror + mirror.T,
-            gather_points=gathered.gather_points + low,
-        )
+        more = {"irradiance": full[:3], "glossy": full[3:], "mirror": mirror.T, "gather_points": low}
+        return replace(gathered, **{name: getattr(gathered, name) + light for name, light in more.items()})
 
     def _weighed(self) -> tuple[_PointWeights, _PointWeights]:
         """Weights of diffuse light and of blurred reflections, which lack the world's."""
