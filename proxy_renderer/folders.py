@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the engine keeps a user's files: settings, and what can be made again."""
+"""Folders of a user's files: settings, and what can be made again."""
 
 import os
 from pathlib import Path

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where rendered references are kept between measurements."""
+"""Cache of rendered references between measurements."""
 
 from __future__ import annotations
 

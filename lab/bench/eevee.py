@@ -16,7 +16,7 @@ from proxy_renderer.schema import VibeError
 
 _DIGITS = 3
 _FRAME = "EEVEE frame, ms: "
-"""What Blender's side prints before the time of a frame."""
+"""Mark that Blender's side prints before the time of a frame."""
 
 
 def measure(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How near the proxy is to Cycles, over a fixed set of scenes that a script builds.
+"""Distance of the proxy from Cycles, over a fixed set of scenes that a script builds.
 
 Blender's side (`lab.blender`) builds each scene, exports it as a vibe does, and renders the
 reference with Cycles; this side renders the job folder with the proxy and compares.
@@ -118,7 +118,7 @@ def measure(event: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def _anchored(proxy: Proxy, anchors: Mapping[str, Any], reference: Tensor, folder: Path) -> dict[str, float]:
-    """How near the proxy is once it has been corrected by a small picture of Cycles, as in a round of a vibe.
+    """Distance of the proxy from Cycles after its correction by a small picture of Cycles, as in a round of a vibe.
 
     Args:
         anchors: "still", rendered at the scene's own values, and "moved", at others: the values that differ, the

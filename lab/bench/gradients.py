@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether the proxy's gradients point where Cycles' pictures go, for every parameter of the schema.
+"""Agreement of the proxy's gradients with the changes of Cycles' pictures, for every parameter of the schema.
 
 Blender's side (`lab.blender.gradients`) moves each parameter a step to both sides on its perceptual scale and
 renders with Cycles, every time with the same noise. The difference of these pictures is compared with autograd's
@@ -40,7 +40,7 @@ _CELLS = 6
 _REGIONS = 8
 _POOR = 0.5
 _WAYS = ("gradient", "differences")
-"""What of the proxy's is compared with the differences of Cycles' pictures: autograd's, and its own differences."""
+"""Derivatives of the proxy that are compared with the differences of Cycles' pictures: autograd's, and its own differences."""
 _FAINT = 0.3
 """Change of a region's Lab over the whole of a parameter's scale that nobody sees."""
 
@@ -145,7 +145,7 @@ def functionals(display: Tensor, mask: Tensor, encoder: Encoder, caption: Tensor
 
 
 def compare(ours: Tensor, cycles: Tensor) -> dict[str, Any]:
-    """How alike two derivatives of `functionals` are.
+    """Similarity of two derivatives of `functionals`.
 
     Args:
         ours: (45,), the proxy's derivative by one parameter: regions' means, the encoder's loss, then cells.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far apart two pictures are. All take sRGB-encoded pictures (H, W, 3) in [0, 1]."""
+"""Distances of two pictures. All take sRGB-encoded pictures (H, W, 3) in [0, 1]."""
 
 from __future__ import annotations
 

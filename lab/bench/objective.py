@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a vibe minimizes, as a function of the picture alone: so Cycles' pictures can be judged as the proxy's are."""
+"""The objective of a vibe, as a function of the picture alone: so Cycles' pictures can be judged as the proxy's are."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def objective(proxy: Proxy, prompt: str, encoder: Encoder) -> Callable[[Tensor],
 
 
 def agreement(slopes: Mapping[str, Mapping[str, tuple[float, float]]]) -> dict[str, float]:
-    """How alike the gradients of a scene's objective are, over all of its parameters that were moved.
+    """Similarity of the gradients of a scene's objective, over all of its parameters that were moved.
 
     Args:
         slopes: By parameter and term, the proxy's derivative and Cycles'.

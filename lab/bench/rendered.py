@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether the prediction shows what Cycles renders, where things hide, replace or multiply: scenes at random."""
+"""Comparison of the prediction with Cycles' renders, where things hide, replace or multiply: scenes at random."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _spread(rows: list[dict[str, Any]]) -> dict[str, float]:
 
 
 def _wrong(row: dict[str, Any]) -> str:
-    """What differs in a scene, in words; "" if nothing does."""
+    """Differences in a scene, in words; "" if nothing does."""
     parts = [
         f"no note: {', '.join(row['unnamed'])}" if row["unnamed"] else "",
         f"visible: {row['unlike']}" if row["unlike"] else "",

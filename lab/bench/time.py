@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How long a vibe takes, phase by phase: with a warm engine as in the panel, and the start of the command."""
+"""Time of a vibe, phase by phase: with a warm engine as in the panel, and the start of the command."""
 
 from __future__ import annotations
 

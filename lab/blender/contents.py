@@ -54,7 +54,7 @@ def dump() -> dict[str, Any]:
 
 
 def difference(before: dict[str, Any], after: dict[str, Any]) -> dict[str, tuple]:
-    """Where two dumps differ.
+    """Differences of two dumps.
 
     Args:
         before: As `dump` returns it.
@@ -70,7 +70,7 @@ def difference(before: dict[str, Any], after: dict[str, Any]) -> dict[str, tuple
 
 
 def _given_by_blender(struct: bpy_struct, name: str, value: Any) -> bool:
-    """Whether it is what Blender says of a cache: how full it is, and where a fluid's is while the file has no place for it."""
+    """True if it is what Blender says of a cache: how full it is, and where a fluid's is while the file has no place for it."""
     if isinstance(struct, bpy.types.PointCache):
         return name == "info"
     fluid = isinstance(struct, bpy.types.FluidDomainSettings)

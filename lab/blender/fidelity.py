@@ -33,7 +33,7 @@ from lab.blender.scenes.shapes import SHAPES
 VERSION = ANCHOR_VERSION = 1
 """Raised when the way references, or anchors, are rendered changes."""
 SUBJECTS = {name: (make, (*mesh, "single subject")) for name, (make, mesh) in SHAPES.items()}
-"""What the older scenes are of: their means are told apart from those of sets."""
+"""Subjects of the older scenes: their means are told apart from those of sets."""
 ANCHOR_SIZE, ANCHOR_SAMPLES = 192, 16
 
 

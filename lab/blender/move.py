@@ -17,7 +17,7 @@ _MOVED = {
     "film": ("exposure", "contrast", "saturation"),
 }
 _OFF = ("density", "emission", "coat")
-"""Where these are 0 they stay: what a scene does not have is not moved."""
+"""Values that stay where they are 0: what a scene does not have is not moved."""
 
 
 def move(instances: Mapping[str, schema.Instance], chance: random.Random) -> dict[str, schema.Values]:

@@ -92,7 +92,7 @@ class _Phases:
 
 
 def _processor_seconds() -> float:
-    """What this process and the engine have used; the engine's only on Linux."""
+    """Resources that this process and the engine have used; the engine's only on Linux."""
     own = os.times()
     engine = addon_state.engine(bpy.context).process_id
     try:
@@ -164,7 +164,7 @@ def _live(phases: _Phases, prompt: str) -> None:
 
 
 def _phase(vibe: Session) -> str:
-    """What a vibe is at."""
+    """The phase of a vibe."""
     if vibe.stage == session.ANCHORING:
         return "anchors"
     if vibe.stage == _PREDICTION:

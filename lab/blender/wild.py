@@ -46,7 +46,7 @@ def compare(original: Path, vibed: Path, folder: Path) -> dict[str, Any]:
 
 
 def _saved(path: Path) -> dict[str, Any]:
-    """What the open file holds after it has been saved and opened again.
+    """Contents of the open file after it has been saved and opened again.
 
     Left out are what Blender makes for any render, and compositor trees that are switched off: Blender 4 cannot delete one.
     """

@@ -30,7 +30,7 @@ class Objective(Protocol):
 
     @property
     def shots(self) -> int:
-        """How many pictures there are: steps take them in turn, points are judged on all of them."""
+        """Number of pictures: steps take them in turn, points are judged on all of them."""
 
     def render(self, u: Tensor, shot: int) -> Any:
         """A picture of u, differentiable in what may move.
@@ -41,7 +41,7 @@ class Objective(Protocol):
         """
 
     def loss(self, picture: Any, u: Tensor, generator: torch.Generator, shot: int) -> Tensor:
-        """How far a picture is from the words.
+        """Distance of a picture from the words.
 
         Args:
             picture: As `render` returns it.
@@ -55,7 +55,7 @@ class Objective(Protocol):
 
 @dataclass(frozen=True)
 class StepSettings:
-    """How the inner loop steps.
+    """Steps of the inner loop.
 
     Attributes:
         rate: Greatest step, as a share of each component's feasible range; it falls to a tenth of
@@ -118,7 +118,7 @@ class SampledObjective:
 
     @property
     def shots(self) -> int:
-        """How many pictures there are."""
+        """Number of pictures."""
         return self._objective.shots
 
     def render(self, u: Tensor, shot: int) -> Render:

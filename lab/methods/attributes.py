@@ -21,7 +21,7 @@ _FULL_FRAME = ("vignette", "brightness")  # attributes that a crop changes
 
 
 class Attributes:
-    """What the heads are to say.
+    """Answers wanted of the heads.
 
     Args:
         encoder: The one whose heads are asked.

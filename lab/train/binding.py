@@ -27,7 +27,7 @@ L2 = 1.5
 """Of the penalty: half of it times the sum of squares."""
 FOLDS = 5
 HARD = 0.5
-"""How much a hard sentence counts beside others."""
+"""Weight of a hard sentence."""
 
 
 def examples(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How well an encoder reads looks off shapes that it never saw.
+"""Accuracy with which an encoder reads looks off shapes that it never saw.
 
 Every comparison is between two sentences, so chance is one half; heads are compared with the truth.
 """

@@ -137,7 +137,7 @@ def _row(example: Example, weights: Mapping[str, float]) -> _Row:
 
 
 def _by_place(rows: Iterable[Sequence[T]]) -> list[list[T]]:
-    """What the rows, longest first, have at the first place, at the second, and so on."""
+    """Entries of the rows, longest first, at the first place, at the second, and so on."""
     return [[one for one in place if one is not None] for place in zip_longest(*rows)]
 
 

@@ -30,7 +30,7 @@ _FALLS = 0.15
 
 @dataclass
 class TrainingRecipe:
-    """How to train.
+    """Settings of the training.
 
     Attributes:
         groups: Groups of `LOOKS` pictures per batch.

@@ -10,12 +10,10 @@ import re
 import signal
 import time
 from collections import Counter
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TextIO
 
-from ..blender.launch import TerminalBar, blender_side
+from ..blender.launch import TerminalBar, blender_side, handling
 from ..schema import VibeError
 from ..words.lexicon.user_words import VARIABLE
 from . import manifest, schedule
@@ -115,25 +113,20 @@ _FIXED, _ROUND, _STEP, _RENDERS = 5.0, 3.0, 0.14, 12.0
 
 def account(plan: BatchPlan, out: Path, workers: int) -> str:
     """The plan as text."""
-    counts = {True: 0, False: 0}
     scenes: Counter[str] = Counter()
     seconds: list[float] = []
-    guessed, failed = 0.0, 0
+    guessed, failed, to_do = 0.0, 0, 0
     for job in plan:
         folder = out / "jobs" / job.name
-        done = (folder / DONE).is_file()
-        counts[done] += 1
         scenes[job.scene] += 1
-        failed += not done and (folder / FAILED).is_file()
-        if done and len(seconds) < _MEASURED:
-            seconds.append((read_json(folder / DONE) or {}).get("seconds", 0.0))
-        if not done:
+        if not (folder / DONE).is_file():
+            to_do += 1
             guessed += guess(job)
-    to_do = counts[False]
-    lines = [
-        f"{len(plan)} jobs: {counts[True]} done, {to_do} to do"
-        + (f", of which {failed} had failed." * bool(failed) or ".")
-    ]
+            failed += (folder / FAILED).is_file()
+        elif len(seconds) < _MEASURED:
+            seconds.append((read_json(folder / DONE) or {}).get("seconds", 0.0))
+    before = f", of which {failed} had failed" if failed else ""
+    lines = [f"{len(plan)} jobs: {len(plan) - to_do} done, {to_do} to do{before}."]
     lines += [f"  {count:5}  {scene}" for scene, count in list(scenes.items())[:_LISTED]]
     lines += [f"         ... and {len(scenes) - _LISTED} more scenes"] if len(scenes) > _LISTED else []
     if not to_do:
@@ -171,7 +164,7 @@ def run(a: argparse.Namespace) -> int:
         workers = a.workers or fitting(content.limits)
         print(account(plan, a.out, 0 if a.ray else workers))
         return 0
-    with Store(a.out) as store, _handling(signal.default_int_handler, signal.SIGTERM):
+    with Store(a.out) as store, handling(signal.default_int_handler, signal.SIGTERM):
         store.check_space(content.limits.free_gb)
         return _carry_out(a, plan, store, content.limits)
 
@@ -186,7 +179,7 @@ def _carry_out(a: argparse.Namespace, plan: BatchPlan, store: Store, limits: man
         if a.final is not None:
             failed += _pass(Finals(plan, store, a.final), store, pool, limits, sheet)
     finally:
-        with _handling(signal.SIG_IGN, signal.SIGINT, signal.SIGTERM):  # nothing interrupts the tidying up
+        with handling(signal.SIG_IGN, signal.SIGINT, signal.SIGTERM):  # nothing interrupts the tidying up
             pool.close()
             sheet.write()
     print(f"Open {store.folder / 'index.html'}", flush=True)
@@ -219,17 +212,6 @@ def _pool(a: argparse.Namespace, store: Store, limits: manifest.Limits) -> Pool:
 
         return cluster_pool(a.ray, store, setup, a.workers)
     return local_pool(store.jobs, setup, a.workers)
-
-
-@contextmanager
-def _handling(handler: Any, *numbers: int) -> Iterator[None]:
-    """Signals go to a handler inside the block."""
-    old = {number: signal.signal(number, handler) for number in numbers}
-    try:
-        yield
-    finally:
-        for number, before in old.items():
-            signal.signal(number, before)
 
 
 NAME = "vibe-render.js"

@@ -112,9 +112,8 @@ class _Reader:
             keys = ("shots", str(number))
             name = table.get("name") if isinstance(table, dict) else None
             if not isinstance(name, str) or not name.strip() or name in names:
-                raise self._problem(
-                    "Shots that share a look need a name of their own.", 'Write name = "kitchen".', *keys
-                )
+                problem = "Shots that share a look need a name of their own."
+                raise self._problem(problem, 'Write name = "kitchen".', *keys)
             names.add(name)
             scenes = [place for _, place in self._scenes(table.get("scenes"), *keys, "scenes")]
             rest = {k: v for k, v in table.items() if k not in ("name", "scenes")}
@@ -126,8 +125,8 @@ class _Reader:
     def _group(
         self, name: str, scenes: list[Path], common: dict[str, Any], own: dict[str, Any], everything: str
     ) -> SceneGroup:
-        arguments = self._options.arguments(common | own, scenes)
         options = common | own
+        arguments = self._options.arguments(options, scenes)
         prompts = own.get("prompts") or self._prompts(self._content.get("prompts"), options, "prompts")
         seeds = own.get("seeds") or self._seeds(self._content.get("seeds", [0]), "seeds")
         read = [Path(options[name]) for name in IN_FILES if options.get(name)]

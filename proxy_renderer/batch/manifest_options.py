@@ -127,10 +127,9 @@ class OptionReader:
             raise self._problem(f"{key} cannot be {value!r}.", f"Use {', '.join(row.choices)}.", *keys, key)
         with self._source.at(*keys, key):
             self._check_options(self._defaults | {row.name: value})
-            if row.name == "like" and isinstance(value, str) and value:
-                value = str(check.file(str(self._base / value), "picture"))
-            if row.name == "goals" and isinstance(value, str) and value:
-                value = check.goals(str(self._base / value))
+            if row.name in IN_FILES and isinstance(value, str) and value:
+                path = str(self._base / value)
+                value = str(check.file(path, "picture")) if row.name == "like" else check.goals(path)
         return value
 
     def _check_options(self, options: dict[str, Any]) -> None:

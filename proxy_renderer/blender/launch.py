@@ -272,12 +272,19 @@ def _forwarded_interrupts(process: subprocess.Popen[str], progress: VibeProgress
         else:
             process.kill()
 
-    before = {number: signal.signal(number, on_signal) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
+    with handling(on_signal, signal.SIGINT, signal.SIGTERM):
         yield presses
+
+
+@contextmanager
+def handling(handler: Any, *numbers: int) -> Iterator[None]:
+    """Signals go to a handler inside the block."""
+    before = {number: signal.signal(number, handler) for number in numbers}
+    try:
+        yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler or signal.SIG_DFL)  # None: it was not set from Python
+        for number, old in before.items():
+            signal.signal(number, old or signal.SIG_DFL)  # None: it was not set from Python
 
 
 def _own_group() -> dict[str, Any]:
@@ -295,10 +302,8 @@ def blender_side() -> Path:
     for place in places:
         if (place / "batch.py").is_file():
             return place / "batch.py"
-    raise VibeError(
-        "The Blender side of vibe-render is missing.",
-        "Install it again: `pip install .` in a clone of Vibe Render.",
-    )
+    remedy = "Install it again: `pip install .` in a clone of Vibe Render."
+    raise VibeError("The Blender side of vibe-render is missing.", remedy)
 
 
 def environment() -> dict[str, str]:

@@ -221,10 +221,8 @@ class ClaimSet:
         """Claims about a scene whose artist's image is this one."""
         regions = tuple(claim.region(picture.seen) for claim in claims)
         with torch.no_grad():
-            before = tuple(
-                None if where is None else claim.value(picture, where)
-                for claim, where in zip(claims, regions, strict=True)
-            )
+            pairs = zip(claims, regions, strict=True)
+            before = tuple(None if where is None else c.value(picture, where) for c, where in pairs)
         return cls(claims, before, regions)
 
     @property

@@ -288,9 +288,7 @@ def _of_every_image(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
             yield Claim.unsaid("picture", "clipped", upper=_CLIPPED)
     if goals.classes.get("saturation") != "vivid":
         yield Claim.unsaid("picture", "colorfulness", upper=_VIVID)
-    dark |= any(
-        (c.measure in ("lightness", "black_point") and c.upper[0] < _DARK) or c.measure == "silhouette"
-        for c in claims
-    )
+    dark |= any(c.measure in ("lightness", "black_point") and c.upper[0] < _DARK for c in claims)
+    dark |= any(c.measure == "silhouette" for c in claims)
     if not dark and not any(light < _BLACK for light in lightness):
         yield Claim.unsaid("picture", "drowned", upper=_DROWNED)

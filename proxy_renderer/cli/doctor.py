@@ -25,12 +25,6 @@ _BLENDER = (
     "import bpy, json, os; print('BLENDER ' + json.dumps([bpy.app.version_string, "
     "os.path.join(bpy.utils.system_resource('DATAFILES'), 'colormanagement', 'config.ocio')]))"
 )
-_COLOR_SCHEMA = {
-    "type": "object",
-    "properties": {"color": {"type": "string"}},
-    "required": ["color"],
-    "additionalProperties": False,
-}
 _FORMATS = {"json_schema": "strict JSON", "json_object": "plain JSON", "text": "JSON in plain text"}
 _AGAIN = "Install it again: `pip install .` in a clone of Vibe Render."
 
@@ -77,11 +71,8 @@ def _blender(config: list[str]) -> str:
     lines = [line for line in done.stdout.splitlines() if line.startswith("BLENDER ")]
     if not lines:
         reason = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
-        raise VibeError(
-            f"Blender's module does not start: {reason[:150]}",
-            "If a lib*.so is missing, install it with your system's package manager; otherwise "
-            "Install it again: `pip install .` in a clone of Vibe Render.",
-        )
+        remedy = f"If a lib*.so is missing, install it with your system's package manager; otherwise {_AGAIN}"
+        raise VibeError(f"Blender's module does not start: {reason[:150]}", remedy)
     version, path = json.loads(lines[0].removeprefix("BLENDER "))
     config.append(path)
     return f"{version} (the bpy module)"
@@ -97,10 +88,9 @@ def _imported(what: str, remedy: str, *names: str) -> ModuleType:
 
 def _torch() -> str:
     torch = _imported("torch", _AGAIN, "torch")
-    cards = [torch.cuda.get_device_name(i) for i in range(torch.cuda.device_count())]
-    return f"{torch.__version__}, {torch.get_num_threads()} threads, " + (
-        ", ".join(f"cuda:{i} {card}" for i, card in enumerate(cards)) or "no graphics card (the CPU is fine)"
-    )
+    cards = [f"cuda:{i} {torch.cuda.get_device_name(i)}" for i in range(torch.cuda.device_count())]
+    shown = ", ".join(cards) or "no graphics card (the CPU is fine)"
+    return f"{torch.__version__}, {torch.get_num_threads()} threads, {shown}"
 
 
 def _rays() -> str:
@@ -140,6 +130,7 @@ def try_model(endpoint: Endpoint) -> str:
     from PIL import Image
 
     from ..vlm.client import Client, Question, jpeg_of
+    from ..vlm.request import json_object
     from ..vlm.transport import clean
 
     client = Client(endpoint)
@@ -147,7 +138,9 @@ def try_model(endpoint: Endpoint) -> str:
     system = (
         'Name the color of the square in one word, as {"color": "..."}. Say "unseen" if there is no picture.'
     )
-    answer = client.ask(Question(system, "What color is it?", square, _COLOR_SCHEMA), fresh=True)
+    answer = client.ask(
+        Question(system, "What color is it?", square, json_object(color={"type": "string"})), fresh=True
+    )
     color = clean(answer.get("color"), 40)
     sees = "red" in color.lower() and client.dialect.pictures
     eyesight = "sees pictures" if sees else "does NOT see pictures: it plans from numbers, and cannot judge"

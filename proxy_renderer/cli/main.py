@@ -41,9 +41,8 @@ def _add_out(parser: argparse.ArgumentParser, help: str, default: str = "") -> N
 
 def _run_options(parser: argparse.ArgumentParser) -> None:
     _add_scene(parser)
-    parser.add_argument(
-        "more", nargs="*", metavar="SCENE", help="more .blends that are to have the same look"
-    )
+    more = "more .blends that are to have the same look"
+    parser.add_argument("more", nargs="*", metavar="SCENE", help=more)
     command_line.add_option(parser, named("prompt"))
     command_line.add_option(parser, named("then"))
     _add_out(parser, "folder for images, .blend and report")
@@ -106,12 +105,8 @@ def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> 
 
 def _batch_options(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
-    add(
-        "manifest",
-        type=Path,
-        metavar="MANIFEST.toml",
-        help="scenes, shots that share a look, prompts, seeds and options",
-    )
+    manifest = "scenes, shots that share a look, prompts, seeds and options"
+    add("manifest", type=Path, metavar="MANIFEST.toml", help=manifest)
     _add_out(parser, "folder for all results")
     add("--dry-run", action="store_true", help="only say what would be done, and how long it takes")
     final = "then render these frames of every result with Cycles (without A-B: the scene's own frames)"
@@ -222,9 +217,8 @@ def _vocabulary_options(parser: argparse.ArgumentParser) -> None:
     test = actions.add_parser("test", help="say how a prompt is read with it")
     test.add_argument("text", metavar="TEXT", help="the look")
     listed = actions.add_parser("list", help="list entries and colors")
-    listed.add_argument(
-        "part", metavar="TEXT", nargs="?", default="", help="only those with this in a wording"
-    )
+    part = "only those with this in a wording"
+    listed.add_argument("part", metavar="TEXT", nargs="?", default="", help=part)
     for action in (add, test, listed):
         command_line.add_option(action, named("vocabulary"))
 
@@ -274,15 +268,11 @@ def _doctor(a: argparse.Namespace) -> int:
 
 
 def _extension_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "action",
-        choices=("build", "install", "repository"),
-        help="make a .zip to install from disk, install it at once, or make a .zip with the index that Blender subscribes to",
-    )
+    action = "make a .zip to install from disk, install it at once, or make a .zip with the index that Blender subscribes to"
+    parser.add_argument("action", choices=("build", "install", "repository"), help=action)
     _add_out(parser, "build, repository: folder (default: %(default)s)", "dist")
-    parser.add_argument(
-        "--blender", default="", metavar="PATH", help="install: into this Blender (default: the PATH's)"
-    )
+    blender = "install: into this Blender (default: the PATH's)"
+    parser.add_argument("--blender", default="", metavar="PATH", help=blender)
 
 
 def _extension(a: argparse.Namespace) -> int:

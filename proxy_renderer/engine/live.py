@@ -5,12 +5,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ..guidance.encoder import load_encoder
-from ..optimize.links import linked
 from ..optimize.looks import EarlyLook, Looks
 from ..optimize.progress import BEFORE
 from ..optimize.scene_words import described
 from ..optimize.shots import ShotInput, gathered, inner_size
-from ..optimize.stage import set_stage
+from ..optimize.stage import linked, set_stage
 from ..render.proxy import Proxy
 from ..scene import SceneData, load_scene
 from ..schema import VibeError, messages

@@ -4,6 +4,7 @@
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +17,10 @@ from ..goals.written import read
 from ..guidance import regions
 from ..guidance.encoder import Encoder, load_encoder
 from ..optimize import pipeline
-from ..optimize.links import linked
 from ..optimize.progress import Observer
 from ..optimize.rounds.method import load_method
 from ..optimize.shots import BlenderPictures, ShotInput, picture_size
-from ..optimize.stage import set_stage
+from ..optimize.stage import linked, set_stage
 from ..render.proxy import Proxy
 from ..scene import load_scene
 from ..schema import VibeError, messages
@@ -89,10 +89,8 @@ class EngineSession:
         advisor = None  # the offline planner; or else the model as parser and confiner
         if self._model is not None and self.prompt.strip():
             advisor = ModelAdvisor(stage.understood, stage.goals, self._model, observer.stage, stage.plan)
-        blenders = [
-            BlenderPictures(scene, observer.ask, options.seed, number)
-            for number, scene in enumerate(stage.scenes)
-        ]
+        scenes = stage.scenes
+        blenders = [BlenderPictures(s, observer.ask, options.seed, n) for n, s in enumerate(scenes)]
         views = [
             ShotInput(scene, blender if options.anchor else None, shot.file)
             for scene, blender, shot in zip(stage.scenes, blenders, self.shots, strict=True)
@@ -110,12 +108,8 @@ class EngineSession:
             reasons = {key: look.plan[key].reason for key in changed if key in look.plan}
             file = pictures.variant_file(number)
             variants.append(messages.Variant(changed, file, round(look.loss, 4), reasons))
-        rows: dict[str, Any] = {
-            "prompt": self.prompt,
-            "encoder": encoder.name,
-            "seed": options.seed,
-            **report.search_facts(outcome, stage.understood.words),
-        }
+        rows: dict[str, Any] = {"prompt": self.prompt, "encoder": encoder.name, "seed": options.seed}
+        rows |= report.search_facts(outcome, stage.understood.words)
         if stage.lighting:
             rows["light"] = list(stage.lighting.notes)
         if advisor:
@@ -127,14 +121,8 @@ class EngineSession:
         claims = report.foreseen(outcome, self._claims)
         verdicts = word_verdicts(outcome, claims, self._claims[0].after)
         rows |= {"claims": claims, "verdicts": verdicts, "timings": clock.laps}
-        return messages.Result(
-            values=values[0],
-            report=rows,
-            prediction=pictures.PREDICTION,
-            stopped=outcome.stopped,
-            variants=variants,
-            shots=values if len(values) > 1 else [],
-        )
+        several = values if len(values) > 1 else []
+        return messages.Result(values[0], rows, pictures.PREDICTION, outcome.stopped, variants, several)
 
     def _last(self, verb: str) -> tuple[pipeline.Outcome, Encoder]:
         """The outcome of the last `run`, and its encoder; raises VibeError if there was none."""
@@ -168,22 +156,17 @@ class EngineSession:
         panels = [("before", before), ("the proxy's prediction", shown), ("after (Cycles)", after)]
         if outcome.reference:
             panels.insert(1, (outcome.reference.name, outcome.reference.picture.display))
-        row = [
-            (_label(name, shot), Image.fromarray((p * 255.0 + 0.5).astype(np.uint8))) for name, p in panels
-        ]
+        row = [(_label(name, shot), pictures.as_image(torch.from_numpy(p))) for name, p in panels]
         self._rows = [*self._rows[: request.shot], row]
         sheet = pictures.compare(self._rows, self.prompt, Path(outcome.shots[0].scene.film.fonts))
         pictures.save_image(sheet, Path(request.compare_out))
 
         subject = np.asarray(mask.resize(shape, Image.Resampling.LANCZOS), np.float32) / 255.0
-        caption = outcome.prompts.whole or self.prompt
+        likeness = partial(_similarity, encoder, outcome.prompts.whole or self.prompt)
         rows = self._claims[request.shot].verdicts(*map(torch.from_numpy, (before, shown, after)))
         return messages.Finished(
             prediction={n: pictures.difference(p, after, subject) for n, p in predictions.items()},
-            similarity={
-                "before": _similarity(encoder, before, caption),
-                "after": _similarity(encoder, after, caption),
-            },
+            similarity={"before": likeness(before), "after": likeness(after)},
             judge=self._judge(row[0][1], row[-1][1]),
             claims=rows,
             verdicts=word_verdicts(outcome, rows, self._claims[0].after),
@@ -218,7 +201,7 @@ def _label(name: str, shot: messages.Shot) -> str:
 
 
 @torch.no_grad()
-def _similarity(encoder: Encoder, picture: np.ndarray, caption: str) -> float:
+def _similarity(encoder: Encoder, caption: str, picture: np.ndarray) -> float:
     """Cosine of an image (H, W, 3) and a caption (equation 2)."""
     batch = torch.from_numpy(picture).permute(2, 0, 1)[None].to(encoder.device)
     features = encoder.encode_images(regions.whole(batch, encoder.size))

@@ -14,6 +14,7 @@ import queue
 import sys
 import threading
 import time
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, TypeVar
@@ -65,7 +66,7 @@ class Wire:
             with self._lock:
                 self._sink.write(encode(message))
                 self._sink.flush()
-        except (BrokenPipeError, OSError):
+        except OSError:
             self.stop.set()
 
     def _listen(self) -> None:
@@ -197,9 +198,8 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
         except VibeError as error:
             wire.send(messages.Error(error.message, error.remedy))
         except MemoryError:
-            wire.send(
-                messages.Error("The engine ran out of memory.", "Use a smaller --size or a lighter scene.")
-            )
+            remedy = "Use a smaller --size or a lighter scene."
+            wire.send(messages.Error("The engine ran out of memory.", remedy))
         except OSError as error:
             wire.send(_file_trouble(request, error))
         except Exception as error:
@@ -268,15 +268,13 @@ def _warm_up() -> None:
     """Imports torch, and loads the embedded encoder and the vocabulary; what fails here is reported by the vibe that needs it."""
     if sys.platform == "linux":
         os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _LOW_PRIORITY)  # nobody has asked yet
-    try:
+    with suppress(VibeError):
         from ..guidance.encoder import load_encoder
         from ..words.lexicon.user_words import default_vocabulary
         from . import live, session  # noqa: F401
 
         load_encoder(None, "cpu")
         default_vocabulary()
-    except VibeError:
-        pass
 
 
 def keep_freed_memory() -> None:

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What judges a picture against words: the encoder, its views of a picture, and the objective."""
+"""The judge of a picture against words: the encoder, its views of a picture, and the objective."""

@@ -16,11 +16,14 @@ from ..planning.types import LightPlan
 from ..rigs.chosen import chosen_rig
 from ..rigs.lighting import OFF, Lighting, lighting
 from ..scene import SceneData
-from ..schema import Instance, VibeError, sentences
+from ..schema import Instance, VibeError, matches, sentences
 from ..schema.added_lights import ADDED_LIGHTS, light_name
+from ..schema.light_links import LINKED, LightLink
+from ..schema.messages import Options
 from ..words.lexicon.rigs import rig_table
 from ..words.lexicon.user_words import default_vocabulary
 from ..words.parser import Understood
+from ..words.types import SaidLink
 from .scene_words import described
 
 _SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim")}
@@ -106,3 +109,36 @@ def _unlit(instances: Mapping[str, Instance], names: Collection[str]) -> dict[st
     """Parameters with the power of some lights as good as off."""
     power = {k: i for k, i in instances.items() if i.owner in names and i.parameter.family == "light/power"}
     return {**instances, **{key: replace(i, value=(OFF * i.reference,)) for key, i in power.items()}}
+
+
+def linked(stage: StagedScenes, options: Options) -> StagedScenes:
+    """A stage with the light links that its words ask for; lights that the artist has locked are left out."""
+    if isinstance(stage.goals, VibeError):
+        return stage
+    notes, scenes = stage.goals.parsed.notes, list(stage.scenes)
+    for said in stage.goals.parsed.links:
+        names = {name for scene in scenes for name in _lights(said, scene, stage)}
+        free = {name for name in names if not _is_locked(name, options)}
+        if not free:
+            why = "it is locked" if names else f"there is no {said.role} light"
+            notes.append(f"'{said.text}' is not used: {why}.")
+        for number, scene in enumerate(scenes):
+            objects = tuple(o.name for o in scene.objects if o.name in said.objects)
+            for light in (x.name for x in scene.lights if x.name in free and objects):
+                link = LightLink(light, said.only, objects)
+                scenes[number] = scenes[number].with_link(link, f"'{said.text}'")
+    return replace(stage, scenes=scenes)
+
+
+def _lights(said: SaidLink, scene: SceneData, stage: StagedScenes) -> list[str]:
+    """The lights of a scene that words mean: those of that name or else role, and those that are added for the words."""
+    playing = stage.lighting.parts if stage.lighting else {}
+    added = [x.name for x in scene.lights if x.added and playing.get(x.name, x.role) == said.role]
+    own = [x.name for x in scene.lights if not x.added and x.name in said.lights]
+    parts = [name for name, part in playing.items() if part == said.role]
+    return [*own, *added] or parts or [x.name for x in scene.lights if x.role == said.role]
+
+
+def _is_locked(light: str, options: Options) -> bool:
+    held = bool(options.groups) and LINKED.group not in options.groups
+    return held or matches(f"light/{light}/{LINKED.name}", options.lock)

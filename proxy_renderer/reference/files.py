@@ -32,9 +32,9 @@ class FileContents:
     notes: tuple[str, ...]  # what was done to it, a sentence each
 
 
-def small_size(width: int, height: int) -> tuple[int, int]:
-    """Width and height with the longer one at most `LONGEST`, and none below 1."""
-    factor = min(1.0, LONGEST / max(width, height))
+def small_size(width: int, height: int, longest: int = LONGEST) -> tuple[int, int]:
+    """Width and height with the longer one at most `longest`, and none below 1."""
+    factor = min(1.0, longest / max(width, height))
     return max(1, round(width * factor)), max(1, round(height * factor))
 
 
@@ -360,13 +360,8 @@ def read_reference(path: Path | str) -> ReferencePicture:
         raise VibeError(f"Nothing is to be seen in {found.name}: all of it is transparent.", remedy)
     linear = contents.color if contents.linear else None
     display = contents.color if linear is None else srgb_from_linear(linear).clip(0.0, 1.0)
-    return ReferencePicture(
-        display=display.astype(np.float32),
-        linear=linear,
-        alpha=contents.alpha,
-        panorama=contents.panorama or _wraps(display),
-        note=" ".join(contents.notes),
-    )
+    panorama, note = contents.panorama or _wraps(display), " ".join(contents.notes)
+    return ReferencePicture(display.astype(np.float32), linear, contents.alpha, panorama, note)
 
 
 def _reader(path: Path):

@@ -56,10 +56,8 @@ def effects_of(found: LightProbe) -> list[str]:
         "key/temperature 6499..6501 !0",  # the color says it all
     ]
     if found.azimuth is not None and found.elevation is not None:
-        texts += [
-            _near("key/azimuth", (found.azimuth,), _NEAR),
-            _near("key/elevation", (found.elevation,), _NEAR),
-        ]
+        texts.append(_near("key/azimuth", (found.azimuth,), _NEAR))
+        texts.append(_near("key/elevation", (found.elevation,), _NEAR))
     return texts
 
 

@@ -219,13 +219,10 @@ def effects_of(
 ) -> list[Effect]:
     """The effects that a picture lets act for traits that are taken over, where these measures are claimed of an image like it."""
     table = dict(_SAME_SCENE if same else _ANOTHER_SCENE)
-    lit = any(
-        i.parameter.name == "color" and i.parameter.group in ("light", "world") and not i.locked
-        for i in instances
-    )
+    free = {i.parameter.family for i in instances if not i.locked}
     if same:
         table.pop("film/grade_exposure")
-    elif lit and {"light", "palette"} & {*traits}:
+    elif free & {"light/color", "world/color"} and {"light", "palette"} & {*traits}:
         table |= _BESIDE_LIGHT
     return [
         effect

@@ -21,6 +21,7 @@ from ..color.tensors import lab_from_srgb
 from ..render.surface.view_cache import GBuffer
 from ..schema import Values
 from ..words.types import Part
+from .files import small_size
 
 SIZE = 192  # longer side at which pictures are read, pixels: about that of the pictures in the loop
 _TRANSPARENT = 0.5  # alpha up to which a pixel does not count
@@ -135,7 +136,4 @@ def _otsu(field: np.ndarray) -> float:
 
 def _resized(planes: Tensor, longest: int) -> Tensor:
     """A picture (1, C, H, W), averaged to a longer side; one that is smaller stays."""
-    height, width = planes.shape[-2:]
-    factor = min(longest / max(height, width), 1.0)
-    size = max(round(height * factor), 1), max(round(width * factor), 1)
-    return F.interpolate(planes, size, mode="area")
+    return F.interpolate(planes, small_size(*planes.shape[-2:], longest), mode="area")

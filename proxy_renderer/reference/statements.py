@@ -20,6 +20,7 @@ from ..render.surface.view_cache import GBuffer
 from ..schema import Values
 from ..words.lexicon.quantities import ClaimText
 from ..words.types import Part
+from .files import small_size
 from .regions import PictureRegions
 
 
@@ -54,9 +55,7 @@ def is_same(reference: Tensor, rendered: Tensor) -> bool:
 
 def likeness(reference: Tensor, rendered: Tensor) -> float:
     """Correlation of where two pictures (H, W, 3) have edges; compressed, as light changes their strengths, not places."""
-    height, width = rendered.shape[:2]
-    factor = min(_EDGES / max(height, width), 1.0)
-    shape = max(round(height * factor), 1), max(round(width * factor), 1)
+    shape = small_size(*rendered.shape[:2], _EDGES)
     maps = torch.stack([_edges(picture, shape).flatten() for picture in (reference, rendered)])
     return float(torch.nan_to_num(torch.corrcoef(maps)[0, 1]))
 

@@ -26,7 +26,6 @@ from torch.nn.functional import embedding_bag, max_pool2d
 
 from ..schema import VibeError
 from .geometry.camera import View
-from .geometry.samples import Samples
 from .geometry.vectors import overlap
 from .geometry.visibility import Hits, RayGeometry
 from .surface.view_cache import ViewCache
@@ -111,7 +110,7 @@ class Correction:
         """Corrected samples (3, N) of another view, so that outlines stay smooth; `before` makes the proxy's of θ₀."""
         if self._kept is None or self._kept[0] is not cache:
             with torch.no_grad():
-                self._kept = cache, self._look_up(cache.samples, cache.geometry, view, before)
+                self._kept = cache, self._look_up(cache, view, before)
         return self._apply(radiance, colors, self._kept[1])
 
     def _apply(self, linear: Tensor, colors: Mapping[str, Tensor], fields: Tensor) -> Tensor:
@@ -130,10 +129,9 @@ class Correction:
         growth = torch.where(off, torch.zeros_like(now), now / torch.where(off, 1.0, before))
         return growth.clamp_max(_BRIGHTER)[:, None]
 
-    def _look_up(
-        self, samples: Samples, geometry: RayGeometry, view: View, before: Callable[[], Tensor]
-    ) -> Tensor:
+    def _look_up(self, cache: ViewCache, view: View, before: Callable[[], Tensor]) -> Tensor:
         """The fields where the anchor saw what samples meet; neutral ones where it did not."""
+        samples, geometry = cache.samples, cache.geometry
         neutral = torch.zeros(len(self.fields), device=self.fields.device)
         neutral[:3] = 1.0
         reach = samples.hits.distance.clamp_max(_FAR * geometry.size)

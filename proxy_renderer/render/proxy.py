@@ -176,21 +176,11 @@ class Proxy:
             if self.emitters.notice(shading_inputs):
                 self._cache = None
         sky = sky_of(self.environment, settings)
-        lamps = [
-            *light_sources(self.scene, settings, self._made),
-            *sky.lamps,
-            *self.emitters.lamps(shading_inputs),
-        ]
+        lamps = light_sources(self.scene, settings, self._made) + sky.lamps
+        lamps += self.emitters.lamps(shading_inputs)
         cache = cache or self._cache_of(view, shading_inputs, lamps)
-        return RenderState(
-            view=view,
-            cache=cache,
-            view_samples=cache.view_samples(view),
-            lamps=lamps,
-            sky=sky,
-            shading_inputs=shading_inputs,
-            fog=FogMedium(self.scene, settings),
-        )
+        fog = FogMedium(self.scene, settings)
+        return RenderState(view, cache, cache.view_samples(view), lamps, sky, shading_inputs, fog)
 
     def _inputs(self, material: Material, settings: RenderValues) -> ShadingInputs:
         """A material's values. A loop keeps what follows from them for its next render; large pictures have none."""
@@ -223,7 +213,7 @@ class Proxy:
         """Radiance of all samples as the camera gets it, (3 or, with a transparent film, 4, N), and fog's transmittance (N,)."""
         direct_lights, table = surfaces.direct_lights_of(frame), surfaces.table_of(frame)
         gathered = self._gather(frame, table)
-        radiance = surfaces.radiance(frame, direct_lights, table, gathered, self.scene.film.transparent)
+        radiance = surfaces.radiance(frame, direct_lights, table, gathered)
         if not frame.fog.active:
             return radiance, None
         light, passing = self._through_fog(frame)

@@ -207,10 +207,8 @@ def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary) -> ChosenR
 
 def sky_color_of(said: Sequence[Attribute]) -> Values | None:
     """sRGB of the color that words give the sky; None where they give none."""
-    return next(
-        (a.color for a in said if a.kind == "sky" and not (a.negated or a.cause or a.owners) and a.color),
-        None,
-    )
+    skies = (a.color for a in said if a.kind == "sky" and not (a.negated or a.cause or a.owners))
+    return next(filter(None, skies), None)
 
 
 def _under_named_sky(rig: Rig, said: Sequence[Attribute]) -> Rig:
@@ -223,11 +221,7 @@ def _under_named_sky(rig: Rig, said: Sequence[Attribute]) -> Rig:
 
 
 def _first(
-    setups: Sequence[Attribute],
-    gels: Sequence[Attribute],
-    lights: Sequence[DescribedLight],
-    lamps: bool,
-    table: RigTable,
+    setups: list[Attribute], gels: list[Attribute], lights: list[DescribedLight], lamps: bool, table: RigTable
 ) -> Rig:
     """The rig that words begin with; lights that are only added leave the scene's own light as it is."""
     if setups:
@@ -290,9 +284,7 @@ class _Build:
             parts = {"key", *(light.part for light in lights)}
             self.rig = replace(self.rig, lights=tuple(x for x in self.rig.lights if x.part in parts))
         for light in lights:
-            base = next((x for x in self.rig.lights if x.part == light.part), None)
-            key = next((x for x in self.rig.lights if x.part == "key"), None)
-            made = composed(light, base, key, self.table, self.vocabulary)
+            made = composed(light, self.rig.lights, self.table, self.vocabulary)
             others = tuple(x for x in self.rig.lights if x.part != light.part)
             self.rig = replace(self.rig, lights=(made, *others) if light.part == "key" else (*others, made))
             if mirrored(light, self.table) and light.part != "accent":
@@ -422,9 +414,8 @@ def _gels(said: Sequence[Attribute], setups: Sequence[Attribute], table: RigTabl
     colors = [a for a in said if a.color and not (a.negated or a.cause or is_dark(a))]
     signs = any(light.color for a in setups for light in table.rigs[a.entry].lights)
     neon = {a.thing for a in said if a.color and a.entry.startswith(_NEON) and signs}
-    return [a for a in colors if a.kind in _LIT] + [
-        a for a in said if a.color and not a.cause and a.thing in neon and a.kind not in _LIT
-    ]
+    tubes = [a for a in said if a.color and not a.cause and a.thing in neon and a.kind not in _LIT]
+    return [a for a in colors if a.kind in _LIT] + tubes
 
 
 def _darkens_the_rest(attribute: Attribute, said: Sequence[Attribute], vocabulary: Vocabulary) -> bool:

@@ -98,13 +98,10 @@ def _parts_for(words: Sequence[Attribute], table: RigTable, lights: int) -> tupl
 
 
 def composed(
-    light: DescribedLight,
-    base: RigLight | None,
-    key: RigLight | None,
-    table: RigTable,
-    vocabulary: Vocabulary,
+    light: DescribedLight, lights: Sequence[RigLight], table: RigTable, vocabulary: Vocabulary
 ) -> RigLight:
-    """A light of a rig as words describe it; `base` is the rig's own light of that part, and `key` its key."""
+    """A light as words describe it, in the place of a rig's own light of that part, if its `lights` have one."""
+    base, key = (next((x for x in lights if x.part == part), None) for part in (light.part, "key"))
     made = _placed(_template(light, base, key, table), light, table)
     if any((m := table.modifier(a.entry)) and m.kelvin and not a.negated for a in light.said):
         made = replace(made, color="")  # "cold backlight" where the rig has an orange one

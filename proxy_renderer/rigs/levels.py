@@ -97,9 +97,8 @@ def measured(
     """The levels of a rig whose lights have trial values; `ambient` counts for rigs that leave the scene lit as it is."""
     given = {key: torch.tensor(value) for key, value in values.items()}
     lamps = {lamp.light.name: lamp for lamp in light_sources(scene, RenderValues(scene, given, "cpu"))}
-    sheds = {
-        x.name: tuple(_shed(lamps[x.name], stage, p) for p in (stage.subject, stage.around)) for x in lights
-    }
+    places = stage.subject, stage.around
+    sheds = {x.name: tuple(_shed(lamps[x.name], stage, points) for points in places) for x in lights}
     exposing = Exposing(scene)
     # the key, by the exposure that the rig wants and the subject's own lightness
     albedo = float(stage.subject.albedo.mean()) if len(stage.subject) else GRAY

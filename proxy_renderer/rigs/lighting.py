@@ -82,11 +82,10 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     entries = {key: _entry(scene.instances[key], value, word, still) for key, value in values.items()}
     grade = tuple((chosen.served[0], effect) for effect in rig.grade) if chosen.served else ()
     plan = LightPlan(entries, chosen.served, grade, wishes_of_rig(chosen, lights, stage))
-    own = ((each, "your light" if each.own else "an added light") for each in lights)
-    notes = (f"{each.light.part.capitalize()}: {each.name}, {what}." for each, what in own)
-    return Lighting(
-        list(scenes), plan, (f"Light: {rig.says}", *notes), {x.name: x.light.part for x in lights}
-    )
+    whose = {True: "your light", False: "an added light"}
+    notes = (f"{x.light.part.capitalize()}: {x.name}, {whose[x.own]}." for x in lights)
+    parts = {x.name: x.light.part for x in lights}
+    return Lighting(list(scenes), plan, (f"Light: {rig.says}", *notes), parts)
 
 
 def _with_lights(scene: SceneData, lights: Sequence[Placed], stage: LightStage) -> SceneData:
@@ -146,9 +145,8 @@ def _trial(
     values: dict[str, Values] = {}
     for each in lights:
         key = f"light/{each.name}/"
-        names = _shape(each, stage)
-        energy = radiometry.unit_energy(each.type, max(each.distance, 1e-3))
-        for name, value in {**names, "power": (energy,), "strength": (energy,)}.items():
+        energy = (radiometry.unit_energy(each.type, max(each.distance, 1e-3)),)
+        for name, value in {**_shape(each, stage), "power": energy, "strength": energy}.items():
             instance = scene.instances.get(key + name)
             if instance and not instance.locked:
                 values[key + name] = value
@@ -229,10 +227,8 @@ def _ends_of_sky(rig: Rig, shown: Values, hazy: bool) -> tuple[Values, Values]:
     for color, stops in ((rig.world_color, -spread), (_key_color(rig), spread)):
         mix = linear_from_srgb(srgb_from_hex(color)) if color and clear else shown
         alike = luminance(shown) / max(luminance(mix), _BARELY)
-        end = [
-            (own + _TOWARDS * (alike * other - own)) * 2.0**stops
-            for own, other in zip(shown, mix, strict=True)
-        ]
+        pairs = zip(shown, mix, strict=True)
+        end = [(own + _TOWARDS * (alike * other - own)) * 2.0**stops for own, other in pairs]
         ends.append(tuple(v / max(*end, 1.0) for v in end))
     return ends[0], ends[1]
 
@@ -300,10 +296,9 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
         own = scene.instances[key].value[0]
         tint = luminance(scene.value(color, (1.0, 1.0, 1.0)))
         shed = own * tint * luminance(glow.color) * glow.strength * glow.light
-        if rig.has_dark_sky and material in subject:  # a lantern stays lit
-            continue
         if rig.has_dark_sky:  # what glows is the lamps of the picture, which do not outshine the key
-            found |= {key: (own * _LAMPS * white / shed,)} if shed > _LAMPS * white else {}
+            if material not in subject and shed > _LAMPS * white:  # a lantern stays lit
+                found[key] = (own * _LAMPS * white / shed,)
         elif shed > _GLOWS * white:
             found[key] = (own * 2.0 ** (rig.own * _OF_GLOWS),)
     return found
@@ -320,12 +315,5 @@ def _entry(instance: Instance, value: Values, word: str, still: set[str]) -> Pla
         ends = value, value
     lower, upper = (within(end, instance.lower, instance.upper) for end in ends)
     bright = name in ("power", "strength") and instance.parameter.group in ("light", "world")
-    return PlanEntry(
-        lower,
-        upper,
-        _FIRST if bright else _LATER,
-        reason,
-        prior=0.0,
-        usual=True,
-        start=within(value, lower, upper),
-    )
+    priority, start = _FIRST if bright else _LATER, within(value, lower, upper)
+    return PlanEntry(lower, upper, priority, reason, prior=0.0, usual=True, start=start)

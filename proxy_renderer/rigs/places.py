@@ -256,10 +256,8 @@ def _at_lamps(light: RigLight, stage: LightStage) -> Iterator[Tensor]:
         up = torch.tensor([0.0, 0.0, 1.0])
         steps = [up * 0.0, up, toward / toward.norm().clamp_min(1e-6), -up]
         places = [middle + _AWAY * size * step for step in steps]
-        light_at = [
-            float(stage.reached(stage.subject, p).mean()) + 0.5 * float(stage.reached(stage.around, p).mean())
-            for p in places
-        ]
+        reached = [(stage.reached(stage.subject, p), stage.reached(stage.around, p)) for p in places]
+        light_at = [float(subject.mean()) + 0.5 * float(around.mean()) for subject, around in reached]
         if max(light_at) > _ENOUGH:
             yield places[light_at.index(max(light_at))]
 

@@ -54,13 +54,11 @@ def log_folder() -> Path:
     """The user's folder for logs, made if it is not there; the temporary folder where that is impossible."""
     home = Path.home()
     if sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local")
-        folder = base / "vibe-render" / "Logs"
+        folder = Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local") / "vibe-render" / "Logs"
     elif sys.platform == "darwin":
         folder = home / "Library" / "Logs" / "vibe-render"
     else:
-        base = Path(os.environ.get("XDG_STATE_HOME") or home / ".local" / "state")
-        folder = base / "vibe-render" / "log"
+        folder = Path(os.environ.get("XDG_STATE_HOME") or home / ".local" / "state") / "vibe-render" / "log"
     try:
         folder.mkdir(parents=True, exist_ok=True)
         logs = sorted(folder.glob("vibe-*.log"), key=lambda log: log.stat().st_mtime)

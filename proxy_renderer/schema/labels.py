@@ -14,16 +14,8 @@ GROUP_TITLES = {
 _NAMES = {"ior": "IOR", "fov": "Field of View"}
 _LIGHT_WORDS = re.compile(r"light|lamp|sun|spot", re.IGNORECASE)
 _CLOSE = 1e-5  # relative difference that Blender's 32-bit numbers may make
-_UNITS = {
-    "W": " W",
-    "W/m2": " W/m²",
-    "m": " m",
-    "1/m": " /m",
-    "deg": "°",
-    "K": " K",
-    "stops": " stops",
-    "": "",
-}
+_UNITS = {unit: f" {unit}" for unit in ("W", "m", "K", "stops")}
+_UNITS |= {"": "", "deg": "°", "W/m2": " W/m²", "1/m": " /m"}
 
 
 def parameter(key: str) -> Parameter:

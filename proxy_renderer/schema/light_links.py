@@ -44,5 +44,5 @@ def link_of(key: str) -> LightLink | None:
 
 
 def is_on(values: Sequence[float]) -> bool:
-    """Whether a link with this value is there: of a blend, from half on."""
+    """True if a link with this value is there: of a blend, from half on."""
     return values[0] >= 0.5

@@ -165,12 +165,8 @@ REFERENCES = {
 """Scene lengths that bounds are multiples of, measured once, before anything is changed."""
 
 _LAMPS = ("POINT", "SPOT", "AREA")
-_camera = partial(Parameter, "camera")
-_light = partial(Parameter, "light")
-_world = partial(Parameter, "world")
-_material = partial(Parameter, "material")
-_volume = partial(Parameter, "volume")
-_film = partial(Parameter, "film")
+GROUPS = ("camera", "light", "world", "material", "volume", "film")
+_camera, _light, _world, _material, _volume, _film = (partial(Parameter, group) for group in GROUPS)
 
 # fmt: off
 PARAMETERS: tuple[Parameter, ...] = (
@@ -289,7 +285,6 @@ PARAMETERS: tuple[Parameter, ...] = (
 )
 # fmt: on
 
-GROUPS: tuple[str, ...] = tuple(dict.fromkeys(p.group for p in PARAMETERS))
 FAMILIES: dict[str, Parameter] = {p.family: p for p in PARAMETERS}
 
 

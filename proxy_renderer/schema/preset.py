@@ -28,9 +28,7 @@ ROLES: dict[str, str] = {
 
 Entry = dict[str, list[float]]  # of one material, light, …: name to components, in references
 
-LIGHT_TYPES: tuple[str, ...] = tuple(
-    dict.fromkeys(t for p in PARAMETERS if p.group == "light" for t in p.only)
-)
+LIGHT_TYPES = tuple(dict.fromkeys(t for p in PARAMETERS if p.group == "light" for t in p.only))
 """Blender's types of light."""
 
 LARGEST = 1_000_000  # bytes of a file; one with a hundred materials has a tenth of that
@@ -77,10 +75,8 @@ def loads(text: str) -> Preset:
     if not isinstance(version, int) or isinstance(version, bool) or version < 1:
         raise VibeError("The preset does not say which version of the schema it is for.", _OURS)
     if version > VERSION:
-        raise VibeError(
-            f"The preset was made by a newer version of Vibe Render ({_short(version)}, this is {VERSION}).",
-            "Update Vibe Render.",
-        )
+        newer = f"a newer version of Vibe Render ({_short(version)}, this is {VERSION})"
+        raise VibeError(f"The preset was made by {newer}.", "Update Vibe Render.")
     for name in sorted(raw.keys() - _FIELDS):
         raise VibeError(f"The preset has an unknown field {quoted(name)}.", "Remove it from the preset.")
     for role, entries in raw["roles"].items():
@@ -132,9 +128,7 @@ def _check_value(role: str, name: str, value: Any) -> None:
     if parameter is None:
         remedy = "Remove it from the preset."
         raise VibeError(f"The preset has an unknown parameter {role}/{quoted(name)}.", remedy)
-    numbers = isinstance(value, list) and all(
-        isinstance(v, int | float) and not isinstance(v, bool) for v in value
-    )
+    numbers = isinstance(value, list) and all(type(v) in (int, float) for v in value)
     if not numbers or len(value) != parameter.components:
         remedy = "Correct the preset."
         raise VibeError(f"The preset's {role}/{name} needs {parameter.components} numbers.", remedy)
@@ -153,8 +147,5 @@ def _short(value: Any) -> str:
 
 def clamped(group: str, values: Mapping[str, Sequence[float]]) -> Entry:
     """An entry (values are multiples of the reference) within the bounds that `loads` insists on."""
-    entry = {}
-    for name, value in values.items():
-        parameter = FAMILIES[f"{group}/{name}"]
-        entry[name] = [min(max(float(v), parameter.lower), parameter.upper) for v in value]
-    return entry
+    rows = ((name, FAMILIES[f"{group}/{name}"], value) for name, value in values.items())
+    return {name: [min(max(float(v), row.lower), row.upper) for v in value] for name, row, value in rows}

@@ -15,7 +15,6 @@ _UNIT_ENERGY = {
     "SUN": math.pi,
 }
 TABLE_TOE, TABLE_STOPS = 2.0**-10, 16.0  # the compositor's table: TOE · (2 ** s - 1), s from 0 to STOPS
-_AT_INFINITY = ("SUN",)  # their energy is an irradiance, which no distance changes
 
 
 def unit_energy(light_type: str, distance: float = 1.0) -> float:
@@ -23,7 +22,7 @@ def unit_energy(light_type: str, distance: float = 1.0) -> float:
     if light_type not in _UNIT_ENERGY:
         remedy = f"Use one of {', '.join(_UNIT_ENERGY)}."
         raise VibeError(f'Lights of type "{light_type}" are unknown.', remedy)
-    falloff = 1.0 if light_type in _AT_INFINITY else distance**2
+    falloff = 1.0 if light_type == "SUN" else distance**2  # a sun's energy is an irradiance
     return _UNIT_ENERGY[light_type] * falloff
 
 

@@ -85,7 +85,7 @@ _COMPLAINT = re.compile(
 _RESEMBLES = re.compile(
     r"(?:it |this |that )?(?:still )?(?:looks?|feels?|reads?) (?:more )?like [^,;.]*[,;.]+ ", re.I
 )
-"""What it looks like now, before what is to be done."""
+"""The present look, before what is to be done."""
 _PRONOUNS = ("it", "this", "that", "i", "we", "they", "these", "those", "there", "still")
 _REASON = re.compile(
     r"(?:[,;.]? (?:so that|so (?:the|it|we|i|you)|because|since (?:the|it)|as (?:if|though))\b"
@@ -149,7 +149,7 @@ class AboutSteps(NamedTuple):
 
 
 def about_steps(sentence: str) -> AboutSteps | None:
-    """What a sentence says of earlier steps; None for one that only names looks.
+    """A sentence's words on earlier steps; None for one that only names looks.
 
     >>> about_steps("No, the wall, not the table")
     AboutSteps(kind='instead', number=-1, factor=1.0, what='table', new='wall')
@@ -211,7 +211,7 @@ def plain(sentence: str) -> tuple[str, float]:
 
 
 def _wish(text: str) -> str:
-    """What is to be done, without what is wrong now and without reasons."""
+    """The task of a sentence, without what is wrong now and without reasons."""
     text = _REASON.sub("", _RESEMBLES.sub("", text))
     found = _COMPLAINT.fullmatch(text)
     if found and found["thing"].lower() not in _PRONOUNS:

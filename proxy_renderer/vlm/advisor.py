@@ -24,7 +24,7 @@ from ..words.lexicon.quantities import quantities
 from ..words.parser import Understood, parse
 from ..words.types import Attribute, Parsed, PromptObject, SceneDescription
 from .client import Client, jpeg_of
-from .request import REGIONS, SLOTS, AliasTable, make_question
+from .request import CAPTIONS, REGIONS, SLOTS, AliasTable, make_question
 from .transport import ModelError, clean
 
 _MOST_OBJECTS, _MOST_TEXTS, _MOST_ENTRIES = 12, 8, 200
@@ -89,21 +89,12 @@ def _objects(raw: Any, table: AliasTable, reply: Reply) -> list[PromptObject]:
         if region not in REGIONS:
             reply.dropped += 1
             continue
-        attributes = item.get("attributes")
-        attributes = attributes if isinstance(attributes, dict) else {}
-        worn = item.get("materials")
-        objects.append(
-            PromptObject(
-                clean(item.get("name"), _WORD) or region,
-                region,
-                {slot: words for slot in SLOTS if (words := clean(attributes.get(slot), _CAPTION))},
-                tuple(
-                    names[m]
-                    for m in (worn if isinstance(worn, list) else [])
-                    if isinstance(m, str) and m in names
-                ),
-            )
-        )
+        given, worn = item.get("attributes"), item.get("materials")
+        given = given if isinstance(given, dict) else {}
+        attributes = {slot: words for slot in SLOTS if (words := clean(given.get(slot), _CAPTION))}
+        worn = [m for m in worn if isinstance(m, str)] if isinstance(worn, list) else []
+        owners = tuple(names[m] for m in worn if m in names)
+        objects.append(PromptObject(clean(item.get("name"), _WORD) or region, region, attributes, owners))
     return objects
 
 
@@ -118,13 +109,8 @@ def _prompts(raw: Any, reply: Reply) -> Prompts:
         reply.mended += len(captions) - len(fine)
         return fine
 
-    subject, surroundings, whole = ("".join(usable(n)[:1]) for n in ("subject", "surroundings", "whole"))
-    return Prompts(
-        subject,
-        surroundings,
-        whole,
-        *(usable(f"{name}_negatives") for name in ("subject", "surroundings", "whole")),
-    )
+    subject, surroundings, whole = ("".join(usable(name)[:1]) for name in CAPTIONS)
+    return Prompts(subject, surroundings, whole, *(usable(f"{name}_negatives") for name in CAPTIONS))
 
 
 def _usable(raw: Any, fits: Callable[[str, str], bool], reply: Reply) -> dict[str, str]:
@@ -272,9 +258,7 @@ class ModelAdvisor:
     ) -> Reply:
         table = AliasTable(instances, context)
         empty = Advice(Goals(Parsed(self._prompt)), Prompts("", "", ""), Plan())
-        base = draft or empty
-        drafted = base.goals, base.prompts, base.plan
-        question = make_question(self._prompt, table, context, drafted, jpeg_of(display))
+        question = make_question(self._prompt, table, context, draft or empty, jpeg_of(display))
         self._tell(f"asking {self._client.endpoint.model}")
 
         def check(raw: Any) -> None:
@@ -291,13 +275,10 @@ class ModelAdvisor:
     ) -> Advice:
         """The model's words where it has some, the draft's elsewhere; its ranges over the drafted ones."""
         read = draft.goals if draft else goals_of(self._read(reply.prompts.whole))
-        parsed = replace(
-            read.parsed,
-            objects=reply.objects
-            or read.parsed.objects
-            or [PromptObject(self._words.subject or "subject", "subject")],
-            ignored=reply.ignored if draft is None else read.parsed.ignored,
-        )
+        subject = [PromptObject(self._words.subject or "subject", "subject")]
+        objects = reply.objects or read.parsed.objects or subject
+        ignored = reply.ignored if draft is None else read.parsed.ignored
+        parsed = replace(read.parsed, objects=objects, ignored=ignored)
         # The prompt's own words come first, the model's wishes are implied.
         goals = resolved(parsed, [*read.wishes, *(each.wish for each in read.lost), *_wishes(reply)])
         composed = compose(read.parsed, read.overruled)
@@ -305,10 +286,8 @@ class ModelAdvisor:
         prompts = replace(composed, **theirs)
         # Its ranges replace the drafted ones; parameters that it keeps leave the plan.
         drafted = confine(goals, dict(instances), context)
-        entries = {
-            k: PlanEntry.kept(instances[k], _KEEPS) if k in reply.keep else e for k, e in drafted.items()
-        }
-        plan = Plan({**entries, **reply.entries}, drafted.notes)
+        kept = {k: PlanEntry.kept(instances[k], _KEEPS) for k in drafted if k in reply.keep}
+        plan = Plan({**drafted, **kept, **reply.entries}, drafted.notes)
         unmeasured = draft.unmeasured if draft else prompts
         return Advice(goals, prompts, plan, unmeasured, self._client.endpoint.model)
 
@@ -329,8 +308,8 @@ class ModelAdvisor:
                 draft = Advice(goals, prompts, confine(goals, dict(instances), context))
         if draft is None:
             assert unknown is not None
-            remedy = unknown.remedy
-            raise VibeError(f"{unknown.message} And the model did not help: {why}", remedy) from unknown
+            problem = f"{unknown.message} And the model did not help: {why}"
+            raise VibeError(problem, unknown.remedy) from unknown
         return replace(draft, source=f"offline planner: {why}")
 
     def _read(self, caption: str) -> Parsed:

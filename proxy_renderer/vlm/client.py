@@ -94,10 +94,8 @@ class Dialect:
         content: Any = question.text
         if question.picture is not None and self.pictures:
             url = "data:image/jpeg;base64," + base64.b64encode(question.picture).decode()
-            content = [
-                {"type": "text", "text": question.text},
-                {"type": "image_url", "image_url": {"url": url}},
-            ]
+            image = {"type": "image_url", "image_url": {"url": url}}
+            content = [{"type": "text", "text": question.text}, image]
         if self._temperature:
             body["temperature"] = 0
         if self._limit:

@@ -74,10 +74,9 @@ def find_endpoint(
         raise VibeError("The model's key holds characters that no key has.", remedy)
     endpoint = Endpoint(model, url, key, _seconds(env.get("VIBE_VLM_TIMEOUT", "")), _prices(env))
     if not options.online and not endpoint.local:
-        raise VibeError(
-            f"Blender's online access is off, and the model {model} is at {endpoint.place}.",
-            "Allow it in Preferences > System > Network, or use a model on this computer.",
-        )
+        remedy = "Allow it in Preferences > System > Network, or use a model on this computer."
+        problem = f"Blender's online access is off, and the model {model} is at {endpoint.place}."
+        raise VibeError(problem, remedy)
     return endpoint
 
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..color.floats import decode, encode, hex_from_srgb, srgb_from_lab
-from ..goals.resolve import Goals
-from ..planning.advice import Prompts
+from ..planning.advice import Advice
 from ..planning.types import Plan
 from ..schema import FAMILIES, Instance, Values
 from ..schema.parameters import SRGB
@@ -101,6 +100,7 @@ def _is_direction(instance: Instance) -> bool:
 SLOTS = ("color", "material", "lighting", "style", "mood", "shape")  # of an object (the paper's section 3.5)
 
 REGIONS = ("subject", "surroundings")
+CAPTIONS = (*REGIONS, "whole")
 _DIGITS = 4
 
 SYSTEM = """\
@@ -131,14 +131,9 @@ range that is right needs no entry: leave it out and it stays. Colors are sRGB c
 
 
 def make_question(
-    look: str,
-    table: AliasTable,
-    context: SceneDescription,
-    draft: tuple[Goals, Prompts, Plan],
-    picture: bytes | None,
+    look: str, table: AliasTable, context: SceneDescription, draft: Advice, picture: bytes | None
 ) -> Question:
     """The question of a round, with the offline planner's draft for the model to improve on."""
-    goals, prompts, plan = draft
     document = {
         "look": look,
         "scene": [
@@ -149,16 +144,12 @@ def make_question(
         ],
         "measured": _measured(context),
         "draft": {
-            "captions": {
-                "subject": prompts.subject,
-                "surroundings": prompts.surroundings,
-                "whole": prompts.whole,
-            },
-            "targets": goals.classes,
-            "not_understood": goals.parsed.ignored,
+            "captions": {name: getattr(draft.prompts, name) for name in CAPTIONS},
+            "targets": draft.goals.classes,
+            "not_understood": draft.goals.parsed.ignored,
         },
         "what_parameters_do": _docs(table),
-        "parameters": {name: _row(name, table, context, plan) for name in table.rows},
+        "parameters": {name: _row(name, table, context, draft.plan) for name in table.rows},
     }
     text = json.dumps(document, ensure_ascii=False, separators=(",", ":"))
     return Question(SYSTEM, text, picture, answer_schema(table))
@@ -173,31 +164,34 @@ def answer_schema(table: AliasTable) -> dict[str, Any]:
     texts = {"type": "array", "items": text}
     key = {"type": "string", "enum": names}
     numbers = {"type": "array", "items": {"type": "number"}}
-    captions = dict.fromkeys(("subject", "surroundings", "whole"), text)
+    captions = dict.fromkeys(CAPTIONS, text)
     targets = {
         name: {"type": "string", "enum": [*quantity.classes, ""]}
         for name, quantity in quantities().by_name.items()
         if quantity.classes
     }
-    thing = _object(
+    thing = json_object(
         name=text,
         region=region,
         materials={"type": "array", "items": {"type": "string", "enum": materials} if materials else text},
-        attributes=_object(**dict.fromkeys(SLOTS, text)),
+        attributes=json_object(**dict.fromkeys(SLOTS, text)),
     )
-    entry = _object(parameter=key, lower=numbers, upper=numbers, priority={"type": "integer"}, reason=text)
-    return _object(
+    entry = json_object(
+        parameter=key, lower=numbers, upper=numbers, priority={"type": "integer"}, reason=text
+    )
+    return json_object(
         objects={"type": "array", "items": thing},
-        prompts=_object(**captions, **{f"{name}_negatives": texts for name in captions}),
-        targets=_object(**targets),
-        colors=_object(**dict.fromkeys(REGIONS, text)),
+        prompts=json_object(**captions, **{f"{name}_negatives": texts for name in captions}),
+        targets=json_object(**targets),
+        colors=json_object(**dict.fromkeys(REGIONS, text)),
         ignored=texts,
         plan={"type": "array", "items": entry},
         keep={"type": "array", "items": key},
     )
 
 
-def _object(**properties: Any) -> dict[str, Any]:
+def json_object(**properties: Any) -> dict[str, Any]:
+    """The JSON schema of an object with these properties, all of them required, and no others."""
     return {
         "type": "object",
         "properties": properties,
@@ -237,15 +231,11 @@ def _measured(context: SceneDescription) -> dict[str, Any]:
     """Measures of the current picture, for models that see badly or not at all."""
     if context.picture is None:
         return {}
-    figures: dict[str, Any] = {
-        f"{region}_mean_color": hex_from_srgb(srgb_from_lab(lab))
-        for region, lab in context.picture.lab.items()
-    }
-    if context.picture.percentiles:
+    colors = context.picture.lab.items()
+    figures: dict[str, Any] = {f"{r}_mean_color": hex_from_srgb(srgb_from_lab(lab)) for r, lab in colors}
+    if percentiles := context.picture.percentiles:
         names = ("darkest_5_percent", "median", "brightest_5_percent")
-        figures |= {
-            f"lightness_{n}": round(v) for n, v in zip(names, context.picture.percentiles, strict=True)
-        }
+        figures |= {f"lightness_{n}": round(v) for n, v in zip(names, percentiles, strict=True)}
     return figures
 
 

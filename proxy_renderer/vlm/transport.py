@@ -216,13 +216,8 @@ def read_completion(raw: bytes) -> Completion:
             raise TypeError
         read, written = (_count(usage.get(n)) for n in ("prompt_tokens", "completion_tokens"))
         cost = usage.get("cost")
-        return Completion(
-            text=text,
-            cut=choice.get("finish_reason") == "length",
-            read=read,
-            written=written,
-            cost=float(cost) if isinstance(cost, int | float) and 0 <= cost < 1e6 else None,
-        )
+        cost = float(cost) if isinstance(cost, int | float) and 0 <= cost < 1e6 else None
+        return Completion(text, choice.get("finish_reason") == "length", read, written, cost)
     except (ValueError, KeyError, IndexError, TypeError, AttributeError, RecursionError) as error:
         remedy = "Check the base URL: it usually ends in /v1."
         raise ModelError("The endpoint's answer is not a chat completion.", remedy) from error
@@ -241,11 +236,9 @@ def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> 
     elif code == 402 or (code == 429 and "quota" in complaint.lower()):
         what, remedy = f"wants to be paid{more}", "Check the account's balance."
     elif _OVERFULL.search(complaint):
-        return ModelError(
-            f"The scene does not fit into the context of {point.model}{more}.",
-            "Give the model more context: 16384 tokens are enough (Ollama: OLLAMA_CONTEXT_LENGTH=16384).",
-            lasting=True,
-        )
+        remedy = "Give the model more context: 16384 tokens are enough (Ollama: OLLAMA_CONTEXT_LENGTH=16384)."
+        problem = f"The scene does not fit into the context of {point.model}{more}."
+        return ModelError(problem, remedy, lasting=True)
     elif 300 <= code < 400:
         what, remedy = f"sends us elsewhere (HTTP {code})", "Name the final base URL."
     elif code == 429:

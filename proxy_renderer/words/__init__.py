@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the words mean, and of what: from a sentence to bound attributes."""
+"""Reading: from a sentence to bound attributes."""

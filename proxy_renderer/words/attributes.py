@@ -79,7 +79,7 @@ def color_class(attribute: Attribute) -> str:
 
 
 def is_dark(attribute: Attribute) -> bool:
-    """Whether a word is a color that no light can have: "black"."""
+    """True if a word is a color that no light can have: "black"."""
     return attribute.color is not None and lab_from_srgb(attribute.color)[0] < _DARKEST
 
 
@@ -183,7 +183,7 @@ def _with_lamps(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Att
 
 
 def _contradicts(one: Attribute, other: Attribute, vocabulary: Vocabulary) -> bool:
-    """Whether no light can be both: of two colors, or on two sides."""
+    """True if no light can be both: of two colors, or on two sides."""
     if one.negated or other.negated:
         return False
     here, there = side([one], vocabulary), side([other], vocabulary)
@@ -258,7 +258,7 @@ def _segments(passage: Passage, vocabulary: Vocabulary) -> list[list[int]]:
 
 
 def _is_light(item: Token, rigs: RigTable, vocabulary: Vocabulary, expected: bool) -> bool:
-    """Whether an item names a light; "one" does where lights were spoken of."""
+    """True if an item names a light; "one" does where lights were spoken of."""
     if (expected and item.text in vocabulary.words["one_of_them"]) or item.noun in LIGHTS:
         return True
     if vocabulary.slot(item.entry) != "lighting":
@@ -269,7 +269,7 @@ def _is_light(item: Token, rigs: RigTable, vocabulary: Vocabulary, expected: boo
 
 
 def _goes_on(item: Token, rigs: RigTable, vocabulary: Vocabulary) -> bool:
-    """Whether an item names no other thing and no setup, so that it may go on about the light before it."""
+    """True if an item names no other thing and no setup, so that it may go on about the light before it."""
     setup = item.entry in rigs.rigs and item.entry not in rigs.modifiers
     rest = "others" in item.lists and item.text not in vocabulary.words["together"]
     return (

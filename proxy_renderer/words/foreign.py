@@ -253,7 +253,7 @@ def understood() -> str:
 
 
 def other_language(text: str) -> Literal["", "some", "all"]:
-    """How much of a prompt is in another script than the Latin one, or has small words of unread languages."""
+    """Share of a prompt that is in another script than the Latin one, or has small words of unread languages."""
     letters = [c for c in text if c.isalpha()]
     latin = sum("LATIN" in unicodedata.name(c, "") for c in letters)
     if letters and latin < 0.5 * len(letters):

@@ -58,22 +58,22 @@ class Token:
 
     @property
     def known(self) -> bool:
-        """Whether it plays any role."""
+        """True if it plays any role."""
         return bool(self.names_a_look or self.noun or self.scene or self.strength or self.lists)
 
     @property
     def ties(self) -> bool:
-        """Whether it only says how its neighbors belong together: "of", "with", "than"."""
+        """True if it only says how its neighbors belong together: "of", "with", "than"."""
         return not (self.entry or self.lists.isdisjoint(TIES))
 
     @property
     def filler(self) -> bool:
-        """Whether it says nothing: articles and the like."""
+        """True if it says nothing: articles and the like."""
         return "stop" in self.lists and not (self.names_a_look or self.noun)
 
     @property
     def names_a_look(self) -> bool:
-        """Whether it can be a look word."""
+        """True if it can be a look word."""
         return bool(self.entry or self.color or self.adjective)
 
 
@@ -133,12 +133,12 @@ class Lexer:
         return tokens
 
     def _covers(self, word: str, thing: Token) -> bool:
-        """Whether a word names the surface of the thing before it and wishes for no material: "wet frog skin"."""
+        """True if a word names the surface of the thing before it and wishes for no material: "wet frog skin"."""
         named = (thing.scene or "thing" in thing.lists or thing.noun) and not thing.names_a_look
         return bool(named) and word in self.vocabulary.words["coverings"] and word not in self.names
 
     def _cuts_a_phrase(self, words: list[str], start: int, end: int) -> bool:
-        """Whether words take the first word of a listed phrase that is no surface: "warm golden" of "golden hour"."""
+        """True if words take the first word of a listed phrase that is no surface: "warm golden" of "golden hour"."""
         later = range(end + 1, min(end + _LONGEST, len(words) + 1))
         both = ((i, j) for i in range(start + 1, end) for j in later)
         return any(
@@ -146,7 +146,7 @@ class Lexer:
         )
 
     def _ends_in_thing(self, words: list[str]) -> bool:
-        """Whether a phrase is a look and a thing of this scene: "terracotta pot", or "turquoise water" where water is."""
+        """True if a phrase is a look and a thing of this scene: "terracotta pot", or "turquoise water" where water is."""
         v, last, first, whole = self.vocabulary, words[-1], " ".join(words[:-1]), " ".join(words)
         if len(words) < 2 or last not in self.names:
             return False

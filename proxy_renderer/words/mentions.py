@@ -140,7 +140,7 @@ class _NounFinder:
         return self._surely(named) if "stop" in token.lists and not token.noun else named
 
     def _is_of_the_next(self, start: int) -> bool:
-        """Whether a look is said of the thing after it: "red" of "red leather seats" is no red lamp."""
+        """True if a look is said of the thing after it: "red" of "red leather seats" is no red lamp."""
         token, head = self.items[start], self._head_after(start)
         if head is None or not token.names_a_look or token.noun:
             return False
@@ -176,7 +176,7 @@ class _NounFinder:
 
 
 def _is_translated(named: Named) -> bool:
-    """Whether no name has the very word: "wooden" of "wood planks"."""
+    """True if no name has the very word: "wooden" of "wood planks"."""
     return all(sign.endswith("synonym") for sign in fit_signs(named))
 
 

@@ -39,7 +39,7 @@ def kind_of(material: str) -> str:
 
 
 def is_detail(material: str) -> bool:
-    """Whether a name is that of a part with a color of its own: tyres, eyes, windows."""
+    """True if a name is that of a part with a color of its own: tyres, eyes, windows."""
     last = plain_name(material).rpartition(" ")[2]
     return not name_words("details").isdisjoint((last, last.removesuffix("s")))
 
@@ -108,7 +108,7 @@ def _shares_a_sense(word: str, others: Iterable[str]) -> bool:
 
 
 def is_of_surfaces(word: str, vocabulary: Vocabulary) -> bool:
-    """Whether a word of a name says what a thing is made of, or its color or finish."""
+    """True if a word of a name says what a thing is made of, or its color or finish."""
     return word in vocabulary.colors or vocabulary.slot(word) in ("material", "finish")
 
 

@@ -80,12 +80,12 @@ class OwnNouns:
         return NounMention(place, place, item.text, item.noun or "unknown") if is_noun else None
 
     def _is_a_noun(self, noun: NounMention) -> bool:
-        """Whether a word is a noun by itself, or by the article before it."""
+        """True if a word is a noun by itself, or by the article before it."""
         listed = singular(noun.text) in thing_words()
         return bool(noun.named) or noun.noun != "unknown" or listed or self._led(noun.start)
 
     def _led(self, place: int) -> bool:
-        """Whether an article stands before a word and the looks before it."""
+        """True if an article stands before a word and the looks before it."""
         while place > 0 and (self._items[place - 1].names_a_look or self._items[place - 1].strength):
             place -= 1
         return place > 0 and not self._items[place - 1].lists.isdisjoint(("article", "definite"))
@@ -113,7 +113,7 @@ class AbsentObjects:
         return own.text if own and own.text != self.subject and self._is_absent(own) else ""
 
     def _is_absent(self, noun: NounMention) -> bool:
-        """Whether a noun names an object, and none in the scene."""
+        """True if a noun names an object, and none in the scene."""
         words, seen = self._vocabulary.words, bool(self._scene.looks)
         if noun.named or noun.noun == "unknown":
             return not noun.named
@@ -140,7 +140,7 @@ class AbsentObjects:
         return names.pop() if is_clear else ""
 
     def _has_a_name(self) -> bool:
-        """Whether half of what is seen of the subject is called what it is, so that nobody calls it otherwise."""
+        """True if half of what is seen of the subject is called what it is, so that nobody calls it otherwise."""
         scene, named, whole = self._scene, 0.0, 0.0
         for material, thing in ((m, o) for o, worn in scene.object_materials.items() for m in worn):
             look = scene.looks.get(material, MaterialLook())
@@ -151,14 +151,14 @@ class AbsentObjects:
         return len(scene.materials) > 1 and named > 0.5 * whole
 
     def _tells(self, name: str) -> bool:
-        """Whether a name says what a thing is, and not only its substance, its part or its shape: no "Gold", no "Head"."""
+        """True if a name says what a thing is, and not only its substance, its part or its shape: no "Gold", no "Head"."""
         general = frozenset[str]().union(*map(name_words, ("primitives", "limbs", "details", "pipeline")))
         senses = {word: thing_words().get(word, frozenset()) for word in parts(name)}  # in English, too
         known = (word for word in senses if senses[word] and not is_of_surfaces(word, self._vocabulary))
         return any(general.isdisjoint({word} if word in senses[word] else senses[word]) for word in known)
 
     def _is_of_one_material(self) -> bool:
-        """Whether most of what is seen of the subject is of one color; where only names are known it may be."""
+        """True if most of what is seen of the subject is of one color; where only names are known it may be."""
         mine = (n for n in materials_of("subject", self._scene) if not is_detail(n))
         looks = [self._scene.looks[name] for name in mine if name in self._scene.looks]
         main = max(looks, key=lambda look: look.share, default=None)

@@ -57,7 +57,7 @@ class PromptLook:
 
     @property
     def less(self) -> bool:
-        """Whether it is to be there in a smaller degree than now: a step towards its opposite."""
+        """True if it is to be there in a smaller degree than now: a step towards its opposite."""
         word_of_its_own = self.token.text.startswith("less ")  # "less contrast"
         return self.text.startswith("less ") and not word_of_its_own
 
@@ -144,7 +144,7 @@ def _looks(
 
 
 def is_object(token: Token, vocabulary: Vocabulary) -> bool:
-    """Whether a word names an object: one of the scene, of a kind with a surface, or of the list of things."""
+    """True if a word names an object: one of the scene, of a kind with a surface, or of the list of things."""
     if token.noun:
         return token.noun in ("surroundings", "subject")
     structure = any(token.text in vocabulary.words[kind] for kind in STRUCTURES)
@@ -182,7 +182,7 @@ def _letter(token: Token, vocabulary: Vocabulary) -> str:
 
 
 def _is_a_change(tokens: list[Token], match: re.Match[str]) -> bool:
-    """Whether a phrase says more than "make red chair glossy", in which both looks are wished, and than "make the leather red"."""
+    """True if a phrase says more than "make red chair glossy", in which both looks are wished, and than "make the leather red"."""
     present, wished = (tokens[slice(*match.span(part))] for part in "ab")
     colored = any(token.color for token in present)
     done = any(token.change for token in (*present, *wished))

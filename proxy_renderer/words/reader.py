@@ -192,7 +192,7 @@ def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
 
 
 def _is_unsure(read: PromptReading, number: int) -> bool:
-    """Whether a word may as well be none that speaks of a look, and no noun says what it describes."""
+    """True if a word may as well be none that speaks of a look, and no noun says what it describes."""
     target, pairs = read.chosen[number].target, read.pairs.pairs[number]
     if target.mention >= 0 or target.kind not in (*MATTER, "picture") or len(read.chosen) == 1:
         return False
@@ -207,7 +207,7 @@ def _is_described(read: PromptReading, pair: TargetPair) -> bool:
 
 
 def _is_a_light(read: PromptReading, pair: TargetPair) -> bool:
-    """Whether a word that seems to name a thing is a source of light that a rig is for: "a single candle on the left"."""
+    """True if a word that seems to name a thing is a source of light that a rig is for: "a single candle on the left"."""
     token, rig = pair.look.token, rig_table().rigs.get(pair.look.token.entry)
     before = read.pairs.passage.items[pair.look.index - 1 : pair.look.index]
     is_there = any("definite" in item.lists for item in before)  # "the candle is red"
@@ -241,7 +241,7 @@ def _attributes(read: PromptReading, pair: TargetPair, entry: str, thing: Attrib
 
 
 def _meant(read: PromptReading, word: PromptLook, known: VocabularyEntry, grade: bool) -> Iterator[Attribute]:
-    """What a mood stands for; for a grade only what it grades."""
+    """Attributes that a mood stands for; for a grade only what it grades."""
     for text in known.means.split(","):
         meant = read_words(text, SceneDescription(), read.vocabulary, read.weights, is_part=True)
         if not meant.parsed.attributes:
@@ -253,7 +253,7 @@ def _meant(read: PromptReading, word: PromptLook, known: VocabularyEntry, grade:
 
 
 def _thing(read: PromptReading, pair: TargetPair) -> Attribute:
-    """What a pair binds its look word to, as an attribute without its word; a thing with a surface is mentioned."""
+    """Target of a pair's look word, as an attribute without its word; a thing with a surface is mentioned."""
     target, slot, word = pair.target, pair.sense.slot, pair.look.token.text
     kind, is_named = target.kind, target.mention >= 0
     if kind in MATTER:
@@ -273,7 +273,7 @@ def _thing(read: PromptReading, pair: TargetPair) -> Attribute:
 
 
 def _is_of_a_grade(read: PromptReading, pair: TargetPair) -> bool:
-    """Whether a mood is one of the grade alone: "gritty" of "gritty bleach bypass grade"."""
+    """True if a mood is one of the grade alone: "gritty" of "gritty bleach bypass grade"."""
     items, grades = read.pairs.passage.items, read.vocabulary.words["grades"]
     clause = items[pair.look.index].clause
     after = [item for item in items[pair.look.index :] if item.clause == clause]

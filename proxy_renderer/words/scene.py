@@ -57,7 +57,7 @@ class NounMention:
     excepted: bool = False  # the prompt leaves it out: "everything but the floor"
 
     def covers(self, index: int) -> bool:
-        """Whether an item is one of its own."""
+        """True if an item is one of its own."""
         return self.start <= index <= self.end
 
 
@@ -72,7 +72,7 @@ def fit_rank(named: Named) -> int:
 
 
 def is_alike(one: Values | None, other: Values | None) -> bool:
-    """Whether two colors are the same to the eye of somebody who names them."""
+    """True if two colors are the same to the eye of somebody who names them."""
     return one is not None and other is not None and math.dist(*map(oklab_from_srgb, (one, other))) < _SAME
 
 

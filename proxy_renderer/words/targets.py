@@ -249,7 +249,7 @@ def with_choices(
 
 
 def _means(key: str, said: set[str], number: int, english: Mapping[str, str]) -> bool:
-    """Whether a key is that of a word that is said so; of several, of the one with a number."""
+    """True if a key is that of a word that is said so; of several, of the one with a number."""
     word = plain_key(key)
     translated = normalize(english.get(word, ""))
     called = {normalize(word), translated, *translated.split()}

@@ -33,7 +33,7 @@ class LightDescription:
 
 @dataclass(frozen=True)
 class MaterialLook:
-    """How a material looks before any wish."""
+    """Look of a material before any wish."""
 
     color: Values | None = None  # sRGB in [0, 1], that of its glow where it glows; None where nothing says it
     glows: bool = False  # whether it emits light
@@ -144,7 +144,7 @@ class Attribute:
 
     @property
     def grades(self) -> bool:
-        """Whether it is a mood or a place that only the grade is to have, and no light."""
+        """True if it is a mood or a place that only the grade is to have, and no light."""
         return self.slot in ("mood", "setting") and self.kind == "tone"
 
     @property
@@ -156,17 +156,17 @@ class Attribute:
 
     @property
     def of_glows(self) -> bool:
-        """Whether it is about surfaces that glow, which count as lights."""
+        """True if it is about surfaces that glow, which count as lights."""
         return any(name.startswith(GLOW) for name in self.lights)
 
     @property
     def told_apart(self) -> bool:
-        """Whether it is said of some lights, and not of light as a whole."""
+        """True if it is said of some lights, and not of light as a whole."""
         return bool(self.lamp or self.lights)
 
     @property
     def of_one_light(self) -> bool:
-        """Whether it is about one of several lights: what another one is like does not concern it."""
+        """True if it is about one of several lights: what another one is like does not concern it."""
         return bool(self.told_apart or self.role or self.owners)
 
 

@@ -4,9 +4,8 @@
 import pytest
 import torch
 
-from proxy_renderer.optimize.links import linked
 from proxy_renderer.optimize.shots import ShotInput, gathered
-from proxy_renderer.optimize.stage import set_stage
+from proxy_renderer.optimize.stage import linked, set_stage
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.schema.messages import Options
 

@@ -44,10 +44,9 @@ def floor(place: float) -> tuple[Surface, torch.Tensor]:
 
 def searched(name: str) -> tuple[GlowShares, RayGeometry, LobeRays]:
     geometry = geometry_of(scene_with(PANELS[name]), CPU)
-    surface, arrived = floor(0.0)
-    turn = torch.arange(COPIES)
-    glow = glow_of(geometry, surface, arrived, turn, turn, (0,), (), 2, torch.Generator().manual_seed(0))
-    return glow, geometry, LobeRays.of(surface, arrived)
+    lobes, turn = LobeRays.of(*floor(0.0)), torch.arange(COPIES)
+    glow = glow_of(geometry, lobes, turn, turn, (0,), (), 2, torch.Generator().manual_seed(0))
+    return glow, geometry, lobes
 
 
 def found_by_chance(geometry: RayGeometry, lobes: LobeRays, alpha: float | None) -> float:

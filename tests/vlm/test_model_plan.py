@@ -17,7 +17,7 @@ from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import pipeline
 from proxy_renderer.optimize.scene_words import described
 from proxy_renderer.optimize.shots import ShotInput
-from proxy_renderer.planning.advice import Prompts
+from proxy_renderer.planning.advice import Advice, Prompts
 from proxy_renderer.planning.types import Plan
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import FAMILIES, Instance, VibeError
@@ -51,7 +51,7 @@ def encoder():
 
 
 def told(table, look=PROMPT, known=None):
-    empty = (Goals(Parsed(look)), Prompts("", "", ""), Plan())
+    empty = Advice(Goals(Parsed(look)), Prompts("", "", ""), Plan())
     return make_question(look, table, known or SceneDescription(), empty, None)
 
 
@@ -80,9 +80,7 @@ class TestQuestion:
             None, scene.instances, SceneDescription()
         )
         table = AliasTable(scene.instances, SceneDescription())
-        question = make_question(
-            PROMPT, table, SceneDescription(), (advice.goals, advice.prompts, advice.plan), None
-        )
+        question = make_question(PROMPT, table, SceneDescription(), advice, None)
         said = json.loads(question.text)
         assert said["parameters"]["material1/roughness"]["draft"]["why"].startswith("'glossy'")
         assert said["draft"]["targets"]["color"] == "teal"

@@ -1,4 +1,4 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether look words of labeled sentences are bound to what they describe."""
+"""Binding of look words in labeled sentences."""
 
 from lab.bench.binding.experiment import run as run

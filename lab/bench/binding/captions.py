@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether look words of captions that other people wrote are bound to the things that they describe."""
+"""Binding of look words in captions that other people wrote."""
 
 from __future__ import annotations
 

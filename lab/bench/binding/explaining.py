@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How long `vibe explain` takes for a prompt of some forty words, once the scene is known and word vectors are loaded."""
+"""Time of `vibe explain` for a prompt of some forty words, once the scene is known and word vectors are loaded."""
 
 from __future__ import annotations
 

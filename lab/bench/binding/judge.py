@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether look words are bound to what their labels say, sentence by sentence."""
+"""Judgment of the binding of look words by their labels, sentence by sentence."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class SentenceVerdict:
 
     @property
     def right(self) -> bool:
-        """Whether nothing in it is mistaken."""
+        """True if nothing in it is mistaken."""
         return not self.extra and all(word.right for word in self.words)
 
 

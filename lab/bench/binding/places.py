@@ -50,14 +50,14 @@ def matched(
 
 
 def _is_beside(sentence: LabeledSentence, span: Span, number: int) -> bool:
-    """Whether nothing but space is between a place and a look word."""
+    """True if nothing but space is between a place and a look word."""
     word = sentence.words[number]
     between = sentence.text[span[1] : word.start] or sentence.text[word.end : span[0]]
     return (span[1] < word.start or word.end < span[0]) and not between.strip()
 
 
 def _places(text: str, reaches: Sequence[Reach]) -> list[Span | None]:
-    """Where the last words of each attribute stand in a text; None where they do not.
+    """Places of the last words of each attribute in a text; None for those without one.
 
     A word that is there several times is meant where the attribute's thing is next to it, or else in order.
     """
@@ -93,6 +93,6 @@ def _overlap(span: Span, word: LookWord) -> bool:
 
 
 def _shares(word: LookWord, reach: Reach) -> bool:
-    """Whether the last word of one is in the other: "too dark" takes the place of "dark"."""
+    """True if the last word of one is in the other: "too dark" takes the place of "dark"."""
     mine, theirs = _words(word.text), _words(reach.attribute.word)
     return bool(mine and theirs) and (mine[-1] in theirs or theirs[-1] in mine)

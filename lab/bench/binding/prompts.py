@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What becomes of prompts without labels: understood at least in part, refused with a remedy, or a fault."""
+"""Outcomes of prompts without labels: understood at least in part, refused with a remedy, or a fault."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from lab.train.sentences.stand_in import SceneStandIn, stand_in
 from proxy_renderer.schema import VibeError
 
 BACKDROP, LAMP = "Cyclorama", LabeledLight("Area", "AREA", "key", turn=-40.0)
-"""What is in a scene beside its things, with names that captions do not use."""
+"""Parts of a scene other than its things, with names that captions do not use."""
 _PLAIN = LabeledScene("plain", "product", ("Cube",), {n: (n,) for n in ("Cube", BACKDROP)}, lights=(LAMP,))
 _SLOW = 1.0  # seconds of the processor that no prompt may take
 _LISTED = 40  # words

@@ -25,7 +25,7 @@ _MATTER = ("finish", "material", "color")
 
 @dataclass(frozen=True)
 class Reach:
-    """What of a scene an attribute changes.
+    """Parts of a scene that an attribute changes.
 
     Attributes:
         attribute: As the reader bound it.
@@ -45,7 +45,7 @@ class Reach:
 
     @property
     def particular(self) -> bool:
-        """Whether it singles out materials or lights, instead of a whole region or all light."""
+        """True if it singles out materials or lights, instead of a whole region or all light."""
         return bool(self.attribute.owners or self.attribute.told_apart or self.attribute.role)
 
     def __str__(self) -> str:
@@ -56,7 +56,7 @@ class Reach:
 
 @dataclass(frozen=True)
 class SentenceReading:
-    """What the reader made of a sentence.
+    """The reader's result for a sentence.
 
     Attributes:
         reaches: Of its attributes, in the order of the text; those that a mood stands for are left out.
@@ -108,7 +108,7 @@ class _Binding:
         self.owners = Owners(parsed, scene.instances, scene.scene, vocabulary)
 
     def reach(self, attribute: Attribute) -> Reach:
-        """What an attribute changes; negated words reach what they would change."""
+        """Parts that an attribute changes; negated words reach what they would change."""
         reached = [
             (OWNERS[effect.owner], instance.owner)
             for effect in self._effects(attribute)
@@ -126,7 +126,7 @@ class _Binding:
         return [e for wish in wishes_of([attribute], self.vocabulary) for e in wish.effects]
 
     def _effects(self, attribute: Attribute) -> list[Effect]:
-        """What it asks for in the first place; of a word about matter, what it does to that matter."""
+        """Its first wish; of a word about matter, what it does to that matter."""
         said = replace(attribute, negated=False)
         effects = self._wished(said)
         strong = [e for e in effects if not e.weak] or effects

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether what an attribute reaches is what a label says; each label in every way that comes to the same in its scene."""
+"""Comparison of what an attribute reaches with what a label says; each label in every way that comes to the same in its scene."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _ROLES = ("key", "fill", "rim")
 
 
 class SentenceTargets:
-    """What the labels of a sentence mean in its scene.
+    """Meanings of a sentence's labels in its scene.
 
     Args:
         roles: Role -> the scene's lights that have it.
@@ -31,7 +31,7 @@ class SentenceTargets:
         self.roles, self.glows = roles, frozenset(sentence.scene.glows)
 
     def is_right(self, word: LookWord, reach: Reach) -> bool:
-        """Whether one of a word's targets is what an attribute reaches."""
+        """True if one of a word's targets is what an attribute reaches."""
         return any(self._hits(word, target, reach) for target in word.targets)
 
     def materials(self, word: LookWord, target: LabelTarget) -> frozenset[str]:
@@ -59,7 +59,7 @@ class SentenceTargets:
         return kind == "picture" and _is_picture(reach)
 
     def _hits_matter(self, word: LookWord, target: LabelTarget, reach: Reach) -> bool:
-        """Whether an attribute paints what is meant; a region as a whole is all of its materials, or its backdrop."""
+        """True if an attribute paints what is meant; a region as a whole is all of its materials, or its backdrop."""
         attribute, found, wanted = reach.attribute, painted(reach), self.materials(word, target)
         if target.kind == "others":
             return self._is_rest(word, found, wanted)
@@ -70,7 +70,7 @@ class SentenceTargets:
         return (bool(wanted) and found == wanted) or (behind and target.kind == "surroundings")
 
     def _is_rest(self, word: LookWord, found: frozenset[str], least: frozenset[str]) -> bool:
-        """Whether materials are all but those named before; what the sentence spares without a label is left out too."""
+        """True if materials are all but those named before; what the sentence spares without a label is left out too."""
         before = self._named([w for w in self.sentence.words if w.start < word.start])
         most = frozenset(self.scene.materials) - before
         spares = bool(before or not self._mentioned() or found != most)
@@ -98,13 +98,13 @@ class SentenceTargets:
         return reach.lights - self.glows
 
     def _is_any_light(self, reach: Reach) -> bool:
-        """Whether it is about light as a whole: all of it, the key, or what shadows say of it."""
+        """True if it is about light as a whole: all of it, the key, or what shadows say of it."""
         key = self.roles.get("key", frozenset())
         general = reach.lights == key or not key or (not reach.particular and bool(key & reach.lights))
         return self._speaks_of(reach, "shadow") or (is_light_word(reach) and general)
 
     def _is_sky(self, reach: Reach) -> bool:
-        """Whether it is about the world as it is seen; "grey sky" is, though it changes all light."""
+        """True if it is about the world as it is seen; "grey sky" is, though it changes all light."""
         attribute = reach.attribute
         if attribute.kind == "sky" and attribute.slot in ("color", "setting"):
             return True
@@ -113,13 +113,13 @@ class SentenceTargets:
         return reach.parts == {"world"} and not (reach.materials | reach.lights)
 
     def _speaks_of(self, reach: Reach, kind: str) -> bool:
-        """Whether an attribute's own words name a kind of thing: "heavy grey sky", "blue shadows"."""
+        """True if an attribute's own words name a kind of thing: "heavy grey sky", "blue shadows"."""
         words = reach.attribute.word.split()
         return reach.attribute.kind == kind or any(self.vocabulary.nouns.get(word) == kind for word in words)
 
 
 def is_light_word(reach: Reach) -> bool:
-    """Whether it says something of light."""
+    """True if it says something of light."""
     return reach.attribute.kind in ("light", "fill", "rim") or reach.attribute.slot == "lighting"
 
 
@@ -129,7 +129,7 @@ def painted(reach: Reach) -> frozenset[str]:
 
 
 def _is_picture(reach: Reach) -> bool:
-    """Whether it is about all of the picture: a mood, a grade, a setting, or several kinds of things at once."""
+    """True if it is about all of the picture: a mood, a grade, a setting, or several kinds of things at once."""
     attribute = reach.attribute
     if attribute.owners or attribute.told_apart:
         return False

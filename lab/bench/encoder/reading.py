@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How well the encoder reads looks off shapes that it never saw, and what becomes of wordings that no caption had.
+"""Accuracy with which the encoder reads looks off shapes that it never saw, and its answers to wordings that no caption had.
 
 Shapes are traced and rendered from seeds that neither training nor the choice of weights used. Wordings that
 `train.text.wording` keeps back are asked in two ways: as a vibe asks, where the language turns them into phrases that
@@ -197,7 +197,7 @@ def _unseen() -> Iterator[tuple[str, set[str]]]:
 
 
 def _told_apart(asked: Encoder, batches: list[Batch], phrase: str, heads: dict[str, str]) -> float:
-    """How often pictures that show what a phrase asks for are nearer to it than their one-attribute flips are; 1 where it asks for nothing."""
+    """Share of pictures with a phrase's look that are nearer to it than their one-attribute flips; 1 where it asks for nothing."""
     right: list[bool] = []
     for name, value in heads.items():
         column, wanted = INDEX[name], ATTRIBUTES[name].index(value)

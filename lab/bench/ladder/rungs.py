@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What each part of the method adds: the development pairs, run with less and less left out."""
+"""Contribution of each part of the method: the development pairs, run with less and less left out."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ def _mean_spread(row: Sequence[Run]) -> float:
 
 
 def spread(runs: Sequence[Mapping[str, Mapping[str, Any]]]) -> float:
-    """How far the values of one scene, prompt and budget differ from seed to seed.
+    """Spread over seeds of the values of one scene, prompt and budget.
 
     Args:
         runs: For each seed, `parameters` of its report.json.
@@ -158,7 +158,7 @@ def _values(after: float | Sequence[float]) -> tuple[float, ...]:
 
 
 def _artist(row: Sequence[Run]) -> dict[str, Any]:
-    """What the artist's scenes have of the asks already."""
+    """Asks that the artist's scenes have already."""
     scores = []
     for done in row:
         before = finished.load(done.folder, "before")

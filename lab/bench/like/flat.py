@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What people do today with a picture and a render: color transfer from one flat picture to another.
+"""Today's use of a picture and a render: color transfer from one flat picture to another.
 
 scikit-image, pilgram and color-matcher come with `pip install -e '.[lab]'` in a clone; color-matcher is under the GPL and runs as
 a program of its own.
@@ -30,7 +30,7 @@ from color_matcher import ColorMatcher
 source, target, made, method = sys.argv[1:]
 np.save(made, ColorMatcher(src=np.load(source), ref=np.load(target), method=method).main())
 """
-"""What runs color-matcher, in a process of its own. Its command line stretches every picture to the whole range."""
+"""Script that runs color-matcher, in a process of its own. Its command line stretches every picture to the whole range."""
 _METHOD = "mvgd"
 """The best of its methods on hidden looks (Pitié and Kokaram 2007, by Hahne)."""
 

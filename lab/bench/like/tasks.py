@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is asked of the product with a picture instead of words."""
+"""Tasks of the product with a picture instead of words."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SETS = (
 """Sets of `python -m lab paper`, by name: indoors, outdoors and in a studio."""
 
 WHOLE_LOOK = ("light", "world", "volume", "film")
-"""What a look changes, as groups of the schema."""
+"""Groups of the schema that a look changes."""
 
 FILTERS = (
     *("_1977", "aden", "brannan", "brooklyn", "clarendon", "earlybird", "gingham", "hudson", "inkwell"),
@@ -84,7 +84,7 @@ class LikeTask:
 
     @property
     def name(self) -> str:
-        """What it is called in tables."""
+        """Its name in tables."""
         other = "" if self.shown == self.truth else f" from {self.shown.set}"
         return f"{self.part} {self.truth.seed} {self.truth.set}{other}{self.photo_filter and f' {self.photo_filter}'}"
 

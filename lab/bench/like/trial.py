@@ -22,9 +22,9 @@ from lab.bench.wild import product
 from proxy_renderer.schema import atomic
 
 WORDS = "warm light, thin fog"
-"""What is asked for in words, to compare the time."""
+"""Prompt for the comparison of times."""
 TOLD = "Reinhard, told the truth"
-"""What transfer between flat pictures makes of the truth itself: no picture of another scene tells its tones better."""
+"""The truth itself after transfer between flat pictures: no picture of another scene tells its tones better."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class LikeTrial:
 
     @property
     def folder(self) -> Path:
-        """Where this task's files are; named by all that it depends on."""
+        """Folder of this task; named by all that it depends on."""
         return (
             self.out
             / "runs"
@@ -57,7 +57,7 @@ class LikeTrial:
         )
 
     def row(self) -> dict[str, Any]:
-        """What came of it."""
+        """Its result."""
         made, scene = self._made(self.task.truth)
         picture = self._picture()
         options = [
@@ -109,7 +109,7 @@ class LikeTrial:
         return self.out / "scenes" / _name(look.set, *astuple(look), self.size, self.samples)
 
     def _made(self, look: HiddenLook) -> tuple[dict[str, Any], Path]:
-        """What Blender's side has told of a scene and a look, and their folder."""
+        """Blender's report of a scene and a look, and their folder."""
         folder = self._scene(look)
         told = folder / "made.json"
         if not told.is_file():
@@ -136,7 +136,7 @@ class LikeTrial:
         return self._picture() if self.task.photo_filter else scene / "goal.png"
 
     def _timed(self, scene: Path) -> Path:
-        """Where the vibe in words of the same scene is, which tasks share."""
+        """Folder of the vibe in words of the same scene, which tasks share."""
         return self.out / "words" / f"{scene.name}-{self.effort}"
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far values that were found are from the hidden ones: those of the key light that a picture can tell."""
+"""Distance of found values from the hidden ones: those of the key light that a picture can tell."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether the names of measured materials and light sources give what was measured."""
+"""Values from the names of materials and light sources, compared with measured ones."""
 
 from lab.bench.materials.experiment import run as run

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far a finished scene is from what was measured."""
+"""Distance of a finished scene from what was measured."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FinalValues = Mapping[str, Mapping[str, Any]]
 BALL = "Ball"
 
 _WHITISH = 0.03
-"""How far from the Planckian locus a light may be and still have a color temperature, CIE 1960."""
+"""Greatest distance from the Planckian locus of a light with a color temperature, CIE 1960."""
 
 
 def material(

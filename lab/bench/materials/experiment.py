@@ -77,12 +77,12 @@ class _Vibes:
         self._out, self._options = out, [*options, "--subject=Ball"]
 
     def folder(self, prompt: str) -> Path:
-        """Where the vibe of a prompt is kept."""
+        """Folder of a prompt's vibe."""
         text = "\n".join([prompt, *self._options])
         return self._out / "runs" / hashlib.sha256(text.encode()).hexdigest()[:16]
 
     def vibe(self, prompt: str) -> dict[str, Any]:
-        """How the vibe of a prompt has ended; see `product.vibe_once`."""
+        """End of a prompt's vibe; see `product.vibe_once`."""
         return product.vibe_once(self.scene, prompt, self.folder(prompt), self._options)
 
 

@@ -144,7 +144,7 @@ _EMITTERS: dict[type[LightSource], Callable[[Any, Any], dict[str, Any]]] = {
     PointLight: _sphere,
     AreaLight: _rectangle,
 }
-"""What a type of light is in Mitsuba; scenes with others are refused."""
+"""Mitsuba's name of a type of light; scenes with others are refused."""
 
 
 def _surface(name: str, settings: RenderValues) -> dict[str, Any]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether the look follows the words better than a similarity alone makes it: the paper's experiments, and more pairs."""
+"""Looks by the words, compared with looks by a similarity alone: the paper's experiments, and more pairs."""
 
 from lab.bench.paper.experiment import run
 

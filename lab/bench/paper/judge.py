@@ -18,7 +18,7 @@ class Judge:
         self._encoder = judge.load()
 
     def gain(self, prompt: str, before: FloatArray, after: FloatArray) -> float:
-        """How much nearer to the prompt the picture has come.
+        """Approach of the picture to the prompt.
 
         Args:
             before: (H, W, 3), sRGB-encoded, 0 to 1.

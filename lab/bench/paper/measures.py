@@ -42,7 +42,7 @@ def taken(name: str, shot: FinishedPicture, region: str) -> float:
 
 
 def color_error(shot: FinishedPicture, region: str, lab: tuple[float, float, float]) -> float:
-    """How far most of a region is from a named color: CIEDE2000, lightness counting half as in textiles (2:1:1).
+    """Distance of most of a region from a named color: CIEDE2000, lightness counting half as in textiles (2:1:1).
 
     It is the median over pixels: highlights, shadows and a pattern's lesser part do not decide.
 

@@ -87,12 +87,12 @@ class Pair:
 
     @property
     def foggy(self) -> bool:
-        """Whether fog is measured."""
+        """True if fog is measured."""
         return any(ask.trait.measure == "fog" for ask in self.asks)
 
     @property
     def silhouette(self) -> bool:
-        """Whether the subject may be an even, dark shape."""
+        """True if the subject may be an even, dark shape."""
         return any(ask.trait.measure == "silhouette" for ask in self.asks)
 
 

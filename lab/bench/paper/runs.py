@@ -60,7 +60,7 @@ class Run:
 
     @property
     def done(self) -> bool:
-        """Whether all of it is there: the mask of the artist's picture comes last."""
+        """True if all of it is there: the mask of the artist's picture comes last."""
         return (self.folder / "mask_before.png").is_file()
 
 

@@ -126,7 +126,7 @@ def notice(ask: Ask) -> float:
 
 
 def tally(verdicts: Sequence[str], tie: float = 0.0) -> dict[str, Any]:
-    """How many of each, and the share of wins with its 95 % interval.
+    """Count of each, and the share of wins with its 95 % interval.
 
     Args:
         verdicts: "win", "tie" or "loss", see `decide`.
@@ -161,7 +161,7 @@ def wilson(wins: float, count: int, z: float = 1.96) -> tuple[float, float]:
 
 
 def _amount(ask: Ask, after: FinishedPicture, before: FinishedPicture) -> float:
-    """What is measured; nothing of a trait where there is not enough of the picture's parts left to have it."""
+    """Measures; nothing of a trait where there is not enough of the picture's parts left to have it."""
     parts = {ask.region, "subject", "surroundings"}
     if any(picture.region(part).sum() < _LEAST for picture in (after, before) for part in parts):
         return ask.trait.none
@@ -172,7 +172,7 @@ def _amount(ask: Ask, after: FinishedPicture, before: FinishedPicture) -> float:
 
 
 def _pair_of(none: float, full: float, least: float, ours: float, theirs: float) -> tuple[float, float]:
-    """How much of a trait two pictures have, each in [0, 1]; the same for both where nobody sees a difference."""
+    """Amounts of a trait in two pictures, each in [0, 1]; the same for both where nobody sees a difference."""
     if abs(ours - theirs) < least:
         ours = theirs = (ours + theirs) / 2
     a, b = (min(max(0.0, (x - none) / (full - none)), 1.0) for x in (ours, theirs))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether the subject can be seen: in the frame, off its surroundings, neither a black hole nor a white one."""
+"""Visibility of the subject: in the frame, off its surroundings, neither a black hole nor a white one."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class SubjectVisibility:
 
 
 def visibility(after: FinishedPicture, before: FinishedPicture, silhouette: bool) -> SubjectVisibility:
-    """How well the subject can be seen.
+    """Visibility of the subject.
 
     Args:
         before: The artist's, for what its frame was.

@@ -13,7 +13,7 @@ from scipy import stats
 
 @dataclass(frozen=True)
 class Exponent:
-    """How a cost grows.
+    """Growth of a cost.
 
     Attributes:
         slope: Of the line of least squares through the logarithms of all points.

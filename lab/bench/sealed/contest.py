@@ -18,7 +18,7 @@ _FEWEST = 12
 """A baseline's first steps, in one round; they tell how long a step takes."""
 
 _SPARE = 1.1
-"""How many more steps a baseline that had fewer seconds gets than their ratio says, as two runs never take the same time."""
+"""Factor by which a baseline that had fewer seconds gets more steps than their ratio says, as two runs never take the same time."""
 
 
 def rival_row(
@@ -71,7 +71,7 @@ def _verdict(ours: int, theirs: int) -> str:
 
 
 def _held(row: JobResult) -> int:
-    """How many of its asks hold; none of a run that failed."""
+    """Number of its asks that hold; none of a run that failed."""
     return sum(ask["holds"] is True for ask in row.get("asks", ()))
 
 

@@ -23,14 +23,14 @@ LEAST = 32
 _GRAY = 4.0
 """OKLab chroma, in hundredths, below which a name means a gray."""
 _LIGHTNESS, _HUE, _CHROMA, _GRAYNESS = (18.0, 30.0), (25.0, 35.0), (0.5, 0.3), (4.0, 8.0)
-"""How far a thing may be from its color: lightness and, for grays, chroma in hundredths of OKLab; hue in degrees; the least
+"""Greatest distance of a thing from its color: lightness and, for grays, chroma in hundredths of OKLab; hue in degrees; the least
 share of the chroma. The second of each counts where the same prompt asks for light or for a grade that changes it."""
 _CAST_HUE, _CAST_CHROMA = 40.0, 5.0
-"""How far the hue of a picture may be from that of a colored lamp, degrees, and how much color it needs, in hundredths."""
+"""Greatest distance of a picture's hue from a colored light's, degrees, and the color that it needs, in hundredths."""
 _COLORED = 0.1, 0.6, 0.9
 """Quantiles of lightness from and up to which pixels say a thing's hue and chroma, and up to which its lightness."""
 _ROUGHNESS = 0.35
-"""How far roughness may be from a measured material's."""
+"""Greatest distance of roughness from a measured material's."""
 _PLAIN, _AS_BEFORE = 0.5, 0.8
 """Visibility of a subject that is seen plainly; and of one that is hardly worse off than in the artist's picture."""
 
@@ -58,7 +58,7 @@ Judged = tuple[SealedAsk, bool | None, list[Finding]]
 
 @dataclass(frozen=True)
 class Evidence:
-    """What is judged.
+    """The subject of a judgment.
 
     Attributes:
         before: The artist's picture.
@@ -72,12 +72,12 @@ class Evidence:
 
     @property
     def subject_is_seen(self) -> bool:
-        """Whether the subject can be seen, or was as hard to see in the artist's picture."""
+        """True if the subject can be seen, or was as hard to see in the artist's picture."""
         whole, was = (visibility(shot, self.before, False).whole for shot in (self.after, self.before))
         return whole >= min(_PLAIN, _AS_BEFORE * was)
 
     def has(self, region: str) -> bool:
-        """Whether enough of a region is in view."""
+        """True if enough of a region is in view."""
         return bool(self.after.region(region).sum() >= LEAST)
 
     def value(self, material: str, name: str) -> Any:
@@ -124,7 +124,7 @@ def _ruled(rule: Rule, ask: SealedAsk, evidence: Evidence) -> Finding:
 
 
 def named(shot: FinishedPicture, region: str, srgb: Values, loose: Looseness) -> list[Finding]:
-    """Whether a thing has a color, by OKLab: lightness, and chroma and hue, or, for a gray, that there is no color.
+    """True if a thing has a color, by OKLab: lightness, and chroma and hue, or, for a gray, that there is no color.
 
     Args:
         region: See `FinishedPicture.region`.
@@ -154,7 +154,7 @@ def _tinted(chroma: float, hue: float, wanted: Values, loose: bool) -> list[Find
 
 
 def cast(shot: FinishedPicture, srgb: Values) -> list[Finding]:
-    """Whether a whole picture has the hue of a colored lamp.
+    """True if a whole picture has the hue of a colored lamp.
 
     Args:
         srgb: The color of the lamp's light, sRGB-encoded.

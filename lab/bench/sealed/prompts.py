@@ -59,7 +59,7 @@ class SealedAsk:
 
     @property
     def measures(self) -> dict[str, str]:
-        """What its rules measure -> what tells this ask's own rules from others."""
+        """Measures of its rules -> what tells this ask's own rules from others."""
         own = {rules.rule(name).takes: name for name in self.shows}
         if self.color is not None:
             own[CAST if self.kind == "lamp" else f"{NAMED} of {self.part}"] = self.words
@@ -78,7 +78,7 @@ class SealedAsk:
 
 @dataclass(frozen=True)
 class Looseness:
-    """What other asks of a prompt change in the color of a thing.
+    """Changes of a prompt's other asks to the color of a thing.
 
     Attributes:
         tint: Its hue and its chroma: by colored light, by a grade.
@@ -111,7 +111,7 @@ class SealedJob:
 
     @property
     def looseness(self) -> Looseness:
-        """What its asks change in the colors of all that is seen."""
+        """Changes of its asks to the colors of all that is seen."""
         taken = {measure for ask in self.asks for measure in ask.measures}
         return Looseness(any(ask.kind in _RECOLORING for ask in self.asks), bool(taken & _RELIGHTING))
 
@@ -142,7 +142,7 @@ def draw(seed: str, number: int, long: bool = False) -> SealedJob:
 
 
 def clash(asks: Sequence[SealedAsk]) -> bool:
-    """Whether two asks speak of one measure, each in its way, so that no picture can be expected to keep both."""
+    """True if two asks speak of one measure, each in its way, so that no picture can be expected to keep both."""
     for one in asks:
         for other in asks:
             if one is other:

@@ -38,11 +38,11 @@ class Rule:
 
     @property
     def takes(self) -> str:
-        """What it measures, or the parameter that it reads."""
+        """Its measure, or the parameter that it reads."""
         return self.measure or self.value
 
     def holds(self, after: float, before: float | None) -> bool:
-        """Whether an amount is what is wanted.
+        """True if an amount is what is wanted.
 
         Args:
             before: Of the artist's; None where it cannot be measured.

@@ -14,7 +14,7 @@ from typing import Any
 Linear = tuple[float, float, float]
 
 _GROUNDS = {"cove": "backdrop", "floor": "floor", "room": "floor", "none": ""}
-"""What prompts call a stage."""
+"""Nouns of prompts for a stage."""
 _PICTURES = ("city", "courtyard", "forest", "interior", "studio", "sunrise", "sunset")
 _TEXTURES = ("", "", "", "", "", "wood", "checker", "speckles")
 _TRANSFORMS = ("AgX", "AgX", "AgX", "AgX", "Filmic", "Standard")
@@ -43,7 +43,7 @@ class DrawnThing:
 
     @property
     def is_place(self) -> bool:
-        """Whether it is one thing among others: in a room, in a street, in a park."""
+        """True if it is one thing among others: in a room, in a street, in a park."""
         return self.shape in ("lounge", "bedroom", "kitchen", "street", "park")
 
 

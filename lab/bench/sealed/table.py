@@ -46,13 +46,13 @@ def summary(rows: Sequence[JobResult]) -> dict[str, Any]:
 
 
 def share(held: Iterable[bool]) -> dict[str, Any]:
-    """How many of them hold, with the 95 % interval of the share."""
+    """Number of them that hold, with the 95 % interval of the share."""
     kept = list(held)
     return _share(sum(kept), len(kept))
 
 
 def claims_of(rows: Iterable[JobResult]) -> dict[str, Any]:
-    """How many of the product's own claims hold in the pictures that there are, likewise."""
+    """Number of the product's own claims that hold in the pictures that there are, likewise."""
     done = [row for row in rows if row["code"] == 0]
     return _share(sum(row["claims_held"] for row in done), sum(row["claims"] for row in done))
 

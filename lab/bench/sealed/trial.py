@@ -39,7 +39,7 @@ class SealedTrial:
     variation: Variation = OURS
 
     def row(self) -> dict[str, Any]:
-        """What came of it: from the folder if it has been carried out, always judged anew."""
+        """Its result: from the folder if it has been carried out, always judged anew."""
         subject = [f"--subject={name}" for name in self._subject()]
         budget = [f"--size={self.size}", f"--samples={self.samples}", "--vlm-model=off", "--figures"]
         scene, prompt = self.folder / "scene.blend", self.job.prompt

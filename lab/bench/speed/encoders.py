@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What guidance by an encoder costs a step of the loop: all views of one picture, forward and backward."""
+"""Cost of an encoder's guidance in a step of the loop: all views of one picture, forward and backward."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How long one step of the renderer takes: forward and backward, at 512 x 512 unless said otherwise."""
+"""Time of one step of the renderer: forward and backward, at 512 x 512 unless said otherwise."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ def _step(
 
 
 def _still(key: str) -> bool:
-    """Whether a parameter changes looks only: no rays are traced again for it."""
+    """True if a parameter changes looks only: no rays are traced again for it."""
     group, name = key.split("/")[0], key.rpartition("/")[2]
     placed = group == "light" and name in ("azimuth", "elevation", "distance", "size", "angle")
     return group in ("material", "light", "world", "film") and not placed

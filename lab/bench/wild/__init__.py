@@ -1,4 +1,4 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a vibe fares on a folder of other people's scenes."""
+"""Results of a vibe on a folder of other people's scenes."""
 
 from lab.bench.wild.corpus import run as run

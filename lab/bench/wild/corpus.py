@@ -33,7 +33,7 @@ PROMPTS = (
     "matte navy blue, warm lamp light",
     "polished gold, dark background",
 )
-"""What is asked of a scene whose prompt is not given; the hash of its name chooses."""
+"""Prompts of scenes that have none of their own; the hash of its name chooses."""
 
 
 def run(

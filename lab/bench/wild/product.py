@@ -24,7 +24,7 @@ _TICK = 0.2
 
 @dataclass(frozen=True)
 class Ended:
-    """How a vibe ended.
+    """End of a vibe.
 
     Attributes:
         code: Of its exit.

@@ -37,7 +37,7 @@ class Trial:
     size: int
 
     def row(self) -> dict[str, Any]:
-        """What was measured, from row.json if the trial has been made already."""
+        """Measurements, from row.json if the trial has been made already."""
         kept = self.folder / "row.json"
         if not kept.is_file():
             atomic.write_text(kept, json.dumps(self._made(), indent=1))
@@ -61,7 +61,7 @@ class Trial:
         }
 
     def _report(self) -> dict[str, Any]:
-        """What the vibe said of itself, and how far its prediction was from Cycles."""
+        """The vibe's own report, and the distance of its prediction from Cycles."""
         out = self.folder / "out"
         report = json.loads((out / "report.json").read_text(encoding="utf-8"))
         shown = report["prediction"]["shown"]
@@ -83,7 +83,7 @@ class Trial:
         }
 
     def _reverted(self) -> dict[str, Any]:
-        """Whether Revert gives the artist's file back; {} where there is no .blend to compare with."""
+        """True if Revert gives the artist's file back; {} where there is no .blend to compare with."""
         vibed = self.folder / "out" / "vibed.blend"
         if self.scene.suffix.lower() != ".blend" or not vibed.is_file():
             return {}

@@ -67,7 +67,7 @@ DRAWS: Mapping[str, Draw] = {
     "material/base_color": _surface_color,
     "material/roughness": _within(0.15, 0.85),
 }
-"""What is drawn, by family; directions and fog beside that."""
+"""Drawn values, by family; directions and fog beside that."""
 
 
 def hidden_values(

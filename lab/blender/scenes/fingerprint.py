@@ -83,7 +83,7 @@ def _walk(struct: bpy_struct, path: str, visited: set[int]) -> Iterator[tuple[st
 
 
 def _named(value: bpy_struct) -> str:
-    """What a link ends at."""
+    """The end of a link."""
     return str(getattr(value, "identifier", "") or getattr(value, "name", ""))
 
 

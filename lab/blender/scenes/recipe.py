@@ -108,7 +108,7 @@ class FogRecipe:
 
     @property
     def feature(self) -> str:
-        """How thick it is."""
+        """Its thickness."""
         if self.falloff > 0.0:
             return "low fog"
         return "thin fog" if self.depth < 0.35 else "medium fog" if self.depth < 1.0 else "thick fog"
@@ -116,7 +116,7 @@ class FogRecipe:
 
 @dataclass(frozen=True)
 class CameraRecipe:
-    """Where the camera stands and how much of the picture the subject fills."""
+    """The camera's place and the share of the picture that the subject fills."""
 
     azimuth: float = 20.0
     elevation: float = 12.0

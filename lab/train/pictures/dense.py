@@ -19,7 +19,7 @@ CHANNELS = 11
 
 
 def maps(view: dict[str, Tensor], look: dict[str, Tensor], gleam: Tensor) -> Tensor:
-    """What every part of every picture shows, as the last grid of the picture tower learns it.
+    """Labels of every part of every picture, as the last grid of the picture tower learns it.
 
     Args:
         view: G views as `data.gather` returns them.

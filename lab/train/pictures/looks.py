@@ -65,7 +65,7 @@ _HARD = {
     "light_temperature": 2.0,
 }
 STRESS = torch.tensor([_HARD.get(name, 1.0) for name in NAMES])
-"""How often each attribute is flipped, and how much its head counts: what is hard to see is taught more."""
+"""Rate of each attribute's flips, and weight of its head: what is hard to see is taught more."""
 
 
 def sample_flips(shape: tuple[int, int], generator: torch.Generator) -> Tensor:

@@ -117,7 +117,7 @@ def visible_classes(classes: Tensor, look: dict[str, Tensor], picture: Tensor, m
 
 
 def _modeled(lightness: Tensor, share: Tensor) -> Tensor:
-    """Whether subjects show shading (n,): not mostly black or blown out, and not one flat tone.
+    """True if subjects show shading (n,): not mostly black or blown out, and not one flat tone.
 
     Args:
         lightness: L* (n, 1, H, W).
@@ -150,7 +150,7 @@ def color_class(color: Tensor, lab: Tensor, tinted: Tensor) -> Tensor:
 
 
 def is_typical(color: Tensor, lab: Tensor) -> Tensor:
-    """Whether Lab colors (..., 3) are typical examples of color classes (...): narrow bounds; the two broadcast.
+    """True if Lab colors (..., 3) are typical examples of color classes (...): narrow bounds; the two broadcast.
 
     Args:
         color: (...) classes.
@@ -165,7 +165,7 @@ def is_typical(color: Tensor, lab: Tensor) -> Tensor:
 
 
 def can_be_called(color: Tensor, lab: Tensor, tinted: Tensor) -> Tensor:
-    """Whether mean Lab colors (n, 3) fit color classes (n,): wide bounds, wider in tinted light (n,).
+    """True if mean Lab colors (n, 3) fit color classes (n,): wide bounds, wider in tinted light (n,).
 
     Args:
         color: (n,) classes.
@@ -185,7 +185,7 @@ def can_be_called(color: Tensor, lab: Tensor, tinted: Tensor) -> Tensor:
 
 
 def visible_by_light(view: dict[str, Tensor], classes: Tensor, gleam: Tensor) -> dict[str, Tensor]:
-    """Whether pictures show the attributes that only light on a surface shows.
+    """True if pictures show the attributes that only light on a surface shows.
 
     Args:
         view: Traced views, see `bank`: kind (G, H, W), normal (G, 3, H, W), shadow (G, sides, 2, H, W) hard and soft.

@@ -148,7 +148,7 @@ def _sentence(row: CheckedTable, scenes: dict[str, LabeledScene]) -> LabeledSent
 
 
 def _place_of(said: str, text: str, start: int) -> int:
-    """Where a word stands in a text, from a place on; -1 where it does not."""
+    """Place of a word in a text, from a place on; -1 where it does not."""
     place = text.find(said, start)
     while place >= 0 and (_is_cut(text, place) or _is_cut(text, place + len(said))):
         place = text.find(said, place + 1)
@@ -156,7 +156,7 @@ def _place_of(said: str, text: str, start: int) -> int:
 
 
 def _is_cut(text: str, place: int) -> bool:
-    """Whether a place of a text is within a word."""
+    """True if a place of a text is within a word."""
     around = text[place - 1 : place + 1] if place else ""
     return len(around) == 2 and all(map(_LETTER.match, around))
 

@@ -38,7 +38,7 @@ def _covers(word: LookWord, piece: Piece) -> bool:
 
 
 def _places(english: str, said: list[Piece]) -> Iterator[tuple[int, int]]:
-    """Where pieces stand in the English text, in its order."""
+    """Places of pieces in the English text, in its order."""
     end = 0
     for piece in said:
         start = english.index(piece.english, end)

@@ -41,7 +41,7 @@ class LabeledLight:
 
 @dataclass(frozen=True)
 class LabeledScene:
-    """What words may mean in a scene; it has no geometry.
+    """Targets that words may mean in a scene; it has no geometry.
 
     Attributes:
         name: Unique in its folder.
@@ -80,7 +80,7 @@ class LabeledScene:
 
 @dataclass(frozen=True)
 class LabelTarget:
-    """What a look word describes.
+    """Targets of a look word.
 
     Attributes:
         kind: One of `TARGETS`, or "materials" or "lights" for named ones.

@@ -51,7 +51,7 @@ def right_pairs(sentence: LabeledSentence, read: PromptPairs) -> list[list[bool]
 
 
 def _names_a_thing(index: int, read: PromptPairs) -> bool:
-    """Whether a look word is the name of something in the scene: "lake" where there is one."""
+    """True if a look word is the name of something in the scene: "lake" where there is one."""
     named = (n for m in read.mentions if m.covers(index) and m.members == 1 for n in m.named)
     return any(each.kind == "things" for each in named)
 
@@ -59,7 +59,7 @@ def _names_a_thing(index: int, read: PromptPairs) -> bool:
 def _unlabeled(
     right: list[bool], pairs: list[TargetPair], sentence: LabeledSentence, a_thing: bool
 ) -> list[bool]:
-    """What is right for a word that needs no label: it says where a light comes from, or only names what it is ("sunlight").
+    """The right target of a word that needs no label: it says where a light comes from, or only names what it is ("sunlight").
 
     A word that names a thing of the scene is no setting besides: "lake" of "lake emerald" where there is a lake. Other
     settings may have been no look word yet when the sentence was labeled: neither reading of them is wrong.
@@ -82,7 +82,7 @@ def _unlabeled(
 
 
 def _directs(pair: TargetPair) -> bool:
-    """Whether a word says where the light comes from that it describes."""
+    """True if a word says where the light comes from that it describes."""
     entry = shipped_vocabulary().entries.get(pair.sense.entry)
     effects = entry.effects if entry else ()
     return any(e.name in ("azimuth", "elevation") and not e.weak for e in effects)
@@ -113,7 +113,7 @@ def _places(text: str, read: PromptPairs) -> dict[int, tuple[int, int]]:
 
 
 def is_right(pair: TargetPair, wanted: LabelTarget, scene: LabeledScene) -> bool:
-    """Whether a pair is what a label says.
+    """True if a pair is what a label says.
 
     Args:
         pair: A look word with a target.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the reader and the planner need of a labeled scene, as if Blender had exported it."""
+"""A labeled scene for the reader and the planner, as if Blender had exported it."""
 
 from __future__ import annotations
 

@@ -100,7 +100,7 @@ def caption(
 
 
 def sayable(mentioned: AttributeClasses, split: WordingSplit) -> bool:
-    """Whether a split has words of its own for all of these classes."""
+    """True if a split has words of its own for all of these classes."""
     lists = [_TABLES[name][value] for name, value in mentioned.items()]
     lists += [color_names()[value] for name, value in mentioned.items() if _TABLES[name] is COLOR_WORDS]
     return all(map(split.own, lists))

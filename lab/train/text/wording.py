@@ -167,7 +167,7 @@ def color_names() -> dict[str, tuple[str, ...]]:
 
 @cache
 def phrases() -> list[tuple[str, AttributeClasses]]:
-    """What the language tells an encoder for a look word, with the attributes that it then asks for.
+    """Text that tells an encoder for a look word, with the attributes that it then asks for.
 
     Phrases that name a color beside what they ask for ("gray steel") would claim too much.
     """
@@ -183,7 +183,7 @@ def phrases() -> list[tuple[str, AttributeClasses]]:
 
 @cache
 def lessons_by_class() -> dict[str, dict[str, list[tuple[str, AttributeClasses]]]]:
-    """What the language tells an encoder for look words, with what it then asks for, by attribute and class.
+    """Text that tells an encoder for look words, with what it then asks for, by attribute and class.
 
     Under "" is what asks for several attributes.
     """

@@ -170,7 +170,7 @@ def candidates(net: WordNet, common: Sequence[str], vocabulary: Container[str]) 
 
 
 def _beside(net: WordNet, word: str, looks: Container[str]) -> bool:
-    """Whether one of a word's first senses shares, derives from or is a kind of what a look word means."""
+    """True if one of a word's first senses shares, derives from or is a kind of what a look word means."""
     for key, _ in net.senses.get(word, [])[:2]:
         synset = net.synsets[key]
         if synset.file.startswith("verb") or synset.file in _NO_LOOKS:
@@ -194,7 +194,7 @@ def _verb(net: WordNet, word: str) -> str:
 
 
 def _is_matter(net: WordNet, key: str, depth: int = 5) -> bool:
-    """Whether a sense is a kind of something that surfaces are made of, or that lights a scene."""
+    """True if a sense is a kind of something that surfaces are made of, or that lights a scene."""
     synset = net.synsets[key]
     if set(synset.words) & set(_MATTER) or synset.file == "noun.substance":
         return True

@@ -218,11 +218,7 @@ class RegionMeans:
 
 def tone(share: float) -> Callable[[MeasuredPicture, Tensor], Tensor]:
     """The measure of the lightness below which a share of a region lies: (1,) L*."""
-
-    def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
-        return lightness_below(picture, where, share)[None]
-
-    return take
+    return lambda picture, where: lightness_below(picture, where, share)[None]
 
 
 def spread(picture: MeasuredPicture, where: Tensor) -> Tensor:

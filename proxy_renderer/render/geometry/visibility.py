@@ -152,16 +152,14 @@ class Hits:
 
 
 class Opacity(Protocol):
-    """Alpha of the scene's materials, as rays ask for it; `material.textures.MaterialOpacity` is the real one."""
+    """Alpha of the scene's materials, as rays ask for it; `material.inputs.MaterialOpacity` is the real one."""
 
     @property
     def clear(self) -> Tensor:
         """(M,) bool: materials that are not opaque everywhere."""
-        ...
 
     def at(self, surface: Surface, by_camera: bool = False) -> Tensor:
         """Alpha (N,) of surface points; `by_camera` if the exported camera sees them directly."""
-        ...
 
 
 class RayGeometry:

@@ -19,7 +19,7 @@ from torch import Tensor
 from ...scene.values import needs_gradient
 from ..geometry.vectors import dot, tangents, unit
 from ..material.albedo import basis
-from .light_source import DirectIrradiance, LightSource
+from .light_source import DirectIrradiance, LightSource, Vectors
 
 _LEAST_ALPHA = 2e-3
 _PAIRS = ((0, 0), (1, 1), (0, 1))
@@ -67,11 +67,7 @@ class AreaSpecular:
 
 
 def area_specular(
-    lamp: LightSource,
-    direct: DirectIrradiance,
-    points: Float[Tensor, "3 n"],
-    normal: Float[Tensor, "3 n"],
-    view: Float[Tensor, "3 n"],
+    lamp: LightSource, direct: DirectIrradiance, points: Vectors, normal: Vectors, view: Vectors
 ) -> AreaSpecular:
     """The highlight of a lamp, unshadowed, at points (3, N) seen along `view` (3, N), towards the eye.
 

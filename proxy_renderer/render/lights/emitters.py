@@ -161,34 +161,28 @@ def _blob(place: Tensor, sides: Tensor) -> Tensor:
 
 
 def _cluster(
-    place: Tensor,
-    normal: Tensor,
-    outside: Tensor,
-    inside: Tensor,
-    point_area: float,
-    material: int,
-    number: int,
+    place: Tensor, normal: Tensor, outside: Tensor, inside: Tensor, area: float, material: int, number: int
 ) -> EmitterCluster:
     """From points (3, n) with normals, seen from outside and inside (n,), that stand for an area each."""
-    even, odd = (outside + inside) / 2 * point_area, (outside - inside) / 2 * point_area
-    area = float(even.sum())
-    form = (normal * even) @ normal.T / max(area, 1e-20)
+    even, odd = (outside + inside) / 2 * area, (outside - inside) / 2 * area
+    whole = float(even.sum())
+    form = (normal * even) @ normal.T / max(whole, 1e-20)
     around = _sphere().to(place)
     root = (around * (form @ around)).sum(0).clamp_min(0.0).sqrt()
     form = form / root.mean().clamp_min(1e-6).square()
-    lean = 2 * (normal * odd).sum(1) / max(area, 1e-20)
+    lean = 2 * (normal * odd).sum(1) / max(whole, 1e-20)
     axes = torch.eye(3, device=place.device)
     turn = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     light = Light(f"emitter/{material}/{number}", "POINT", turn, (0.0, 0.0, 0.0), soft_falloff=False)
     ones, middle = torch.ones(3, device=place.device), place.mean(1)
     place_and_form = middle, axes, _radius(place), form, lean
     lamp = EmitterLight(light, ones, *place_and_form, pictured=True, shadowless=material)
-    return lamp, 2 * math.pi * area
+    return lamp, 2 * math.pi * whole
 
 
-def _sphere(count: int = 2048) -> Tensor:
-    """(3, count) directions, evenly spread: a Fibonacci lattice."""
-    index = torch.arange(count) + 0.5
-    z, angle = 1 - 2 * index / count, index * (math.pi * (3 - math.sqrt(5)))
+def _sphere() -> Tensor:
+    """(3, 2048) directions, evenly spread: a Fibonacci lattice."""
+    index = torch.arange(2048) + 0.5
+    z, angle = 1 - index / 1024, index * (math.pi * (3 - math.sqrt(5)))
     radius = (1 - z * z).sqrt()
     return torch.stack((radius * angle.cos(), radius * angle.sin(), z))

@@ -157,13 +157,8 @@ class LightSource(ABC):
 
     def detached(self) -> Self:
         """The same light without gradients."""
-        return replace(
-            self,
-            color=self.color.detach(),
-            position=self.position.detach(),
-            axes=self.axes.detach(),
-            size=self.size.detach(),
-        )
+        color, position, axes, size = (x.detach() for x in (self.color, self.position, self.axes, self.size))
+        return replace(self, color=color, position=position, axes=axes, size=size)
 
 
 def offsets(position: Tensor, points: Tensor) -> tuple[Tensor, Tensor, Tensor]:

@@ -114,14 +114,10 @@ _CLUSTER_RAYS = 4
 
 
 def shadow(
-    geometry: RayGeometry,
-    smoothing: ShadowFilter,
-    surface: Surface,
-    lamp: LightSource,
-    direct: DirectIrradiance,
-    moving: bool,
+    geometry: RayGeometry, smoothing: ShadowFilter, lamp: LightSource, direct: DirectIrradiance, moving: bool
 ) -> Tensor:
     """Share (N,) of a lamp that every surface sample sees; a gradient loop that moves it gets fewer rays, more smoothing."""
+    surface = smoothing.surface
     linked = lamp.lights(surface.object)
     if not lamp.light.shadow:
         return linked.to(torch.float32)
@@ -147,6 +143,7 @@ class ShadowFilter:
     """A cross-bilateral box filter over the picture: neighbors on the same smooth surface, kept for the view, share rays."""
 
     def __init__(self, samples: Samples, surface: Surface) -> None:
+        self.surface = surface
         width, height = samples.size
         first, n = samples.first, samples.surfaces
         self._size, self._inside = (height, width), first < n
@@ -199,18 +196,15 @@ def _steps(radius: int) -> list[tuple[int, int]]:
 
 
 def cluster_shadow(
-    geometry: RayGeometry,
-    smoothing: ShadowFilter,
-    surface: Surface,
-    lamps: Sequence[LightSource],
-    weights: Tensor,
+    geometry: RayGeometry, smoothing: ShadowFilter, lamps: Sequence[LightSource], weights: Tensor
 ) -> Tensor:
     """Share (N,) of the light of several lamps together that every surface sample sees.
 
     A few rays go to as many of the lamps, chosen by their weights (C,) > 0. Their light is summed over neighbors on the
     same smooth surface, with and without shadows: the ratio of the two sums. All lamps cast shadows, and light all objects.
     """
-    count, device = len(surface.material), weights.device
+    surface, device = smoothing.surface, weights.device
+    count = len(surface.material)
     chance = weights / weights.sum()
     generator = torch.Generator().manual_seed(12)
     jitter = torch.rand((count, _CLUSTER_RAYS), generator=generator)

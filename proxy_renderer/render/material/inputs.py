@@ -167,7 +167,8 @@ class MaterialTextures:
             self._images = {
                 (number, name): _image(texture, device, size)
                 for number, material in enumerate(scene.materials)
-                for name, texture in _textures(material.texture, material.maps)
+                for name, texture in {"base_color": material.texture, **material.maps}.items()
+                if texture is not None
             }
 
     def has(self, material: int, name: str) -> bool:
@@ -258,10 +259,6 @@ class MaterialTextures:
         return torch.stack(((x - left) / (right - left), (y - bottom) / (top - bottom)))
 
 
-def _textures(base: Texture | None, maps) -> list[tuple[str, Texture]]:
-    return [*([("base_color", base)] if base else []), *maps.items()]
-
-
 def _image(texture: Texture, device: torch.device, size: tuple[int, int] | None) -> Tensor:
     """(1, C, H, W), row 0 at the bottom."""
     image = torch.from_numpy(texture.image).to(device).permute(2, 0, 1)[None]
@@ -279,19 +276,17 @@ class MaterialOpacity:
     def __init__(self, scene: SceneData, device: torch.device) -> None:
         self._maps = MaterialTextures(scene, device)
         self._alpha = torch.tensor([m.alpha for m in scene.materials], device=device).clamp(0, 1)
-        self._mapped = [i for i, m in enumerate(scene.materials) if "alpha" in m.maps]
-        self._seen_only = {
-            i: m.maps["alpha"].window is not None for i, m in enumerate(scene.materials) if "alpha" in m.maps
-        }
+        mapped = ((i, m.maps["alpha"]) for i, m in enumerate(scene.materials) if "alpha" in m.maps)
+        self._seen_only = {i: texture.window is not None for i, texture in mapped}
         self.clear = self._alpha < 1
-        self.clear[self._mapped] = True
+        self.clear[[*self._seen_only]] = True
 
     def at(self, surface: Surface, by_camera: bool = False) -> Tensor:
         """Alpha (N,) of surface points. Unless seen `by_camera` directly, one baked from the exported camera is its mean."""
         alpha = self._alpha[surface.material]
-        for material in self._mapped:
+        for material, seen_only in self._seen_only.items():
             index = (surface.material == material).nonzero()[:, 0]
-            if len(index) and (by_camera or not self._seen_only[material]):
+            if len(index) and (by_camera or not seen_only):
                 sampled = self._maps.at(material, "alpha", surface.pick(index))
                 alpha = alpha.index_copy(0, index, sampled.mean(0).clamp(0, 1))
         return alpha

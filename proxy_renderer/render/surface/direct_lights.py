@@ -94,7 +94,7 @@ class DirectLights:
     ) -> _Shadowed:
         """Traces a light's shadows; its unshadowed irradiance is computed where the caller has none."""
         lamp, row, signature = lamps[index], self._clusters.row[index], self._signature(index, lamps)
-        view = self._geometry, self._smoothing, self._seen.surface
+        view = self._geometry, self._smoothing
         cluster = self._clusters.clusters[row]
         if len(cluster.members) > 1:
             if row not in self._shared or self._shared[row][0] != signature:

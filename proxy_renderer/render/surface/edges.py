@@ -66,9 +66,8 @@ class ShadowEdges:
             spot = point[:, None].expand(2, len(pixel_index))
             toward, distance = lamp.shadow_targets(direct, spot)
             clear = torch.zeros(len(pixel_index), device=origin.device)
-            clear[facing_lamp] = geometry.clear(
-                origin[:, facing_lamp], toward[:, facing_lamp], distance[facing_lamp] * (1 - 1e-4)
-            )
+            ways = origin[:, facing_lamp], toward[:, facing_lamp], distance[facing_lamp] * (1 - 1e-4)
+            clear[facing_lamp] = geometry.clear(*ways)
             # Pairs of neighbors that the shadow's edge divides.
             difference = clear[neighbors[0]] - clear[neighbors[1]]
             up, down = neighbors[:, difference < 0], neighbors[:, difference > 0].flip(0)
@@ -185,9 +184,7 @@ def _pairs(depth: Tensor, owner: Tensor, axis: int) -> tuple[Tensor, Tensor]:
     bent = torch.minimum(before.nan_to_num(1.0), after.nan_to_num(1.0))
     jump = (owner.narrow(axis, 0, n) != owner.narrow(axis, 1, n)) | (low < high * (0.985 * bent))
     jump &= low.isfinite()
-    near = torch.where(a < b, i, j)[jump]
-    far = torch.where(a < b, j, i)[jump]
-    return near, far
+    return torch.where(a < b, i, j)[jump], torch.where(a < b, j, i)[jump]
 
 
 def _shifted(depth: Tensor, axis: int, by: int, count: int) -> Tensor:

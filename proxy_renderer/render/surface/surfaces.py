@@ -48,11 +48,7 @@ def irradiance(frame: RenderState, direct_lights: list[DirectLight], gathered: I
 
 
 def radiance(
-    frame: RenderState,
-    direct_lights: list[DirectLight],
-    table: RadianceTable,
-    gathered: IndirectLight,
-    transparent: bool,
+    frame: RenderState, direct_lights: list[DirectLight], table: RadianceTable, gathered: IndirectLight
 ) -> Tensor:
     """Radiance (3, N + B) of all samples: surfaces in the order of their materials, then background.
 
@@ -89,7 +85,7 @@ def radiance(
         varying = dict(cache.textured_inputs(material, part, view_samples))
         texture = varying.pop("base_color", None)
         pieces.append(shade(inputs.varied(varying), incoming, texture))
-    if not transparent:
+    if not cache.scene.film.transparent:
         samples = cache.samples
         height = 1.0 - samples.place[1, samples.surfaces :] / samples.size[1]
         backdrop = sky.backdrop_tint(height) * sky.reaches("camera")

@@ -101,11 +101,9 @@ class ViewCache:
             shape = metals, len(self.clusters), emissive, glowing, self._maps, generator
             self.indirect = FinalGather(geometry, samples, surface, self._view, *shape)
             # (3,) average of every material's linked base color; 1 where none is linked
-            linked = (m.texture and m.texture.image.mean((0, 1)) for m in scene.materials)
-            ones = np.ones(3, np.float32)
-            self.mean_texture = [
-                torch.from_numpy(ones if m is None else m).to(geometry.device) for m in linked
-            ]
+            plain = np.ones(3, np.float32)
+            means = (m.texture.image.mean((0, 1)) if m.texture else plain for m in scene.materials)
+            self.mean_texture = [torch.from_numpy(mean).to(geometry.device) for mean in means]
             # (1, N + B) 1 for samples of the subject, of any surface, and of what is no holdout, else 0
             subject = torch.tensor([o.subject for o in scene.objects], device=geometry.device)
             owner = geometry.object[samples.hits.triangle.clamp_min(0)]

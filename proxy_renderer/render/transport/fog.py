@@ -256,7 +256,7 @@ class SingleScattering:
             if clear and lamp.shadowless >= 0:
                 clear = functools.partial(clear, without=lamp.shadowless)
             ways = direct.points, direct.toward, direct.distance
-            strength = strength * self._shadow(lamp.light.name, signature, *ways, clear)
+            strength = strength * self._shadow(lamp.light.name, signature, ways, clear)
         strength = strength * fog.transmittance(direct.points, direct.toward, direct.distance)
         strength = strength * phase((direct.toward * rays.toward[:, None]).sum(0), fog.anisotropy)
         return strength.unflatten(0, (len(rays.cuts) - 1, -1)).mean(1)
@@ -274,26 +274,21 @@ class SingleScattering:
         far = torch.full_like(everywhere[0], math.inf)
         reaching = fog.transmittance(points, directions, far)
         ways = points.expand_as(everywhere), everywhere, far
-        reaching = reaching * self._shadow("", rays.signature, *ways, self._clear)
+        reaching = reaching * self._shadow("", rays.signature, ways, self._clear)
         lobe = phase((directions[:, :, 0] * rays.toward[:, None]).sum(0), fog.anisotropy)
         lobe = lobe * WEIGHTS.to(points).view(-1, 1, 1)
         # A few directions miss a narrow lobe: keep its energy
         return reaching * (lobe / lobe.sum(0))[:, None]
 
     def _shadow(
-        self,
-        name: str,
-        signature: Hashable,
-        points: Tensor,
-        toward: Tensor,
-        distance: Tensor,
-        clear: VisibilityTest | None,
+        self, name: str, signature: Hashable, ways: Sequence[Tensor], clear: VisibilityTest | None
     ) -> Tensor:
-        """Visibility (0 to 1), shaped like `distance`; traced again when the signature changes."""
+        """Visibility (0 to 1) along points, directions and distances, shaped like these; traced again when the signature changes."""
+        points, toward, distance = (way.detach() for way in ways)
         if clear is None:
             return torch.ones_like(distance)
-        ways = points.detach().flatten(1), toward.detach().flatten(1), distance.detach().flatten()
-        return self._shadows.of(name, signature, lambda: clear(*ways).view(distance.shape))
+        flat = points.flatten(1), toward.flatten(1), distance.flatten()
+        return self._shadows.of(name, signature, lambda: clear(*flat).view(distance.shape))
 
 
 def phase(cosine: Tensor, g: Tensor) -> Tensor:

@@ -40,8 +40,7 @@ class GlowShares:
 
 def glow_of(
     geometry: RayGeometry,
-    points: Surface,
-    arrived: Tensor,
+    lobes: LobeRays,
     near: Tensor,
     wide: Tensor,
     glowing: Sequence[int],
@@ -49,12 +48,12 @@ def glow_of(
     materials: int,
     generator: torch.Generator,
 ) -> GlowShares:
-    """Looks for what glows, from points that the camera's rays have met in directions (3, A).
+    """Looks for what glows, from the points of some lobes.
 
     Of the `glowing` materials, lamps stand for the `emissive` ones in diffuse light. Those that have the same number in
     `near` (A,) share rays of reflections, in `wide` (A,) those of the hemisphere: see `GatherPoints.turns`.
     """
-    lobes = LobeRays.of(points, arrived)
+    points = lobes.points
     diffuse = _Search(geometry, points, wide, sorted(set(glowing) - set(emissive)), "diffuse", generator)
     glossy = _Search(geometry, points, near, sorted(glowing), "glossy", generator)
     hemisphere = diffuse.shares(materials, lobes.hemisphere, lobes.hemisphere_density)

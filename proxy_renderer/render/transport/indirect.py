@@ -116,17 +116,15 @@ class FinalGather:
         self.gather_points = gather_points.index
         points = surface.pick(gather_points.index)
         origin = geometry.lifted(points)
-        shape = geometry, metals, lamps
-        arrived = samples.toward[:, gather_points.index]
-        lobes = LobeRays.of(points, arrived)
+        lobes = LobeRays.of(points, samples.toward[:, gather_points.index])
         near, wide = gather_points.turns(2), gather_points.turns(4)
         glossy = shared_points(_GLOSSY_RAYS, near, generator)
         diffuse = shared_points(_DIFFUSE_RAYS, wide, generator)
         # What metals send on is a caustic on a matte surface: as if they scattered it evenly, on average.
-        matte = geometry, torch.zeros_like(metals), lamps
-        self.diffuse = _secondary_hits(*matte, origin, lobes.hemisphere(diffuse), _DIFFUSE_RAYS, "diffuse")
-        blurred = lobes.reflections(glossy, GLOSSY**2)
-        self.glossy = _secondary_hits(*shape, origin, blurred, _GLOSSY_RAYS, "glossy")
+        wide_rays = geometry, origin, lobes.hemisphere(diffuse), _DIFFUSE_RAYS, torch.zeros_like(metals)
+        self.diffuse = SecondaryHits(*wide_rays, lamps, "diffuse", deep=True)
+        narrow_rays = geometry, origin, lobes.reflections(glossy, GLOSSY**2), _GLOSSY_RAYS, metals
+        self.glossy = SecondaryHits(*narrow_rays, lamps, "glossy", deep=True)
         mirrored = above(reflect(samples.toward[:, : samples.surfaces], surface.normal), surface.facet)
         single = geometry, geometry.lifted(surface), mirrored, 1
         self.mirror = SecondaryHits(*single, metals, lamps, "glossy", maps)
@@ -140,7 +138,7 @@ class FinalGather:
         self._glow: GlowShares | None = None
         if glowing:
             turns = near, wide, glowing, emissive
-            self._glow = glow_of(geometry, points, arrived, *turns, len(metals), generator)
+            self._glow = glow_of(geometry, lobes, *turns, len(metals), generator)
 
     def aside(self) -> Self:
         """A copy in which lights may move."""
@@ -223,13 +221,8 @@ class FinalGather:
         )
         low = self._gather_points.smooth(wide) * math.pi
         full = self._gather_points.spread(torch.cat((low, narrow), 1)).T
-        return replace(
-            gathered,
-            irradiance=gathered.irradiance + full[:3],
-            glossy=gathered.glossy + full[3:],
-            mirror=gathered.mirror + mirror.T,
-            gather_points=gathered.gather_points + low,
-        )
+        more = {"irradiance": full[:3], "glossy": full[3:], "mirror": mirror.T, "gather_points": low}
+        return replace(gathered, **{name: getattr(gathered, name) + light for name, light in more.items()})
 
     def _weighed(self) -> tuple[_PointWeights, _PointWeights]:
         """Weights of diffuse light and of blurred reflections, which lack the world's."""
@@ -266,10 +259,3 @@ class FinalGather:
     def _dark(self, table: RadianceTable) -> RadianceTable:
         """The table without emission, where that is looked for on its own."""
         return table if self._glow is None else table.without_emission()
-
-
-def _secondary_hits(
-    geometry: RayGeometry, metals: Tensor, lamps: int, origin: Tensor, toward: Tensor, count: int, ray: str
-) -> SecondaryHits:
-    origins = origin.repeat_interleave(count, 1)
-    return SecondaryHits(geometry, origins, toward, count, metals, lamps, ray, deep=True)

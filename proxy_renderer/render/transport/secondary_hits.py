@@ -39,12 +39,7 @@ class RadianceTable:
 
     @staticmethod
     def of(
-        albedo: Tensor,
-        metallic: Tensor,
-        emission: Tensor,
-        lamp_colors: Tensor,
-        hemispheres: Tensor,
-        sky: Tensor,
+        albedo: Tensor, metallic: Tensor, emission: Tensor, lamps: Tensor, hemispheres: Tensor, sky: Tensor
     ) -> RadianceTable:
         """Builds the table.
 
@@ -52,11 +47,11 @@ class RadianceTable:
             albedo: (M, 3) share of light that each material scatters, or reflects if it is a metal.
             metallic: (M,) share of each material that is metal.
             emission: (M, 3) emitted radiance.
-            lamp_colors: (L, 3).
+            lamps: (L, 3) colors of the lights.
             hemispheres: (2, 3) light of the world on what faces up and down.
             sky: (9, 3) its spherical harmonics.
         """
-        sources = torch.cat((lamp_colors / math.pi, hemispheres))
+        sources = torch.cat((lamps / math.pi, hemispheres))
         again = albedo * albedo / (1 - albedo / 2)  # third and later bounces follow the second
         # A metal shows things of other colors than its own: of the mean color of those that are none.
         plain = (1 - metallic)[:, None] + 1e-6
@@ -74,24 +69,12 @@ class RadianceTable:
         return replace(self, scattered=self.scattered * shares[:, None, None])
 
 
-def hit_radiance(
-    table: RadianceTable,
-    ambient: Tensor,
-    incoming: Tensor,
-    members: Sequence[Tensor],
-    relative_base_color: Tensor | None,
-) -> Tensor:
-    """Radiance (3, N) of single hits; 0 where they leave the scene.
-
-    `ambient` (3, N) is irradiance that is not the table's, `incoming` (S, N) how much of each source a hit gets; `members` has the hits of each material, whose mean color textures (3, N) are relative to.
-    """
-    given = table.scattered, table.emission, table.albedo / math.pi
-    radiance: Tensor = _HitRadiance.apply(*given, ambient, incoming, members, relative_base_color)
-    return radiance
-
-
 class _HitRadiance(torch.autograd.Function):
-    """Radiance (3, N) of single hits: a product with a mostly empty matrix, without that matrix."""
+    """Radiance (3, N) of single hits, 0 where they leave the scene: a product with a mostly empty matrix, without that matrix.
+
+    `ambient` (3, N) is irradiance that is not the table's, `incoming` (S, N) how much of each source a hit gets; `members` has the hits
+    of each material, whose mean color textures (3, N) are relative to.
+    """
 
     @staticmethod
     def forward(ctx, scattered, emission, albedo, ambient, incoming, members, relative_base_color):
@@ -137,7 +120,7 @@ class SecondaryHits:
     """R rays, of a kind in `RAYS`, from each of A points, and the surfaces that they hit.
 
     Args:
-        origin, toward: (3, A * R) where the rays start, and their unit directions.
+        origin, toward: (3, A) where the rays start, and their unit directions (3, A * R).
         metals: (M,) weight of mirror reflection of each material, 0 for what is no metal.
         maps: Textures of the hits; None for each material's mean color.
         deep: Whether hits get the world's light and a second bounce.
@@ -160,7 +143,7 @@ class SecondaryHits:
         deep: bool = False,
     ) -> None:
         self.geometry, self.count = geometry, count
-        hits = geometry.first_hits(origin, toward, ray)
+        hits = geometry.first_hits(origin.repeat_interleave(count, 1), toward, ray)
         self.hit = hits.hit.to(torch.float32)
         self.surface: Surface = geometry.surface(hits, toward)
         self.distance = hits.distance
@@ -277,8 +260,10 @@ class SecondaryHits:
         """Radiance (3, A) of the hits of single rays, 0 outside the scene; `ambient` (3, A) is irradiance that is not the lamps'."""
         if not self._members:
             self._members = [(self.owner == m).nonzero()[:, 0] for m in range(self.materials)]
-        ambient = ambient * (1 - self.mirror_weight)
-        return hit_radiance(table, ambient, self.incoming, self._members, self._relative_base_color)
+        given = table.scattered, table.emission, table.albedo / math.pi, ambient * (1 - self.mirror_weight)
+        hits = self.incoming, self._members, self._relative_base_color
+        radiance: Tensor = _HitRadiance.apply(*given, *hits)
+        return radiance
 
     def emitted(self, emission: Tensor) -> Tensor:
         """Radiance (3, A) that the hits of single rays emit themselves, of materials that emit (M, 3)."""

@@ -113,28 +113,26 @@ def numbers(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> None:
             raise VibeError(f"{option.flag} {value} is out of range.", f"Use {low} to {high}.")
 
 
-def _listed(given: Sequence[str]) -> list[str]:
-    """Names in "a,b" lists, each once."""
-    return list(dict.fromkeys(name for part in given for name in re.split(r"[,\s]+", part) if name))
+def _listed(given: Sequence[str], known: Sequence[str], problem: str) -> list[str]:
+    """Names in "a,b" lists, each once; a problem, whose {} is the name, if one is not known."""
+    names = list(dict.fromkeys(name for part in given for name in re.split(r"[,\s]+", part) if name))
+    for name in names:
+        if name not in known:
+            raise VibeError(problem.format(repr(name)), f"Use some of: {', '.join(known)}.")
+    return names
 
 
 def groups(given: Sequence[str]) -> list[str]:
     """Group names from "a,b" lists, each once. Raises VibeError if there is no group of that name."""
-    names = _listed(given)
+    names = _listed(given, GROUPS, "Unknown group {}.")
     if given and not names:
         raise VibeError("--groups names no group.", f"Use some of: {', '.join(GROUPS)}.")
-    for name in names:
-        if name not in GROUPS:
-            raise VibeError(f"Unknown group {name!r}.", f"Use some of: {', '.join(GROUPS)}.")
     return names
 
 
 def traits(given: Sequence[str], like: str) -> list[str]:
     """Traits to take over from a picture, from "a,b" lists, each once."""
-    names = _listed(given)
-    for name in names:
-        if name not in TRAITS:
-            raise VibeError(f"--like-only cannot be {name!r}.", f"Use some of: {', '.join(TRAITS)}.")
+    names = _listed(given, TRAITS, "--like-only cannot be {}.")
     if names and not like:
         raise VibeError("--like-only speaks of a picture, and there is none.", "Name it: --like still.jpg.")
     return names

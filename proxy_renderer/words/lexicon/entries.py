@@ -37,7 +37,7 @@ _LARGEST = 1e9
 
 @dataclass(frozen=True)
 class Effect:
-    """What a word does to one family of parameters; see the head of vocabulary.toml."""
+    """Effect of a word on one family of parameters; see the head of vocabulary.toml."""
 
     owner: str  # a key of `OWNERS`
     name: str  # parameter name within the group
@@ -63,7 +63,7 @@ class Effect:
 
 @dataclass(frozen=True)
 class EntryWish:
-    """What a word wishes of one quantity."""
+    """A word's wish for one quantity."""
 
     quantity: str  # name in `quantities.toml`
     named: str = ""  # the class that it asks for: "glossy" of the finish; "" if it names none

@@ -139,7 +139,7 @@ def _numbers(text: str | None) -> Values:
 
 @dataclass(frozen=True)
 class Quantity:
-    """What parameters serve, measures measure, and words wish for."""
+    """A property that parameters serve, measures measure, and words wish for."""
 
     name: str  # its key in the table
     says: str  # what it is called in sentences

@@ -51,7 +51,7 @@ class RigLight:
 
     @property
     def is_warm(self) -> bool:
-        """Whether people call it warm."""
+        """True if people call it warm."""
         return 0.0 < self.kelvin < 4200.0
 
 
@@ -78,18 +78,18 @@ class Rig:
 
     @property
     def has_dark_sky(self) -> bool:
-        """Whether its sky is that of a night."""
+        """True if its sky is that of a night."""
         return self.sky is not None and self.sky <= _DARK_SKY
 
     @property
     def keeps_own_light(self) -> bool:
-        """Whether the scene stays lit as it is, and lights are only added to that."""
+        """True if the scene stays lit as it is, and lights are only added to that."""
         return self.own == 0.0 and all(light.part != "key" for light in self.lights)
 
 
 @dataclass(frozen=True)
 class Modifier:
-    """What a word changes about the lights of a rig."""
+    """Changes of a word to the lights of a rig."""
 
     azimuth: float | None = None  # degrees from the camera; None to leave it
     elevation: float | None = None  # Degrees; None to leave it
@@ -114,13 +114,13 @@ class Modifier:
 
     @property
     def aspects(self) -> tuple[str, ...]:
-        """What of a light it says: "direction", "color", "contrast"."""
+        """Aspects of a light that it names: "direction", "color", "contrast"."""
         directed = self.azimuth is not None or self.elevation is not None
         each = {"direction": directed, "color": self.kelvin, "contrast": self.contrast < 0}
         return tuple(name for name, says in each.items() if says)
 
     def reversed(self) -> Modifier:
-        """What the word asks for where it is negated: less of its exposure and contrast, and the other size."""
+        """The negated word: less of its exposure and contrast, and the other size."""
         return Modifier(size=1 / self.size, exposure=-self.exposure, contrast=-self.contrast)
 
 
@@ -133,12 +133,12 @@ class RigTable:
     luminaries: frozenset[str] = frozenset()  # words in names of times and hours that are lights
 
     def modifier(self, entry: str) -> Modifier | None:
-        """What a word changes about lights, a color temperature in kelvins too; None if it changes nothing."""
+        """Changes of a word to lights, a color temperature in kelvins too; None if it changes nothing."""
         kelvin = temperature(entry)
         return Modifier(kelvin=kelvin) if kelvin else self.modifiers.get(entry)
 
     def is_a_light(self, entry: str, word: str) -> bool:
-        """Whether a word for a setup names a light by itself: a candle, the low sun of "low sun", and no night."""
+        """True if a word for a setup names a light by itself: a candle, the low sun of "low sun", and no night."""
         rig = self.rigs.get(entry)
         if rig is None or not rig.lights:
             return False

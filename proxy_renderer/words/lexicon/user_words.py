@@ -102,7 +102,7 @@ def _read(path: Path) -> tuple[str, dict[str, Any]]:
 
 @contextmanager
 def _located(path: Path, text: str, name: str) -> Iterator[None]:
-    """What is wrong with an entry, with the line of what the error quotes."""
+    """The fault of an entry, with the line of what the error quotes."""
     try:
         yield
     except VibeError as error:

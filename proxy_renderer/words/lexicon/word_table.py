@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 FILE = Path(__file__).with_name("words.safetensors")
 KINDS = ("known", "adjective", "noun")
-"""How a word of the table may speak of a look: by heart, before any noun, or as a matter ("made of tinfoil")."""
+"""Ways in which a word of the table may speak of a look: by heart, before any noun, or as a matter ("made of tinfoil")."""
 
 _SHORTEST, _SHORTEST_LACKED = 4, 2  # characters of a stem; what is not there has more
 _MAY_BE = 0.4  # confidence from which a word may speak of a look, and names no thing
@@ -39,7 +39,7 @@ class WordTable:
     common: frozenset[str]  # frequent English words that say nothing about looks
 
     def is_english(self, word: str) -> bool:
-        """Whether it is a word at all."""
+        """True if it is a word at all."""
         return any(w in self.common or w in self.index for w in (word, word.removesuffix("s")))
 
     def find(self, word: str) -> int | None:
@@ -100,7 +100,7 @@ def table() -> WordTable:
 
 
 def stem(word: str) -> str:
-    """What is left of a word without its endings: "gloominess" and "gloomy" have the same stem."""
+    """A word without its endings: "gloominess" and "gloomy" have the same stem."""
     endings = tuple(sorted(shipped_vocabulary().words["endings"]))
     while len(word) > _SHORTEST and word.endswith(endings):
         shorter = {base for e in endings if _SHORTEST <= len(base := word.removesuffix(e)) < len(word)}
@@ -146,7 +146,7 @@ class Nearest:
             self._denying[denied(word)].append(place)
 
     def may_be_a_look(self, word: str) -> bool:
-        """Whether an unknown word may speak of a look, so that known ones are offered in its place."""
+        """True if an unknown word may speak of a look, so that known ones are offered in its place."""
         found = self.meant(word)
         return found is not None and found[2] >= _MAY_BE
 
