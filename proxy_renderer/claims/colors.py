@@ -121,8 +121,8 @@ def _of_all_light(attribute: Attribute, tint: Claim, srgb: Values) -> Iterator[C
     yield replace(tint, lower=(least,), upper=(most,), change=change)
     if attribute.kind == "light":
         a, b = tint.direction
-        ends = (-_OFF_HUE,), (_OFF_HUE,)
-        yield replace(tint, measure="off_hue", direction=(-b, a), lower=ends[0], upper=ends[1], change=0.0)
+        aside = replace(tint, measure="off_hue", direction=(-b, a), change=0.0)
+        yield replace(aside, lower=(-_OFF_HUE,), upper=(_OFF_HUE,))
 
 
 def of_material(attribute: Attribute, others: Iterable[Attribute], vocabulary: Vocabulary) -> Iterator[Claim]:
@@ -169,8 +169,6 @@ def darkened(claim: Claim, darkest: float) -> Claim:
     level = 100 * oklab_from_srgb(srgb_from_lab((darkest, 0.0, 0.0)))[0]
     share = min(max(level / middle, _DIMMEST), 1.0)
     shares = share, math.sqrt(share), math.sqrt(share)
-    return replace(
-        claim,
-        lower=tuple(min(end, part * end) for end, part in zip(claim.lower, shares, strict=True)),
-        upper=tuple(max(end, part * end) for end, part in zip(claim.upper, shares, strict=True)),
-    )
+    lower = tuple(min(end, part * end) for end, part in zip(claim.lower, shares, strict=True))
+    upper = tuple(max(end, part * end) for end, part in zip(claim.upper, shares, strict=True))
+    return replace(claim, lower=lower, upper=upper)

@@ -91,10 +91,8 @@ class EngineSession:
             advisor = ModelAdvisor(stage.understood, stage.goals, self._model, observer.stage, stage.plan)
         scenes = stage.scenes
         blenders = [BlenderPictures(s, observer.ask, options.seed, n) for n, s in enumerate(scenes)]
-        views = [
-            ShotInput(scene, blender if options.anchor else None, shot.file)
-            for scene, blender, shot in zip(stage.scenes, blenders, self.shots, strict=True)
-        ]
+        rows_of_shots = zip(scenes, blenders, self.shots, strict=True)
+        views = [ShotInput(s, b if options.anchor else None, shot.file) for s, b, shot in rows_of_shots]
         outcome = self._outcome = pipeline.run(
             views, self.prompt, options, encoder, observer, advisor, stage, self._method
         )

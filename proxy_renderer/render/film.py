@@ -37,8 +37,10 @@ class Film:
         chosen = spec.ocio, spec.display, spec.view, spec.look, spec.working_space
         self._view = ViewTransform(*chosen, device, spec.white_balance)
         self._gain = spec.gain
-        table = None if spec.compositor is None else torch.from_numpy(spec.compositor)
-        self._compositor = None if table is None else table.permute(3, 0, 1, 2)[None].contiguous().to(device)
+        self._compositor: Tensor | None = None  # (1, 3, S, S, S), whose values are in stops, too
+        if spec.compositor is not None:
+            table = torch.from_numpy(spec.compositor).permute(3, 0, 1, 2)
+            self._compositor = table[None].contiguous().to(device)
         self._falloff = falloff(*size).to(device)
 
     def develop(self, linear: Tensor, values: Mapping[str, Tensor], alpha: Tensor | None = None) -> Tensor:
@@ -59,7 +61,8 @@ class Film:
         set_ = _Settings(values, linear)
         c = linear if self._gain == 1.0 else linear * self._gain
         if self._compositor is not None:
-            c = looked_up(self._compositor, c)
+            stops = by_stops(self._compositor, c.clamp_min(0), TABLE_TOE, TABLE_STOPS)
+            c = stops.sign() * TABLE_TOE * (torch.exp2(stops.abs()) - 1)
         if set_.moves("glare"):
             c = c.clamp_min(0) + set_["glare"] * bloom(c)
         if set_.moves("grade_exposure"):
@@ -87,12 +90,6 @@ class Film:
         if set_.moves("gamma"):
             display = display.clamp_min(1e-8) ** (1 / set_["gamma"])
         return display
-
-
-def looked_up(table: Tensor, picture: Picture) -> Picture:
-    """Colors by the compositor's table (1, 3, S, S, S), whose values are in stops, too."""
-    values = by_stops(table, picture.clamp_min(0), TABLE_TOE, TABLE_STOPS)
-    return values.sign() * TABLE_TOE * (torch.exp2(values.abs()) - 1)
 
 
 class _Settings:

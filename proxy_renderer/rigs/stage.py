@@ -52,11 +52,9 @@ class LightStage:
         self.scene, self.geometry = scene, geometry
         self.pivot = torch.tensor(scene.pivot, dtype=torch.float32)
         points, mine = _seen(scene, geometry)
-        enough = int(mine.sum()) >= _FEW
-        # what is seen of the subject; of everything, where hardly any of it is
-        self.subject = _some(points, mine if enough else torch.ones_like(mine))
-        # what is seen of the rest
-        self.around = _some(points, ~mine if int((~mine).sum()) >= _FEW else torch.ones_like(mine))
+        # what is seen of the subject, and of the rest; of everything, where hardly any of it is
+        parts = (part if int(part.sum()) >= _FEW else torch.ones_like(part) for part in (mine, ~mine))
+        self.subject, self.around = (_some(points, part) for part in parts)
         if len(self.subject):
             self.middle = self.subject.position.median(1).values  # (3,) of the subject
             away = (self.subject.position - self.middle[:, None]).norm(dim=0)
@@ -131,8 +129,7 @@ class LightStage:
         """Of each object: its name, the words of it, the middle (3,) of its box, and the box's half diagonal."""
         mesh, found = self.scene.mesh, []
         for number, thing in enumerate(self.scene.objects):
-            faces = mesh.faces[mesh.object == number]
-            if len(faces):
+            if len(faces := mesh.faces[mesh.object == number]):
                 words = frozenset(word.removesuffix("s") for word in plain_name(thing.name).split())
                 found.append((thing.name, words, *_box(mesh.vertices[faces.ravel()])))
         return found

@@ -176,9 +176,8 @@ def answer_schema(table: AliasTable) -> dict[str, Any]:
         materials={"type": "array", "items": {"type": "string", "enum": materials} if materials else text},
         attributes=json_object(**dict.fromkeys(SLOTS, text)),
     )
-    entry = json_object(
-        parameter=key, lower=numbers, upper=numbers, priority={"type": "integer"}, reason=text
-    )
+    number = {"type": "integer"}
+    entry = json_object(parameter=key, lower=numbers, upper=numbers, priority=number, reason=text)
     return json_object(
         objects={"type": "array", "items": thing},
         prompts=json_object(**captions, **{f"{name}_negatives": texts for name in captions}),

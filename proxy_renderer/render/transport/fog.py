@@ -190,12 +190,9 @@ class FroxelGrid:
         cut = whole + (self._growth ** (cut - whole) - 1) / (self._growth - 1)
         cut = cut + ((distance - self._bulk) / (self._end - self._bulk)).clamp(0, 1)
         # grid_sample's corners are the centers of the outer cells
-        cells = [
-            (place[i] * (n / self._size[i]) - 0.5) * (2 / max(n - 1, 1)) - 1
-            for i, n in enumerate((columns, rows))
-        ]
-        at = torch.stack((*cells, cut * (2 / segments) - 1), -1)
-        sums = trilinear(self._sums, at)
+        sides = zip(place, (columns, rows), self._size, strict=True)
+        cells = [(p * (n / size) - 0.5) * (2 / max(n - 1, 1)) - 1 for p, n, size in sides]
+        sums = trilinear(self._sums, torch.stack((*cells, cut * (2 / segments) - 1), -1))
         return sums[:3], torch.exp(-sums[3])
 
 

@@ -258,4 +258,4 @@ class FinalGather:
 
     def _dark(self, table: RadianceTable) -> RadianceTable:
         """The table without emission, where that is looked for on its own."""
-        return table if self._glow is None else table.without_emission()
+        return table if self._glow is None else replace(table, emission=torch.zeros_like(table.emission))

@@ -60,10 +60,6 @@ class RadianceTable:
         scattered = torch.cat((sources[:, None] * albedo, sources[:, None] * again))
         return RadianceTable(scattered, emission, sky, albedo)
 
-    def without_emission(self) -> RadianceTable:
-        """The table of surfaces that do not glow."""
-        return replace(self, emission=torch.zeros_like(self.emission))
-
     def dimmed(self, shares: Tensor) -> RadianceTable:
         """The table behind fog that lets shares (S,) of the sources through."""
         return replace(self, scattered=self.scattered * shares[:, None, None])

@@ -157,8 +157,7 @@ class Options:
         panel=Panel("Endpoint", "Base URL of the model's OpenAI-compatible server. Empty: OPENAI_BASE_URL, "
                     "or OpenAI's", length=500, preferences=True))
     anchor: bool = option(
-        True, "skip the Cycles corrections: faster, less accurate",
-        "engine",
+        True, "skip the Cycles corrections: faster, less accurate", "engine",
         panel=Panel("Correct with Cycles", "Between rounds, render a small image with Cycles that corrects "
                     "the prediction: closer to the final render, but Blender pauses for about a second each "
                     "time"))
