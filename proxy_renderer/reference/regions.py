@@ -136,4 +136,4 @@ def _otsu(field: np.ndarray) -> float:
 
 def _resized(planes: Tensor, longest: int) -> Tensor:
     """A picture (1, C, H, W), averaged to a longer side; one that is smaller stays."""
-    return F.interpolate(planes, small_size(*planes.shape[-2:], longest=longest), mode="area")
+    return F.interpolate(planes, small_size(planes.shape[-2], planes.shape[-1], longest), mode="area")

@@ -55,7 +55,7 @@ def is_same(reference: Tensor, rendered: Tensor) -> bool:
 
 def likeness(reference: Tensor, rendered: Tensor) -> float:
     """Correlation of where two pictures (H, W, 3) have edges; compressed, as light changes their strengths, not places."""
-    shape = small_size(*rendered.shape[:2], longest=_EDGES)
+    shape = small_size(rendered.shape[0], rendered.shape[1], _EDGES)
     maps = torch.stack([_edges(picture, shape).flatten() for picture in (reference, rendered)])
     return float(torch.nan_to_num(torch.corrcoef(maps)[0, 1]))
 
