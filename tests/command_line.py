@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[1]
 def vibe(*arguments, cwd):
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "addon")])}
     command = [sys.executable, "-m", "proxy_renderer.cli", *map(str, arguments)]
-    return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, timeout=60)
+    return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, timeout=240)
 
 
 def assert_refused(done, *words):

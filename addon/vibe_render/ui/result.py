@@ -71,7 +71,6 @@ class ResultPanel:
         row.operator("vibe.revert", icon="LOOP_BACK")
         if reason := result_obstacle(context):
             paragraph(layout, context, reason, "INFO", faint=True)
-        layout.prop(settings, "offset_keys")
         if own_keys.are_held(context.scene):
             paragraph(layout, context, HELD, "KEYFRAME", faint=True)
         if keyframes.exist(context.scene):
