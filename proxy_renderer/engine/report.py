@@ -198,13 +198,9 @@ def _locked(outcome: Outcome, claim: Claim) -> str:
 
 def _opponent(outcome: Outcome, number: int) -> str:
     """The opponent of a claim by the linear model of the last steps: nothing that helps, an end of a range, or another claim."""
-    known, claims = (
-        outcome.descent.known if outcome.descent else None,
-        [s.claims for s in outcome.shots if s.claims],
-    )
-    measured = [
-        i for each in claims for i, where in enumerate(each.regions) if where is not None
-    ]  # shot by shot
+    known = outcome.descent.known if outcome.descent else None
+    regions = [where for shot in outcome.shots if shot.claims for where in enumerate(shot.claims.regions)]
+    measured = [i for i, where in regions if where is not None]  # numbers of claims, shot by shot
     if known is None or number not in measured:
         return ""
     (model, places, low, high), here = known, known[0].here

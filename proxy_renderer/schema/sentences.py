@@ -83,12 +83,12 @@ _COMPLAINT = re.compile(
 )
 """A thing, what is wrong with it, and what to do with it: "the lamp is burning out the wall, halve it"."""
 _RESEMBLES = re.compile(
-    r"(?:it |this |that )?(?:still )?(?:looks?|feels?|reads?) (?:more )?like [^,;.]*[,;.]+ ", re.I
+    r"^(?:it |this |that )?(?:still )?(?:looks|feels|reads) (?:more )?like [^,;.]*[,;.]+ ", re.I
 )
 """The present look, before what is to be done."""
 _PRONOUNS = ("it", "this", "that", "i", "we", "they", "these", "those", "there", "still")
 _REASON = re.compile(
-    r"(?:[,;.]? (?:so that|so (?:the|it|we|i|you)|because|since (?:the|it)|as (?:if|though))\b"
+    r"(?:[,;.]? (?:so that|so (?:the|it|we|i|you)|because|since (?:the|it))\b"
     r"|[,;.] (?:i|we|you|they) (?:can|could|cannot|can't)\b|[,;.] (?:it|that|this)(?:'s| is| looks?| feels?| reads?)\b).*",
     re.I,
 )
@@ -189,7 +189,8 @@ def plain(sentence: str) -> tuple[str, float]:
     text = _wish(_START.sub("", _TAIL.sub("", " ".join(sentence.split()))))
     factor = 0.0
     if found := re.search(_STOPS, text, re.I):
-        ways = (found["way"] or text[: found.start()]).lower().split()
+        clause = re.split(r"[,;.]", text[: found.start()])[-1]
+        ways = (found["way"] or clause).lower().split()
         stops = _COUNTS.get(found["count"].lower(), 1.0) + (0.5 if found["half"] else 0.0)
         factor = 2.0 ** (-stops if set(ways) & set(_DOWN) else stops)
         text = text.replace(found[0], "darker" if factor < 1.0 else "brighter")
