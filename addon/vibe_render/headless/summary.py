@@ -17,7 +17,7 @@ from ..export.job_folder import copied_values
 from ..export.notes import shortened_notes
 from ..render.light_groups import LightLayer
 from ..run.notes import model_lines, verdict_lines, word_notes
-from ..run.sequence import CheckedFrame, frame_line
+from ..run.sequence import CheckedFrame, frame_line, steady_line
 from ..scene.nodes.mix import PASS
 from .shots import ShotList
 
@@ -159,9 +159,7 @@ def sequence_lines(rows: Sequence[CheckedFrame]) -> list[str]:
         lines.append(
             f"To search one look for them too, add --steady, or --frames {','.join(lost)} with the frame above."
         )
-    elif rows and not lines:
-        lines = [f"At all {len(rows)} checked frames the same words are visible."]
-    return lines
+    return lines or list(filter(None, [steady_line(rows)]))
 
 
 def _apart(figures: dict[str, float]) -> str:

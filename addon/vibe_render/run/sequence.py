@@ -95,6 +95,12 @@ def lost_frames(checked: Sequence[CheckedFrame]) -> list[int]:
     return lost[:: -(-len(lost) // _MOST)] if lost else []
 
 
+def steady_line(checked: Sequence[CheckedFrame]) -> str:
+    """The line for people on frames that all show the same words; "" if some do not."""
+    same = bool(checked) and not any(map(frame_line, checked))
+    return f"At all {len(checked)} checked frames the same words are visible." if same else ""
+
+
 def frame_line(checked: CheckedFrame) -> str:
     """A line for people on a frame that could not be checked, or where a word is no longer visible; else ""."""
     lost = f"no longer visible: {', '.join(checked.lost)}." if checked.lost else ""

@@ -17,6 +17,7 @@ from ..scene import snapshot, subject
 from .engine_state import engine_state
 
 RUNNING = "A vibe is running"
+HELD = "Your own keyframes are set aside. Keep moves them with the look"
 
 
 def obstacle(context: bpy.types.Context) -> str:

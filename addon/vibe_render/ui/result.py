@@ -22,7 +22,7 @@ from ..run.session import Session
 from ..run.state import addon_state
 from ..scene import keyframes, moments, own_keys, snapshot
 from . import sequence, steps
-from .bases import ResultOperator, allowed, result_obstacle
+from .bases import HELD, ResultOperator, allowed, result_obstacle
 from .drawing import GROUP_ICONS, HEX_COLOR, before_after, colored, columns, icon, paragraph, see_rendered
 from .scope import draw_lock
 
@@ -36,9 +36,6 @@ _STATES = {
     "unmeasured": ("Set, not measured", "DOT"),
 }
 """State of a word's verdict -> its words and its sign."""
-
-
-HELD = "Your own keyframes are set aside. Keep moves them with the look"
 
 
 class ResultPanel:

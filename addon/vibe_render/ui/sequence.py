@@ -9,7 +9,7 @@ from typing import ClassVar
 import bpy
 
 from ..core.schema_import import schema
-from ..run.sequence import frame_line
+from ..run.sequence import frame_line, steady_line
 from ..run.session import Session
 from ..run.state import addon_state
 from ..scene import own_keys
@@ -24,8 +24,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Sessio
     row.operator("vibe.check_sequence", icon="SEQUENCE")
     row.prop(context.scene.vibe, "check_every")
     lost = [each for each in session.sequence if frame_line(each)]
-    if session.sequence and not lost:
-        note = f"At all {len(session.sequence)} checked frames the same words are visible"
+    if note := steady_line(session.sequence):
         drawing.paragraph(layout, context, note, "CHECKMARK")
     for each in lost[:_SHOWN]:
         if shown := drawing.icon(each.picture):
@@ -49,7 +48,7 @@ class VIBE_OT_check_sequence(run.Vibing):
         if not reason and not (session and session.report and session.scene == context.scene.name):
             reason = "Run the vibe again first: its measures last only as long as Blender runs"
         if not reason and own_keys.are_held(context.scene):
-            reason = "Your own keyframes are set aside. Keep moves them with the look"
+            reason = bases.HELD
         return bases.allowed(cls, reason)
 
     def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
