@@ -56,19 +56,20 @@ def single_values(screen):
     """The list is opened, a value locked in it, and all set free."""
     locks = bpy.context.scene.vibe.locks
     yield from header(screen, 107, "vibe.look_for_engine")  # Affect
-    yield from screen.find("new_lights", 620)
-    yield from screen.open(screen.observed["found"]["new_lights"][1] + 32, 0.4)
+    yield from screen.find("offset_keys", 643)  # the last row above the list
+    header_of_list = screen.observed["found"]["offset_keys"][1] + 32
+    yield from screen.open(header_of_list, 0.4)
     yield from screen.wait(lambda: bpy.context.window_manager.vibe_values.rows, 30, "the list")
     yield from screen.away()
     screen.shoot("single_values")
-    yield from screen.click_on(f'vibe.lock(key="{KEY}"', 830, (0.73,))
+    yield from screen.click_on(f'vibe.lock(key="{KEY}"', 853, (0.73,))
     yield from screen.wait(lambda: KEY in locks, 30, "a lock in the list")
     yield from screen.away()
     screen.shoot("single_lock")
-    yield from screen.click_on("vibe.unlock_all", 880)
+    yield from screen.click_on("vibe.unlock_all", 903)
     yield from screen.wait(lambda: not locks, 30, "no lock")
     screen.observed["unlocked"] = True
-    yield from screen.click_at(screen.observed["found"]["new_lights"][1] + 32, 0.4)
+    yield from screen.click_at(header_of_list, 0.4)
 
 
 def a_preset(screen):
