@@ -47,6 +47,12 @@ def addon(registered, scene):
     addon_state.readings.forget()
 
 
+def pytest_collection_modifyitems(items):
+    """Files with slow tests begin: started last, the longest would run on alone, beside an idle worker."""
+    slow = {item.path for item in items if "slow" in item.keywords}
+    items.sort(key=lambda item: (item.path.name != "test_window.py", item.path not in slow))
+
+
 _status = pytest.StashKey[int]()
 
 

@@ -137,7 +137,7 @@ def choosing(screen):
     screen.shoot("variant")
     yield from locks(screen)
 
-    yield from screen.click_on("vibe.revert", 600, (0.7,))
+    yield from screen.click_on("vibe.revert", 665, (0.7,))
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "revert")
     yield from screen.away()
     screen.shoot("reverted")
@@ -149,17 +149,17 @@ def locks(screen):
     from bl_ext.user_default.vibe_render.run.state import addon_state
 
     settings, key = bpy.context.scene.vibe, "light/Key/power"
-    yield from header(screen, CHANGES, "vibe.preset_save")
-    yield from screen.click_on(f'vibe.lock(key="{key}"', 524, (0.82, 0.84, 0.8))
+    yield from header(screen, CHANGES, "vibe.preset_save", 597, page=1)
+    yield from screen.click_on(f'vibe.lock(key="{key}"', 512, (0.82, 0.84, 0.8), page=1)
     yield from screen.wait(lambda: key in settings.locks, 30, "a lock for one value")
     yield from screen.away()
     screen.shoot("one_lock")
-    yield from screen.click_on("change_volume", 800, (0.72,))
+    yield from screen.click_on("change_volume", 818, (0.72,), page=3)
     yield from screen.wait(lambda: not settings.change_volume, 30, "a lock for the fog")
     yield from screen.away()
     screen.shoot("group_lock")
     power, kept = values()["Key.energy"], locked_values(key)
-    yield from screen.click_on("vibe.run(again=True)", 500, (0.2,))
+    yield from screen.click_on("vibe.run(again=True)", 648, (0.2,), page=3)
     yield from screen.wait(lambda: addon_state.running, 60, "Retry starts")
     yield from screen.wait(lambda: not addon_state.running, 900, "Retry ends")
     yield from screen.away()

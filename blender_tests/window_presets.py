@@ -15,7 +15,7 @@ def presets(screen):
     yield from screen.scroll(5, 8)
     yield from screen.away()
     screen.shoot("what_changed")
-    yield from screen.click_on("vibe.preset_save", 700, (0.7,))
+    yield from screen.click_on("vibe.preset_save", 801, (0.7,), page=1)
     yield 0.5
     screen.shoot("save")
     held = bpy.context.window_manager.vibe_presets
@@ -23,7 +23,7 @@ def presets(screen):
     yield from screen.away()
     screen.shoot("saved")
     screen.observed["saved"] = library.preset_at(held.chosen).name
-    yield from screen.click_on("vibe.keep", 600, (0.2,))
+    yield from screen.click_on("vibe.keep", 665, (0.2,))
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "it is kept")
     yield from screen.away()
     screen.shoot("kept")
@@ -41,13 +41,13 @@ def presets(screen):
     yield 1.5
     screen.shoot("grid")
     yield from search(screen, held, top)
-    yield from screen.click_on("vibe.preset_apply", 543)
+    yield from screen.click_on("vibe.preset_apply", 733)
     yield from screen.wait(lambda: snapshot.exists(bpy.context.scene), 120, "the preset is applied")
     yield from screen.away()
     screen.shoot("applied")
     screen.observed["applied"] = [change.name for change in bpy.context.scene.vibe.changes]
     screen.observed["rest"] = held.rest.splitlines()
-    yield from screen.click_on("vibe.revert", 687, (0.7,))
+    yield from screen.click_on("vibe.revert", 444, (0.7,))
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "revert")
     screen.observed["preset_revert_restores"] = values() == before
 

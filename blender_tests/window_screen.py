@@ -23,7 +23,7 @@ class Screen:
 
     def __init__(self, out, observed) -> None:
         self.out, self.observed = out, observed
-        self._number, self._scrolled = 0, False
+        self._number, self._page = 0, 0
         self.look()
 
     def look(self, kind="VIEW_3D"):
@@ -90,21 +90,21 @@ class Screen:
                 bpy.ops.ui.copy_python_command_button()
             return bpy.context.window_manager.clipboard
 
-    def find(self, what, near=0, places=PLACES):
+    def find(self, what, near=0, places=PLACES, page=0):
         """Moves the mouse over a button of the sidebar: looks around where it should be, then page by page.
 
         Args:
             what: Its property, or a part of its operator's call.
             near: Where to begin, in pixels (at a scale of 1) below the window's top; a busy machine takes a second for each look.
             places: Across the sidebar, in parts of its width.
+            page: How far down the sidebar it should be; a page takes half a minute to look through.
         """
-        if self._scrolled:
-            yield from self.scroll(4, 100)
         met, row = set(), round(ROW * self.scale)
-        for page in range(4):
+        for turned in sorted(range(4), key=lambda other: abs(other - page)):
+            yield from self.turn_to(turned)
             region = self.sidebar
             rows = [*range(region.y + 8, region.y + region.height - 24, row)]
-            start = self.window.height - near * self.scale if near and not page else rows[-1]
+            start = self.window.height - near * self.scale if near else rows[-1]
             looks = product(places, sorted(rows, key=lambda y: abs(y - start)))
             for x, y in sorted(looks, key=lambda look: abs(look[1] - start) > 4 * row):  # around it first
                 self.move(region.x + region.width * x, y)
@@ -112,15 +112,23 @@ class Screen:
                 yield 0.05  # Blender has been round once more, and knows where the mouse is
                 there = self.under_mouse()
                 if what in there:
-                    self.observed.setdefault("found", {})[what] = [x, self.window.height - y, page]
+                    self.observed.setdefault("found", {})[what] = [x, self.window.height - y, turned]
                     return
                 met.add(there)
-            yield from self.scroll(5, 12)
         raise LookupError(f"There is no {what} in the sidebar, but {sorted(met)}.")
 
-    def top_of(self, what, near=0):
+    def turn_to(self, page):
+        """Scrolls the sidebar so many pages down from its top."""
+        if page == self._page == 0:
+            return
+        yield from self.scroll(4, 100)
+        if page:
+            yield from self.scroll(5, 12 * page)
+        self._page = page
+
+    def top_of(self, what, near=0, page=0):
         """Finds a button, and returns its upper edge in pixels below the window's top: what is below it says nothing of itself."""
-        yield from self.find(what, near)
+        yield from self.find(what, near, page=page)
         x, below, _ = self.observed["found"][what]
         while what in self.under_mouse():
             below -= 3
@@ -134,12 +142,12 @@ class Screen:
         self.move(region.x + 12, region.y + region.height / 2)
         yield 0.1
         self.click(wheel, times)
-        self._scrolled = wheel == 5
+        self._page = None
         yield 0.5
 
-    def click_on(self, what, near=0, places=PLACES):
+    def click_on(self, what, near=0, places=PLACES, page=0):
         """Finds a button and clicks it; see `find`."""
-        yield from self.find(what, near, places)
+        yield from self.find(what, near, places, page)
         self.click()
         yield 0.3
 

@@ -39,9 +39,9 @@ def running(screen):
     from bl_ext.user_default.vibe_render.run.state import addon_state
 
     bpy.context.scene.vibe.prompt = PROMPT
-    effort(20, 60, 256)
-    bpy.context.scene.vibe.variants = 8  # one look alone is found too soon to be stopped
-    yield from screen.click_on("vibe.run", 227)
+    effort(20, 60, 160)
+    bpy.context.scene.vibe.variants = 3  # one look alone is found too soon to be stopped
+    yield from screen.click_on("vibe.run", 342)
     yield from screen.wait(lambda: addon_state.running, 60, "Vibe It starts")
     yield from first_look(screen)
     yield from screen.wait(lambda: addon_state.session.progress, 900, "progress is seen")
@@ -70,15 +70,15 @@ def a_result(screen, variants=1):
     effort(1, 4)
     bpy.context.scene.vibe.variants, bpy.context.scene.vibe.prompt = variants, PROMPT
     bpy.ops.ed.undo_push(message="Words")
-    yield from screen.click_on("vibe.run", 227)
+    yield from screen.click_on("vibe.run", 342)
     yield from screen.wait(lambda: addon_state.running, 60, "Vibe It starts")
     yield from screen.wait(lambda: not addon_state.running, 900, "the vibe ends")
     yield from screen.away()
 
 
-def header(screen, below, above="vibe.run", near=227):
+def header(screen, below, above="vibe.run", near=227, page=0):
     """Opens the panel whose header is so many pixels below a button's upper edge, which is returned; headers say nothing of themselves."""
-    top = yield from screen.top_of(above, near)
+    top = yield from screen.top_of(above, near, page)
     yield from screen.open(top + below * screen.scale, 0.4)
     return top
 

@@ -13,7 +13,7 @@ CLOSED = {"advanced": ADVANCED, "affect": AFFECT, "presets": PRESETS, "reference
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 
 
-def tour(screen):
+def tour(screen, effort="STANDARD"):
     """Words are typed and marked, searched for, and their look kept; then the closed panels are opened."""
     from bl_ext.user_default.vibe_render.run import preview
     from bl_ext.user_default.vibe_render.run.notes import words_of
@@ -24,6 +24,7 @@ def tour(screen):
         bust()
     yield 1.0
     yield from open_panel(screen)
+    bpy.context.scene.vibe.effort = effort
     with screen.over(screen.view):
         bpy.ops.ed.undo_push(message="Bust")
     yield from screen.wait(lambda: addon_state.engine_runs, 120, "the engine starts with the panel")
@@ -80,7 +81,7 @@ def tour_double(screen):
     """The same at twice the size of everything."""
     bpy.context.preferences.view.ui_scale = 2.0
     yield 1.0
-    yield from tour(screen)
+    yield from tour(screen, "QUICK")
 
 
 def bust():
@@ -95,7 +96,7 @@ def bust():
 
 def changes(screen):
     """The list of changes."""
-    yield from header(screen, CHANGES, "vibe.preset_save")
+    yield from header(screen, CHANGES, "vibe.preset_save", 635, page=1)
     yield from screen.scroll(5, 30)
     yield from screen.away()
     screen.shoot("changes")

@@ -25,7 +25,7 @@ def without_engine(screen):
     before = values()
     yield from a_preset(screen)
     yield from compared(screen, before, values())
-    yield from screen.click_on("vibe.revert", 700, (0.7,))
+    yield from screen.click_on("vibe.revert", 495, (0.7,))
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "revert")
     screen.observed["revert_restores"] = values() == before
     yield from preferences(screen, engine_state)
@@ -56,17 +56,17 @@ def single_values(screen):
     """The list is opened, a value locked in it, and all set free."""
     locks = bpy.context.scene.vibe.locks
     yield from header(screen, 107, "vibe.look_for_engine")  # Affect
-    yield from screen.find("offset_keys", 643)  # the last row above the list
+    yield from screen.find("offset_keys", 648)  # the last row above the list
     header_of_list = screen.observed["found"]["offset_keys"][1] + 32
     yield from screen.open(header_of_list, 0.4)
     yield from screen.wait(lambda: bpy.context.window_manager.vibe_values.rows, 30, "the list")
     yield from screen.away()
     screen.shoot("single_values")
-    yield from screen.click_on(f'vibe.lock(key="{KEY}"', 853, (0.73,))
+    yield from screen.click_on(f'vibe.lock(key="{KEY}"', 801, (0.73,))
     yield from screen.wait(lambda: KEY in locks, 30, "a lock in the list")
     yield from screen.away()
     screen.shoot("single_lock")
-    yield from screen.click_on("vibe.unlock_all", 903)
+    yield from screen.click_on("vibe.unlock_all", 852)
     yield from screen.wait(lambda: not locks, 30, "no lock")
     screen.observed["unlocked"] = True
     yield from screen.click_at(header_of_list, 0.4)
@@ -96,7 +96,7 @@ def a_preset(screen):
 def compared(screen, before, after):
     """Strength is dragged, and the scene follows; Before and After; the viewport is set to Rendered."""
     settings = bpy.context.scene.vibe
-    yield from screen.find("strength", 864)
+    yield from screen.find("strength", 546)
     place, row, _ = screen.observed["found"]["strength"]
     x, powers = screen.sidebar.x + screen.sidebar.width * place, []
     for wait in screen.drag((x, row), (x - 100, row), "strength_dragged"):
@@ -122,23 +122,23 @@ def compared(screen, before, after):
 
 def preferences(screen, engine_state):
     """The panel's button opens them; the test says what is missing, and nothing is downloaded offline."""
-    yield from screen.click_on("preferences.addon_show", 430, (0.7,))
+    yield from screen.click_on("preferences.addon_show", 376, (0.7,))
     windows = bpy.context.window_manager.windows
     yield from screen.wait(lambda: len(windows) == 2, 30, "the preferences")
     yield 1.0
     screen.look("PREFERENCES")
     screen.shoot("preferences")
-    yield from screen.click_on("vibe.test_engine", 400, (0.7, 0.6, 0.8))
+    yield from screen.click_on("vibe.test_engine", 361, (0.7, 0.6, 0.8))
     yield from screen.wait(lambda: engine_state.outcome, 60, "the test's answer")
     yield 0.7
     screen.shoot("tested")
     screen.observed["tested"] = engine_state.outcome
-    yield from screen.click_on("vibe.setup_engine", 400, (0.5, 0.45))
+    yield from screen.click_on("vibe.setup_engine", 361, (0.5, 0.45))
     yield 1.0
     screen.observed["offline_sets_up_nothing"] = not engine_state.setting_up
     screen.shoot("set_up_offline")
     bpy.context.preferences.system.use_online_access = True
-    yield from screen.click_on("vibe.setup_engine", 400, (0.5, 0.45))
+    yield from screen.click_on("vibe.setup_engine", 361, (0.5, 0.45))
     yield 1.0
     screen.shoot("set_up_asks_first")
     screen.observed["asks_before_it_downloads"] = not engine_state.setting_up
