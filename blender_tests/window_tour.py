@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A first look at default settings in an example scene, for the documents' screenshots. See window_driver.py."""
+"""A first look in an example scene, for the documents' screenshots. See window_driver.py."""
 
 import sys
 import time
@@ -13,7 +13,7 @@ CLOSED = {"advanced": ADVANCED, "affect": AFFECT, "presets": PRESETS, "reference
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 
 
-def tour(screen, effort="STANDARD"):
+def tour(screen, effort="QUICK"):
     """Words are typed and marked, searched for, and their look kept; then the closed panels are opened."""
     from bl_ext.user_default.vibe_render.run import preview
     from bl_ext.user_default.vibe_render.run.notes import words_of
@@ -78,10 +78,10 @@ def searched(screen, addon_state):
 
 
 def tour_double(screen):
-    """The same at twice the size of everything."""
+    """The same at twice the size of everything, at default settings: the documents show it."""
     bpy.context.preferences.view.ui_scale = 2.0
     yield 1.0
-    yield from tour(screen, "QUICK")
+    yield from tour(screen, "STANDARD")
 
 
 def bust():
