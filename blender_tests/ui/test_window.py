@@ -134,7 +134,7 @@ def test_a_click_on_a_word_says_what_it_describes(walk):
 
 
 @pytest.mark.parametrize("way", ["tour", "tour_double"])
-def test_at_default_settings_the_decision_is_in_sight(walk, way):
+def test_the_decision_is_in_sight(walk, way):
     """At 900 pixels, and at twice the size of everything: every word that is measured is visible, and Keep needs no scrolling."""
     observed = walk(way)
     assert observed["visible"]
