@@ -47,6 +47,10 @@ def contradicts(first: Wish, later: Wish) -> bool:
     a, b = first.attribute, later.attribute
     if a is b or first.word == later.word:
         return False
+    if (
+        a.phrases and b.phrases and {*a.phrases}.isdisjoint(b.phrases)
+    ):  # two lights that are described one by one
+        return False
     if later.of_picture:
         return not first.of_picture and _settles(first, later)
     if a.color and not first.implied and _ruled_out(first, later):
@@ -110,7 +114,7 @@ def _measured(wish: Wish) -> Iterator[tuple[str, str]]:
 def _same_target(first: Wish, later: Wish) -> bool:
     a, b = first.attribute, later.attribute
     roles = ["" if each.role == "key" else each.role for each in (a, b)]  # words without a role mean the key
-    if (a.lamp, a.lights, roles[0]) != (b.lamp, b.lights, roles[1]):
+    if (a.lights, roles[0]) != (b.lights, roles[1]):
         return False
     if a.owners and b.owners:
         return not {*a.owners}.isdisjoint(b.owners)

@@ -99,7 +99,7 @@ class Wish:
         what only changes what is there last; what is not vague; what is about nothing else; what its word is mainly about.
         """
         default = not self.is_seen and all(e.weak for e in self.effects)
-        general = not (self.attribute.owners or self.attribute.told_apart or self.attribute.role)
+        general = not self.attribute.of_one_light
         painted = bool(self.attribute.color) and self.quantity != "light_color"
         changing = bool(self.effects) and all(e.mode in _CHANGES for e in self.effects)
         changes = self.quantity == "color" and changing
@@ -170,7 +170,7 @@ def _wish(own: EntryWish, attribute: Attribute, strength: float) -> Wish:
 def _speaks_of(attribute: Attribute, quantity: str) -> bool:
     """True if a word names a class of a quantity where it stands: the classes of light speak of the key, or of all light."""
     if quantity in _OF_LIGHT:
-        return not (attribute.told_apart or attribute.role in ("rim", "fill"))
+        return not (attribute.lights or attribute.role in ("rim", "fill"))
     if quantity in _OF_MATTER:
         return attribute.region != "surroundings" and attribute.kind not in _NO_MATTER
     return True

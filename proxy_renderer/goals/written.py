@@ -170,7 +170,6 @@ def _word(attribute: Attribute) -> dict[str, Any]:
         "materials": list(attribute.owners),
         "lights": list(attribute.lights),
         "role": attribute.role,
-        "number": attribute.lamp,
         "described": list(attribute.phrases),
     }
     return {
@@ -288,7 +287,6 @@ def _read_word(word: JsonFields) -> tuple[Attribute, list[Wish]]:
         thing=target.take("thing", str, ""),
         cause=word.take("implied_by", str, ""),
         phrases=target.numbers("described"),
-        lamp=int(target.number("number", 0, 0, 99)),
         lights=tuple(target.texts("lights")),
         shades=word.shades(),
         english=word.take("english", str, ""),

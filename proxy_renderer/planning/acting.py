@@ -47,15 +47,9 @@ def _effects(wish: Wish, vocabulary: Vocabulary, owners: Owners) -> tuple[Effect
 
 
 def _redirected(goals: Goals, owners: Owners) -> dict[int, Attribute]:
-    """Colors of light that are said of what the scene lacks, or that would hide a color, with what has them instead.
-
-    The world has the color of a light that is told apart and that the scene lacks.
-    """
+    """A color of light that would hide a named color, said of the other lights instead."""
     said = list({id(wish.attribute): wish.attribute for wish in goals.wishes}.values())
     gels = [a for a in said if a.color and a.kind == "light" and not a.role and not a.cause]
-    if any(a.lamp for a in gels):
-        lacking = (a for a in gels if a.lamp and not owners.lights.numbered[a.lamp])
-        return {id(a): replace(a, kind="world") for a in lacking}
     if gels and _would_hide(gels[0], goals.wishes, owners):
         return {id(gels[0]): replace(gels[0], role="others")}
     return {}

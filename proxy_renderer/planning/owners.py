@@ -1,98 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Materials, lights and the world, as words mean them."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 
 from ..schema import Instance, Values
-from ..words.attributes import fixture, side
+from ..words.attributes import fixture
 from ..words.lexicon.entries import OWNERS, Effect
 from ..words.lexicon.vocabulary import Vocabulary
 from ..words.names import is_detail, kind_of, plain_name
 from ..words.types import GLOW, Attribute, Parsed, SceneDescription
 from .light_levels import facing_radiance
-
-_NEAR = 90.0  # degrees from where words want a light within which one is already there
-
-
-@dataclass(frozen=True)
-class KnownLight:
-    """A light of a scene, as words may mean it."""
-
-    name: str  # the artist's name of a light, or "material/NAME" of what glows
-    role: str
-    names: tuple[str, ...]  # what it may be called: its own name and type, or its material's and its objects'
-    turn: float  # azimuth relative to the camera, degrees
-    added: bool = False
-
-
-def numbered_lights(
-    attributes: Sequence[Attribute], lights: Sequence[KnownLight], vocabulary: Vocabulary
-) -> dict[int, list[str]]:
-    """The lights that are told apart (`Attribute.lamp`), each with the names of its own; none where the scene has too few.
-
-    Lights that are left over are lit like the nearest of those that have a side, or else like the last one without a
-    name of its own. The most important of the scene's lights comes first, the added ones last.
-    """
-    said: dict[int, list[Attribute]] = {}
-    for attribute in attributes:
-        if attribute.lamp:
-            said.setdefault(attribute.lamp, []).append(attribute)
-    words = {
-        n: frozenset().union(*(fixture(a.thing, vocabulary) for a in group)) for n, group in said.items()
-    }
-    roles = {n: role_of(group) for n, group in said.items()}
-    turns = {n: sum(ends) / 2 for n, group in said.items() if (ends := side(group, vocabulary))}
-    found: dict[int, list[str]] = {n: [] for n in said}
-    free = list(lights)
-
-    def give(number: int, theirs: Sequence[KnownLight]) -> None:
-        found[number] += [light.name for light in theirs]
-        free[:] = [light for light in free if light not in theirs]
-
-    for number in said:
-        give(number, [light for light in free if _is_called(light, words[number])])
-    for number in said:
-        if not found[number] and roles[number]:
-            give(number, [light for light in free if light.role == roles[number]])
-    own = {number for number in said if found[number]}
-    for number in sorted(
-        turns.keys() - own, key=lambda n: min((_apart(x, turns[n]) for x in free), default=0.0)
-    ):
-        near = [light for light in free if light.added or _apart(light, turns[number]) < _NEAR]
-        give(number, sorted(near, key=lambda x: (x.added, _apart(x, turns[number])))[:1])
-    for number in said:
-        if not found[number]:
-            give(number, free[:1])
-    sided = {number: turn for number, turn in turns.items() if number not in own}
-    last = [number for number in said if number not in own and not roles[number]][-1:]
-    for light in list(free):
-        if len(sided) > 1:
-            give(min(sided, key=lambda n: _apart(light, sided[n])), [light])
-        elif last:
-            give(last[0], [light])
-    return found
-
-
-def role_of(said: Sequence[Attribute]) -> str:
-    """The role that words give to a light: "key", "fill" or "rim"; "" if they give none."""
-    return next((a.role or a.kind for a in said if a.role or a.kind != "light"), "")
-
-
-def _is_called(light: KnownLight, words: frozenset[str]) -> bool:
-    """True if words name a light: "window", or "moonlight" a Moon; a sun is one by its type."""
-    theirs = {_singular(word) for name in light.names for word in plain_name(name).split()}
-    spoken = {_singular(word) for word in words}
-    return bool(theirs & (spoken | {word.removesuffix("light") for word in spoken}))
-
-
-def _singular(word: str) -> str:
-    return word.removesuffix("s")
-
-
-def _apart(light: KnownLight, turn: float) -> float:
-    return abs((light.turn - turn + 180.0) % 360.0 - 180.0)
-
 
 _SHARE = 0.15  # of the light on the subject from which a glow counts as a light of the scene
 _OF_GLOWS = {"power": "emission", "color": "emission_color", "temperature": "emission_color"}
@@ -111,11 +29,10 @@ class SceneLights:
         fill: Names of the fill lights.
         lamps: All lights.
         glows: Glowing materials that light the scene as lights do, as "material/NAME"; they may be key and fill too.
-        numbered: Number of a light that the prompt tells apart -> names, of which the first is meant above all.
     """
 
     def __init__(
-        self, parsed: Parsed, instances: dict[str, Instance], scene: SceneDescription, vocabulary: Vocabulary
+        self, instances: dict[str, Instance], scene: SceneDescription, vocabulary: Vocabulary
     ) -> None:
         self._instances, self._scene, self._vocabulary = instances, scene, vocabulary
         self.lamps = list(dict.fromkeys(i.owner for i in instances.values() if i.parameter.group == "light"))
@@ -126,7 +43,6 @@ class SceneLights:
         self.key = self._key()
         self.rim = [n for n in self.of_role("rim") if n not in self.key] or self._nearest_behind()
         self.fill = [n for n in [*self.of_role("fill"), *self.glows] if n not in self.key]
-        self.numbered = numbered_lights(parsed.attributes, self._known(), vocabulary)
 
     @property
     def every(self) -> list[str]:
@@ -156,7 +72,7 @@ class SceneLights:
         own = self._spoken_of(attribute)
         if own is not None and owner not in ("rim", "fill"):
             if owner == "others":
-                return self._but([*own, *(name for names in self.numbered.values() for name in names)])
+                return self._but(own)
             turned = owner != "lights" and effect.name in ("azimuth", "elevation")
             return own[:1] if turned else own
         if owner == "others":
@@ -175,15 +91,24 @@ class SceneLights:
         return [name for name in self.every if name not in names]
 
     def _spoken_of(self, attribute: Attribute) -> list[str] | None:
-        """The lights that a word is said of, where the prompt tells several apart or calls one by its name."""
+        """The lights that a word is said of, where the prompt calls them by their names; the key first."""
         if attribute.lights:
             return list(attribute.lights)
-        if attribute.lamp:
-            return self.numbered[attribute.lamp]
         if attribute.role or attribute.cause or attribute.kind not in _NAMED:
             return None
         words = fixture(attribute.thing, self._vocabulary)
-        return [light.name for light in self._known() if _is_called(light, words)] or None
+        lights = sorted(self.every, key=lambda name: name not in self.key)
+        return [name for name in lights if self._is_called(name, words)] or None
+
+    def _is_called(self, light: str, words: frozenset[str]) -> bool:
+        """True if words name a light: "window", or "moonlight" a Moon; a sun is one by its type, a glow by what shows it."""
+        names: tuple[str, ...] = (light, self._scene.light(light).type)
+        if light in self.glows:
+            material = light.removeprefix(GLOW)
+            names = (material, *self._scene.emitters[material].objects)
+        theirs = {_singular(word) for name in names for word in plain_name(name).split()}
+        spoken = {_singular(word) for word in words}
+        return bool(theirs & (spoken | {word.removesuffix("light") for word in spoken}))
 
     def _key(self) -> list[str]:
         lamps = self.of_role("key")
@@ -198,24 +123,6 @@ class SceneLights:
         behind = sorted(unassigned, key=lambda light: abs(self._turn(light) % 360.0 - _BEHIND))
         return behind[:1]
 
-    def _known(self) -> list[KnownLight]:
-        """All lights, the key first and those that are added for the words last."""
-        order = {name: place for place, name in enumerate(self.key)}
-        added = self._scene.added_lights
-        names = sorted(self.every, key=lambda n: (n in added, order.get(n, len(order))))
-        return [self._known_glow(n) if n in self.glows else self._known_lamp(n) for n in names]
-
-    def _known_lamp(self, name: str) -> KnownLight:
-        role = next((r for r in ("key", "fill", "rim") if name in self.of_role(r)), "")
-        names = (name, self._scene.light(name).type)
-        return KnownLight(name, role, names, self._turn(name), name in self._scene.added_lights)
-
-    def _known_glow(self, name: str) -> KnownLight:
-        material = name.removeprefix(GLOW)
-        glow = self._scene.emitters[material]
-        role = "key" if name in self.key else "fill"
-        return KnownLight(name, role, (material, *glow.objects), glow.azimuth - self._scene.camera_azimuth)
-
     def _turn(self, light: str) -> float:
         instance = self._instances.get(f"light/{light}/azimuth")
         azimuth = instance.value[0] / instance.reference if instance else 0.0
@@ -227,6 +134,10 @@ class SceneLights:
     def _radiance(self, *lights: str) -> float:
         """Radiance of a white surface that faces some lights, or all."""
         return facing_radiance(self._instances, self._scene, lambda i: i.value, lights or None)
+
+
+def _singular(word: str) -> str:
+    return word.removesuffix("s")
 
 
 _PART = 0.12  # materials on less of their region are parts: tyres, eyes, screws
@@ -303,7 +214,7 @@ class Owners:
     ) -> None:
         self._parsed, self._instances, self._world_share = parsed, instances, scene.world_share
         self.materials = SceneMaterials(instances, scene.material_share)
-        self.lights = SceneLights(parsed, instances, scene, vocabulary)
+        self.lights = SceneLights(instances, scene, vocabulary)
 
     def of(self, effect: Effect, attribute: Attribute) -> list[Instance]:
         """The instances of an effect's family that an attribute means; may be empty."""

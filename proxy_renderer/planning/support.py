@@ -12,13 +12,12 @@ from collections.abc import Iterator, Mapping
 from ..color.floats import chroma, lab_from_srgb, linear_from_srgb, luminance, srgb_from_linear
 from ..goals.resolve import Goals
 from ..schema import Instance, Values
-from ..words.attributes import side
 from ..words.lexicon.entries import OWNERS, Effect, temperature
 from ..words.lexicon.vocabulary import Vocabulary
 from ..words.types import Attribute, Parsed, SceneDescription
 from .acting import Act, acts, is_usual
 from .light_levels import Range, Sources, kelvin_color, radiance
-from .owners import BACKDROP, Owners, SceneLights, role_of
+from .owners import BACKDROP, Owners
 from .ranges import clip, facing_white
 from .types import PlanEntry
 
@@ -68,6 +67,8 @@ def _reaches(
             if key in instances:
                 yield key, (_times(instances[key].value, _KEY), 1, "the subject is readable")
     of_all_light = [a for a in parsed.attributes if a.kind == "light" and not (a.negated or a.of_one_light)]
+    if len({number for a in of_all_light for number in a.phrases}) > 1:  # each has its own color
+        of_all_light = []
     gel = next((gel for a in of_all_light if (gel := _gel(a))), None)
     if "world/strength" in instances:
         times = _WORLD if gel is None else (_FAINT, _WORLD[1])
@@ -127,9 +128,6 @@ def _added_lights(
     }
 
 
-_BEHIND = 110.0  # degrees from the camera beyond which a light stands behind the subject
-
-
 def missing_lights(
     goals: Goals,
     instances: dict[str, Instance],
@@ -138,11 +136,7 @@ def missing_lights(
     vocabulary: Vocabulary,
 ) -> list[str]:
     """The lights on standby, given with their roles, that the words ask for."""
-    attributes = goals.parsed.attributes
-    owners = Owners(goals.parsed, instances, scene, vocabulary)
-    missing = [number for number, names in owners.lights.numbered.items() if not names]
-    said = ([a for a in attributes if a.lamp == number] for number in missing)
-    roles = [_described(group, owners.lights, vocabulary) for group in said]
+    owners, roles = Owners(goals.parsed, instances, scene, vocabulary), list[str]()
     for wish, effect in acts(goals, vocabulary, owners):
         role = _asked(effect, wish.attribute, owners)
         roles += [role] if role and role not in roles else []
@@ -153,19 +147,9 @@ def missing_lights(
     return found
 
 
-def _described(said: list[Attribute], lights: SceneLights, vocabulary: Vocabulary) -> str:
-    """The role of a light that words tell apart and that is missing."""
-    if given := role_of(said):
-        return given
-    ends = side(said, vocabulary)
-    if ends and abs((sum(ends) / 2 + 180.0) % 360.0 - 180.0) > _BEHIND:
-        return "rim"
-    return "fill" if lights.lamps else "key"
-
-
 def _asked(effect: Effect, attribute: Attribute, owners: Owners) -> str:
     """The role of the light that an effect needs and that nothing in the scene has; else ""."""
-    if effect.weak or effect.mode == "times" or OWNERS[effect.owner] != "light" or attribute.told_apart:
+    if effect.weak or effect.mode == "times" or OWNERS[effect.owner] != "light" or attribute.lights:
         return ""
     owner = attribute.role if effect.owner in ("light", "lights") and attribute.role else effect.owner
     if owner in ("rim", "fill"):

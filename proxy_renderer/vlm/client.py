@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Asks a model: retries, time limits, cache, what the server cannot do, what it costs."""
+"""Asks a model: time limits, cache, what the server cannot do, what it costs."""
 
 from __future__ import annotations
 
@@ -169,8 +169,6 @@ class Cache:
 
 
 _VERSION = 1  # of the questions and what is made of answers; a new one forgets the cache
-_TRIES = 4
-_PAUSE = 0.5  # seconds before the second try; doubled every time
 _REFUSALS = 8  # things that a server may refuse before it counts as useless
 _AGAIN = (
     "That was not what was asked for. Reply exactly in the form that was asked for, and with nothing else."
@@ -181,7 +179,7 @@ _AGAIN = (
 class Usage:
     """Requests, tokens and cost so far."""
 
-    calls: int = 0  # requests sent, repetitions included
+    calls: int = 0  # requests sent, without repetitions after a failure of the server
     cached: int = 0  # questions answered from the disk
     read: int = 0  # tokens of all questions, as the server counts them
     written: int = 0  # tokens of all answers
@@ -205,7 +203,7 @@ class Client:
     def __init__(
         self, endpoint: Endpoint, stop: Callable[[], bool] = lambda: False, cache: Cache | None = None
     ) -> None:
-        self.endpoint, self._stop, self._cache = endpoint, stop, cache or Cache()
+        self.endpoint, self._cache = endpoint, cache or Cache()
         self._transport = Transport(endpoint, stop)
         self.usage = Usage()
         self.dialect = Dialect()
@@ -257,40 +255,17 @@ class Client:
         for _ in range(_REFUSALS):
             body = self.dialect.body(self.endpoint.model, question, earlier)
             try:
-                return self._send(body, end)
+                self.usage.calls += 1
+                answer = self._transport.post(body, max(end - time.monotonic(), 0.1))
+                self._count(answer)
+                return answer
             except ModelError as error:
-                broken = error.wait is not None and not self.dialect.about(error.complaint)
+                broken = error.broken and not self.dialect.about(error.complaint)
                 final = error.lasting or not error.complaint or broken
                 if final or not self.dialect.give_up(error.complaint, question):
                     raise
         remedy = "Use another model."
         raise ModelError(f"{self.endpoint.place} refuses everything that it is asked.", remedy, lasting=True)
-
-    def _send(self, body: dict[str, Any], end: float) -> Completion:
-        """One request, repeated with growing pauses while that may help and there is time."""
-        pause = _PAUSE
-        for attempt in range(1, _TRIES + 1):
-            self.usage.calls += 1
-            try:
-                answer = self._transport.post(body, max(end - time.monotonic(), 0.1))
-                self._count(answer)
-                return answer
-            except ModelError as error:
-                if error.wait is None or attempt == _TRIES or self.dialect.about(error.complaint):
-                    raise
-                wait = max(pause, error.wait)
-                if time.monotonic() + wait > end:
-                    raise
-            self._sleep(wait)
-            pause *= 2
-        raise AssertionError("the last try returns or raises")
-
-    def _sleep(self, seconds: float) -> None:
-        end = time.monotonic() + seconds
-        while (left := end - time.monotonic()) > 0:
-            if self._stop():
-                raise ModelError("You stopped it.", "", lasting=True)
-            time.sleep(min(left, 0.05))
 
     def _count(self, answer: Completion) -> None:
         use, prices = self.usage, self.endpoint.prices

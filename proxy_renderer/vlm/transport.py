@@ -9,7 +9,6 @@ import time
 import unicodedata
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
-from email.utils import parsedate_to_datetime
 from typing import Any
 
 from ..schema import VibeError
@@ -84,15 +83,16 @@ class ModelError(VibeError):
     """A question that was not answered."""
 
     def __init__(
-        self, message: str, remedy: str, lasting: bool = False, wait: float | None = None, complaint: str = ""
+        self, message: str, remedy: str, lasting: bool = False, broken: bool = False, complaint: str = ""
     ) -> None:
         super().__init__(message, remedy)
         self.lasting = lasting  # asking again in this run would fail in the same way: a wrong key, say
-        self.wait = wait  # seconds after which asking again may help; None if it would not
+        self.broken = broken  # the server fails, whatever it is asked
         self.complaint = complaint  # the server's words, which tell what it cannot do; "" for none
 
 
 LARGEST = 2_000_000  # bytes of an answer; a plan has a few thousand
+_RETRIES = 3  # of what fails for a moment: the openai package pauses before each, as long as the server says
 _TICK = 0.05
 _OVERFULL = re.compile(r"context[ _](length|size|window)|too many tokens|n_ctx", re.IGNORECASE)
 
@@ -172,7 +172,7 @@ class Transport:
             # A redirect could take the picture elsewhere; a proxy has no business on this computer.
             http = _bounded(openai.DefaultHttpxClient)(follow_redirects=False, trust_env=not point.local)
             self._client = openai.OpenAI(
-                base_url=point.url, api_key=point.key or "none", max_retries=0, http_client=http
+                base_url=point.url, api_key=point.key or "none", max_retries=_RETRIES, http_client=http
             )
             if point.url != OPENAI:  # the account that the environment names there is nobody else's business
                 self._client.organization = self._client.project = None
@@ -198,7 +198,7 @@ class Transport:
         if isinstance(error, openai.APIConnectionError):
             why = scrub(" ".join(str(error.__cause__ or "").split())[:120], point.key)
             problem = f"{point.place} cannot be reached{f' ({why})' if why else ''}."
-            return ModelError(problem, "Start the server, or check VIBE_VLM_URL and the network.", wait=0.0)
+            return ModelError(problem, "Start the server, or check VIBE_VLM_URL and the network.")
         problem = f"{point.place} does not speak the OpenAI protocol ({type(error).__name__})."
         return ModelError(problem, "Check the base URL: it usually ends in /v1.")
 
@@ -226,8 +226,7 @@ def read_completion(raw: bytes) -> Completion:
 def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> ModelError:
     """The error for an HTTP status, with its remedy and the server's own words ("" for none)."""
     # Errors that asking again cannot fix come first.
-    wait: float | None = None
-    lasting, more = True, f": {complaint}" if complaint else ""
+    lasting, broken, more = True, False, f": {complaint}" if complaint else ""
     if code in (401, 403):
         what, remedy = f"refuses the key{more}", "Check the key: `vibe doctor` tries it."
     elif code == 404:
@@ -242,17 +241,17 @@ def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> 
     elif 300 <= code < 400:
         what, remedy = f"sends us elsewhere (HTTP {code})", "Name the final base URL."
     elif code == 429:
-        lasting, wait, complaint = False, _retry_after(headers), ""
-        what = "is asked too often" + (f" and asks to wait {wait:.0f} s" if wait else "")
+        lasting, complaint, wait = False, "", headers.get("retry-after", "")
+        what = "is asked too often" + (f" and asks to wait {wait} s" if wait.isdigit() else "")
         remedy = "Wait a little, or use another model."
     else:
         lasting, complaint = False, complaint or f"HTTP {code}"
         if code in (408, 409) or code >= 500:
-            wait = _retry_after(headers)
+            broken = True
             what, remedy = f"fails (HTTP {code}){more}", "Look at the server's log, or try again."
         else:
             what, remedy = f"refuses the request (HTTP {code}){more}", "Use another model."
-    return ModelError(f"{point.place} {what}.", remedy, lasting, wait, complaint)
+    return ModelError(f"{point.place} {what}.", remedy, lasting, broken, complaint)
 
 
 def _complaint(error: Any, key: str) -> str:
@@ -261,19 +260,6 @@ def _complaint(error: Any, key: str) -> str:
     inner = body.get("error", body)
     text = inner.get("message") if isinstance(inner, dict) else inner
     return clean(scrub(str(text or error.body or ""), key), 200).rstrip(". ")
-
-
-def _retry_after(headers: Any) -> float:
-    """Seconds that a server asks to wait; 0 if it does not."""
-    try:
-        if "retry-after-ms" in headers:
-            return max(float(headers["retry-after-ms"]) / 1000, 0.0)
-        text = headers.get("retry-after", "0")
-        if text.replace(".", "", 1).isdigit():
-            return float(text)
-        return max(parsedate_to_datetime(text).timestamp() - time.time(), 0.0)
-    except (ValueError, TypeError):
-        return 0.0
 
 
 def _count(value: Any) -> int:

@@ -1,17 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The sum of bound look words: objects with their attributes, colors with shades, and the lights that a prompt tells apart."""
+"""The sum of bound look words: objects with their attributes, colors with shades, and the lights that a prompt describes."""
 
-from collections.abc import Iterable
 from dataclasses import replace
-from itertools import permutations, product
 
 from ..color.constants import Lab
 from ..color.floats import chroma, lab_from_srgb
-from ..color.shades import basic, hue_apart, relative_shade, shade
+from ..color.shades import basic, relative_shade, shade
 from ..schema import Values
 from ..schema.parameters import Region
 from .lexer import Token
-from .lexicon.entries import Effect
 from .lexicon.languages import singular
 from .lexicon.quantities import COLORS
 from .lexicon.rigs import RigTable
@@ -27,16 +24,13 @@ _BLACK = 12.0  # L* of a black thing whose form can be seen
 _DARKEST, _LIGHTEST = 14.0, 78.0  # L* of lit things of a strong color, navy and yellow
 _STRONG = 30.0  # C* that lit things show in full
 _KEPT = 0.7  # share of the chroma beyond that
-_WARM_LIGHT, _COOL_LIGHT = (1.0, 0.7, 0.35), (0.5, 0.7, 1.0)  # sRGB of light below and above white
-_WHITE = (5000.0, 7000.0)  # kelvins
-_APART = 60.0  # degrees of hue from which one light cannot have both colors
 
 
 def complete(
     parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[NamedThing], sky: bool = True
 ) -> None:
     """Fills in the objects of a prompt whose attributes are bound, and relations of words to each other."""
-    parsed.attributes = _with_lamps(_all_shaded(parsed, vocabulary), vocabulary)
+    parsed.attributes = _all_shaded(parsed, vocabulary)
     if not sky:  # a sky that the camera does not see is its light alone: what colors it colors the image
         hidden = (a.kind == "sky" and a.color for a in parsed.attributes)
         both = zip(parsed.attributes, hidden, strict=True)
@@ -127,7 +121,7 @@ def _all_shaded(parsed: Parsed, vocabulary: Vocabulary) -> list[Attribute]:
     return found
 
 
-# Lights that contradict each other: "warm lamp, cold blue window light"
+# Lights that are called by their names, and those that are described one by one: "a hard key from the left, warm"
 
 
 def fixture(thing: str, vocabulary: Vocabulary) -> frozenset[str]:
@@ -137,75 +131,6 @@ def fixture(thing: str, vocabulary: Vocabulary) -> frozenset[str]:
         return frozenset()
     plain = vocabulary.lists["anylight"] | vocabulary.lists["stop"] | vocabulary.adjectives.keys()
     return frozenset(words) - plain
-
-
-def side(attributes: Iterable[Attribute], vocabulary: Vocabulary) -> tuple[float, float] | None:
-    """Azimuths relative to the camera, degrees, that words say a light comes from; None if they do not."""
-    effects = (effect for attribute in attributes for effect in _strong(attribute, "azimuth", vocabulary))
-    return next(((e.lower[0], e.upper[0]) for e in effects if e.mode == "camera"), None)
-
-
-def _strong(attribute: Attribute, name: str, vocabulary: Vocabulary) -> list[Effect]:
-    """Effects of a word that is no color on one parameter of lights, without the weak ones."""
-    entry = vocabulary.entries.get("" if attribute.color else attribute.entry)
-    effects = [e for e in entry.effects if e.name == name] if entry else []
-    return [e for e in effects if e.owner in ("light", "lights") and not e.weak]
-
-
-def _with_lamps(attributes: list[Attribute], vocabulary: Vocabulary) -> list[Attribute]:
-    """The attributes, with the number of the light that each is said of: `Attribute.lamp`.
-
-    Numbers are given only where the words contradict each other on color or side, so that one light cannot be all.
-    """
-    lamps: list[list[int]] = []  # places of the attributes of each light
-    for place, attribute in enumerate(attributes):
-        # The light of an evening is no lamp of its own
-        known = attribute.cause or attribute.lights or attribute.thing in vocabulary.lists["hour"]
-        if known or attribute.kind not in LIGHTS or attribute.slot not in ("lighting", "color"):
-            continue
-        words = fixture(attribute.thing, vocabulary)
-        for lamp in reversed(lamps):  # the newest goes on where the words do not say which
-            its = [attributes[p] for p in lamp]
-            called = frozenset().union(*(fixture(a.thing, vocabulary) for a in its))
-            goes_on = (lamp is lamps[-1] and not (words and called)) or words == called
-            apart = its[0].role != attribute.role or any(_contradicts(a, attribute, vocabulary) for a in its)
-            if goes_on and not apart:
-                lamp.append(place)
-                break
-        else:
-            lamps.append([place])
-    others = ((one, other) for one, other in permutations(lamps, 2) if not attributes[one[0]].role)
-    pairs = ((attributes[a], attributes[b]) for one, other in others for a, b in product(one, other))
-    if not any(_contradicts(a, b, vocabulary) for a, b in pairs):
-        return attributes
-    number = {place: n for n, lamp in enumerate(lamps, start=1) for place in lamp}
-    return [replace(a, lamp=number.get(place, 0)) for place, a in enumerate(attributes)]
-
-
-def _contradicts(one: Attribute, other: Attribute, vocabulary: Vocabulary) -> bool:
-    """True if no light can be both: of two colors, or on two sides."""
-    if one.negated or other.negated:
-        return False
-    here, there = side([one], vocabulary), side([other], vocabulary)
-    if here and there and max(here[0], there[0]) > min(here[1], there[1]):
-        return True
-    if one.color and other.color:
-        return one.entry != other.entry
-    tones = [*filter(None, (_tone(one, vocabulary), _tone(other, vocabulary)))]
-    is_one = one.thing == other.thing  # "a cold green light"
-    return len(tones) == 2 and not is_one and hue_apart(*tones) > _APART
-
-
-def _tone(attribute: Attribute, vocabulary: Vocabulary) -> Values | None:
-    """sRGB of the color that a word gives to light; None for white light and for words that give none."""
-    for effect in _strong(attribute, "temperature", vocabulary):
-        if effect.upper[0] < _WHITE[0]:
-            return _WARM_LIGHT
-        return _COOL_LIGHT if effect.lower[0] > _WHITE[1] else None
-    return attribute.color
-
-
-# Lights that are described one by one: "a hard key from the left, warm, and a cold rim from behind"
 
 
 def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> dict[int, tuple[int, ...]]:

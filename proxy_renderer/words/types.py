@@ -135,7 +135,6 @@ class Attribute:
     guess: bool = False  # Misspelled, and taken for the known word
     # how a material's own color is changed ("dark oak"): arguments of `color.shade`, one after the other
     shades: tuple[tuple[float, float, float, float], ...] = ()
-    lamp: int = 0  # number of the light that is meant, if several are told apart by color or side; else 0
     lights: tuple[str, ...] = ()  # lights that the words single out; of a glow "material/NAME"
     english: str = ""  # the word in English, where the prompt says it in another language
     place: tuple[int, int] | None = None  # in a prompt of another language; None if unknown
@@ -160,14 +159,9 @@ class Attribute:
         return any(name.startswith(GLOW) for name in self.lights)
 
     @property
-    def told_apart(self) -> bool:
-        """True if it is said of some lights, and not of light as a whole."""
-        return bool(self.lamp or self.lights)
-
-    @property
     def of_one_light(self) -> bool:
         """True if it is about one of several lights: what another one is like does not concern it."""
-        return bool(self.told_apart or self.role or self.owners)
+        return bool(self.lights or self.role or self.owners)
 
 
 @dataclass

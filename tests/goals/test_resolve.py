@@ -21,7 +21,7 @@ from proxy_renderer.words.types import Parsed, SceneDescription
 
 VOCABULARY = shipped_vocabulary()
 SEEDS = (1, 2, 3)
-TARGET = ("kind", "region", "owners", "lights", "lamp", "role")
+TARGET = ("kind", "region", "owners", "lights", "phrases", "role")
 NUMBER = 220
 
 

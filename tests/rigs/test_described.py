@@ -231,3 +231,19 @@ def test_a_named_sun_is_the_sun_of_the_hour_before_it():
     assert both.name == rig("early morning").name
     assert (both.lights[0].elevation, both.lights[0].kelvin) == (alone.elevation, alone.kelvin)
     assert rig("golden hour, full moon").lights[0].kelvin < 5000.0  # a moon is not the sun of that sky
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "warm light from the left, cool light from the right",
+        "cool light from the right, warm light from the left",
+        "warm lamp, cold blue window light",
+    ],
+)
+def test_lights_of_other_temperatures_are_two_and_neither_word_gives_way(prompt):
+    goals = goals_of(parse(prompt, SceneDescription()))
+    kelvins = {light.kelvin or 20000.0 for light in rig(prompt).lights if light.part in ("key", "accent")}
+    assert min(kelvins) < 5000.0
+    assert max(kelvins) > 7000.0
+    assert not [each for each in goals.lost if each.is_news]

@@ -13,7 +13,6 @@ from proxy_renderer.cli import doctor
 from proxy_renderer.cli.doctor import try_model
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.messages import Options
-from proxy_renderer.vlm import client as client_module
 from proxy_renderer.vlm.client import Cache, Client, Question
 from proxy_renderer.vlm.endpoint import OPENAI, Endpoint, find_endpoint
 from proxy_renderer.vlm.transport import LARGEST, ModelError
@@ -30,7 +29,7 @@ RED = {"color": "red"}
 
 @pytest.fixture(autouse=True)
 def hurry(monkeypatch, tmp_path):
-    monkeypatch.setattr(client_module, "_PAUSE", 0.01)
+    monkeypatch.setattr("openai._base_client.INITIAL_RETRY_DELAY", 0.01)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
 
 
@@ -121,11 +120,7 @@ def test_a_question_about_a_picture_needs_it():
             ["does not have the model", MODEL],
             True,
         ),
-        (
-            refuses(429, "You exceeded your current quota", code="insufficient_quota"),
-            ["paid", "balance"],
-            True,
-        ),
+        (refuses(402, "Insufficient balance"), ["paid", "balance"], True),
         (refuses(400, "This model's maximum context length is 4096 tokens"), ["does not fit", "16384"], True),
         ((302, b"", {"Location": "http://127.0.0.1:1/v1"}), ["elsewhere"], True),
         ((200, b"<html>Welcome</html>", {}), ["not a chat completion", "/v1"], False),
@@ -198,6 +193,14 @@ def test_patience_has_an_end(status):
     error, model = failure(lambda body, n: refuses(status, "out of order"))
     assert not error.lasting
     assert len(model.asked) == 4
+
+
+def test_a_quota_that_is_used_up_is_no_matter_of_waiting():
+    error, _ = failure(
+        lambda body, n: refuses(429, "You exceeded your current quota", code="insufficient_quota")
+    )
+    assert error.lasting
+    assert "paid" in error.message
 
 
 def test_a_wait_longer_than_the_time_limit_is_not_waited_for():

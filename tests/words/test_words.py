@@ -50,15 +50,15 @@ def test_the_vocabulary_has_as_many_looks_as_it_promises():
     }
 
 
-def test_unseen_words_mostly_fall_to_the_right_entry(unseen):
+def test_for_unseen_words_the_right_entry_is_mostly_offered(unseen):
     assert len(unseen) >= 150
-    search = shipped_vocabulary().made(Nearest)
-    placed = [(found, right) for word, right in unseen if (found := search.meant(word))]
-    hits = sum(place[0] in right for place, right in placed)
+    vocabulary, search = shipped_vocabulary(), shipped_vocabulary().made(Nearest)
+    offered = [{vocabulary.synonyms[known] for known in search.choices(word, 2)} for word, _ in unseen]
+    hits = sum(not entries.isdisjoint(right) for entries, (_, right) in zip(offered, unseen, strict=True))
     assert hits / len(unseen) >= FLOOR
 
 
-FLOOR = 0.81  # 0.84 when it was measured
+FLOOR = 0.86  # 0.89 when it was measured
 
 
 @pytest.mark.parametrize(
@@ -90,11 +90,6 @@ def test_known_words_are_offered_for_one_that_is_not_used():
     choices = shipped_vocabulary().made(Nearest).choices("swanky", 2)
     assert len(choices) == 2
     assert all(shipped_vocabulary().entry(known) for known in choices)
-
-
-def test_what_denies_a_word_is_not_near_it():
-    meant = shipped_vocabulary().made(Nearest).meant("wrinkled")
-    assert meant is None or meant[0] != "smooth"
 
 
 def test_things_of_the_same_sort_are_matched_to_names_in_the_scene():

@@ -46,7 +46,7 @@ class Reach:
     @property
     def particular(self) -> bool:
         """True if it singles out materials or lights, instead of a whole region or all light."""
-        return bool(self.attribute.owners or self.attribute.told_apart or self.attribute.role)
+        return bool(self.attribute.owners or self.attribute.lights or self.attribute.role)
 
     def __str__(self) -> str:
         """For people: "CarPaint", "light:Key + light:Sun", "world + film"; the kind of thing where it changes nothing."""

@@ -131,7 +131,7 @@ def painted(reach: Reach) -> frozenset[str]:
 def _is_picture(reach: Reach) -> bool:
     """True if it is about all of the picture: a mood, a grade, a setting, or several kinds of things at once."""
     attribute = reach.attribute
-    if attribute.owners or attribute.told_apart:
+    if attribute.owners or attribute.lights:
         return False
     if attribute.slot in _WHOLE or attribute.kind in ("whole", "tone", "ambience"):
         return True

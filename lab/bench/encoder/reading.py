@@ -177,8 +177,8 @@ def synonyms(asked: Encoder, batches: list[Batch]) -> tuple[float, float]:
     for word, right in _unseen():
         if word in listed:
             continue
-        matches = search.meant(word)
-        entry = matches[0] if matches else ""
+        nearest = next(iter(search.choices(word, 1)), "")
+        entry = vocabulary.synonyms.get(nearest, "")
         places.append(entry in right)
         if entry in right and entry not in told:
             told[entry] = _told_apart(
