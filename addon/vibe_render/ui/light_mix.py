@@ -119,7 +119,6 @@ class MixPanel(bases.IdlePanel):
     """The image of the mix, a slider and a color for each light, and what writes them into the scene."""
 
     bl_label = "Light Mix"
-    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
@@ -172,7 +171,7 @@ class VIBE_OT_mix_render(bases.IdleOperator):
     def obstacle(cls, context: bpy.types.Context) -> str:
         return _obstacle(context)
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         """Renders, and puts all sliders back, or where the compositor's nodes have them."""
         scene = context.scene
         addon_state.forget_mix()
@@ -190,6 +189,8 @@ class VIBE_OT_mix_render(bases.IdleOperator):
 
 
 class _Mixed(bases.IdleOperator):
+    bl_options: ClassVar[set[str]] = {"UNDO"}
+
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
         if _shown(context.scene) is None:
@@ -202,9 +203,8 @@ class VIBE_OT_mix_apply(_Mixed):
 
     bl_idname = "vibe.mix_apply"
     bl_label = "Apply"
-    bl_options: ClassVar[set[str]] = {"UNDO"}
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         """Writes what is multiplied since the render: the sliders start again from there."""
         scene, rendered = context.scene, addon_state.mix
         assert rendered
@@ -225,13 +225,12 @@ class VIBE_OT_mix_nodes(_Mixed):
 
     bl_idname = "vibe.mix_nodes"
     bl_label = "Compositor"
-    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
         return super().obstacle(context) or _obstacle(context)
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         scene, rendered = context.scene, addon_state.mix
         assert rendered
         light_mix.write_nodes(scene, rendered.channels, moved(scene))
@@ -245,10 +244,7 @@ class VIBE_OT_mix_reset(_Mixed):
     bl_label = "Reset"
     bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         for channel in context.scene.vibe.mix:
             channel.reset()
         return "The image is as it was rendered"
-
-
-CLASSES = (VibeMixChannel, VIBE_OT_mix_render, VIBE_OT_mix_apply, VIBE_OT_mix_nodes, VIBE_OT_mix_reset)

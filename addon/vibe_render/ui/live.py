@@ -102,7 +102,7 @@ class VIBE_OT_entered(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class VIBE_OT_escaped(bpy.types.Operator):
+class VIBE_OT_escaped(bases.Operator):
     """Take the look of what was typed out of the scene"""
 
     bl_idname = "vibe.escaped"
@@ -115,11 +115,9 @@ class VIBE_OT_escaped(bpy.types.Operator):
         live = addon_state.live
         return bool(live and live.typing and not addon_state.running and _over_our_panel(context))
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         if addon_state.live:
             addon_state.live.clear()
-        drawing.redraw()
-        return {"FINISHED"}
 
 
 def _over_our_panel(context: bpy.types.Context) -> bool:
@@ -142,6 +140,3 @@ def unregister_keys() -> None:
     for keymap, item in _keys:
         keymap.keymap_items.remove(item)
     _keys.clear()
-
-
-CLASSES = (VIBE_OT_entered, VIBE_OT_escaped)

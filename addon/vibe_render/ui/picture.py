@@ -111,7 +111,7 @@ class VIBE_OT_paste_picture(IdleOperator):
     bl_label = "Paste"
     bl_options: ClassVar[set[str]] = {"UNDO"}
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         image = compat.pasted_picture(context)
         if image is None:
             raise schema.VibeError(
@@ -122,6 +122,3 @@ class VIBE_OT_paste_picture(IdleOperator):
         settings = context.scene.vibe
         settings.like_from, settings.like_image = "IMAGE", image
         return f"{image.name} is the reference image"
-
-
-CLASSES = (VIBE_OT_paste_picture,)

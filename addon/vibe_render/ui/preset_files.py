@@ -49,7 +49,7 @@ class VIBE_OT_preset_import(IdleOperator, _FileDialog, ImportHelper):
     directory: StringProperty(subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
     files: CollectionProperty(type=bpy.types.OperatorFileListElement, options={"HIDDEN", "SKIP_SAVE"})
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         """Imports every file that can be; one message names the others."""
         paths = [Path(self.directory) / file.name for file in self.files if file.name]
         paths = paths or [Path(self.filepath)]
@@ -86,7 +86,7 @@ class VIBE_OT_preset_export(PresetOperator, _ExportDialog):
             return {"CANCELLED"}
         return self.propose(context, event, name)
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         library.export_preset(self.look(context), Path(self.filepath))
         return f"Written: {self.filepath}"
 
@@ -105,7 +105,7 @@ class VIBE_OT_export_assets(LookOperator, _ExportDialog):
         libraries = context.preferences.filepaths.asset_libraries
         return self.propose(context, event, _name(context), libraries[0].path if libraries else "")
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         scene = context.scene
         settings = scene.vibe
         settings.show_original = False
@@ -145,7 +145,7 @@ class VIBE_OT_export_lut(IdleOperator, _ExportDialog):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         return self.propose(context, event, _name(context))
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         """Writes it; the message names what a LUT cannot hold."""
         values = transfer.grade_values(context.scene)
         lut.write_cube(Path(self.filepath), _name(context), values)
@@ -157,6 +157,3 @@ class VIBE_OT_export_lut(IdleOperator, _ExportDialog):
 def _name(context: bpy.types.Context) -> str:
     settings: Any = context.scene.vibe
     return settings.vibed_preset or preset.title(settings.vibed_prompt) or context.scene.name
-
-
-CLASSES = (VIBE_OT_preset_import, VIBE_OT_preset_export, VIBE_OT_export_assets, VIBE_OT_export_lut)

@@ -14,7 +14,7 @@ from bpy.props import StringProperty
 from ..core.schema_import import preset, schema
 from ..looks import library, thumbnail, transfer
 from ..run.state import addon_state
-from .bases import IdleOperator, IdlePanel, has_mesh, untouchable
+from .bases import IdleOperator, IdlePanel, Operator, has_mesh, untouchable
 from .drawing import caption, look_icon, paragraph
 
 _WIDTH, _COLUMNS = 26, 4  # of the grid; the width in Blender's units (the height of a button)
@@ -68,7 +68,6 @@ class PresetsPanel(IdlePanel):
     """The chosen preset, and the button that shows all of them."""
 
     bl_label = "Presets"
-    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         self.layout.menu("VIBE_MT_presets", text="", icon="COLLAPSEMENU")  # type: ignore[attr-defined]
@@ -192,7 +191,7 @@ class _NameDialog:
         layout.prop(self, "name")
 
 
-class VIBE_OT_preset_choose(bpy.types.Operator):
+class VIBE_OT_preset_choose(Operator):
     """Choose this preset"""
 
     bl_idname = "vibe.preset_choose"
@@ -209,9 +208,8 @@ class VIBE_OT_preset_choose(bpy.types.Operator):
             return str(error)
         return look.problem or (f"“{look.prompt}”" if look.prompt else look.name)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         context.window_manager.vibe_presets.chosen = self.path
-        return {"FINISHED"}
 
 
 class VIBE_OT_preset_apply(PresetOperator):
@@ -225,7 +223,7 @@ class VIBE_OT_preset_apply(PresetOperator):
     def obstacle(cls, context: bpy.types.Context) -> str:
         return untouchable(context) if has_mesh(context.scene) else "The scene has no mesh"
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         look = self.look(context)
         if look.preset is None:
             raise schema.VibeError(look.problem, "Delete it, or correct the file.")
@@ -253,7 +251,7 @@ class VIBE_OT_preset_save(_NameDialog, LookOperator):
         super().draw(context)
         self.layout.label(text="Blender waits some seconds: a small render becomes its picture", icon="TIME")
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         """Saves it; the picture is a small render, during which Blender waits."""
         scene = context.scene
         look = transfer.capture_preset(scene, scene.vibe.choice(), self.name)
@@ -277,7 +275,7 @@ class VIBE_OT_preset_rename(_NameDialog, _OwnPresetOperator):
         self.name = name
         return context.window_manager.invoke_props_dialog(self, width=340, confirm_text="Rename")
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         renamed = library.rename_preset(self.look(context), self.name)
         context.window_manager.vibe_presets.chosen = str(renamed.path)
         return f"Renamed to {renamed.name}"
@@ -297,21 +295,8 @@ class VIBE_OT_preset_delete(_OwnPresetOperator):
             icon="WARNING",
         )  # fmt: skip
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         look = self.look(context)
         library.delete_preset(look)
         context.window_manager.vibe_presets.chosen = ""
         return f"{look.name} is deleted"
-
-
-CLASSES = (
-    VibePresets,
-    VIBE_MT_preset,
-    VIBE_MT_presets,
-    VIBE_PT_preset_grid,
-    VIBE_OT_preset_choose,
-    VIBE_OT_preset_apply,
-    VIBE_OT_preset_save,
-    VIBE_OT_preset_rename,
-    VIBE_OT_preset_delete,
-)

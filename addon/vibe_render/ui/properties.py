@@ -252,6 +252,3 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         if picture := reference.picture_name(self):
             chosen |= {"like": picture, "like_only": self.traits()}
         return messages.Options.from_dict(chosen | {"online": preferences.online()})
-
-
-CLASSES = (VibeChange, VibeLock, VibeTarget, VibeSettings)

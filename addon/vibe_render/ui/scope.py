@@ -12,7 +12,7 @@ from bpy.props import CollectionProperty, IntProperty, StringProperty
 from ..core.schema_import import labels, schema
 from ..scene import bindings, scene_context
 from . import drawing
-from .bases import IdlePanel
+from .bases import IdlePanel, Operator
 
 _listed: tuple = ()  # fingerprint of the scene that the list shows
 _awaited: tuple = ()  # fingerprint of the scene that a timer is going to list
@@ -22,7 +22,6 @@ class ScopePanel(IdlePanel):
     """The groups that may change, and the subject."""
 
     bl_label = "Affect"
-    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
@@ -43,7 +42,6 @@ class ValuesPanel(IdlePanel):
     """Every single value of the scene, with a lock."""
 
     bl_label = "Individual Locks"
-    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         if count := len(context.scene.vibe.locks):
@@ -145,7 +143,7 @@ def draw_lock(layout: bpy.types.UILayout, settings: Any, key: str, reason: str =
     button.key, button.reason = key, reason
 
 
-class VIBE_OT_lock(bpy.types.Operator):
+class VIBE_OT_lock(Operator):
     """Lock a value, or unlock it"""
 
     bl_idname = "vibe.lock"
@@ -163,17 +161,16 @@ class VIBE_OT_lock(bpy.types.Operator):
         title = labels.title(properties.key)
         return f"Let a vibe change {title}" if locked else f"Keep {title} as it is"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         locks = context.scene.vibe.locks
         place = locks.find(self.key)
         if place >= 0:
             locks.remove(place)
         else:
             locks.add().name = self.key
-        return {"FINISHED"}
 
 
-class VIBE_OT_unlock_all(bpy.types.Operator):
+class VIBE_OT_unlock_all(Operator):
     """Unlock all values that are locked one by one"""
 
     bl_idname = "vibe.unlock_all"
@@ -181,20 +178,17 @@ class VIBE_OT_unlock_all(bpy.types.Operator):
     bl_options: ClassVar[set[str]] = {"UNDO"}
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        cls.poll_message_set("No value is locked")
-        return bool(context.scene.vibe.locks)
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        return "" if context.scene.vibe.locks else "No value is locked"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         context.scene.vibe.locks.clear()
-        return {"FINISHED"}
 
 
 class AdvancedPanel(IdlePanel):
     """Numbers that few need."""
 
     bl_label = "Advanced"
-    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
@@ -203,6 +197,3 @@ class AdvancedPanel(IdlePanel):
         column.prop(settings, "lock", text="", placeholder="light/Key, */metallic")
         for name in ("top_k", "seed", "anchor"):
             column.prop(settings, name)
-
-
-CLASSES = (VibeValue, VibeValues, VIBE_UL_values, VIBE_OT_lock, VIBE_OT_unlock_all)

@@ -42,14 +42,13 @@ class VIBE_OT_check_sequence(run.Vibing):
     bl_options: ClassVar[set[str]] = set()
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def obstacle(cls, context: bpy.types.Context) -> str:
         session = addon_state.session
-        reason = bases.result_obstacle(context)
-        if not reason and not (session and session.report and session.scene == context.scene.name):
-            reason = "Run the vibe again first: its measures last only as long as Blender runs"
-        if not reason and own_keys.are_held(context.scene):
-            reason = bases.HELD
-        return bases.allowed(cls, reason)
+        if reason := bases.result_obstacle(context):
+            return reason
+        if not (session and session.report and session.scene == context.scene.name):
+            return "Run the vibe again first: its measures last only as long as Blender runs"
+        return bases.HELD if own_keys.are_held(context.scene) else ""
 
     def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
         session = addon_state.session
@@ -65,6 +64,3 @@ class VIBE_OT_check_sequence(run.Vibing):
             self.report({"INFO"}, f"{len(frames)} frames checked: {lost} are listed under Result")
             return {"FINISHED"}
         return super()._done(failure, severity)
-
-
-CLASSES = (VIBE_OT_check_sequence,)

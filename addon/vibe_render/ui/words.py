@@ -16,6 +16,7 @@ from ..core import rendered
 from ..core.schema_import import messages, schema, targets
 from ..run.state import addon_state
 from . import drawing
+from .bases import Operator
 
 _TICK = 0.02  # seconds between two looks at what the engine says
 _STATE_ICONS = {"understood": "NONE", "guessed": "QUESTION", "left out": "CANCEL"}
@@ -164,17 +165,15 @@ def _names(_operator: bpy.types.Operator, context: bpy.types.Context) -> list[tu
     return _items
 
 
-class _SetTarget(bpy.types.Operator):
+class _SetTarget(Operator):
     """Keeps in the scene what a word describes."""
 
     bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     word: StringProperty(description="What a target calls the word")
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         context.scene.vibe.set_target(self.word, self.target)
-        drawing.redraw()
-        return {"FINISHED"}
 
 
 class VIBE_OT_describe_another(_SetTarget):
@@ -221,6 +220,3 @@ class VIBE_OT_reword(bpy.types.Operator):
             return {"CANCELLED"}
         settings.prompt = changed
         return {"FINISHED"}
-
-
-CLASSES = (VIBE_OT_reading, VIBE_OT_describe, VIBE_OT_describe_another, VIBE_OT_reword)
