@@ -144,7 +144,7 @@ class Session(SceneSession, SequenceDriver):
                 remember_subject(scene, self.subject(scene))
         except BaseException:  # Esc closes this generator, which raises here
             self._take_look_away()
-            self._restore(start, self._vibed)
+            self._restore(start)
             raise
 
     def _ask_about_shared(self) -> Generator[str]:

@@ -85,8 +85,7 @@ def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
         tracks = _tracks(scene, moments, base, looks) + _cards(scene, moments, looks)
         notes = keyframes.add(scene, tracks)
     except BaseException:
-        if snapshot.exists(scene):
-            snapshot.rollback(scene, start)
+        snapshot.rollback(scene, start)
         raise
     rows = [asdict(moment) for moment in moments]
     scene[keyframes.MOMENTS] = json.dumps({"version": VERSION, "moments": rows}, ensure_ascii=False)
