@@ -19,6 +19,7 @@ from ..core import rendered
 from ..core.compat import assign
 from ..core.journal import Journal
 from ..core.schema_import import schema
+from ..core.temporary import temporary
 from ..render import bake
 from ..scene import bindings, light_links, orbits, prepare, scene_context
 from ..scene.light_types import type_of
@@ -135,7 +136,7 @@ def white_balance(scene: bpy.types.Scene) -> list[list[float]]:
     colors = 0.05 * (1.0 + np.eye(4, 3, dtype=np.float32))  # dark enough to stay below 1 at any balance
     twin = scene.copy()
     image = bpy.data.images.new("Vibe Colors", len(colors), 1, float_buffer=True)
-    try:
+    with temporary(image, twin):
         plain = {"look": "None", "view_transform": "Raw", "exposure": 0.0, "gamma": 1.0}
         try:
             assign(twin.view_settings, **plain, use_curve_mapping=False)
@@ -148,9 +149,6 @@ def white_balance(scene: bpy.types.Scene) -> list[list[float]]:
             path = Path(folder) / "colors.png"
             image.save_render(str(path), scene=twin)
             shown = bake.read_file(path)[0, :, :3]
-    finally:
-        bpy.data.images.remove(image)
-        bpy.data.scenes.remove(twin)
     return np.linalg.lstsq(colors, shown, rcond=None)[0].T.tolist()
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..core.files import whole
 from ..core.schema_import import schema
+from ..core.temporary import temporary
 from ..render import bake, final_render
 
 SIZE = 128  # pixels
@@ -39,12 +40,9 @@ def save_thumbnail(picture: Path, out: Path) -> None:
     top, left = ((n - side) // 2 for n in pixels.shape[:2])
     middle = np.ascontiguousarray(pixels[top : top + side, left : left + side])
     middle[..., 3] = 1.0
-    with whole(out, "Check the folder.") as part:
-        small = bpy.data.images.new("Vibe Thumbnail", side, side, alpha=False, is_data=True)
-        try:
-            small.pixels.foreach_set(middle.ravel())
-            small.scale(SIZE, SIZE)
-            small.filepath_raw, small.file_format = str(part), "JPEG"
-            small.save(quality=_QUALITY)
-        finally:
-            bpy.data.images.remove(small)
+    small = bpy.data.images.new("Vibe Thumbnail", side, side, alpha=False, is_data=True)
+    with temporary(small), whole(out, "Check the folder.") as part:
+        small.pixels.foreach_set(middle.ravel())
+        small.scale(SIZE, SIZE)
+        small.filepath_raw, small.file_format = str(part), "JPEG"
+        small.save(quality=_QUALITY)

@@ -18,6 +18,7 @@ from mathutils import Vector
 from ..core import compat, rendered
 from ..core.compat import assign, changed
 from ..core.files import whole
+from ..core.temporary import temporary
 from ..scene.copies import copied_scene
 from ..scene.light_types import type_of
 from ..scene.nodes import light_nodes
@@ -39,11 +40,8 @@ def _render_linear(scene: bpy.types.Scene, samples: int) -> np.ndarray:
         with whole(path) as part:
             scene.render.filepath = str(part)
             bpy.ops.render.render(scene=scene.name, layer=rendered.layer(scene).name, write_still=True)
-        image = bpy.data.images.load(str(path))
-        try:
+        with temporary(bpy.data.images.load(str(path))) as image:
             return image_pixels(image)
-        finally:
-            bpy.data.images.remove(image)
 
 
 def image_channels(image: bpy.types.Image) -> np.ndarray:
@@ -56,12 +54,9 @@ def image_channels(image: bpy.types.Image) -> np.ndarray:
 
 def read_file(path: Path) -> np.ndarray:
     """The pixels of an image file as they are stored: (H, W, C) float32, row 0 at the bottom."""
-    image = bpy.data.images.load(str(path))
-    try:
+    with temporary(bpy.data.images.load(str(path))) as image:
         image.colorspace_settings.is_data = True
         return image_channels(image)
-    finally:
-        bpy.data.images.remove(image)
 
 
 def image_pixels(image: bpy.types.Image) -> np.ndarray:
@@ -84,12 +79,8 @@ def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.
             for link in list(entry.links):
                 tree.links.remove(link)
         tree.links.new(glow.outputs["Emission"], output.inputs["Surface"])
-    try:
+    with temporary(twin, *groups):
         yield twin
-    finally:
-        bpy.data.materials.remove(twin)
-        for group in groups:
-            bpy.data.node_groups.remove(group)
 
 
 def exposed_output(
@@ -136,11 +127,8 @@ def bake_uvs(material: bpy.types.Material, size: int) -> np.ndarray:
         scene.collection.objects.link(plane)
         scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 1.0
         scene.camera.location = (0.5, 0.5, 1.0)
-        try:
+        with temporary(plane, mesh):
             return _render_linear(scene, samples=4)
-        finally:
-            bpy.data.objects.remove(plane)
-            bpy.data.meshes.remove(mesh)
 
 
 def bake_world(world: bpy.types.World, height: int, samples: int) -> np.ndarray:
@@ -171,12 +159,8 @@ def _empty_scene(width: int, height: int) -> Iterator[bpy.types.Scene]:
     scene.camera = camera
     scene.render.resolution_x, scene.render.resolution_y = width, height
     scene.render.resolution_percentage = 100
-    try:
+    with temporary(camera, data, scene):
         yield scene
-    finally:
-        bpy.data.objects.remove(camera)
-        bpy.data.cameras.remove(data)
-        bpy.data.scenes.remove(scene)
 
 
 def mean_light_factor(light: Object, pivot: Vector) -> tuple[float, float, float]:
@@ -224,13 +208,7 @@ def _lit_ball(light: Object, radius: float) -> Iterator[tuple[Scene, Light]]:
     matrix = light.matrix_world.copy()
     matrix.translation = (0.0, 0.0, 0.0)
     lamp.matrix_world = matrix
-    try:
-        with _empty_scene(2 * _FACTOR_HEIGHT, _FACTOR_HEIGHT) as scene:
-            for obj in (lamp, ball):
-                scene.collection.objects.link(obj)
-            yield scene, data
-    finally:
-        bpy.data.objects.remove(lamp)
-        bpy.data.objects.remove(ball)
-        bpy.data.lights.remove(data)
-        bpy.data.meshes.remove(mesh)
+    with temporary(lamp, ball, data, mesh), _empty_scene(2 * _FACTOR_HEIGHT, _FACTOR_HEIGHT) as scene:
+        for obj in (lamp, ball):
+            scene.collection.objects.link(obj)
+        yield scene, data

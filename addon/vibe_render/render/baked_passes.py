@@ -22,6 +22,7 @@ from mathutils import Matrix
 
 from ..core import rendered
 from ..core.compat import changed
+from ..core.temporary import temporary
 from ..scene.copies import copied_scene
 from ..scene.nodes.trails import ValueOrigin
 from . import final_render
@@ -250,11 +251,8 @@ def straight_on(scene: bpy.types.Scene, plane: CapturePlane) -> Iterator[None]:
     pose[:3, :3], pose[:3, 3] = plane.axes, plane.center + plane.axes[:, 2] * above
     camera.matrix_world = Matrix(pose.tolist())
     scene.camera = camera
-    try:
+    with temporary(camera, data):
         yield
-    finally:
-        bpy.data.objects.remove(camera)
-        bpy.data.cameras.remove(data)
 
 
 def render_passes(scene: bpy.types.Scene) -> dict[str, np.ndarray]:

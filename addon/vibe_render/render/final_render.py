@@ -15,6 +15,7 @@ import numpy as np
 from ..core import rendered
 from ..core.compat import assign, changed
 from ..core.files import whole
+from ..core.temporary import temporary
 from ..scene.copies import copied_scene
 from . import bake, light_groups
 from .light_groups import LightLayer
@@ -175,14 +176,11 @@ def join_pictures(pictures: Sequence[Path], path: Path) -> None:
 def _save(pixels: np.ndarray, path: Path) -> None:
     """Writes an opaque picture, (H, W, 3) from its lowest row, as a PNG, atomically."""
     height, width, _ = pixels.shape
-    image = bpy.data.images.new("Vibe Picture", width, height, alpha=False, is_data=True)
-    try:
+    with temporary(bpy.data.images.new("Vibe Picture", width, height, alpha=False, is_data=True)) as image:
         image.pixels.foreach_set(np.pad(pixels, ((0, 0), (0, 0), (0, 1)), constant_values=1.0).ravel())
         with whole(path) as part:
             image.filepath_raw, image.file_format = str(part), "PNG"
             image.save()
-    finally:
-        bpy.data.images.remove(image)
 
 
 def is_black(picture: Path) -> bool:

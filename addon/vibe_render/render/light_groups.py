@@ -21,6 +21,7 @@ from ..core import compat, rendered
 from ..core.compat import assign, changed
 from ..core.files import whole
 from ..core.journal import Journal
+from ..core.temporary import temporary
 from ..scene.copies import copied_scene
 from ..scene.nodes import mix
 from ..scene.nodes.layers import emitted_radiance
@@ -196,18 +197,14 @@ class LightMix:
         size = {"resolution_x": width, "resolution_y": height, "resolution_percentage": 100}
         journal = Journal()
         passes = bpy.data.images.load(str(self._path))
-        try:
+        with temporary(image, passes), copied_scene(scene, graded=True, **size) as twin:
             image.pixels.foreach_set(self.mixed(factors).ravel())
-            with copied_scene(scene, graded=True, **size) as twin:
-                try:
-                    tree = compat.compositor(twin) or compat.start_compositor(journal, twin)
-                    _feed(tree, image, passes, rendered.layer(scene).name)
-                    _render(twin, path, _COLORS)
-                finally:
-                    journal.undo()
-        finally:
-            bpy.data.images.remove(image)
-            bpy.data.images.remove(passes)
+            try:
+                tree = compat.compositor(twin) or compat.start_compositor(journal, twin)
+                _feed(tree, image, passes, rendered.layer(scene).name)
+                _render(twin, path, _COLORS)
+            finally:
+                journal.undo()
 
 
 def _feed(tree: NodeTree, image: Image, passes: Image, first: str) -> None:
@@ -243,16 +240,14 @@ def _opened(path: Path, size: tuple[int, int]) -> Iterator[tuple[Scene, Image]]:
     journal, scene = Journal(), bpy.data.scenes.new("Vibe Mix")
     scene.render.resolution_x, scene.render.resolution_y = size
     scene.render.resolution_percentage = 100
-    image = bpy.data.images.load(str(path))
-    try:
-        tree = compat.start_compositor(journal, scene)
-        for node in [n for n in tree.nodes if n.bl_idname == "CompositorNodeRLayers"]:
-            tree.nodes.remove(node)
-        yield scene, image
-    finally:
-        journal.undo()
-        bpy.data.scenes.remove(scene)
-        bpy.data.images.remove(image)
+    with temporary(scene), temporary(bpy.data.images.load(str(path))) as image:
+        try:
+            tree = compat.start_compositor(journal, scene)
+            for node in [n for n in tree.nodes if n.bl_idname == "CompositorNodeRLayers"]:
+                tree.nodes.remove(node)
+            yield scene, image
+        finally:
+            journal.undo()
 
 
 def _rendered(scene: Scene, source: Node, name: str, denoised: bool = False) -> np.ndarray:

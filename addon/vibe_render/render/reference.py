@@ -12,6 +12,7 @@ import numpy as np
 
 from ..core.compat import changed
 from ..core.schema_import import schema
+from ..core.temporary import temporary
 from . import bake
 
 _NAME = "reference"
@@ -71,7 +72,7 @@ def _save_image(image: bpy.types.Image, folder: Path) -> Path:
         rgba[:, :3] = rgba[:, :1]
     path = folder / f"{_NAME}.{'exr' if image.is_float else 'png'}"
     copy = bpy.data.images.new(_NAME, width, height, alpha=True, float_buffer=image.is_float)
-    try:
+    with temporary(copy):
         copy.alpha_mode = image.alpha_mode
         # Of no color space, numbers are saved as they are: light linear, colors encoded.
         copy.colorspace_settings.is_data = True
@@ -79,8 +80,6 @@ def _save_image(image: bpy.types.Image, folder: Path) -> Path:
         copy.file_format = "OPEN_EXR" if image.is_float else "PNG"
         copy.filepath_raw = str(path)
         copy.save()
-    finally:
-        bpy.data.images.remove(copy)
     return path
 
 
