@@ -22,7 +22,7 @@ from ..core.schema_import import schema
 from ..core.temporary import temporary
 from ..render import bake
 from ..scene import bindings, light_links, orbits, prepare, scene_context
-from ..scene.light_types import type_of
+from ..scene.light_types import exported, has_uneven_cone, type_of
 from ..scene.nodes import backgrounds, layers, light_nodes
 from .analysis import SceneAnalysis
 
@@ -106,7 +106,7 @@ def _light_row(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, A
         "role": role,
         "tint": light_nodes.factor(data) or bake.mean_light_factor(thing, pivot),
     }
-    return row | type_of(thing).exported(thing)
+    return row | exported(thing)
 
 
 def film_row(scene: bpy.types.Scene) -> dict[str, Any]:
@@ -182,7 +182,8 @@ def light_notes(scene: bpy.types.Scene) -> list[str]:
             notes.append(f"{light.name} has no usable place: it is left out.")
         elif light_nodes.factor(light.data) is None:
             notes.append(f"The nodes of {light.name} are shown as their average: without a pattern.")
-        notes += type_of(light).approximations(light)
+        if has_uneven_cone(light):
+            notes.append(f"{light.name} is scaled unevenly; the prediction shows a round cone.")
     if len(instances) > MOST_INSTANCES:
         left = len(instances) - MOST_INSTANCES
         notes.append(f"{left} instances of lights, the farthest, are left out of the prediction.")

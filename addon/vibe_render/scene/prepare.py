@@ -17,7 +17,7 @@ from ..core.journal import Journal
 from ..core.schema_import import schema
 from . import scene_context, snapshot
 from .geometry.meshes import array
-from .light_types import AreaLightType, light_type
+from .light_types import light_type
 from .nodes import backgrounds, layers, owned
 from .nodes.trails import active_links
 from .orbits import orbit_matrix
@@ -40,7 +40,7 @@ OURS = {"key": "Vibe Key", "fill": "Vibe Fill", "rim": "Vibe Rim"}
 _SUN = 0.526  # degrees
 _LEAST_LIGHT = 0.1  # radiance of white at the subject from which a scene is lit
 _CLEAR = 0.2  # of the way from the subject to a wall: how far from the wall a light stands
-LIGHT_TYPE = AreaLightType.name
+LIGHT_TYPE = "AREA"
 """The type of a light that is added for a role."""
 
 

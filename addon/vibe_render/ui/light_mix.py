@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """Light Mix in the panel: a slider and a color for each light of a Cycles render, which change its image at once."""
 
 from __future__ import annotations

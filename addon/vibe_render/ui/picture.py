@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """The reference image: its fields, its part of the main panel, and pasting it from the clipboard."""
 
 from __future__ import annotations

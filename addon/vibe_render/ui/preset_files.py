@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """Looks as files to pass on: presets are imported and exported, the scene's look as assets, its grade as a LUT."""
 
 from __future__ import annotations

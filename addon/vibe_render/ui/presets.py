@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """Presets in the "Vibe" tab: a grid of pictures to choose from, the chosen preset, and actions on it."""
 
 from __future__ import annotations

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """The prompts that were typed, with the targets of their words, the newest first: a small file of the user's, for all scenes."""
 
 from __future__ import annotations

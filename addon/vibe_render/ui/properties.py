@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """The panel's fields, kept in the scene at `scene.vibe`. Groups and options come from the schema."""
 
 from collections.abc import Callable, Iterable, Mapping

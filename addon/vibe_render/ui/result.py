@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """A result in the panel: images, Keep and Revert, strength, variants, visible words, changes and their reasons; one undo step each."""
 
 from __future__ import annotations

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """Vibe It: a vibe from the button to its end, in the background; its progress in the panel, and the buttons that end it.
 
 It leaves one undo step.

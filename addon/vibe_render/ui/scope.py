@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """The limits of a vibe: the panel of groups and subject, and the list of all single values, each with a lock."""
 
 from __future__ import annotations

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """Check Sequence in the panel: the frames of the scene where a word of the result is no longer visible."""
 
 from __future__ import annotations

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """The engine and its cache in the preferences and in the panel: find it, set it up, test it, clear what it keeps."""
 
 from __future__ import annotations

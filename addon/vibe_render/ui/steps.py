@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """Further sentences in the panel: the list of steps, and the field for the next one. Each action is one undo step."""
 
 from __future__ import annotations

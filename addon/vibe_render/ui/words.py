@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """The words of the prompt, each marked as understood, guessed or left out; its targets, and other words in its place."""
 
 from __future__ import annotations
