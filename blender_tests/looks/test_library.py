@@ -167,5 +167,5 @@ def test_a_look_is_captured_as_it_is_now(addon, tmp_path):
     flat = transfer.capture_preset(addon, SubjectChoice(), "Flat")
     assert flat.roles["film"][0]["saturation"] == [pytest.approx(1.0)]
     assert snapshot.exists(addon)
-    thumbnail.render_thumbnail(addon, tmp_path / "small.jpg")
-    assert bake.read_file(tmp_path / "small.jpg").shape == (thumbnail.SIZE, thumbnail.SIZE, 4)
+    with thumbnail.rendered_thumbnail(addon) as picture:
+        assert bake.read_file(picture).shape == (thumbnail.SIZE, thumbnail.SIZE, 4)

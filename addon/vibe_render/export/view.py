@@ -142,8 +142,7 @@ def white_balance(scene: bpy.types.Scene) -> list[list[float]]:
             assign(twin.view_settings, **plain, use_curve_mapping=False)
         except TypeError:
             return []
-        kind = {"media_type": "IMAGE", "file_format": "PNG", "color_mode": "RGB", "color_depth": "16"}
-        assign(twin.render.image_settings, **kind)
+        assign(twin.render.image_settings, **bake.png("RGB", "16"))
         image.pixels.foreach_set(np.insert(colors, 3, 1.0, axis=1).ravel())
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             path = Path(folder) / "colors.png"

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import bpy
@@ -20,14 +22,16 @@ _QUALITY = 92
 _SAMPLES = 48
 
 
-def render_thumbnail(scene: bpy.types.Scene, out: Path) -> None:
-    """Renders the scene small with Cycles, and writes the square in the middle as a JPEG."""
+@contextmanager
+def rendered_thumbnail(scene: bpy.types.Scene) -> Iterator[Path]:
+    """A JPEG of the square in the middle of a small Cycles render of the scene; removed after the block."""
     width, height = scene.render.resolution_x, scene.render.resolution_y
     longer = round(SIZE * max(width, height) / min(width, height))
     with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
-        picture = Path(folder) / "whole.png"
+        picture, middle = Path(folder) / "whole.png", Path(folder) / f"middle{SUFFIX}"
         final_render.render_picture(scene, picture, longer, _SAMPLES)
-        save_thumbnail(picture, out)
+        save_thumbnail(picture, middle)
+        yield middle
 
 
 def save_thumbnail(picture: Path, out: Path) -> None:

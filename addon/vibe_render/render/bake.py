@@ -5,9 +5,10 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import bmesh
 import bpy
@@ -28,6 +29,22 @@ _FACTOR_HEIGHT, _FACTOR_SAMPLES = 32, 64
 _WATTS = 1000.0
 LINEAR = {"media_type": "IMAGE", "file_format": "OPEN_EXR", "color_depth": "32", "color_mode": "RGB"}
 """Settings of an image file; the later ones are valid only after the earlier ones."""
+LAYERS = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER", "color_depth": "32"}
+
+
+def png(mode: str, depth: str = "8") -> dict[str, Any]:
+    """Settings of a PNG file."""
+    kind = {"media_type": "IMAGE", "file_format": "PNG"}
+    return {**kind, "color_mode": mode, "color_depth": depth, "compression": 15}
+
+
+def render_file(scene: Scene, path: Path, kind: Mapping[str, Any], **options: str) -> None:
+    """Renders a scene of ours to a file of a kind, atomically; `options` are those of Blender's operator."""
+    assign(scene.render.image_settings, **kind)
+    assign(scene.render, use_overwrite=True, use_file_extension=True)
+    with whole(path) as part:
+        scene.render.filepath = str(part)
+        bpy.ops.render.render(scene=scene.name, write_still=True, **options)
 
 
 def _render_linear(scene: bpy.types.Scene, samples: int) -> np.ndarray:
@@ -36,10 +53,7 @@ def _render_linear(scene: bpy.types.Scene, samples: int) -> np.ndarray:
     exact = {"samples": samples, "use_denoising": False, "use_adaptive_sampling": False}
     with tempfile.TemporaryDirectory() as folder, changed(scene.cycles, device="CPU", max_bounces=0, **exact):
         path = Path(folder) / "linear.exr"
-        assign(scene.render.image_settings, **LINEAR)
-        with whole(path) as part:
-            scene.render.filepath = str(part)
-            bpy.ops.render.render(scene=scene.name, layer=rendered.layer(scene).name, write_still=True)
+        render_file(scene, path, LINEAR, layer=rendered.layer(scene).name)
         with temporary(bpy.data.images.load(str(path))) as image:
             return image_pixels(image)
 

@@ -18,8 +18,7 @@ import numpy as np
 from bpy.types import ID, Image, Node, NodeTree, Object, Scene, ViewLayer
 
 from ..core import compat, rendered
-from ..core.compat import assign, changed
-from ..core.files import whole
+from ..core.compat import changed
 from ..core.journal import Journal
 from ..core.temporary import temporary
 from ..scene.copies import copied_scene
@@ -33,7 +32,6 @@ MOST = 12
 _LITTLE = 1e-3
 """The share of all light below which what no layer has is rounding and the denoiser's, and not light."""
 _LINEAR = {**bake.LINEAR, "color_mode": "RGBA"}
-_COLORS = {"media_type": "IMAGE", "file_format": "PNG", "color_mode": "RGBA", "color_depth": "8"}
 WORLD, EMISSION, REST = "World", "Emission", "Other Lights"
 
 
@@ -202,7 +200,7 @@ class LightMix:
             try:
                 tree = compat.compositor(twin) or compat.start_compositor(journal, twin)
                 _feed(tree, image, passes, rendered.layer(scene).name)
-                _render(twin, path, _COLORS)
+                bake.render_file(twin, path, bake.png("RGBA"))
             finally:
                 journal.undo()
 
@@ -264,15 +262,7 @@ def _rendered(scene: Scene, source: Node, name: str, denoised: bool = False) -> 
     tree.links.new(output, target)
     path = Path(bpy.app.tempdir) / "vibe-pass.exr"
     try:
-        _render(scene, path, _LINEAR)
+        bake.render_file(scene, path, _LINEAR)
         return bake.read_file(path)
     finally:
         path.unlink(missing_ok=True)
-
-
-def _render(scene: Scene, path: Path, kind: Mapping[str, str]) -> None:
-    """Renders a compositor that needs no scene to a file, atomically."""
-    assign(scene.render.image_settings, **kind)
-    with whole(path) as part:
-        assign(scene.render, use_overwrite=True, use_file_extension=True, filepath=str(part))
-        bpy.ops.render.render(scene=scene.name, write_still=True)

@@ -91,8 +91,9 @@ def _save_slot(scene: bpy.types.Scene, slot: int, folder: Path) -> Path:
     if slot > len(slots):
         raise schema.VibeError(f"There is no render slot {slot}.", f"Use 1 to {len(slots)}.")
     shown = slots.active_index
-    kind = {"media_type": "IMAGE", "file_format": "PNG", "color_mode": "RGBA", "color_depth": "16"}
-    with changed(scene.render.image_settings, **kind):  # of a copy of the scene, there is no render result
+    with changed(
+        scene.render.image_settings, **bake.png("RGBA", "16")
+    ):  # of a copy of the scene, there is no render result
         try:
             slots.active_index = slot - 1
             result.save_render(str(path), scene=scene)

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -112,9 +111,7 @@ class VIBE_OT_export_assets(LookOperator, _ExportDialog):
         names = dict.fromkeys(owner for group, owner, _ in keys if group == "material")
         materials = {material.name_full: material for material in bpy.data.materials}
         analysis = reading.read_scene(scene, settings.choice()).analysis
-        with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
-            picture = Path(folder) / f"picture{thumbnail.SUFFIX}"
-            thumbnail.render_thumbnail(scene, picture)
+        with thumbnail.rendered_thumbnail(scene) as picture:
             written = assets.export_assets(
                 analysis,
                 _name(context),

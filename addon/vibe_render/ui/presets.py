@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 from typing import ClassVar
 
@@ -254,9 +253,7 @@ class VIBE_OT_preset_save(_NameDialog, LookOperator):
         """Saves it; the picture is a small render, during which Blender waits."""
         scene = context.scene
         look = transfer.capture_preset(scene, scene.vibe.choice(), self.name)
-        with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
-            picture = Path(folder) / f"picture{thumbnail.SUFFIX}"
-            thumbnail.render_thumbnail(scene, picture)
+        with thumbnail.rendered_thumbnail(scene) as picture:
             saved = library.save_preset(look, picture)
         context.window_manager.vibe_presets.chosen = str(saved.path)
         return f"Saved as {saved.name}"
