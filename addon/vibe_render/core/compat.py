@@ -64,11 +64,6 @@ def output_node(block: Any, target: str = "CYCLES") -> Node | None:
     return tree.get_output_node(target) if tree else None
 
 
-def displaces_normals(material: bpy.types.Material) -> bool:
-    """True if a material's displacement is rendered as bump, or as both."""
-    return material.displacement_method != "DISPLACEMENT"
-
-
 def compositor(scene: Scene) -> NodeTree | None:
     """The compositor tree that is applied to the scene's renders; None if there is none."""
     if not scene.render.use_compositing:

@@ -120,8 +120,7 @@ def apply(args: argparse.Namespace, reporter: Reporter) -> None:
         reporter.stage("rendering before")
         final_render.render_picture(scene, out.path("before.png"), args.size, args.samples, args.seed)
         skipped = bindings.write(scene, fitted.values, analysis.objects, analysis.pivot)
-        if choice.explicit:
-            remember_subject(scene, analysis.objects)
+        remember_subject(scene, analysis.objects, choice)
         reporter.stage("rendering after")
         final_render.render_picture(scene, out.path("after.png"), args.size, args.samples, args.seed)
         save_blend(out.path("vibed.blend"))
@@ -197,8 +196,7 @@ def serve() -> None:
                 else:
                     COMMANDS[args.command](args, reporter)
             except Exception as error:  # the next command opens a file of its own
-                known = error if isinstance(error, schema.VibeError) else None
-                reporter.error(known or errors.unexpected(error, reporter.doing))
+                reporter.error(errors.to_show(error, reporter.doing))
                 engine.stop(patience=0.1)  # it may be in the middle of something
     finally:
         engine.stop()

@@ -148,8 +148,7 @@ class HeadlessVibe(SequenceDriver):
         if args.grade_each or number == siblings[0]:
             values = self._values(number, result)
             self._skipped |= bindings.write(analysis.scene, values, analysis.objects, analysis.pivot)
-            if shots.choice.explicit:
-                remember_subject(analysis.scene, analysis.objects)
+            remember_subject(analysis.scene, analysis.objects, shots.choice)
         if len(shots) == 1:
             self._add_step(result)
         self._reporter.stage("rendering with Cycles")

@@ -264,8 +264,7 @@ def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectCho
         settings.show_original = shown
         raise
     settings.vibed_preset = look.name
-    if choice.explicit:
-        remember_subject(scene, subject)
+    remember_subject(scene, subject, choice)
     return fitted.rest
 
 

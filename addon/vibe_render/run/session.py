@@ -85,10 +85,8 @@ class Session(SceneSession, SequenceDriver):
     def check(self, scene: bpy.types.Scene, every: int) -> None:
         """Lets the next steps check frames of the scene, from its first to its last; `sequence` has them then."""
         frames = range(scene.frame_start, scene.frame_end + 1, every)
-        seen, choice = (
-            words_of(self.report.get("verdicts", ()), "visible"),
-            SubjectChoice(tuple(self._subject)),
-        )
+        seen = words_of(self.report.get("verdicts", ()), "visible")
+        choice = SubjectChoice(tuple(self._subject))
         self.checking = True
         self._steps = self._check_frames(scene, frames, seen, choice, self._options.seed)
 
@@ -140,8 +138,7 @@ class Session(SceneSession, SequenceDriver):
             subject, change = self.subject(scene), self._change
             result.apply(scene, self.prompt, engine_result, subject, self._pivot, change=change)
             scene.vibe.vibed_like = self.like or scene.vibe.vibed_like
-            if self._choice.explicit:
-                remember_subject(scene, self.subject(scene))
+            remember_subject(scene, self.subject(scene), self._choice)
         except BaseException:  # Esc closes this generator, which raises here
             self._take_look_away()
             self._restore(start)

@@ -143,10 +143,8 @@ def _answer_of(future: Future) -> tuple:
     """(its result, None), or (None, the VibeError to show)."""
     try:
         return future.result(), None
-    except schema.VibeError as error:
-        return None, error
     except Exception as error:  # a panel must say so, whatever it is
-        return None, errors.unexpected(error, "looking for the engine")
+        return None, errors.to_show(error, "looking for the engine")
 
 
 engine_state = EngineState()

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 import bpy
 
-from ..core.schema_import import errors, schema
+from ..core.schema_import import errors
 from ..run.live import Live
 from ..run.state import addon_state
 from . import bases, drawing
@@ -47,11 +47,8 @@ def _tick() -> float | None:
     failure = None
     try:
         live.advance()
-    except schema.VibeError as error:
-        failure = error
     except Exception as error:  # an artist must never be left with a stuck panel
-        failure = errors.unexpected(error, "looking at the words")
-    if failure:
+        failure = errors.to_show(error, "looking at the words")
         addon_state.end_live()
         addon_state.failure = failure
     if failure or before != (live.stage, live.look):

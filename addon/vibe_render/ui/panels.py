@@ -113,10 +113,7 @@ CLASSES = [
 @persistent
 def _before_load(*_: object) -> None:
     """A vibe belongs to its file: it ends before Blender opens another, and its pictures go."""
-    addon_state.cancel()
-    addon_state.forget()
-    addon_state.forget_mix()
-    addon_state.end_live()
+    addon_state.leave_file()
 
 
 @persistent

@@ -80,9 +80,7 @@ class VIBE_OT_preset_export(PresetOperator, _ExportDialog):
     filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if (name := self.name_or_report(context)) is None:
-            return {"CANCELLED"}
-        return self.propose(context, event, name)
+        return self.propose(context, event, self.look(context).name)
 
     def perform(self, context: bpy.types.Context) -> str:
         library.export_preset(self.look(context), Path(self.filepath))

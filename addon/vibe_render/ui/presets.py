@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import ClassVar
 
 import bpy
@@ -145,16 +144,12 @@ class PresetOperator(IdleOperator):
         options={"HIDDEN", "SKIP_SAVE"}, description="The preset's file; empty: the chosen one"
     )
 
+    @classmethod
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        return "" if _chosen(context) else "Choose a preset first"
+
     def look(self, context: bpy.types.Context) -> library.Look:
         return library.preset_at(self.path or context.window_manager.vibe_presets.chosen)
-
-    def name_or_report(self, context: bpy.types.Context) -> str | None:
-        """The preset's name; reports that it is gone and returns None if so."""
-        try:
-            return self.look(context).name
-        except schema.VibeError as error:
-            self.report({"ERROR"}, str(error))
-            return None
 
 
 class LookOperator(IdleOperator):
@@ -170,10 +165,8 @@ class _OwnPresetOperator(PresetOperator):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        chosen = context.window_manager.vibe_presets.chosen
-        if not chosen:
-            return "Choose a preset first"
-        return "It comes with Vibe Render" if Path(chosen).parent == library.SHIPPED else ""
+        look = _chosen(context)
+        return "It comes with Vibe Render" if look and look.shipped else super().obstacle(context)
 
 
 class _NameDialog:
@@ -266,9 +259,7 @@ class VIBE_OT_preset_rename(_NameDialog, _OwnPresetOperator):
     bl_label = "Rename Preset"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if (name := self.name_or_report(context)) is None:
-            return {"CANCELLED"}
-        self.name = name
+        self.name = self.look(context).name
         return context.window_manager.invoke_props_dialog(self, width=340, confirm_text="Rename")
 
     def perform(self, context: bpy.types.Context) -> str:
@@ -284,12 +275,10 @@ class VIBE_OT_preset_delete(_OwnPresetOperator):
     bl_label = "Delete Preset"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if (name := self.name_or_report(context)) is None:
-            return {"CANCELLED"}
+        message = f"{self.look(context).name} will be gone for good."
         return context.window_manager.invoke_confirm(
-            self, event, title="Delete Preset", message=f"{name} will be gone for good.", confirm_text="Delete",
-            icon="WARNING",
-        )  # fmt: skip
+            self, event, title="Delete Preset", message=message, confirm_text="Delete", icon="WARNING"
+        )
 
     def perform(self, context: bpy.types.Context) -> str:
         look = self.look(context)

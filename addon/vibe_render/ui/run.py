@@ -146,10 +146,8 @@ def _advance(session: Session) -> schema.VibeError | None:
     try:
         if not session.advance():
             addon_state.end()
-    except schema.VibeError as error:
-        return error
     except Exception as error:  # an artist must never be left with a stuck panel
-        return errors.unexpected(error, session.stage.lower())
+        return errors.to_show(error, session.stage.lower())
     return None
 
 
