@@ -17,11 +17,10 @@ from mathutils import Vector
 
 from ..core import rendered
 from ..core.compat import assign
-from ..core.journal import Journal
 from ..core.schema_import import schema
 from ..core.temporary import temporary
 from ..render import bake
-from ..scene import bindings, light_links, orbits, prepare, scene_context
+from ..scene import bindings, light_links, orbits, prepare, scene_context, snapshot
 from ..scene.light_types import exported, has_uneven_cone, type_of
 from ..scene.nodes import backgrounds, layers, light_nodes
 from .analysis import SceneAnalysis
@@ -207,8 +206,7 @@ def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[
     scene, pivot = analysis.scene, Vector(analysis.pivot)
     known = schema.added_lights.ADDED_LIGHTS
     names = [name for name in known if name not in bpy.data.objects]
-    journal = Journal()
-    try:
+    with snapshot.undone(scene) as journal:
         added = bindings.add_lights(journal, scene, names, analysis.objects)
         rendered.layer(scene).update()
         corners = scene_context.bounds(scene, analysis.objects or scene_context.meshes(scene))
@@ -219,9 +217,6 @@ def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[
         ]
         bound = bindings.instances(scene, analysis.objects, analysis.pivot, ("light",))
         ours = {k: replace(i, role=known[i.owner].role) for k, i in bound.items() if i.owner in names}
-    finally:
-        journal.undo()
-        rendered.layer(scene).update()
     return rows, ours
 
 

@@ -118,14 +118,9 @@ def _untinted(world: bpy.types.World) -> Iterator[tuple[bpy.types.World, list[bp
     """A copy of a world, its groups included, with neutral insets, and its trees; removed afterwards."""
     twin = _copy(world)
     _unlink(twin.node_tree, ("Volume",))
-    trees = [twin.node_tree]
-    for tree in trees:  # grows by the groups inside
+    trees = [twin.node_tree, *compat.copy_groups(twin.node_tree)]
+    for tree in trees:
         inputs.neutralize(tree, (TINT, FACTOR))
-        for node in tree.nodes:
-            if node.type == "GROUP" and node.node_tree:
-                node.node_tree = node.node_tree.copy()
-                compat.drop_action(node.node_tree)
-                trees.append(node.node_tree)
     with temporary(twin, *trees[1:]):
         yield twin, trees
 

@@ -90,6 +90,17 @@ def transaction(scene: Scene) -> Iterator[Journal]:
         stored_journal.store(scene, KEY, whole)
 
 
+@contextmanager
+def undone(scene: Scene) -> Iterator[Journal]:
+    """A journal for changes that are undone at the end of the block."""
+    journal = Journal()
+    try:
+        yield journal
+    finally:
+        journal.undo()
+        rendered.layer(scene).update()
+
+
 def load(scene: Scene) -> Journal:
     """The journal of what has been touched since `take`; raises as `revert`."""
     if not exists(scene):

@@ -31,10 +31,6 @@ def draw_soon() -> None:
         bpy.app.timers.register(_draw, first_interval=_TICK)
 
 
-def _changed(_channel: VibeMixChannel, _context: bpy.types.Context) -> None:
-    draw_soon()
-
-
 def _draw() -> float | None:
     scene = bpy.context.scene
     rendered = _shown(scene)
@@ -79,7 +75,7 @@ class VibeMixChannel(bpy.types.PropertyGroup):
         max=1000.0,
         soft_max=4.0,
         precision=2,
-        update=_changed,
+        update=lambda _channel, _context: draw_soon(),
     )
     color: FloatVectorProperty(
         name="Color",
@@ -89,7 +85,7 @@ class VibeMixChannel(bpy.types.PropertyGroup):
         default=light_mix.WHITE,
         min=0.0,
         max=1.0,
-        update=_changed,
+        update=lambda _channel, _context: draw_soon(),
     )
     applied: FloatVectorProperty(
         size=3, default=light_mix.WHITE, description="What Apply has multiplied it by since the render"
