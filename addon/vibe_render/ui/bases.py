@@ -77,9 +77,16 @@ class IdlePanel:
 
 
 class Operator(bpy.types.Operator):
-    """An operator that says why it is grayed out. A failure is one line, and leaves everything as it was."""
+    """An operator that says why it is grayed out. A failure is one line, and leaves everything as it was.
+
+    Its name is that of its class as Blender writes it: VIBE_OT_revert is "vibe.revert".
+    """
 
     severity = "INFO"  # of the closing message
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        cls.bl_idname = cls.__name__.lower().replace("_ot_", ".")
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:

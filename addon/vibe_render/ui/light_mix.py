@@ -158,7 +158,6 @@ def _obstacle(context: bpy.types.Context) -> str:
 class VIBE_OT_mix_render(bases.IdleOperator):
     """Render a small image with Cycles, each light in a layer of its own. Your light groups stay as they are"""
 
-    bl_idname = "vibe.mix_render"
     bl_label = "Render Lights"
     bl_options: ClassVar[set[str]] = {"UNDO"}
 
@@ -196,7 +195,6 @@ class _Mixed(bases.IdleOperator):
 class VIBE_OT_mix_apply(_Mixed):
     """Write the mix into power and color of lights, world and emitting materials, as a step that Revert takes back"""
 
-    bl_idname = "vibe.mix_apply"
     bl_label = "Apply"
 
     def perform(self, context: bpy.types.Context) -> str:
@@ -218,7 +216,6 @@ class VIBE_OT_mix_apply(_Mixed):
 class VIBE_OT_mix_nodes(_Mixed):
     """Write the mix as nodes of the compositor, which work on every later render. Revert removes them"""
 
-    bl_idname = "vibe.mix_nodes"
     bl_label = "Compositor"
 
     @classmethod
@@ -235,7 +232,6 @@ class VIBE_OT_mix_nodes(_Mixed):
 class VIBE_OT_mix_reset(_Mixed):
     """Move all sliders back"""
 
-    bl_idname = "vibe.mix_reset"
     bl_label = "Reset"
     bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 

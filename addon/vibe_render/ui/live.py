@@ -81,10 +81,9 @@ def draw_words(layout: bpy.types.UILayout, context: bpy.types.Context, words: Ma
     drawing.paragraph(layout, context, text, "HIDE_ON" if missing else "HIDE_OFF")
 
 
-class VIBE_OT_entered(bpy.types.Operator):
+class VIBE_OT_entered(bases.Operator):
     """Begin the search for the words that were typed"""
 
-    bl_idname = "vibe.entered"
     bl_label = "Vibe It from the Prompt"
     bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
@@ -102,7 +101,6 @@ class VIBE_OT_entered(bpy.types.Operator):
 class VIBE_OT_escaped(bases.Operator):
     """Take the look of what was typed out of the scene"""
 
-    bl_idname = "vibe.escaped"
     bl_label = "Take the Look Away"
     bl_options: ClassVar[set[str]] = {"INTERNAL"}
 

@@ -106,7 +106,6 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
 class VIBE_OT_paste_picture(IdleOperator):
     """Use the image in the clipboard; it becomes an image of this .blend"""
 
-    bl_idname = "vibe.paste_picture"
     bl_label = "Paste"
     bl_options: ClassVar[set[str]] = {"UNDO"}
 

@@ -39,7 +39,6 @@ class _ExportDialog(_FileDialog, ExportHelper):
 class VIBE_OT_preset_import(IdleOperator, _FileDialog, ImportHelper):
     """Copy preset files into your presets. Nothing in them is ever run"""
 
-    bl_idname = "vibe.preset_import"
     bl_label = "Import Presets"
 
     filename_ext = ".json"
@@ -73,7 +72,6 @@ class VIBE_OT_preset_import(IdleOperator, _FileDialog, ImportHelper):
 class VIBE_OT_preset_export(PresetOperator, _ExportDialog):
     """Save this preset and its picture as files, to pass on"""
 
-    bl_idname = "vibe.preset_export"
     bl_label = "Export Preset"
 
     filename_ext = ".json"
@@ -90,7 +88,6 @@ class VIBE_OT_preset_export(PresetOperator, _ExportDialog):
 class VIBE_OT_export_assets(LookOperator, _ExportDialog):
     """Save materials, world, lights and grade of the look that the scene has now, for the Asset Browser"""
 
-    bl_idname = "vibe.export_assets"
     bl_label = "Export as Assets"
 
     filename_ext = ".blend"
@@ -124,7 +121,6 @@ class VIBE_OT_export_assets(LookOperator, _ExportDialog):
 class VIBE_OT_export_lut(IdleOperator, _ExportDialog):
     """Save the scene's color grade as a .cube file for other programs: sRGB in, sRGB out"""
 
-    bl_idname = "vibe.export_lut"
     bl_label = "Export LUT"
 
     filename_ext = ".cube"

@@ -185,7 +185,6 @@ class _NameDialog:
 class VIBE_OT_preset_choose(Operator):
     """Choose this preset"""
 
-    bl_idname = "vibe.preset_choose"
     bl_label = "Choose Preset"
     bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
@@ -206,7 +205,6 @@ class VIBE_OT_preset_choose(Operator):
 class VIBE_OT_preset_apply(PresetOperator):
     """Give the scene this look. Strength, Before, Keep and Revert work as after a vibe"""
 
-    bl_idname = "vibe.preset_apply"
     bl_label = "Apply"
     bl_options: ClassVar[set[str]] = {"UNDO"}
 
@@ -229,7 +227,6 @@ class VIBE_OT_preset_apply(PresetOperator):
 class VIBE_OT_preset_save(_NameDialog, LookOperator):
     """Save the look that the scene has now as a preset, with a picture of it"""
 
-    bl_idname = "vibe.preset_save"
     bl_label = "Save Preset"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -255,7 +252,6 @@ class VIBE_OT_preset_save(_NameDialog, LookOperator):
 class VIBE_OT_preset_rename(_NameDialog, _OwnPresetOperator):
     """Give this preset another name"""
 
-    bl_idname = "vibe.preset_rename"
     bl_label = "Rename Preset"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -271,7 +267,6 @@ class VIBE_OT_preset_rename(_NameDialog, _OwnPresetOperator):
 class VIBE_OT_preset_delete(_OwnPresetOperator):
     """Delete this preset and its picture"""
 
-    bl_idname = "vibe.preset_delete"
     bl_label = "Delete Preset"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:

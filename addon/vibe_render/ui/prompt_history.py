@@ -81,7 +81,6 @@ class VIBE_MT_history(bpy.types.Menu):
 class VIBE_OT_recall(Operator):
     """Put these words into the prompt"""
 
-    bl_idname = "vibe.recall"
     bl_label = "Recall"
     bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
@@ -104,7 +103,6 @@ class VIBE_OT_recall(Operator):
 class VIBE_OT_clear_history(Operator):
     """Forget the prompts that were typed"""
 
-    bl_idname = "vibe.clear_history"
     bl_label = "Clear History"
 
     def perform(self, context: bpy.types.Context) -> None:

@@ -21,7 +21,7 @@ from ..run.session import Session
 from ..run.state import addon_state
 from ..scene import keyframes, moments, own_keys, snapshot
 from . import sequence, steps
-from .bases import HELD, ResultOperator, result_obstacle
+from .bases import HELD, Operator, ResultOperator, result_obstacle
 from .drawing import GROUP_ICONS, HEX_COLOR, before_after, colored, columns, icon, paragraph, see_rendered
 from .scope import draw_lock
 
@@ -201,7 +201,6 @@ def _draw_changes(
 class VIBE_OT_revert(ResultOperator):
     """Restore the scene exactly as it was before the first vibe"""
 
-    bl_idname = "vibe.revert"
     bl_label = "Revert"
     severity = "WARNING"
 
@@ -219,7 +218,6 @@ class VIBE_OT_revert(ResultOperator):
 class VIBE_OT_keep(ResultOperator):
     """Make the result final. Revert is no longer possible"""
 
-    bl_idname = "vibe.keep"
     bl_label = "Keep"
 
     @classmethod
@@ -236,7 +234,6 @@ class VIBE_OT_keep(ResultOperator):
 class VIBE_OT_keyframe(ResultOperator):
     """Keyframe all values of the result at the current frame. Values go from one keyframed look to the next in even steps"""
 
-    bl_idname = "vibe.keyframe"
     bl_label = "Keyframe"
 
     @classmethod
@@ -255,7 +252,6 @@ class VIBE_OT_keyframe(ResultOperator):
 class VIBE_OT_variant(ResultOperator):
     """Use this variant in place of the other"""
 
-    bl_idname = "vibe.variant"
     bl_label = "Variant"
     bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
@@ -268,10 +264,9 @@ class VIBE_OT_variant(ResultOperator):
         result.choose(scene, self.number, session.variants[self.number][0], session.subject(scene))
 
 
-class VIBE_OT_why(bpy.types.Operator):
+class VIBE_OT_why(Operator):
     """Why this value changed"""
 
-    bl_idname = "vibe.why"
     bl_label = "Why"
     bl_options: ClassVar[set[str]] = {"INTERNAL"}
 

@@ -113,7 +113,6 @@ class Vibing(bases.Operator):
 class VIBE_OT_run(Vibing):
     """Change the scene's materials, lights, fog and grading until it looks like the words"""
 
-    bl_idname = "vibe.run"
     bl_label = "Vibe It"
 
     again: BoolProperty(
@@ -160,7 +159,6 @@ class _Running(bases.Operator):
 class VIBE_OT_stop(_Running):
     """Stop now, and use the best look so far"""
 
-    bl_idname = "vibe.stop"
     bl_label = "Stop"
 
     @classmethod
@@ -177,7 +175,6 @@ class VIBE_OT_stop(_Running):
 class VIBE_OT_cancel(_Running):
     """Stop now, and leave the scene as it was"""
 
-    bl_idname = "vibe.cancel"
     bl_label = "Cancel"
 
     def perform(self, context: bpy.types.Context) -> None:
@@ -187,7 +184,6 @@ class VIBE_OT_cancel(_Running):
 class VIBE_OT_answer(_Running):
     """Answer, for this scene's other vibes too"""
 
-    bl_idname = "vibe.answer"
     bl_label = "Answer"
     bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
@@ -206,7 +202,6 @@ class VIBE_OT_answer(_Running):
 class VIBE_OT_dismiss(bases.Operator):
     """Close this message"""
 
-    bl_idname = "vibe.dismiss"
     bl_label = "Dismiss"
     bl_options: ClassVar[set[str]] = {"INTERNAL"}
 

@@ -13,8 +13,7 @@ from ..scene import bindings, scene_context
 from . import drawing
 from .bases import IdlePanel, Operator
 
-_listed: tuple = ()  # fingerprint of the scene that the list shows
-_awaited: tuple = ()  # fingerprint of the scene that a timer is going to list
+_listed: tuple = ()  # fingerprint of the scene that the list shows, or that a timer is going to list
 
 
 class ScopePanel(IdlePanel):
@@ -48,10 +47,10 @@ class ValuesPanel(IdlePanel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the list, which a timer fills if the scene has changed: a panel that draws must not change anything."""
-        global _awaited
+        global _listed
         now = _fingerprint(context.scene)
-        if now not in (_listed, _awaited):
-            _awaited = now
+        if now != _listed:
+            _listed = now
             bpy.app.timers.register(lambda: _fill_soon(now[0]), first_interval=0.01)
         layout: Any = self.layout  # type: ignore[attr-defined]
         values = context.window_manager.vibe_values
@@ -73,8 +72,8 @@ def _fill_soon(uid: int) -> None:
 
 def fill(scene: bpy.types.Scene) -> None:
     """Lists the scene's values."""
-    global _listed, _awaited
-    _listed, _awaited = _fingerprint(scene), ()
+    global _listed
+    _listed = _fingerprint(scene)
     rows = bpy.context.window_manager.vibe_values.rows
     rows.clear()
     for instance in bindings.instances(scene, scene_context.meshes(scene), scene.vibe.pivot).values():
@@ -145,7 +144,6 @@ def draw_lock(layout: bpy.types.UILayout, settings: Any, key: str, reason: str =
 class VIBE_OT_lock(Operator):
     """Lock a value, or unlock it"""
 
-    bl_idname = "vibe.lock"
     bl_label = "Lock"
     bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
@@ -172,7 +170,6 @@ class VIBE_OT_lock(Operator):
 class VIBE_OT_unlock_all(Operator):
     """Unlock all values that are locked one by one"""
 
-    bl_idname = "vibe.unlock_all"
     bl_label = "Unlock All"
     bl_options: ClassVar[set[str]] = {"UNDO"}
 

@@ -36,7 +36,6 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Sessio
 class VIBE_OT_check_sequence(run.Vibing):
     """Measure the words at frames of the scene, from its first to its last. Nothing in the scene changes"""
 
-    bl_idname = "vibe.check_sequence"
     bl_label = "Check Sequence"
     bl_options: ClassVar[set[str]] = set()
 

@@ -173,7 +173,6 @@ def _draw_engine_buttons(layout: bpy.types.UILayout) -> None:
 class VIBE_OT_setup_engine(Operator):
     """Download the engine once, into the extension's own folder: Python packages. What they are and how large is said first"""
 
-    bl_idname = "vibe.setup_engine"
     bl_label = "Set Up Engine"
 
     build: EnumProperty(
@@ -215,7 +214,6 @@ class VIBE_OT_setup_engine(Operator):
 class VIBE_OT_remove_engine(IdleOperator):
     """Delete the engine that Set Up Engine has downloaded. Presets and settings stay"""
 
-    bl_idname = "vibe.remove_engine"
     bl_label = "Remove Engine"
 
     @classmethod
@@ -243,7 +241,6 @@ class VIBE_OT_remove_engine(IdleOperator):
 class VIBE_OT_cancel_setup(Operator):
     """Stop setting up the engine, and remove what has been installed of it"""
 
-    bl_idname = "vibe.cancel_setup"
     bl_label = "Cancel"
 
     def perform(self, context: bpy.types.Context) -> None:
@@ -254,7 +251,6 @@ class VIBE_OT_cancel_setup(Operator):
 class VIBE_OT_look_for_engine(Operator):
     """Look for the engine once more"""
 
-    bl_idname = "vibe.look_for_engine"
     bl_label = "Look Again"
 
     def perform(self, context: bpy.types.Context) -> None:
@@ -264,7 +260,6 @@ class VIBE_OT_look_for_engine(Operator):
 class VIBE_OT_test_engine(Operator):
     """Start the engine once and see whether it answers"""
 
-    bl_idname = "vibe.test_engine"
     bl_label = "Test Engine"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -280,7 +275,6 @@ class VIBE_OT_test_engine(Operator):
 class VIBE_OT_clear_cache(Operator):
     """Delete what the engine keeps; it is made again when it is needed"""
 
-    bl_idname = "vibe.clear_cache"
     bl_label = "Clear"
 
     @classmethod

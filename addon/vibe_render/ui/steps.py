@@ -70,7 +70,6 @@ def _current(scene: bpy.types.Scene) -> Steps:
 class VIBE_OT_further(run.Vibing):
     """Go on from the result by this sentence: what it does not mention stays"""
 
-    bl_idname = "vibe.further"
     bl_label = "Go On"
     _change: Change | None = None
 
@@ -119,7 +118,6 @@ class VIBE_OT_further(run.Vibing):
 class VIBE_OT_step(bases.ResultOperator):
     """Change the list of steps"""
 
-    bl_idname = "vibe.step"
     bl_label = "Step"
     bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 

@@ -84,10 +84,9 @@ def _lines(words: Iterable[messages.WordReading], width: int) -> Iterator[list[m
         yield line
 
 
-class VIBE_OT_reading(bpy.types.Operator):
+class VIBE_OT_reading(Operator):
     """Show how this word is understood, and what it could be taken for instead"""
 
-    bl_idname = "vibe.reading"
     bl_label = "Reading of a Word"
     bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
@@ -178,7 +177,6 @@ class _SetTarget(Operator):
 class VIBE_OT_describe_another(_SetTarget):
     """Search all objects and lights for what this word describes"""
 
-    bl_idname = "vibe.describe_another"
     bl_label = "Describes Another…"
     bl_property = "target"
 
@@ -192,16 +190,14 @@ class VIBE_OT_describe_another(_SetTarget):
 class VIBE_OT_describe(_SetTarget):
     """Say what this word describes, where it is taken for something else"""
 
-    bl_idname = "vibe.describe"
     bl_label = "Describes"
 
     target: StringProperty(description="Empty: as the word is read")
 
 
-class VIBE_OT_reword(bpy.types.Operator):
+class VIBE_OT_reword(Operator):
     """Put another word in the place of this one"""
 
-    bl_idname = "vibe.reword"
     bl_label = "Another Word"
     bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
