@@ -176,7 +176,7 @@ def light_notes(scene: bpy.types.Scene) -> list[str]:
     instances = rendered.instanced_lights(scene)
     lights = [o for o in rendered.shown(scene) if o.type == "LIGHT" and not rendered.is_portal(o)]
     for light in dict.fromkeys([*sorted(lights, key=lambda o: o.name_full), *(o for o, _ in instances)]):
-        if not rendered.has_finite_place(light):
+        if not rendered.is_finite(light.matrix_world):
             notes.append(f"{light.name} has no usable place: it is left out.")
         elif light_nodes.factor(light.data) is None:
             notes.append(f"The nodes of {light.name} are shown as their average: without a pattern.")

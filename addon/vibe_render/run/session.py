@@ -19,11 +19,11 @@ from ..scene.prepare import separate_materials, shared_materials
 from ..scene.steps import Change, Steps
 from ..scene.subject import SubjectChoice, remember_subject
 from . import before_image, result
+from .driver import ANCHORING
 from .notes import words_of
 from .scene_session import READING, SceneSession
 from .sequence import SequenceDriver
 
-ANCHORING = "Comparing with Cycles"
 PAUSING = (READING, ANCHORING)
 """Stages during which Blender is blocked: for long where the scene is large."""
 SILENT = 30.0  # seconds without a message from the engine, after which the panel says so
@@ -180,9 +180,6 @@ class Session(SceneSession, SequenceDriver):
             if grade.cut_off(compat.compositor(scene)) or final_render.is_black(picture):
                 notes.check_shows(scene, self._filling, message.lit)
             self.before = before_image.store(self._before_path, picture, not self._vibed)
-
-    def _anchor_stage(self, request: messages.Anchor) -> str:
-        return ANCHORING
 
     def _anchor(self, request: messages.Anchor) -> messages.Anchored:
         scene = self._find_scene()

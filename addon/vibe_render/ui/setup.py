@@ -179,6 +179,7 @@ class VIBE_OT_setup_engine(Operator):
         name="Runs On",
         description="What the engine computes on",
         items=[(b.key, b.name, f"{b.download} GB to download") for b in engine_setup.choices()],
+        default=engine_setup.suggested().key,
         options={"SKIP_SAVE"},
     )
 
@@ -189,7 +190,6 @@ class VIBE_OT_setup_engine(Operator):
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Says what will be downloaded, and lets the artist choose; nothing is downloaded before that."""
-        self.build = engine_setup.suggested().key
         return context.window_manager.invoke_props_dialog(
             self, width=_DIALOG_WIDTH, title="Set Up Engine", confirm_text="Download"
         )
@@ -202,10 +202,8 @@ class VIBE_OT_setup_engine(Operator):
             drawing.paragraph(column, context, line, letters=_DIALOG_LETTERS)
 
     def perform(self, context: bpy.types.Context) -> None:
-        chosen = self.properties.is_property_set("build")
-        build = engine_setup.by_key(self.build) if chosen else engine_setup.suggested()
         try:
-            engine_state.set_up(build)
+            engine_state.set_up(engine_setup.by_key(self.build))
         except schema.VibeError as error:
             engine_state.outcome, engine_state.succeeded = str(error), False
             raise
