@@ -87,13 +87,10 @@ class EngineState:
         """Cancels a setup and forgets everything."""
         if self.setup:
             self.setup.cancel()
-        if bpy.app.timers.is_registered(self._timer):
-            bpy.app.timers.unregister(self._timer)
         self._forget()
 
     def _follow(self) -> None:
-        if not bpy.app.timers.is_registered(self._timer):
-            bpy.app.timers.register(self._timer, first_interval=_TICK, persistent=True)
+        drawing.begin(self._timer, _TICK, persistent=True)
 
     def tick(self) -> float | None:
         """Takes the results of background work, as a timer of Blender's: returns seconds to the next call, None for none."""

@@ -27,8 +27,12 @@ def _shown(scene: bpy.types.Scene) -> light_mix.RenderedMix | None:
 
 def draw_soon() -> None:
     """Mixes the image anew, once for all the sliders that have moved by then."""
-    if addon_state.mix and not bpy.app.timers.is_registered(_draw):
-        bpy.app.timers.register(_draw, first_interval=_TICK)
+    if addon_state.mix:
+        drawing.begin(_draw, _TICK)
+
+
+def _changed(_channel: VibeMixChannel, _context: bpy.types.Context) -> None:
+    draw_soon()
 
 
 def _draw() -> float | None:
@@ -49,19 +53,12 @@ def _draw() -> float | None:
 def render_soon() -> None:
     """Renders the light layers of the scene after a vibe, if that is switched on."""
     if bpy.context.scene.vibe.light_mix and bpy.context.window:
-        bpy.app.timers.register(_render, first_interval=_TICK)
+        drawing.begin(_render, _TICK)
 
 
 def _render() -> None:
     if bpy.ops.vibe.mix_render.poll():
         bpy.ops.vibe.mix_render()
-
-
-def stop() -> None:
-    """Ends the timers, when the add-on is switched off."""
-    for timer in (_draw, _render):
-        if bpy.app.timers.is_registered(timer):
-            bpy.app.timers.unregister(timer)
 
 
 class VibeMixChannel(bpy.types.PropertyGroup):
@@ -75,7 +72,7 @@ class VibeMixChannel(bpy.types.PropertyGroup):
         max=1000.0,
         soft_max=4.0,
         precision=2,
-        update=lambda _channel, _context: draw_soon(),
+        update=_changed,
     )
     color: FloatVectorProperty(
         name="Color",
@@ -85,7 +82,7 @@ class VibeMixChannel(bpy.types.PropertyGroup):
         default=light_mix.WHITE,
         min=0.0,
         max=1.0,
-        update=lambda _channel, _context: draw_soon(),
+        update=_changed,
     )
     applied: FloatVectorProperty(
         size=3, default=light_mix.WHITE, description="What Apply has multiplied it by since the render"

@@ -35,8 +35,7 @@ def typed(settings: Any, context: bpy.types.Context) -> None:
     if not context.window_manager.vibe_live or addon_state.running or bases.untouchable(context):
         return
     addon_state.live_for(context).typed(settings.prompt)
-    if not bpy.app.timers.is_registered(_tick):
-        bpy.app.timers.register(_tick, first_interval=_TICK)
+    drawing.begin(_tick, _TICK)
 
 
 def _tick() -> float | None:
@@ -54,12 +53,6 @@ def _tick() -> float | None:
     if failure or before != (live.stage, live.look):
         drawing.redraw()
     return _TICK if failure is None and live.busy else None
-
-
-def stop() -> None:
-    """Ends the timer, when the add-on is switched off."""
-    if bpy.app.timers.is_registered(_tick):
-        bpy.app.timers.unregister(_tick)
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context, live: Live) -> None:

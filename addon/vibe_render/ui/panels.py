@@ -175,9 +175,7 @@ def unregister() -> None:
     """Inverse of `register`; ends the engine."""
     live.unregister_keys()
     setup.forget_warm_up()
-    live.stop()
-    words.stop()
-    light_mix.stop()
+    drawing.end_timers()
     for name, handler in _HANDLERS.items():
         getattr(bpy.app.handlers, name).remove(handler)
     addon_state.close()

@@ -39,7 +39,6 @@ class VibePreferences(_Options, bpy.types.AddonPreferences):  # type: ignore[mis
         name="Engine",
         description="Folder of the Python environment that the engine runs in. Empty: look for it",
         subtype="DIR_PATH",
-        update=lambda self, _context: engine_state.search(self.engine),
     )
     vlm_key: StringProperty(
         name="Key",
@@ -292,7 +291,7 @@ def warm_up_soon() -> None:
     global _started
     if not _started:
         _started = True
-        bpy.app.timers.register(_warm_up, first_interval=_SOON, persistent=True)
+        drawing.begin(_warm_up, _SOON, persistent=True)
 
 
 def _warm_up() -> float | None:
@@ -308,5 +307,3 @@ def forget_warm_up() -> None:
     """Lets the next panel start an engine anew, when the add-on is switched off."""
     global _started
     _started = False
-    if bpy.app.timers.is_registered(_warm_up):
-        bpy.app.timers.unregister(_warm_up)

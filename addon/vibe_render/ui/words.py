@@ -30,8 +30,8 @@ _items: list[tuple[str, str, str]] = []
 def keep_up(context: bpy.types.Context) -> None:
     """Has new words read by a timer, where an engine runs already; a panel may call this whenever it is drawn."""
     due = addon_state.readings.due(context.scene, addon_state.live_job(context.scene))
-    if due and addon_state.engine_runs and not bpy.app.timers.is_registered(_tick):
-        bpy.app.timers.register(_tick, first_interval=0.0)
+    if due and addon_state.engine_runs:
+        drawing.begin(_tick, 0.0)
 
 
 def _tick() -> float | None:
@@ -43,12 +43,6 @@ def _tick() -> float | None:
         if readings.step(addon_state.engine(context), context.scene, addon_state.live_job(context.scene)):
             drawing.redraw()
     return _TICK if readings.due(context.scene, addon_state.live_job(context.scene)) else None
-
-
-def stop() -> None:
-    """Ends the timer, when the add-on is switched off."""
-    if bpy.app.timers.is_registered(_tick):
-        bpy.app.timers.unregister(_tick)
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
