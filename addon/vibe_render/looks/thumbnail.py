@@ -12,7 +12,6 @@ import bpy
 import numpy as np
 
 from ..core.files import whole
-from ..core.schema_import import schema
 from ..core.temporary import temporary
 from ..render import bake, final_render
 
@@ -36,10 +35,7 @@ def rendered_thumbnail(scene: bpy.types.Scene) -> Iterator[Path]:
 
 def save_thumbnail(picture: Path, out: Path) -> None:
     """Writes the middle square of a picture, `SIZE` pixels wide, as a JPEG; a VibeError if it cannot."""
-    try:
-        pixels = bake.read_file(picture)
-    except RuntimeError as error:
-        raise schema.VibeError(f"No thumbnail could be made: {error}.", "Check the folder.") from error
+    pixels = bake.read_file(picture)
     side = min(pixels.shape[:2])
     top, left = ((n - side) // 2 for n in pixels.shape[:2])
     middle = np.ascontiguousarray(pixels[top : top + side, left : left + side])

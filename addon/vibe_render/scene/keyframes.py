@@ -96,13 +96,11 @@ def bring_back(scene: Scene) -> None:
 def take_away(scene: Scene) -> list[str]:
     """Removes them, and restores the values below; returns what could not be restored."""
     journal = stored_journal.sound(scene, KEY)
-    if exist(scene):
-        del scene[KEY]  # first: it counts as a user of what is to be removed
+    scene.pop(KEY, None)  # first: it counts as a user of what is to be removed
     return journal.undo()
 
 
 def forget(scene: Scene) -> None:
     """Keeps them as the artist's own."""
     for key in (KEY, MOMENTS):
-        if key in scene:
-            del scene[key]
+        scene.pop(key, None)

@@ -33,8 +33,7 @@ def exists(scene: Scene) -> bool:
 
 def forget(scene: Scene) -> None:
     """Keeps the scene as it is now, with its keyframes, for good."""
-    if exists(scene):
-        del scene[KEY]
+    scene.pop(KEY, None)
     keyframes.forget(scene)
 
 

@@ -147,5 +147,4 @@ def recall_subject(scene: Scene) -> list[Object]:
 
 def forget_subject(scene: Scene) -> None:
     """Forgets the stored subject: the next one is found automatically."""
-    if SUBJECT_KEY in scene:
-        del scene[SUBJECT_KEY]
+    scene.pop(SUBJECT_KEY, None)

@@ -82,9 +82,7 @@ class VIBE_OT_entered(bases.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Only over our panel, and only for words that nobody has searched for yet."""
-        live = addon_state.live
-        return bool(live and live.typing and _over_our_panel(context) and bpy.ops.vibe.run.poll())
+        return _typed_here(context) and bpy.ops.vibe.run.poll()
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         bpy.ops.vibe.run("INVOKE_DEFAULT")
@@ -99,17 +97,17 @@ class VIBE_OT_escaped(bases.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Only over our panel, and only where there is a look."""
-        live = addon_state.live
-        return bool(live and live.typing and not addon_state.running and _over_our_panel(context))
+        return _typed_here(context) and not addon_state.running
 
     def perform(self, context: bpy.types.Context) -> None:
         if addon_state.live:
             addon_state.live.clear()
 
 
-def _over_our_panel(context: bpy.types.Context) -> bool:
-    return context.region is not None and context.region.active_panel_category == "Vibe"
+def _typed_here(context: bpy.types.Context) -> bool:
+    """True over our panel, while there are words that nobody has searched for yet."""
+    live, region = addon_state.live, context.region
+    return bool(live and live.typing and region and region.active_panel_category == "Vibe")
 
 
 def register_keys() -> None:

@@ -248,7 +248,6 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         patterns = filter(None, (pattern.strip() for pattern in self.lock.split(",")))
         chosen |= {"groups": self.groups(), "lock": [*patterns, *self.locks.keys()]}
         chosen |= {"target": self.target_pairs()}
-        chosen |= {"like": "", "like_only": ()}  # whoever reads the scene saves the picture, and knows where
-        if picture := reference.picture_name(self):
-            chosen |= {"like": picture, "like_only": self.traits()}
+        picture = reference.picture_name(self)  # whoever reads the scene saves it, and knows where
+        chosen |= {"like": picture, "like_only": self.traits() if picture else ()}
         return messages.Options.from_dict(chosen | {"online": preferences.online()})

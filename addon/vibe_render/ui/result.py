@@ -187,7 +187,9 @@ def _draw_changes(
             values.prop(change, "after", text="")
         else:
             values.alignment = "RIGHT"
-            values.label(text=result.arrow(change.name, *change.values()))
+            before, after = change.values()
+            text = f"{labels.bare(change.name, before)} → {labels.text(change.name, after)}"  # the unit once
+            values.label(text=text)
         if not schema.light_links.link_of(change.name):  # no search changes a link
             draw_lock(row, context.scene.vibe, change.name)
     if context.scene.vibe.show_reasons and why:
