@@ -27,7 +27,7 @@ from ..scene.steps import Steps
 from ..scene.subject import remember_subject
 from . import moments, summary
 from .arguments import Reporter, parse
-from .scenes import check_writable, open_blend, open_scene, save_blend
+from .scenes import open_blend, open_scene, save_blend
 from .shots import Framing, RequestedShot
 from .vibe import HeadlessVibe, run_one
 
@@ -141,7 +141,9 @@ def revert(args: argparse.Namespace, reporter: Reporter) -> None:
         raise schema.VibeError(
             f"{path.name} holds no vibe to revert.", "Only a vibed .blend can be reverted."
         )
-    check_writable(path)
+    if not os.access(path, os.W_OK):  # replacing it would need no permission of the file's
+        remedy = "Make it writable, or copy it to where it can be changed."
+        raise schema.VibeError(f"{path.name} is read-only.", remedy)
     lost = [line for scene in scenes for line in snapshot.revert(scene)]
     with Outputs(path.parent) as out:
         save_blend(out.path(path.name))
