@@ -10,7 +10,7 @@ import pytest
 import vibe_render
 from small_scenes import studio
 from vibe_render.run.state import addon_state
-from vibe_render.ui import live, words
+from vibe_render.ui import drawing
 
 with contextlib.suppress(ImportError):
     # Torch would load it later. After a render with a compositor, for which Mesa loads an LLVM of its own, that crashes.
@@ -40,8 +40,7 @@ def addon(registered, scene):
     settings.prompt, settings.effort, settings.anchor = "glossy red cube, warm light", "CUSTOM", False
     settings.rounds, settings.steps, settings.size = 100, 1000, 64
     yield scene
-    live.stop()
-    words.stop()
+    drawing.end_timers()
     addon_state.cancel()
     addon_state.end_live()
     addon_state.readings.forget()

@@ -24,7 +24,7 @@ if not __package__:
         sys.path.insert(1, str(here.parents[1]))
 
 from vibe_render.core import files
-from vibe_render.core.schema_import import atomic, errors, schema
+from vibe_render.core.schema_import import atomic, errors
 from vibe_render.headless.arguments import Reporter, arguments_of_process, parse
 
 
@@ -42,11 +42,11 @@ def main() -> int:
             commands.COMMANDS[given.command](given, reporter)
         return 0
     except Exception as error:
-        full = isinstance(error, OSError) and atomic.is_full(error)
-        unwritten = files.unwritable(Path(tempfile.gettempdir(), "vibe"), error, "") if full else None
-        known = error if isinstance(error, schema.VibeError) else unwritten
-        reporter.error(known or errors.unexpected(error, reporter.doing))
-        return 2 if known and not isinstance(known, errors.UnexpectedError) else 1
+        if isinstance(error, OSError) and atomic.is_full(error):
+            error = files.unwritable(Path(tempfile.gettempdir(), "vibe"), error, "")
+        shown = errors.to_show(error, reporter.doing)
+        reporter.error(shown)
+        return 1 if isinstance(shown, errors.UnexpectedError) else 2
 
 
 def _end(status: list[int]) -> None:

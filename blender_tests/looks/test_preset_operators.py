@@ -106,9 +106,8 @@ def test_assets_and_lut_of_the_look(held, tmp_path):
     assert not bpy.ops.vibe.export_lut.poll()
     assert not bpy.ops.vibe.export_assets.poll()
     bpy.ops.vibe.preset_apply()
-    thumbnail.render_thumbnail(
-        bpy.context.scene, tmp_path / "first.jpg"
-    )  # Blender 4.5 orders passes anew at a render
+    with thumbnail.rendered_thumbnail(bpy.context.scene):  # Blender 4.5 orders passes anew at a render
+        pass
     before = contents()
     assert bpy.ops.vibe.export_lut(filepath=str(tmp_path / "noir.cube")) == {"FINISHED"}
     assert bpy.ops.vibe.export_assets(filepath=str(tmp_path / "noir.blend")) == {"FINISHED"}

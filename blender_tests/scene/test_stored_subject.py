@@ -44,14 +44,14 @@ def test_it_stands_in_for_a_selection(still_life):
     bpy.ops.object.select_all(action="DESELECT")
     with pytest.raises(VibeError, match="Nothing is selected"):
         reading.read_scene(still_life, SubjectChoice(selected=True))
-    remember_subject(still_life, [bpy.data.objects["Ring"]])
+    remember_subject(still_life, [bpy.data.objects["Ring"]], SubjectChoice(("Ring",)))
     assert [
         o.name for o in reading.read_scene(still_life, SubjectChoice(selected=True)).analysis.objects
     ] == ["Ring"]
 
 
 def test_the_menu_makes_it_ours_again(still_life):
-    remember_subject(still_life, [bpy.data.objects["Ring"]])
+    remember_subject(still_life, [bpy.data.objects["Ring"]], SubjectChoice(("Ring",)))
     still_life.vibe.subject = "SELECTED"
     still_life.vibe.subject = "AUTO"
     assert recall_subject(still_life) == []
@@ -65,7 +65,7 @@ def test_nonsense_in_a_file_is_no_choice(still_life, stored):
 
 def test_what_is_out_of_the_picture_is_not_asked_for(still_life):
     ring = bpy.data.objects["Ring"]
-    remember_subject(still_life, [ring])
+    remember_subject(still_life, [ring], SubjectChoice(("Ring",)))
     ring.hide_render = True
     assert DEMO_SUBJECT in [o.name for o in reading.read_scene(still_life, SubjectChoice()).analysis.objects]
 

@@ -13,6 +13,7 @@ from vibe_render.run import light_mix
 from vibe_render.run.state import addon_state
 from vibe_render.scene.nodes import mix
 from vibe_render.scene.steps import LIGHT_MIX, Steps
+from vibe_render.ui import drawing
 from vibe_render.ui import light_mix as light_mix_ui
 
 
@@ -26,7 +27,7 @@ def mixing(addon, monkeypatch):
     before = contents()
     assert bpy.ops.vibe.mix_render() == {"FINISHED"}
     yield addon, before
-    light_mix_ui.stop()
+    drawing.end_timers()
     addon_state.forget_mix()
 
 

@@ -11,10 +11,11 @@ import vibe_render
 from dump import contents, difference
 from results import FOUND, PIVOT, PROMPT, read
 from small_scenes import studio
+from vibe_render.core import preferences
 from vibe_render.engine.process import Engine
 from vibe_render.render import anchors
 from vibe_render.run import preview, result, session
-from vibe_render.run.state import addon_state, engine_choice
+from vibe_render.run.state import addon_state
 from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.steps import along
 from vibe_render.ui import setup
@@ -195,7 +196,8 @@ def warm(addon, engine):
     studio(addon)
     addon.vibe.prompt, addon.vibe.effort = PROMPT, "CUSTOM"
     addon.vibe.rounds, addon.vibe.steps, addon.vibe.size = 1, 2, 64
-    addon_state._engine, addon_state._engine_choice = engine, engine_choice(bpy.context)
+    choice = preferences.engine_choice(bpy.context), preferences.cache_folder(bpy.context)
+    addon_state._engine, addon_state._engine_choice = engine, choice
     yield addon
     addon_state._engine = None
 

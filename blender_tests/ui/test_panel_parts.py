@@ -11,6 +11,7 @@ from vibe_render.ui import prompt_history, result, scope, setup
 from vibe_render.ui.properties import declare
 
 from proxy_renderer.schema.limits import LONGEST_PROMPT
+from proxy_renderer.schema.options import table as options
 from proxy_renderer.schema.options.table import TABLE, Option, Panel
 
 
@@ -140,12 +141,13 @@ def test_moving_strength_shows_the_look_again(addon):
     assert not addon.vibe.show_original
 
 
-def test_properties_of_options_come_from_the_table(addon):
+def test_properties_of_options_come_from_the_table(addon, monkeypatch):
     """A made-up option has one; those of the panel and of the preferences have their titles, bounds and defaults."""
     sparkle = Option(
         "sparkle", 3, "how much", "effort", bounds=(1, 9), panel=Panel("Sparkle", "How much", (1, 5))
     )
-    extended = declare("Extended", preferences=False, table=(*TABLE, sparkle))
+    monkeypatch.setattr(options, "TABLE", (*options.TABLE, sparkle))
+    extended = declare("Extended", preferences=False)
     sparkling = type("VibeSparkling", (extended, bpy.types.PropertyGroup), {})
     bpy.utils.register_class(sparkling)
     try:

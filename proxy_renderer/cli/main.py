@@ -352,7 +352,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stderr.close()
         return 1
     except Exception as error:
-        print(f"vibe: {errors.unexpected(error, 'carrying out the command')}", file=sys.stderr)
+        print(f"vibe: {errors.to_show(error, 'carrying out the command')}", file=sys.stderr)
         return 1
 
 

@@ -207,7 +207,7 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
 
 
 def _fault(error: Exception) -> messages.Error:
-    fault = errors.unexpected(error, "the engine was at work")
+    fault = errors.to_show(error, "the engine was at work")
     return messages.Error(fault.message, fault.remedy, unexpected=True)
 
 

@@ -35,8 +35,10 @@ class UnexpectedError(VibeError):
     """A fault of ours, or of Blender's, that its reader can only work around."""
 
 
-def unexpected(error: BaseException, doing: str) -> UnexpectedError:
-    """The error to show for any exception; its trace goes to a log."""
+def to_show(error: BaseException, doing: str) -> VibeError:
+    """The error to show for any exception: a VibeError itself; the trace of others goes to a log."""
+    if isinstance(error, VibeError):
+        return error
     reason = " ".join(f"{type(error).__name__}: {error}".split())[:_LONGEST].rstrip(".: ")
     log = write_log(f"while {doing}\n\n" + "".join(traceback.format_exception(error)))
     return UnexpectedError(f"Something broke while {doing}: {reason}.", f"Please report it with {log}.")

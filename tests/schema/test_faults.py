@@ -13,7 +13,7 @@ def test_the_trace_is_in_the_log_that_the_line_names(tmp_path, monkeypatch):
     try:
         {}["gone"]
     except KeyError as error:
-        fault = errors.unexpected(error, "reading the scene")
+        fault = errors.to_show(error, "reading the scene")
     (log,) = tmp_path.rglob("*.log")
     assert (
         str(fault)

@@ -64,11 +64,6 @@ def output_node(block: Any, target: str = "CYCLES") -> Node | None:
     return tree.get_output_node(target) if tree else None
 
 
-def displaces_normals(material: bpy.types.Material) -> bool:
-    """True if a material's displacement is rendered as bump, or as both."""
-    return material.displacement_method != "DISPLACEMENT"
-
-
 def compositor(scene: Scene) -> NodeTree | None:
     """The compositor tree that is applied to the scene's renders; None if there is none."""
     if not scene.render.use_compositing:
@@ -197,19 +192,25 @@ def separate_compositor(twin: Scene, scene: Scene) -> list[NodeTree]:
         tree = twin.compositing_node_group = tree.copy()
         drop_action(tree, twin.frame_current)
         added.append(tree)
+    inner = copy_groups(tree, twin.frame_current)
+    for node in [node for each in (tree, *inner) for node in each.nodes]:
+        if getattr(node, "scene", None) == scene:
+            node.scene = twin
+        if node.bl_idname == "CompositorNodeOutputFile":
+            node.mute = True
+    return added + inner
+
+
+def copy_groups(tree: NodeTree, frame: int | None = None) -> list[NodeTree]:
+    """Gives a copied tree copies of the groups inside, also of those in groups; returns them. See `drop_action`."""
     trees = [tree]
-    for tree in trees:  # grows by the groups inside
-        for node in tree.nodes:
-            if getattr(node, "scene", None) == scene:
-                node.scene = twin
-            if node.bl_idname == "CompositorNodeOutputFile":
-                node.mute = True
-            if node.bl_idname == "CompositorNodeGroup" and node.node_tree:
+    for each in trees:  # grows by the groups inside
+        for node in each.nodes:
+            if node.type == "GROUP" and node.node_tree:
                 node.node_tree = node.node_tree.copy()
-                drop_action(node.node_tree, twin.frame_current)
-                added.append(node.node_tree)
+                drop_action(node.node_tree, frame)
                 trees.append(node.node_tree)
-    return added
+    return trees[1:]
 
 
 def own_compositor(journal: Journal, scene: Scene, tree: NodeTree) -> NodeTree:

@@ -85,12 +85,8 @@ def instances(scene: Scene) -> Iterator[tuple[Object, Object | None, Matrix]]:
         yield obj, None, obj.matrix_world.copy()
 
 
-def has_finite_place(obj: Object) -> bool:
-    """True if an object's place is finite; broken drivers and constraints leave it otherwise."""
-    return _is_finite(obj.matrix_world)
-
-
-def _is_finite(matrix: Matrix) -> bool:
+def is_finite(matrix: Matrix) -> bool:
+    """True if all numbers of an object's place are finite; broken drivers and constraints leave it otherwise."""
     return all(math.isfinite(v) for row in matrix for v in row)
 
 
@@ -188,7 +184,7 @@ def _shines(obj: Object) -> bool:
 def lights(scene: Scene) -> list[Object]:
     """The scene's own lights that a render sees, by name; portals and lights whose place is not a number light nothing."""
     here = set(scene.objects)
-    found = [o for o in shown(scene) if _shines(o) and o in here and has_finite_place(o)]
+    found = [o for o in shown(scene) if _shines(o) and o in here and is_finite(o.matrix_world)]
     return sorted(found, key=lambda o: o.name_full)
 
 
@@ -198,7 +194,7 @@ def instanced_lights(scene: Scene) -> list[tuple[Object, Matrix]]:
     return [
         (thing.original, matrix)
         for thing, instancer, matrix in instances(scene)
-        if _shines(thing) and (instancer or thing.original not in here) and _is_finite(matrix)
+        if _shines(thing) and (instancer or thing.original not in here) and is_finite(matrix)
     ]
 
 

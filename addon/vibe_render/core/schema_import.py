@@ -19,18 +19,3 @@ else:
         from proxy_renderer.schema import atomic, errors, labels, limits, messages, preset, sentences, targets
         from proxy_renderer.schema.options import checks, command_line
         from proxy_renderer.schema.options import table as options
-
-__all__ = [
-    "atomic",
-    "checks",
-    "command_line",
-    "errors",
-    "labels",
-    "limits",
-    "messages",
-    "options",
-    "preset",
-    "schema",
-    "sentences",
-    "targets",
-]

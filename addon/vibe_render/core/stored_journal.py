@@ -55,6 +55,14 @@ def load(scene: Scene, key: str) -> Journal:
     return Journal(entries, [i if i is None or isinstance(i, ID) else None for i in ids])
 
 
+def sound(scene: Scene, key: str) -> Journal:
+    """The journal in a property of the scene; an empty one where there is none, or one that cannot be read."""
+    try:
+        return load(scene, key) if key in scene else Journal()
+    except (Newer, Damaged):
+        return Journal()
+
+
 def store(scene: Scene, key: str, journal: Journal) -> None:
     """Puts a journal of changes in the scene's file into a property."""
     # Pointers instead of names: they survive renaming, saving and reopening.

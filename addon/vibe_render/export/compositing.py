@@ -12,7 +12,6 @@ import bpy
 import numpy as np
 
 from ..core import compat, rendered
-from ..core.compat import assign
 from ..core.schema_import import schema
 from ..render import bake
 from ..scene.copies import copied_scene, viewer
@@ -79,10 +78,9 @@ def _composited(twin: bpy.types.Scene, colors: np.ndarray) -> np.ndarray:
             for link in list(node.outputs["Image"].links):
                 node.id_data.links.new(source.outputs["Image"], link.to_socket)
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder, viewer(twin, lambda _: None):
-            assign(twin.render.image_settings, **bake.LINEAR)
-            twin.render.filepath = str(Path(folder) / "colors.exr")
-            bpy.ops.render.render(scene=twin.name, write_still=True)
-            return bake.read_file(Path(twin.render.filepath))[..., :3].reshape(-1, 3)
+            path = Path(folder) / "colors.exr"
+            bake.render_file(twin, path, bake.LINEAR)
+            return bake.read_file(path)[..., :3].reshape(-1, 3)
     finally:
         for source, node in added:
             for link in list(source.outputs["Image"].links):

@@ -104,17 +104,13 @@ def prepare_and_read(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneRead
 @contextmanager
 def rollback_on_failure(scene: bpy.types.Scene) -> Iterator[None]:
     """Undoes what was recorded inside the block if that ends in an exception."""
-    was_vibed, start = snapshot.exists(scene), snapshot.mark(scene)
-    keyed = keyframes.are_shown(scene)
+    start, keyed = snapshot.mark(scene), keyframes.are_shown(scene)
     try:
         yield
     except BaseException:
         if keyed:
             keyframes.bring_back(scene)
-        if snapshot.exists(scene):
-            snapshot.rollback(scene, start)
-            if was_vibed:
-                snapshot.take(scene)
+        snapshot.rollback(scene, start)
         raise
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from mathutils import Color
 
 from ..core.color import to_linear
+from ..core.temporary import temporary
 from ..render import bake
 from ..scene.nodes.trails import ValueOrigin, active_links
 
@@ -114,11 +115,8 @@ def is_encoded_usually(image: bpy.types.Image | None) -> bool:
     space = image.colorspace_settings
     if space.is_data or not space.name:  # an unknown space is taken for sRGB
         return True
-    fresh = bpy.data.images.new("Vibe Bake", 1, 1)
-    try:
+    with temporary(bpy.data.images.new("Vibe Bake", 1, 1)) as fresh:
         return fresh.colorspace_settings.name == space.name
-    finally:
-        bpy.data.images.remove(fresh)
 
 
 def image_alpha(image: bpy.types.Image | None) -> np.ndarray | None:

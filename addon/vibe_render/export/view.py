@@ -17,11 +17,11 @@ from mathutils import Vector
 
 from ..core import rendered
 from ..core.compat import assign
-from ..core.journal import Journal
 from ..core.schema_import import schema
+from ..core.temporary import temporary
 from ..render import bake
-from ..scene import bindings, light_links, orbits, prepare, scene_context
-from ..scene.light_types import type_of
+from ..scene import bindings, light_links, orbits, prepare, scene_context, snapshot
+from ..scene.light_types import exported, has_uneven_cone, type_of
 from ..scene.nodes import backgrounds, layers, light_nodes
 from .analysis import SceneAnalysis
 
@@ -105,7 +105,7 @@ def _light_row(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, A
         "role": role,
         "tint": light_nodes.factor(data) or bake.mean_light_factor(thing, pivot),
     }
-    return row | type_of(thing).exported(thing)
+    return row | exported(thing)
 
 
 def film_row(scene: bpy.types.Scene) -> dict[str, Any]:
@@ -135,22 +135,18 @@ def white_balance(scene: bpy.types.Scene) -> list[list[float]]:
     colors = 0.05 * (1.0 + np.eye(4, 3, dtype=np.float32))  # dark enough to stay below 1 at any balance
     twin = scene.copy()
     image = bpy.data.images.new("Vibe Colors", len(colors), 1, float_buffer=True)
-    try:
+    with temporary(image, twin):
         plain = {"look": "None", "view_transform": "Raw", "exposure": 0.0, "gamma": 1.0}
         try:
             assign(twin.view_settings, **plain, use_curve_mapping=False)
         except TypeError:
             return []
-        kind = {"media_type": "IMAGE", "file_format": "PNG", "color_mode": "RGB", "color_depth": "16"}
-        assign(twin.render.image_settings, **kind)
+        assign(twin.render.image_settings, **bake.png("RGB", "16"))
         image.pixels.foreach_set(np.insert(colors, 3, 1.0, axis=1).ravel())
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             path = Path(folder) / "colors.png"
             image.save_render(str(path), scene=twin)
             shown = bake.read_file(path)[0, :, :3]
-    finally:
-        bpy.data.images.remove(image)
-        bpy.data.scenes.remove(twin)
     return np.linalg.lstsq(colors, shown, rcond=None)[0].T.tolist()
 
 
@@ -180,11 +176,12 @@ def light_notes(scene: bpy.types.Scene) -> list[str]:
     instances = rendered.instanced_lights(scene)
     lights = [o for o in rendered.shown(scene) if o.type == "LIGHT" and not rendered.is_portal(o)]
     for light in dict.fromkeys([*sorted(lights, key=lambda o: o.name_full), *(o for o, _ in instances)]):
-        if not rendered.has_finite_place(light):
+        if not rendered.is_finite(light.matrix_world):
             notes.append(f"{light.name} has no usable place: it is left out.")
         elif light_nodes.factor(light.data) is None:
             notes.append(f"The nodes of {light.name} are shown as their average: without a pattern.")
-        notes += type_of(light).approximations(light)
+        if has_uneven_cone(light):
+            notes.append(f"{light.name} is scaled unevenly; the prediction shows a round cone.")
     if len(instances) > MOST_INSTANCES:
         left = len(instances) - MOST_INSTANCES
         notes.append(f"{left} instances of lights, the farthest, are left out of the prediction.")
@@ -209,8 +206,7 @@ def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[
     scene, pivot = analysis.scene, Vector(analysis.pivot)
     known = schema.added_lights.ADDED_LIGHTS
     names = [name for name in known if name not in bpy.data.objects]
-    journal = Journal()
-    try:
+    with snapshot.undone(scene) as journal:
         added = bindings.add_lights(journal, scene, names, analysis.objects)
         rendered.layer(scene).update()
         corners = scene_context.bounds(scene, analysis.objects or scene_context.meshes(scene))
@@ -221,9 +217,6 @@ def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[
         ]
         bound = bindings.instances(scene, analysis.objects, analysis.pivot, ("light",))
         ours = {k: replace(i, role=known[i.owner].role) for k, i in bound.items() if i.owner in names}
-    finally:
-        journal.undo()
-        rendered.layer(scene).update()
     return rows, ours
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..core import compat
 from ..core.journal import Journal
+from ..core.temporary import temporary
 from ..render import bake
 from ..scene.nodes import backgrounds, inputs, trails
 from ..scene.nodes.inputs import FACTOR, TINT
@@ -117,20 +118,11 @@ def _untinted(world: bpy.types.World) -> Iterator[tuple[bpy.types.World, list[bp
     """A copy of a world, its groups included, with neutral insets, and its trees; removed afterwards."""
     twin = _copy(world)
     _unlink(twin.node_tree, ("Volume",))
-    trees = [twin.node_tree]
-    for tree in trees:  # grows by the groups inside
+    trees = [twin.node_tree, *compat.copy_groups(twin.node_tree)]
+    for tree in trees:
         inputs.neutralize(tree, (TINT, FACTOR))
-        for node in tree.nodes:
-            if node.type == "GROUP" and node.node_tree:
-                node.node_tree = node.node_tree.copy()
-                compat.drop_action(node.node_tree)
-                trees.append(node.node_tree)
-    try:
+    with temporary(twin, *trees[1:]):
         yield twin, trees
-    finally:
-        bpy.data.worlds.remove(twin)
-        for tree in trees[1:]:
-            bpy.data.node_groups.remove(tree)
 
 
 def _unlink(tree: bpy.types.NodeTree, names: tuple[str, ...]) -> None:
@@ -153,10 +145,8 @@ def _plain(world: bpy.types.World, origin: trails.ValueOrigin) -> Iterator[bpy.t
     _unlink(tree, ("Surface", "Volume"))
     for node in [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputWorld"]:
         tree.links.new(background.outputs["Background"], node.inputs["Surface"])
-    try:
-        yield twin
-    finally:
-        journal.undo()
-        bpy.data.worlds.remove(twin)
-        for group in groups:
-            bpy.data.node_groups.remove(group)
+    with temporary(twin, *groups):
+        try:
+            yield twin
+        finally:
+            journal.undo()

@@ -27,7 +27,7 @@ from ..scene.steps import Steps
 from ..scene.subject import remember_subject
 from . import moments, summary
 from .arguments import Reporter, parse
-from .scenes import check_writable, open_blend, open_scene, save_blend
+from .scenes import open_blend, open_scene, save_blend
 from .shots import Framing, RequestedShot
 from .vibe import HeadlessVibe, run_one
 
@@ -120,8 +120,7 @@ def apply(args: argparse.Namespace, reporter: Reporter) -> None:
         reporter.stage("rendering before")
         final_render.render_picture(scene, out.path("before.png"), args.size, args.samples, args.seed)
         skipped = bindings.write(scene, fitted.values, analysis.objects, analysis.pivot)
-        if choice.explicit:
-            remember_subject(scene, analysis.objects)
+        remember_subject(scene, analysis.objects, choice)
         reporter.stage("rendering after")
         final_render.render_picture(scene, out.path("after.png"), args.size, args.samples, args.seed)
         save_blend(out.path("vibed.blend"))
@@ -142,7 +141,9 @@ def revert(args: argparse.Namespace, reporter: Reporter) -> None:
         raise schema.VibeError(
             f"{path.name} holds no vibe to revert.", "Only a vibed .blend can be reverted."
         )
-    check_writable(path)
+    if not os.access(path, os.W_OK):  # replacing it would need no permission of the file's
+        remedy = "Make it writable, or copy it to where it can be changed."
+        raise schema.VibeError(f"{path.name} is read-only.", remedy)
     lost = [line for scene in scenes for line in snapshot.revert(scene)]
     with Outputs(path.parent) as out:
         save_blend(out.path(path.name))
@@ -197,8 +198,7 @@ def serve() -> None:
                 else:
                     COMMANDS[args.command](args, reporter)
             except Exception as error:  # the next command opens a file of its own
-                known = error if isinstance(error, schema.VibeError) else None
-                reporter.error(known or errors.unexpected(error, reporter.doing))
+                reporter.error(errors.to_show(error, reporter.doing))
                 engine.stop(patience=0.1)  # it may be in the middle of something
     finally:
         engine.stop()

@@ -8,7 +8,6 @@ switched off while such a file is open.
 from __future__ import annotations
 
 import argparse
-import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
@@ -55,14 +54,6 @@ def open_blend(path: Path) -> None:
         raise schema.VibeError(
             f"{path.name} cannot be opened: {reason}.", "Check that it is a .blend."
         ) from error
-
-
-def check_writable(path: Path) -> None:
-    """Raises a VibeError for a read-only file: replacing it would need no permission of the file's."""
-    if not os.access(path, os.W_OK):
-        raise schema.VibeError(
-            f"{path.name} is read-only.", "Make it writable, or copy it to where it can be changed."
-        )
 
 
 def save_blend(path: Path) -> None:

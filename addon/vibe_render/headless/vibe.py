@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import signal
 import socket
@@ -135,7 +134,7 @@ class HeadlessVibe(SequenceDriver):
         job, prompt = self._shots.jobs[0], result.report["prompt"]
         for number, variant in enumerate(result.variants, start=1):
             scene_job, name = job.with_additions_of(variant.values), f"{number}: {prompt}"
-            look = transfer.extract_look(prompt, scene_job, variant.values, name, _goals(result))
+            look = transfer.extract_look(prompt, scene_job, variant.values, name, result.report["goals"])
             self._out.write_text(f"preset-{number}.json", look.dumps())
         if result.variants:
             self._out.copy(messages.VARIANTS, Path(job.folder) / messages.VARIANTS)
@@ -148,8 +147,7 @@ class HeadlessVibe(SequenceDriver):
         if args.grade_each or number == siblings[0]:
             values = self._values(number, result)
             self._skipped |= bindings.write(analysis.scene, values, analysis.objects, analysis.pivot)
-            if shots.choice.explicit:
-                remember_subject(analysis.scene, analysis.objects)
+            remember_subject(analysis.scene, analysis.objects, shots.choice)
         if len(shots) == 1:
             self._add_step(result)
         self._reporter.stage("rendering with Cycles")
@@ -165,8 +163,8 @@ class HeadlessVibe(SequenceDriver):
         self._ask(messages.Finish(before, after, str(compared), shot=number))
         if number == 0:
             values = result.values if self._change.first else self._steps.values()
-            scene, goals = shots.jobs[0].with_additions_of(values), _goals(result)
-            look = transfer.extract_look(result.report["prompt"], scene, values, goals=goals)
+            scene, report = shots.jobs[0].with_additions_of(values), result.report
+            look = transfer.extract_look(report["prompt"], scene, values, goals=report["goals"])
             out.write_text("preset.json", look.dumps())
         if args.grade_each or number == siblings[-1]:
             if not args.grade_each:
@@ -256,8 +254,3 @@ def run_one(vibe: HeadlessVibe, queue: list[Any]) -> SceneAnalysis:
 
     on_interrupt(stop)
     return vibe.run()
-
-
-def _goals(result: messages.Result) -> str:
-    """The goals of a result, as JSON for presets."""
-    return json.dumps(result.report["goals"], ensure_ascii=False)

@@ -4,13 +4,15 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import bpy
 import numpy as np
 
 from ..core.files import whole
-from ..core.schema_import import schema
+from ..core.temporary import temporary
 from ..render import bake, final_render
 
 SIZE = 128  # pixels
@@ -19,32 +21,28 @@ _QUALITY = 92
 _SAMPLES = 48
 
 
-def render_thumbnail(scene: bpy.types.Scene, out: Path) -> None:
-    """Renders the scene small with Cycles, and writes the square in the middle as a JPEG."""
+@contextmanager
+def rendered_thumbnail(scene: bpy.types.Scene) -> Iterator[Path]:
+    """A JPEG of the square in the middle of a small Cycles render of the scene; removed after the block."""
     width, height = scene.render.resolution_x, scene.render.resolution_y
     longer = round(SIZE * max(width, height) / min(width, height))
     with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
-        picture = Path(folder) / "whole.png"
+        picture, middle = Path(folder) / "whole.png", Path(folder) / f"middle{SUFFIX}"
         final_render.render_picture(scene, picture, longer, _SAMPLES)
-        save_thumbnail(picture, out)
+        save_thumbnail(picture, middle)
+        yield middle
 
 
 def save_thumbnail(picture: Path, out: Path) -> None:
     """Writes the middle square of a picture, `SIZE` pixels wide, as a JPEG; a VibeError if it cannot."""
-    try:
-        pixels = bake.read_file(picture)
-    except RuntimeError as error:
-        raise schema.VibeError(f"No thumbnail could be made: {error}.", "Check the folder.") from error
+    pixels = bake.read_file(picture)
     side = min(pixels.shape[:2])
     top, left = ((n - side) // 2 for n in pixels.shape[:2])
     middle = np.ascontiguousarray(pixels[top : top + side, left : left + side])
     middle[..., 3] = 1.0
-    with whole(out, "Check the folder.") as part:
-        small = bpy.data.images.new("Vibe Thumbnail", side, side, alpha=False, is_data=True)
-        try:
-            small.pixels.foreach_set(middle.ravel())
-            small.scale(SIZE, SIZE)
-            small.filepath_raw, small.file_format = str(part), "JPEG"
-            small.save(quality=_QUALITY)
-        finally:
-            bpy.data.images.remove(small)
+    small = bpy.data.images.new("Vibe Thumbnail", side, side, alpha=False, is_data=True)
+    with temporary(small), whole(out, "Check the folder.") as part:
+        small.pixels.foreach_set(middle.ravel())
+        small.scale(SIZE, SIZE)
+        small.filepath_raw, small.file_format = str(part), "JPEG"
+        small.save(quality=_QUALITY)

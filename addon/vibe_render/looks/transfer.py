@@ -7,6 +7,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -54,14 +55,14 @@ def extract_look(
     scene: SceneParameters,
     values: Mapping[str, Sequence[float]],
     name: str = "",
-    goals: str = "",
+    goals: dict[str, Any] | None = None,
 ) -> preset.Preset:
     """The look that a vibe gave a scene.
 
     Args:
         values: The values that the vibe has changed, by key.
         name: The preset's name; without one, the prompt's first words.
-        goals: The goals of the vibe's search, as JSON; "" for none.
+        goals: The goals of the vibe's search.
     """
     roles: dict[str, list[preset.Entry]] = {}
     kinds: dict[str, list[str]] = {}
@@ -71,7 +72,7 @@ def extract_look(
             roles[role] = list(entries.values())
             if group == "light":
                 kinds[role] = [_kind(owner) for owner in entries]
-    return preset.Preset(preset.title(name or prompt), roles, kinds, prompt, json.loads(goals or "{}"))
+    return preset.Preset(preset.title(name or prompt), roles, kinds, prompt, goals or {})
 
 
 def role_owners(scene: SceneParameters, role: str) -> list[str]:
@@ -264,8 +265,7 @@ def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectCho
         settings.show_original = shown
         raise
     settings.vibed_preset = look.name
-    if choice.explicit:
-        remember_subject(scene, subject)
+    remember_subject(scene, subject, choice)
     return fitted.rest
 
 
@@ -276,7 +276,8 @@ def capture_preset(scene: bpy.types.Scene, choice: SubjectChoice, name: str) -> 
     scene_reading = reading.read_scene(scene, choice)
     changed = (change.name for change in settings.changes)
     values = {key: scene_reading.instances[key].value for key in changed if key in scene_reading.instances}
-    look = extract_look(settings.vibed_prompt, scene_reading, values, name, settings.vibed_goals)
+    goals = json.loads(settings.vibed_goals or "{}")
+    look = extract_look(settings.vibed_prompt, scene_reading, values, name, goals)
     if not look.roles:
         raise schema.VibeError("There is no look to save.", "Vibe the scene first, or apply a preset.")
     return look

@@ -5,9 +5,10 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import bmesh
 import bpy
@@ -18,6 +19,7 @@ from mathutils import Vector
 from ..core import compat, rendered
 from ..core.compat import assign, changed
 from ..core.files import whole
+from ..core.temporary import temporary
 from ..scene.copies import copied_scene
 from ..scene.light_types import type_of
 from ..scene.nodes import light_nodes
@@ -27,6 +29,22 @@ _FACTOR_HEIGHT, _FACTOR_SAMPLES = 32, 64
 _WATTS = 1000.0
 LINEAR = {"media_type": "IMAGE", "file_format": "OPEN_EXR", "color_depth": "32", "color_mode": "RGB"}
 """Settings of an image file; the later ones are valid only after the earlier ones."""
+LAYERS = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER", "color_depth": "32"}
+
+
+def png(mode: str, depth: str = "8") -> dict[str, Any]:
+    """Settings of a PNG file."""
+    kind = {"media_type": "IMAGE", "file_format": "PNG"}
+    return {**kind, "color_mode": mode, "color_depth": depth, "compression": 15}
+
+
+def render_file(scene: Scene, path: Path, kind: Mapping[str, Any], **options: str) -> None:
+    """Renders a scene of ours to a file of a kind, atomically; `options` are those of Blender's operator."""
+    assign(scene.render.image_settings, **kind)
+    assign(scene.render, use_overwrite=True, use_file_extension=True)
+    with whole(path) as part:
+        scene.render.filepath = str(part)
+        bpy.ops.render.render(scene=scene.name, write_still=True, **options)
 
 
 def _render_linear(scene: bpy.types.Scene, samples: int) -> np.ndarray:
@@ -35,15 +53,9 @@ def _render_linear(scene: bpy.types.Scene, samples: int) -> np.ndarray:
     exact = {"samples": samples, "use_denoising": False, "use_adaptive_sampling": False}
     with tempfile.TemporaryDirectory() as folder, changed(scene.cycles, device="CPU", max_bounces=0, **exact):
         path = Path(folder) / "linear.exr"
-        assign(scene.render.image_settings, **LINEAR)
-        with whole(path) as part:
-            scene.render.filepath = str(part)
-            bpy.ops.render.render(scene=scene.name, layer=rendered.layer(scene).name, write_still=True)
-        image = bpy.data.images.load(str(path))
-        try:
+        render_file(scene, path, LINEAR, layer=rendered.layer(scene).name)
+        with temporary(bpy.data.images.load(str(path))) as image:
             return image_pixels(image)
-        finally:
-            bpy.data.images.remove(image)
 
 
 def image_channels(image: bpy.types.Image) -> np.ndarray:
@@ -56,12 +68,9 @@ def image_channels(image: bpy.types.Image) -> np.ndarray:
 
 def read_file(path: Path) -> np.ndarray:
     """The pixels of an image file as they are stored: (H, W, C) float32, row 0 at the bottom."""
-    image = bpy.data.images.load(str(path))
-    try:
+    with temporary(bpy.data.images.load(str(path))) as image:
         image.colorspace_settings.is_data = True
         return image_channels(image)
-    finally:
-        bpy.data.images.remove(image)
 
 
 def image_pixels(image: bpy.types.Image) -> np.ndarray:
@@ -84,12 +93,8 @@ def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.
             for link in list(entry.links):
                 tree.links.remove(link)
         tree.links.new(glow.outputs["Emission"], output.inputs["Surface"])
-    try:
+    with temporary(twin, *groups):
         yield twin
-    finally:
-        bpy.data.materials.remove(twin)
-        for group in groups:
-            bpy.data.node_groups.remove(group)
 
 
 def exposed_output(
@@ -136,11 +141,8 @@ def bake_uvs(material: bpy.types.Material, size: int) -> np.ndarray:
         scene.collection.objects.link(plane)
         scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 1.0
         scene.camera.location = (0.5, 0.5, 1.0)
-        try:
+        with temporary(plane, mesh):
             return _render_linear(scene, samples=4)
-        finally:
-            bpy.data.objects.remove(plane)
-            bpy.data.meshes.remove(mesh)
 
 
 def bake_world(world: bpy.types.World, height: int, samples: int) -> np.ndarray:
@@ -171,12 +173,8 @@ def _empty_scene(width: int, height: int) -> Iterator[bpy.types.Scene]:
     scene.camera = camera
     scene.render.resolution_x, scene.render.resolution_y = width, height
     scene.render.resolution_percentage = 100
-    try:
+    with temporary(camera, data, scene):
         yield scene
-    finally:
-        bpy.data.objects.remove(camera)
-        bpy.data.cameras.remove(data)
-        bpy.data.scenes.remove(scene)
 
 
 def mean_light_factor(light: Object, pivot: Vector) -> tuple[float, float, float]:
@@ -224,13 +222,7 @@ def _lit_ball(light: Object, radius: float) -> Iterator[tuple[Scene, Light]]:
     matrix = light.matrix_world.copy()
     matrix.translation = (0.0, 0.0, 0.0)
     lamp.matrix_world = matrix
-    try:
-        with _empty_scene(2 * _FACTOR_HEIGHT, _FACTOR_HEIGHT) as scene:
-            for obj in (lamp, ball):
-                scene.collection.objects.link(obj)
-            yield scene, data
-    finally:
-        bpy.data.objects.remove(lamp)
-        bpy.data.objects.remove(ball)
-        bpy.data.lights.remove(data)
-        bpy.data.meshes.remove(mesh)
+    with temporary(lamp, ball, data, mesh), _empty_scene(2 * _FACTOR_HEIGHT, _FACTOR_HEIGHT) as scene:
+        for obj in (lamp, ball):
+            scene.collection.objects.link(obj)
+        yield scene, data

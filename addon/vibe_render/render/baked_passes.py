@@ -22,9 +22,10 @@ from mathutils import Matrix
 
 from ..core import rendered
 from ..core.compat import changed
+from ..core.temporary import temporary
 from ..scene.copies import copied_scene
 from ..scene.nodes.trails import ValueOrigin
-from . import final_render
+from . import bake
 
 COLORS = ("base_color", "emission_color", "specular_tint", "normal")
 """Channels of three components, with "color0", "color1" …; the others have one.
@@ -250,11 +251,8 @@ def straight_on(scene: bpy.types.Scene, plane: CapturePlane) -> Iterator[None]:
     pose[:3, :3], pose[:3, 3] = plane.axes, plane.center + plane.axes[:, 2] * above
     camera.matrix_world = Matrix(pose.tolist())
     scene.camera = camera
-    try:
+    with temporary(camera, data):
         yield
-    finally:
-        bpy.data.objects.remove(camera)
-        bpy.data.cameras.remove(data)
 
 
 def render_passes(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
@@ -262,7 +260,8 @@ def render_passes(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
     layer = rendered.layer(scene)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "passes.exr"
-        final_render.write_layers(scene, layer, path, exr_codec="NONE", use_exr_interleave=True)
+        plain = {**bake.LAYERS, "exr_codec": "NONE", "use_exr_interleave": True}
+        bake.render_file(scene, path, plain, layer=layer.name)
         channels = read_exr(path)
     passes: dict[str, dict[str, np.ndarray]] = {}
     for name, values in channels.items():

@@ -7,7 +7,6 @@ import tempfile
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
 
 import bpy
 import numpy as np
@@ -15,6 +14,7 @@ import numpy as np
 from ..core import rendered
 from ..core.compat import assign, changed
 from ..core.files import whole
+from ..core.temporary import temporary
 from ..scene.copies import copied_scene
 from . import bake, light_groups
 from .light_groups import LightLayer
@@ -23,8 +23,6 @@ _NOISE = 0.05
 """Noise of a pixel below which its sampling stops: the denoiser does the rest."""
 
 _MASK_SAMPLES = 16
-
-_MULTILAYER = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER", "color_depth": "32"}
 
 _BLACKEST = 0.02  # of white, as the picture is stored: what is darker everywhere shows nothing
 
@@ -59,13 +57,13 @@ def render_picture(
             assign(twin.cycles, use_adaptive_sampling=False, use_denoising=False)
         mode = "RGBA" if scene.render.film_transparent else "RGB"
         if lights is None:
-            _write(twin, path, mode)
+            bake.render_file(twin, path, bake.png(mode))
             return layers
         layer = rendered.layer(twin)
         layer.cycles.denoising_store_passes = twin.cycles.use_denoising
         with light_groups.apart(scene, layer) as layers:
-            _write_as(twin, lights, {**_MULTILAYER, "exr_codec": "ZIP"})
-        assign(twin.render.image_settings, **_png(mode))
+            bake.render_file(twin, lights, {**bake.LAYERS, "exr_codec": "ZIP"})
+        assign(twin.render.image_settings, **bake.png(mode))
         with whole(path) as part:
             bpy.data.images["Render Result"].save_render(str(part), scene=twin)
     return layers
@@ -75,20 +73,15 @@ def render_final(scene: bpy.types.Scene, path: Path) -> None:
     """Renders the current frame to a PNG as the scene is set up, but with Cycles; see `render_picture`."""
     own = {name: getattr(scene.render, name) for name in ("use_sequencer", "use_border", "use_multiview")}
     with copied_scene(scene, graded=True, engine="CYCLES", **own) as twin:
-        _write(twin, path, "RGBA" if scene.render.film_transparent else "RGB")
+        bake.render_file(twin, path, bake.png("RGBA" if scene.render.film_transparent else "RGB"))
 
 
 def render_layers(
     twin: bpy.types.Scene, layer: bpy.types.ViewLayer, path: Path, size: int, samples: int, seed: int
 ) -> None:
-    """Renders one view layer as `render_picture` does, with all its passes to a compressed file of `write_layers`."""
+    """Renders one view layer as `render_picture` does, with all its passes to a compressed EXR of 32-bit floats."""
     _set_up(twin, size, samples, seed)
-    write_layers(twin, layer, path, exr_codec="ZIP")
-
-
-def write_layers(twin: bpy.types.Scene, layer: bpy.types.ViewLayer, path: Path, **options: Any) -> None:
-    """Renders one view layer of a scene of ours with all its passes to a multilayer EXR of 32-bit floats."""
-    _write_as(twin, path, _MULTILAYER | options, layer=layer.name)
+    bake.render_file(twin, path, {**bake.LAYERS, "exr_codec": "ZIP"}, layer=layer.name)
 
 
 def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable[bpy.types.Object]) -> None:
@@ -108,7 +101,7 @@ def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable
             stack.enter_context(changed(thing, **({"hide_render": True} if fog else {"is_holdout": holdout})))
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             colors = Path(folder) / path.name
-            _write(twin, colors, "RGBA")
+            bake.render_file(twin, colors, bake.png("RGBA"))
             _save(np.repeat(bake.read_file(colors)[..., 3:], 3, axis=2), path)
 
 
@@ -143,24 +136,6 @@ def _set_up(twin: bpy.types.Scene, size: int, samples: int, seed: int) -> None:
         twin.cycles.denoiser = "OPENIMAGEDENOISE"
 
 
-def _write(twin: bpy.types.Scene, path: Path, mode: str) -> None:
-    _write_as(twin, path, _png(mode))
-
-
-def _png(mode: str) -> dict[str, Any]:
-    kind = {"media_type": "IMAGE", "file_format": "PNG"}
-    return {**kind, "color_mode": mode, "color_depth": "8", "compression": 15}
-
-
-def _write_as(twin: bpy.types.Scene, path: Path, kind: dict[str, Any], **options: str) -> None:
-    """Renders to a file of a kind, atomically; later settings of a kind are valid only after the earlier ones."""
-    assign(twin.render.image_settings, **kind)
-    assign(twin.render, use_overwrite=True, use_file_extension=True)
-    with whole(path) as part:
-        twin.render.filepath = str(part)
-        bpy.ops.render.render(scene=twin.name, write_still=True, **options)
-
-
 def is_fog(thing: bpy.types.Object) -> bool:
     """True if all materials of a thing are fog."""
     slots = [slot.material for slot in thing.material_slots if slot.material]
@@ -175,14 +150,11 @@ def join_pictures(pictures: Sequence[Path], path: Path) -> None:
 def _save(pixels: np.ndarray, path: Path) -> None:
     """Writes an opaque picture, (H, W, 3) from its lowest row, as a PNG, atomically."""
     height, width, _ = pixels.shape
-    image = bpy.data.images.new("Vibe Picture", width, height, alpha=False, is_data=True)
-    try:
+    with temporary(bpy.data.images.new("Vibe Picture", width, height, alpha=False, is_data=True)) as image:
         image.pixels.foreach_set(np.pad(pixels, ((0, 0), (0, 0), (0, 1)), constant_values=1.0).ravel())
         with whole(path) as part:
             image.filepath_raw, image.file_format = str(part), "PNG"
             image.save()
-    finally:
-        bpy.data.images.remove(image)
 
 
 def is_black(picture: Path) -> bool:

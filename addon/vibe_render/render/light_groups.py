@@ -18,9 +18,9 @@ import numpy as np
 from bpy.types import ID, Image, Node, NodeTree, Object, Scene, ViewLayer
 
 from ..core import compat, rendered
-from ..core.compat import assign, changed
-from ..core.files import whole
+from ..core.compat import changed
 from ..core.journal import Journal
+from ..core.temporary import temporary
 from ..scene.copies import copied_scene
 from ..scene.nodes import mix
 from ..scene.nodes.layers import emitted_radiance
@@ -32,7 +32,6 @@ MOST = 12
 _LITTLE = 1e-3
 """The share of all light below which what no layer has is rounding and the denoiser's, and not light."""
 _LINEAR = {**bake.LINEAR, "color_mode": "RGBA"}
-_COLORS = {"media_type": "IMAGE", "file_format": "PNG", "color_mode": "RGBA", "color_depth": "8"}
 WORLD, EMISSION, REST = "World", "Emission", "Other Lights"
 
 
@@ -196,18 +195,14 @@ class LightMix:
         size = {"resolution_x": width, "resolution_y": height, "resolution_percentage": 100}
         journal = Journal()
         passes = bpy.data.images.load(str(self._path))
-        try:
+        with temporary(image, passes), copied_scene(scene, graded=True, **size) as twin:
             image.pixels.foreach_set(self.mixed(factors).ravel())
-            with copied_scene(scene, graded=True, **size) as twin:
-                try:
-                    tree = compat.compositor(twin) or compat.start_compositor(journal, twin)
-                    _feed(tree, image, passes, rendered.layer(scene).name)
-                    _render(twin, path, _COLORS)
-                finally:
-                    journal.undo()
-        finally:
-            bpy.data.images.remove(image)
-            bpy.data.images.remove(passes)
+            try:
+                tree = compat.compositor(twin) or compat.start_compositor(journal, twin)
+                _feed(tree, image, passes, rendered.layer(scene).name)
+                bake.render_file(twin, path, bake.png("RGBA"))
+            finally:
+                journal.undo()
 
 
 def _feed(tree: NodeTree, image: Image, passes: Image, first: str) -> None:
@@ -243,16 +238,14 @@ def _opened(path: Path, size: tuple[int, int]) -> Iterator[tuple[Scene, Image]]:
     journal, scene = Journal(), bpy.data.scenes.new("Vibe Mix")
     scene.render.resolution_x, scene.render.resolution_y = size
     scene.render.resolution_percentage = 100
-    image = bpy.data.images.load(str(path))
-    try:
-        tree = compat.start_compositor(journal, scene)
-        for node in [n for n in tree.nodes if n.bl_idname == "CompositorNodeRLayers"]:
-            tree.nodes.remove(node)
-        yield scene, image
-    finally:
-        journal.undo()
-        bpy.data.scenes.remove(scene)
-        bpy.data.images.remove(image)
+    with temporary(scene), temporary(bpy.data.images.load(str(path))) as image:
+        try:
+            tree = compat.start_compositor(journal, scene)
+            for node in [n for n in tree.nodes if n.bl_idname == "CompositorNodeRLayers"]:
+                tree.nodes.remove(node)
+            yield scene, image
+        finally:
+            journal.undo()
 
 
 def _rendered(scene: Scene, source: Node, name: str, denoised: bool = False) -> np.ndarray:
@@ -269,15 +262,7 @@ def _rendered(scene: Scene, source: Node, name: str, denoised: bool = False) -> 
     tree.links.new(output, target)
     path = Path(bpy.app.tempdir) / "vibe-pass.exr"
     try:
-        _render(scene, path, _LINEAR)
+        bake.render_file(scene, path, _LINEAR)
         return bake.read_file(path)
     finally:
         path.unlink(missing_ok=True)
-
-
-def _render(scene: Scene, path: Path, kind: Mapping[str, str]) -> None:
-    """Renders a compositor that needs no scene to a file, atomically."""
-    assign(scene.render.image_settings, **kind)
-    with whole(path) as part:
-        assign(scene.render, use_overwrite=True, use_file_extension=True, filepath=str(part))
-        bpy.ops.render.render(scene=scene.name, write_still=True)

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..core.compat import changed
 from ..core.schema_import import schema
+from ..core.temporary import temporary
 from . import bake
 
 _NAME = "reference"
@@ -71,7 +72,7 @@ def _save_image(image: bpy.types.Image, folder: Path) -> Path:
         rgba[:, :3] = rgba[:, :1]
     path = folder / f"{_NAME}.{'exr' if image.is_float else 'png'}"
     copy = bpy.data.images.new(_NAME, width, height, alpha=True, float_buffer=image.is_float)
-    try:
+    with temporary(copy):
         copy.alpha_mode = image.alpha_mode
         # Of no color space, numbers are saved as they are: light linear, colors encoded.
         copy.colorspace_settings.is_data = True
@@ -79,8 +80,6 @@ def _save_image(image: bpy.types.Image, folder: Path) -> Path:
         copy.file_format = "OPEN_EXR" if image.is_float else "PNG"
         copy.filepath_raw = str(path)
         copy.save()
-    finally:
-        bpy.data.images.remove(copy)
     return path
 
 
@@ -92,8 +91,9 @@ def _save_slot(scene: bpy.types.Scene, slot: int, folder: Path) -> Path:
     if slot > len(slots):
         raise schema.VibeError(f"There is no render slot {slot}.", f"Use 1 to {len(slots)}.")
     shown = slots.active_index
-    kind = {"media_type": "IMAGE", "file_format": "PNG", "color_mode": "RGBA", "color_depth": "16"}
-    with changed(scene.render.image_settings, **kind):  # of a copy of the scene, there is no render result
+    with changed(
+        scene.render.image_settings, **bake.png("RGBA", "16")
+    ):  # of a copy of the scene, there is no render result
         try:
             slots.active_index = slot - 1
             result.save_render(str(path), scene=scene)

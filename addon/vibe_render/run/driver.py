@@ -17,6 +17,7 @@ from ..core.schema_import import messages, schema
 from ..engine.process import Engine
 
 LOOKING = "Optimizing"
+ANCHORING = "Comparing with Cycles"
 _PAUSE = 0.02  # seconds between two steps of `drive`: the engine needs the core
 
 T = TypeVar("T")
@@ -173,7 +174,7 @@ class Driver:
             )
 
     def _anchor_stage(self, request: messages.Anchor) -> str:
-        raise NotImplementedError
+        return ANCHORING
 
     def _anchor(self, request: messages.Anchor) -> messages.Anchored:
         raise NotImplementedError

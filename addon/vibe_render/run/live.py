@@ -120,14 +120,13 @@ class Live(SceneSession):
             yield from self._ready_engine()
             if self.job is None:
                 self._read = None  # nobody reads a job that is being written
-                scene = self._find_scene()
-                vibed, start = snapshot.exists(scene), snapshot.mark(scene)
+                start = snapshot.mark(self._find_scene())
                 try:
                     yield from self._export()
                 finally:  # takes back what the export adds
                     if scene_now := self._scene_if_there():
                         with self._without_look(scene_now):
-                            self._restore(start, vibed)
+                            self._restore(start)
                 self._read = scene_settings(self._find_scene())
             if not self._due:
                 yield from self._glance()

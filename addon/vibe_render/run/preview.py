@@ -60,9 +60,6 @@ def hide_all() -> None:
 def _take_away(scene: Scene) -> None:
     if not exists(scene):
         return
-    try:
-        journal = stored_journal.load(scene, KEY)
-    except (stored_journal.Newer, stored_journal.Damaged):
-        journal = Journal()
+    journal = stored_journal.sound(scene, KEY)
     del scene[KEY]  # first: it counts as a user of what is to be removed
     journal.undo()

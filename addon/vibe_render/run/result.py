@@ -10,7 +10,7 @@ from typing import Any
 
 import bpy
 
-from ..core.schema_import import labels, messages, schema
+from ..core.schema_import import messages, schema
 from ..scene import bindings, keyframes, moments, own_keys, snapshot
 from ..scene import steps as step_list
 from ..scene.moments import Moment
@@ -122,11 +122,6 @@ def mix(scene: bpy.types.Scene) -> None:
         before, after = change.values()
         values[change.name] = step_list.along(change.name, before, (before, after), strength)
     bindings.write(scene, values, (), settings.pivot)
-
-
-def arrow(key: str, before: schema.Values, after: schema.Values) -> str:
-    """The old and the new value, the unit once: "400 → 160 W"."""
-    return f"{labels.bare(key, before)} → {labels.text(key, after)}"
 
 
 def cause(reason: str) -> str:

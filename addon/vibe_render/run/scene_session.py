@@ -128,14 +128,10 @@ class SceneSession(Driver):
                 keyframes.bring_back(scene)
         self._keyed = False
 
-    def _restore(self, start: int, vibed: bool) -> None:
+    def _restore(self, start: int | None) -> None:
         """Takes back what the export has added, unless an undo or another file has done so already. No look may be shown."""
-        scene = self._scene_if_there()
-        if scene is None or not snapshot.exists(scene) or snapshot.mark(scene) < start:
-            return
-        snapshot.rollback(scene, start)
-        if vibed:
-            snapshot.take(scene)
+        if scene := self._scene_if_there():
+            snapshot.rollback(scene, start)
 
     def _find_scene(self) -> bpy.types.Scene:
         scene = self._scene_if_there()

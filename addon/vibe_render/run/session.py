@@ -19,11 +19,11 @@ from ..scene.prepare import separate_materials, shared_materials
 from ..scene.steps import Change, Steps
 from ..scene.subject import SubjectChoice, remember_subject
 from . import before_image, result
+from .driver import ANCHORING
 from .notes import words_of
 from .scene_session import READING, SceneSession
 from .sequence import SequenceDriver
 
-ANCHORING = "Comparing with Cycles"
 PAUSING = (READING, ANCHORING)
 """Stages during which Blender is blocked: for long where the scene is large."""
 SILENT = 30.0  # seconds without a message from the engine, after which the panel says so
@@ -85,10 +85,8 @@ class Session(SceneSession, SequenceDriver):
     def check(self, scene: bpy.types.Scene, every: int) -> None:
         """Lets the next steps check frames of the scene, from its first to its last; `sequence` has them then."""
         frames = range(scene.frame_start, scene.frame_end + 1, every)
-        seen, choice = (
-            words_of(self.report.get("verdicts", ()), "visible"),
-            SubjectChoice(tuple(self._subject)),
-        )
+        seen = words_of(self.report.get("verdicts", ()), "visible")
+        choice = SubjectChoice(tuple(self._subject))
         self.checking = True
         self._steps = self._check_frames(scene, frames, seen, choice, self._options.seed)
 
@@ -140,11 +138,10 @@ class Session(SceneSession, SequenceDriver):
             subject, change = self.subject(scene), self._change
             result.apply(scene, self.prompt, engine_result, subject, self._pivot, change=change)
             scene.vibe.vibed_like = self.like or scene.vibe.vibed_like
-            if self._choice.explicit:
-                remember_subject(scene, self.subject(scene))
+            remember_subject(scene, self.subject(scene), self._choice)
         except BaseException:  # Esc closes this generator, which raises here
             self._take_look_away()
-            self._restore(start, self._vibed)
+            self._restore(start)
             raise
 
     def _ask_about_shared(self) -> Generator[str]:
@@ -183,9 +180,6 @@ class Session(SceneSession, SequenceDriver):
             if grade.cut_off(compat.compositor(scene)) or final_render.is_black(picture):
                 notes.check_shows(scene, self._filling, message.lit)
             self.before = before_image.store(self._before_path, picture, not self._vibed)
-
-    def _anchor_stage(self, request: messages.Anchor) -> str:
-        return ANCHORING
 
     def _anchor(self, request: messages.Anchor) -> messages.Anchored:
         scene = self._find_scene()

@@ -72,7 +72,7 @@ class AddonState:
 
     def engine(self, context: bpy.types.Context) -> Engine:
         """The engine that the preferences choose: the last one, or one that is not started yet."""
-        choice = engine_choice(context)
+        choice = preferences.engine_choice(context), preferences.cache_folder(context)
         if self._engine is None or choice != self._engine_choice:
             self.close_engine()
             self._engine, self._engine_choice = Engine(choice[0], cache=choice[1]), choice
@@ -118,18 +118,17 @@ class AddonState:
         self._engine = None
         self.readings.forget()
 
-    def close(self) -> None:
-        """Ends session and engine, when the add-on is switched off or Blender ends."""
+    def leave_file(self) -> None:
+        """Ends all that belongs to the open file."""
         self.cancel()
         self.forget()
         self.forget_mix()
         self.end_live()
+
+    def close(self) -> None:
+        """Ends session and engine, when the add-on is switched off or Blender ends."""
+        self.leave_file()
         self.close_engine()
-
-
-def engine_choice(context: bpy.types.Context) -> tuple[str, Path]:
-    """The engine's folder ("" to search) and its cache folder, from the preferences."""
-    return preferences.engine_choice(context), preferences.cache_folder(context)
 
 
 addon_state = AddonState()

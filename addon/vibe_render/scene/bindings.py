@@ -199,14 +199,10 @@ def trial(
 
     Arguments and errors as for `write`; yields the keys that were left alone, and why.
     """
-    journal = Journal()
-    try:
+    with snapshot.undone(scene) as journal:
         rest = put(journal, scene, values, subject, pivot)
         rendered.layer(scene).update()
         yield rest
-    finally:
-        journal.undo()
-        rendered.layer(scene).update()
 
 
 def put(

@@ -143,7 +143,8 @@ def _box(journal: Journal, scene: Scene, shape: FogDomain) -> None:
     tree.nodes.clear()
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     node = tree.nodes.new("ShaderNodeGroup")
-    node.node_tree, node.name, node.label = _group(journal), NAME, NAME
+    node.node_tree = owned.owned_group(journal, NAME, "ShaderNodeTree", _fill)
+    node.name = node.label = NAME
     node.use_custom_color, node.color = True, owned.COLOR
     node.location = (output.location.x - 200.0, output.location.y)
     tree.links.new(node.outputs["Volume"], output.inputs["Volume"])
@@ -155,10 +156,7 @@ def _box(journal: Journal, scene: Scene, shape: FogDomain) -> None:
     rendered.layer(scene).update()
 
 
-def _group(journal: Journal) -> NodeTree:
-    tree, new = owned.owned_group(journal, NAME, "ShaderNodeTree")
-    if not new:
-        return tree
+def _fill(tree: NodeTree) -> None:
     owned.group_input(tree, "Density", "NodeSocketFloat", 0.0, 0.0, 1000.0)
     owned.group_input(tree, "Color", "NodeSocketColor", (0.8, 0.8, 0.8, 1.0))
     owned.group_input(tree, "Anisotropy", "NodeSocketFloat", 0.0, -0.99, 0.99)
@@ -175,4 +173,3 @@ def _group(journal: Journal) -> NodeTree:
     extinction = build.math("MULTIPLY", density, thinning)
     fog = build.node("ShaderNodeVolumePrincipled", Color=color, Density=extinction, Anisotropy=anisotropy)
     build.output(fog.outputs["Volume"])
-    return tree

@@ -74,13 +74,13 @@ def exist(scene: Scene) -> bool:
 
 def are_shown(scene: Scene) -> bool:
     """True if the scene has some that are not set aside."""
-    return any(not curve.mute for _, curve in _journal(scene).curves())
+    return any(not curve.mute for _, curve in stored_journal.sound(scene, KEY).curves())
 
 
 def set_aside(scene: Scene) -> bool:
     """Mutes them, so that another look can be searched from what they show now; returns whether they were shown before."""
     shown = are_shown(scene)
-    for block, curve in _journal(scene).curves():
+    for block, curve in stored_journal.sound(scene, KEY).curves():
         # Blender 5 does not keep the values of a compositor up to date.
         compat.set_to_curve(block, curve, scene.frame_current)
         curve.mute = True
@@ -89,27 +89,18 @@ def set_aside(scene: Scene) -> bool:
 
 def bring_back(scene: Scene) -> None:
     """Shows those that were set aside."""
-    for _, curve in _journal(scene).curves():
+    for _, curve in stored_journal.sound(scene, KEY).curves():
         curve.mute = False
 
 
 def take_away(scene: Scene) -> list[str]:
     """Removes them, and restores the values below; returns what could not be restored."""
-    journal = _journal(scene)
-    if exist(scene):
-        del scene[KEY]  # first: it counts as a user of what is to be removed
+    journal = stored_journal.sound(scene, KEY)
+    scene.pop(KEY, None)  # first: it counts as a user of what is to be removed
     return journal.undo()
 
 
 def forget(scene: Scene) -> None:
     """Keeps them as the artist's own."""
     for key in (KEY, MOMENTS):
-        if key in scene:
-            del scene[key]
-
-
-def _journal(scene: Scene) -> Journal:
-    try:
-        return stored_journal.load(scene, KEY) if exist(scene) else Journal()
-    except (stored_journal.Newer, stored_journal.Damaged):
-        return Journal()
+        scene.pop(key, None)

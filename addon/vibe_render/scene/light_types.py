@@ -40,55 +40,48 @@ ANGLE = LightExtent("angle", float, float)
 EXTENTS = (SIZE, ANGLE)
 
 
+@dataclass(frozen=True)
 class LightType:
-    """Blender's "POINT", and the base of the other types.
+    """What differs between the lights of Blender.
 
     Attributes:
         name: Blender's name: the `type` of the light's data-block.
-        energy: The schema's name of its energy: "power" (W) or "strength" (W/m²).
-        extent: The schema's measure of its size.
         extent_property: The property of the data-block that holds the extent.
+        energy: The schema's name of its energy: "power" (W) or "strength" (W/m²).
+        extent: The schema's measure of its size; of an area light both sides at once, of a sun an angular diameter.
         has_position: False for lights at infinity, of which only the direction matters.
     """
 
-    name = "POINT"
-    energy = "power"
-    extent = SIZE
-    extent_property = "shadow_soft_size"
-    has_position = True
+    name: str
+    extent_property: str
+    energy: str = "power"
+    extent: LightExtent = SIZE
+    has_position: bool = True
 
     def offset(self, obj: Object, pivot: Vector, rotation: Matrix) -> Vector:
-        """A world-space vector from the pivot toward the origin of the light; `rotation` is the light's, 3x3."""
-        return obj.matrix_world.translation - pivot
+        """A world-space vector from the pivot toward the light's origin, or against the direction in which it shines.
+
+        `rotation` is the light's, 3x3.
+        """
+        return obj.matrix_world.translation - pivot if self.has_position else rotation.col[2]
 
     def extent_slot(self, light: Light, locked: str) -> ValueSlot:
         """The slot of the extent, with the reason why it is locked ("" if it is not)."""
+        if self.name == "AREA":
+            return _AreaSizeSlot(light, locked)
         return PropertySlot(light, self.extent_property, locked)
 
-    def exported(self, obj: Object) -> dict[str, Any]:
-        """Entries in scene.json that lights of other types do not have."""
-        return {}
 
-    def approximations(self, obj: Object) -> list[str]:
-        """Notes for the artist on differences between the prediction and Cycles."""
-        return []
-
-
-class SpotLightType(LightType):
-    """Blender's "SPOT": a point light that shines into a cone."""
-
-    name = "SPOT"
-
-    def exported(self, obj: Object) -> dict[str, Any]:
-        """The opening of the cone in radians, and the part of it over which its edge fades."""
-        return {"spot_size": obj.data.spot_size, "spot_blend": obj.data.spot_blend}
-
-    def approximations(self, obj: Object) -> list[str]:
-        """Cones that are not round."""
-        scale = obj.matrix_world.to_scale()
-        if abs(scale.x - scale.y) > _ROUND * abs(scale.x):
-            return [f"{obj.name} is scaled unevenly; the prediction shows a round cone."]
-        return []
+LIGHT_TYPES = {
+    each.name: each
+    for each in (
+        LightType("POINT", "shadow_soft_size"),
+        LightType("SPOT", "shadow_soft_size"),
+        LightType("AREA", "size"),
+        LightType("SUN", "angle", "strength", ANGLE, has_position=False),
+    )
+}
+"""By Blender's names."""
 
 
 @dataclass
@@ -108,42 +101,23 @@ class _AreaSizeSlot:
         PropertySlot(self.light, "size").set(journal, raw)
 
 
-class AreaLightType(LightType):
-    """Blender's "AREA": squares, rectangles, discs and ellipses that shine to one side."""
-
-    name = "AREA"
-    extent_property = "size"
-
-    def extent_slot(self, light: Light, locked: str) -> ValueSlot:
-        """Both sides at once."""
-        return _AreaSizeSlot(light, locked)
-
-    def exported(self, obj: Object) -> dict[str, Any]:
-        """Its shape, the proportion of its sides, its spread in radians, and the object's scale along its width."""
-        data = obj.data
-        aspect = data.size_y / max(data.size, 1e-9) if data.shape in _TWO_SIDES else 1.0
-        width, height, _ = (max(abs(side), 1e-6) for side in obj.matrix_world.to_scale())
-        aspect *= height / width
-        return {"shape": data.shape, "aspect": aspect, "spread": data.spread, "scale": width}
+def exported(obj: Object) -> dict[str, Any]:
+    """Entries of a light in scene.json that lights of other types do not have: angles in radians, `scale` along the width."""
+    data = obj.data
+    if data.type == "SPOT":
+        return {"spot_size": data.spot_size, "spot_blend": data.spot_blend}
+    if data.type != "AREA":
+        return {}
+    aspect = data.size_y / max(data.size, 1e-9) if data.shape in _TWO_SIDES else 1.0
+    width, height, _ = (max(abs(side), 1e-6) for side in obj.matrix_world.to_scale())
+    aspect *= height / width
+    return {"shape": data.shape, "aspect": aspect, "spread": data.spread, "scale": width}
 
 
-class SunLightType(LightType):
-    """Blender's "SUN": light from infinitely far away. Its extent is an angular diameter, radians."""
-
-    name = "SUN"
-    energy = "strength"
-    extent = ANGLE
-    extent_property = "angle"
-    has_position = False
-
-    def offset(self, obj: Object, pivot: Vector, rotation: Matrix) -> Vector:
-        """The direction against which it shines, wherever the object stands."""
-        return rotation.col[2]
-
-
-_TYPES = (LightType(), SpotLightType(), AreaLightType(), SunLightType())
-LIGHT_TYPES: dict[str, LightType] = {each.name: each for each in _TYPES}
-"""By Blender's names."""
+def has_uneven_cone(obj: Object) -> bool:
+    """True for a spot whose cone is not round."""
+    scale = obj.matrix_world.to_scale()
+    return obj.data.type == "SPOT" and abs(scale.x - scale.y) > _ROUND * abs(scale.x)
 
 
 def light_type(name: str) -> LightType:

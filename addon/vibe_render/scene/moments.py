@@ -85,8 +85,7 @@ def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
         tracks = _tracks(scene, moments, base, looks) + _cards(scene, moments, looks)
         notes = keyframes.add(scene, tracks)
     except BaseException:
-        if snapshot.exists(scene):
-            snapshot.rollback(scene, start)
+        snapshot.rollback(scene, start)
         raise
     rows = [asdict(moment) for moment in moments]
     scene[keyframes.MOMENTS] = json.dumps({"version": VERSION, "moments": rows}, ensure_ascii=False)
@@ -164,11 +163,11 @@ def _tracks(scene: Scene, moments: Sequence[Moment], base: ByKey, looks: Sequenc
     parameter is keyframed through its own binding.
     """
     samples = _samples(moments, looks)
-    journal, pivot = Journal(), Vector(moments[-1].pivot)
+    pivot = Vector(moments[-1].pivot)
     # Of each property, values by frame; None for the scene without looks.
     found: dict[tuple[int, str, str], dict[int | None, Any]] = {}
     seen: list[int | None] = []
-    try:
+    with snapshot.undone(scene) as journal:
         for frame, look, place in ((None, base, moments[-1].pivot), *samples):
             _follow(journal, scene, Vector(place) - pivot)
             pivot = Vector(place)
@@ -184,15 +183,11 @@ def _tracks(scene: Scene, moments: Sequence[Moment], base: ByKey, looks: Sequenc
                 values[frame] = PropertySlot(resolve(journal.ids[number], path), name).get()
             seen.append(frame)
         frames = [moment.frame for moment in moments]
-        tracks = [
+        return [
             track
             for (number, path, name), values in found.items()
             for track in _curves(resolve(journal.ids[number], path), name, values, frames)
         ]
-    finally:
-        journal.undo()
-        rendered.layer(scene).update()
-    return tracks
 
 
 def _samples(moments: Sequence[Moment], looks: Sequence[ByKey]) -> list[tuple[int, ByKey, list[float]]]:

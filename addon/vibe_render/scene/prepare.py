@@ -17,7 +17,7 @@ from ..core.journal import Journal
 from ..core.schema_import import schema
 from . import scene_context, snapshot
 from .geometry.meshes import array
-from .light_types import AreaLightType, light_type
+from .light_types import light_type
 from .nodes import backgrounds, layers, owned
 from .nodes.trails import active_links
 from .orbits import orbit_matrix
@@ -40,41 +40,37 @@ OURS = {"key": "Vibe Key", "fill": "Vibe Fill", "rim": "Vibe Rim"}
 _SUN = 0.526  # degrees
 _LEAST_LIGHT = 0.1  # radiance of white at the subject from which a scene is lit
 _CLEAR = 0.2  # of the way from the subject to a wall: how far from the wall a light stands
-LIGHT_TYPE = AreaLightType.name
+LIGHT_TYPE = "AREA"
 """The type of a light that is added for a role."""
 
 
-def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> list[str]:
-    """Adds what is missing for the subject, or for all that is seen; returns the additions in words."""
+def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> None:
+    """Adds what is missing for the subject, or for all that is seen."""
     about = list(subject) or scene_context.meshes(scene)
     low, high = scene_context.bounds(scene, about)
     with snapshot.transaction(scene) as journal:
-        added = [
-            _add_world(journal, scene),
-            _add_camera(journal, scene, low, high),
-            _add_key(journal, scene, low, high),
-            *(_add_material(journal, obj) for obj in about if not rendered.override_lock(scene)),
-        ]
+        _add_world(journal, scene)
+        _add_camera(journal, scene, low, high)
+        _add_key(journal, scene, low, high)
+        for obj in about if not rendered.override_lock(scene) else ():
+            _add_material(journal, obj)
     rendered.layer(scene).update()
-    return [words for words in added if words]
 
 
-def _add_world(journal: Journal, scene: Scene) -> str:
+def _add_world(journal: Journal, scene: Scene) -> None:
+    """Adds a world, or makes one that other scenes use the scene's own."""
     shown = rendered.world(scene)
     if shown is None:
         world = owned.new(journal, "worlds", "Vibe World")
         compat.enable_nodes(world)
         rendered.set_world(scene, world, journal.set)
-        return "a world"
-    if rendered.world_users(shown) > 1:
+    elif rendered.world_users(shown) > 1:
         rendered.set_world(scene, journal.copy("worlds", shown), journal.set)
-        return "its own copy of a world that other scenes use"
-    return ""
 
 
-def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
+def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> None:
     if scene.camera is not None:
-        return ""
+        return
     data = owned.new(journal, "cameras", "Vibe Camera")
     camera = owned.new(journal, "objects", "Vibe Camera", data)
     # The lens is fitted on the longer side of the picture; the shorter one has to see all too.
@@ -85,21 +81,18 @@ def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> st
     camera.matrix_world = orbit_matrix((low + high) / 2.0, 25.0, 15.0, distance)
     scene.collection.objects.link(camera)
     journal.set(scene, "camera", camera)
-    return "a camera"
 
 
-def _add_key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> str:
+def _add_key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> None:
     if (
         rendered.lights(scene)
         or rendered.instanced_lights(scene)
         or _light_of_surfaces(scene, (low + high) / 2.0) > _LEAST_LIGHT
     ):
-        return ""
+        return
     light = add_light(journal, scene, "Vibe Key", low, high)
-    if not _is_lit(scene):
-        return "a key light"
-    light.data.energy = 0.0  # a scene that its world lights keeps its look
-    return "a key light, switched off because the world lights the scene"
+    if _is_lit(scene):
+        light.data.energy = 0.0  # a scene that its world lights keeps its look
 
 
 def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vector) -> Object:
@@ -180,18 +173,17 @@ def _is_lit(scene: Scene) -> bool:
     return False
 
 
-def _add_material(journal: Journal, obj: Object) -> str:
+def _add_material(journal: Journal, obj: Object) -> None:
     data = obj.data
     filled = [slot for slot in obj.material_slots if slot.material]
     if filled or data.library or data.override_library or not hasattr(data, "materials"):
-        return ""
+        return
     material = owned.new(journal, "materials", f"Vibe {obj.name}", role="material")
     compat.enable_nodes(material)
     if obj.material_slots:
         journal.set(obj.material_slots[0], "material", material)
     else:
         journal.append_material(data, material)
-    return f'a material for "{obj.name}"'
 
 
 def _light_of_surfaces(scene: Scene, place: Vector) -> float:

@@ -33,8 +33,7 @@ def exists(scene: Scene) -> bool:
 
 def forget(scene: Scene) -> None:
     """Keeps the scene as it is now, with its keyframes, for good."""
-    if exists(scene):
-        del scene[KEY]
+    scene.pop(KEY, None)
     keyframes.forget(scene)
 
 
@@ -54,17 +53,19 @@ def revert(scene: Scene) -> list[str]:
     return lost
 
 
-def mark(scene: Scene) -> int:
-    """The number of recorded entries, for `rollback`."""
-    return len(load(scene).entries) if exists(scene) else 0
+def mark(scene: Scene) -> int | None:
+    """The number of recorded entries, for `rollback`; None without a snapshot."""
+    return len(load(scene).entries) if exists(scene) else None
 
 
-def rollback(scene: Scene, first: int) -> None:
-    """Undoes everything recorded since `mark`; removes a snapshot that is then empty."""
+def rollback(scene: Scene, first: int | None) -> None:
+    """Undoes everything recorded since `mark`, unless that has been done; removes a snapshot that was not there then."""
+    if not exists(scene):
+        return
     journal = load(scene)
     del scene[KEY]
-    journal.undo(first)
-    if first:
+    journal.undo(first or 0)
+    if first is not None:
         stored_journal.store(scene, KEY, journal)
 
 
@@ -86,6 +87,17 @@ def transaction(scene: Scene) -> Iterator[Journal]:
     if journal.entries:
         whole.extend(journal)
         stored_journal.store(scene, KEY, whole)
+
+
+@contextmanager
+def undone(scene: Scene) -> Iterator[Journal]:
+    """A journal for changes that are undone at the end of the block."""
+    journal = Journal()
+    try:
+        yield journal
+    finally:
+        journal.undo()
+        rendered.layer(scene).update()
 
 
 def load(scene: Scene) -> Journal:

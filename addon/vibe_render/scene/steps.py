@@ -236,8 +236,7 @@ class Steps:
 
 def forget(scene: Scene) -> None:
     """Drops the list; the values stay."""
-    if KEY in scene:
-        del scene[KEY]
+    scene.pop(KEY, None)
 
 
 def same(key: str, first: Sequence[float], other: Sequence[float]) -> bool:

@@ -129,9 +129,10 @@ def _thin(boxes: np.ndarray) -> np.ndarray:
     return size.min(1) < 0.02 * np.maximum(size.max(1), 1e-9)
 
 
-def remember_subject(scene: Scene, subject: Iterable[Object]) -> None:
-    """Stores a subject that the artist has chosen."""
-    scene[SUBJECT_KEY] = json.dumps([thing.name_full for thing in subject])
+def remember_subject(scene: Scene, subject: Iterable[Object], choice: SubjectChoice) -> None:
+    """Stores a subject, if the artist has chosen it."""
+    if choice.explicit:
+        scene[SUBJECT_KEY] = json.dumps([thing.name_full for thing in subject])
 
 
 def recall_subject(scene: Scene) -> list[Object]:
@@ -146,5 +147,4 @@ def recall_subject(scene: Scene) -> list[Object]:
 
 def forget_subject(scene: Scene) -> None:
     """Forgets the stored subject: the next one is found automatically."""
-    if SUBJECT_KEY in scene:
-        del scene[SUBJECT_KEY]
+    scene.pop(SUBJECT_KEY, None)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
+from typing import ClassVar
 
 import bpy
 
@@ -60,67 +61,90 @@ def untouchable(context: bpy.types.Context) -> str:
     return ""
 
 
-def allowed(operator: type[bpy.types.Operator], reason: str) -> bool:
-    """True without a reason against an operator, for its `poll`; a reason becomes its tool tip."""
-    if reason:
-        operator.poll_message_set(reason)
-    return not reason
-
-
 def has_mesh(scene: bpy.types.Scene) -> bool:
     """True if there is anything to render."""
     return any(obj.type in GEOMETRY for obj in scene.objects)
 
 
 class IdlePanel:
-    """A panel that is hidden while a vibe runs."""
+    """A panel that is closed at first, and hidden while a vibe runs."""
+
+    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         return not addon_state.running
 
 
-class ResultOperator(bpy.types.Operator):
-    """An operator on the result that the scene has."""
+class Operator(bpy.types.Operator):
+    """An operator that says why it is grayed out. A failure is one line, and leaves everything as it was.
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return allowed(cls, result_obstacle(context))
-
-
-class IdleOperator(bpy.types.Operator):
-    """An operator that waits until no vibe runs. A failure is one line, and leaves everything as it was."""
+    Its name is that of its class as Blender writes it: VIBE_OT_revert is "vibe.revert".
+    """
 
     severity = "INFO"  # of the closing message
 
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        cls.bl_idname = cls.__name__.lower().replace("_ot_", ".")
+
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return allowed(cls, RUNNING if addon_state.running else cls.obstacle(context))
+        reason = cls.obstacle(context)
+        if reason:
+            cls.poll_message_set(reason)  # its tool tip
+        return not reason
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        """Why it cannot run now, apart from a vibe that runs; "" if it can."""
+        """Why it cannot run now; "" if it can."""
         return ""
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
-            if context.window:
-                context.window.cursor_modal_set("WAIT")
-            try:
-                message = self.act(context)
-            finally:
-                if context.window:
-                    context.window.cursor_modal_restore()
+            message = self.perform(context)
         except (schema.VibeError, OSError) as error:
             if isinstance(error, OSError):  # from a temporary file
                 error = files.unwritable(Path(tempfile.gettempdir(), "vibe"), error, "Check that folder.")
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        for area in context.screen.areas if context.screen else ():
-            area.tag_redraw()
-        self.report({self.severity}, message)
+        for window in context.window_manager.windows:
+            for area in window.screen.areas:
+                area.tag_redraw()
+        if message:
+            self.report({self.severity}, message)
         return {"FINISHED"}
 
-    def act(self, context: bpy.types.Context) -> str:
-        """Does the work, and returns the closing message; after a VibeError nothing has changed."""
+    def perform(self, context: bpy.types.Context) -> str | None:
+        """Does the work, and returns the closing message, if any; after a VibeError nothing has changed."""
         raise NotImplementedError
+
+
+class ResultOperator(Operator):
+    """An operator on the result that the scene has."""
+
+    bl_options: ClassVar[set[str]] = {"UNDO"}
+
+    @classmethod
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        return result_obstacle(context)
+
+
+class IdleOperator(Operator):
+    """An operator that waits until no vibe runs, and during which Blender waits."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if addon_state.running:
+            cls.poll_message_set(RUNNING)
+            return False
+        return super().poll(context)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        if not context.window:
+            return super().execute(context)
+        context.window.cursor_modal_set("WAIT")
+        try:
+            return super().execute(context)
+        finally:
+            context.window.cursor_modal_restore()

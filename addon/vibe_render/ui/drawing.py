@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parts that panels share: wrapped text, durations and sizes in words, images and colors as icons, redrawing."""
+"""Parts that panels share: wrapped text, durations and sizes in words, images and colors as icons, redrawing, timers."""
 
 from __future__ import annotations
 
 import math
 import re
 import textwrap
+from collections.abc import Callable
 from pathlib import Path
 
 import bpy
@@ -30,6 +31,8 @@ _Version = tuple[tuple[Path, int], ...]
 _slots: dict[tuple[bool, tuple[Path, ...]], tuple[_Version, bpy.utils.previews.ImagePreviewCollection]] = {}
 """Pictures that are shown, and whether as a square -> the files' versions, and their icon."""
 _swatches: bpy.utils.previews.ImagePreviewCollection | None = None
+
+_timers: set[Callable[[], float | None]] = set()
 
 HEX_COLOR = re.compile(r"(#[0-9a-f]{6})")
 
@@ -88,6 +91,20 @@ def redraw() -> None:
             for region in area.regions:
                 if region.type == _PLACES.get(area.type):
                     region.tag_redraw()
+
+
+def begin(timer: Callable[[], float | None], after: float, persistent: bool = False) -> None:
+    """Has Blender call a function after some seconds, unless it will so already, and again after as many as it returns."""
+    _timers.add(timer)
+    if not bpy.app.timers.is_registered(timer):
+        bpy.app.timers.register(timer, first_interval=after, persistent=persistent)
+
+
+def end_timers() -> None:
+    """Ends all that `begin` has begun, when the add-on is switched off."""
+    for timer in filter(bpy.app.timers.is_registered, _timers):
+        bpy.app.timers.unregister(timer)
+    _timers.clear()
 
 
 def look_icon(look: Look) -> int:

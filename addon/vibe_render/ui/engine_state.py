@@ -87,13 +87,10 @@ class EngineState:
         """Cancels a setup and forgets everything."""
         if self.setup:
             self.setup.cancel()
-        if bpy.app.timers.is_registered(self._timer):
-            bpy.app.timers.unregister(self._timer)
         self._forget()
 
     def _follow(self) -> None:
-        if not bpy.app.timers.is_registered(self._timer):
-            bpy.app.timers.register(self._timer, first_interval=_TICK, persistent=True)
+        drawing.begin(self._timer, _TICK, persistent=True)
 
     def tick(self) -> float | None:
         """Takes the results of background work, as a timer of Blender's: returns seconds to the next call, None for none."""
@@ -143,10 +140,8 @@ def _answer_of(future: Future) -> tuple:
     """(its result, None), or (None, the VibeError to show)."""
     try:
         return future.result(), None
-    except schema.VibeError as error:
-        return None, error
     except Exception as error:  # a panel must say so, whatever it is
-        return None, errors.unexpected(error, "looking for the engine")
+        return None, errors.to_show(error, "looking for the engine")
 
 
 engine_state = EngineState()

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """Light Mix in the panel: a slider and a color for each light of a Cycles render, which change its image at once."""
 
 from __future__ import annotations
@@ -28,8 +27,8 @@ def _shown(scene: bpy.types.Scene) -> light_mix.RenderedMix | None:
 
 def draw_soon() -> None:
     """Mixes the image anew, once for all the sliders that have moved by then."""
-    if addon_state.mix and not bpy.app.timers.is_registered(_draw):
-        bpy.app.timers.register(_draw, first_interval=_TICK)
+    if addon_state.mix:
+        drawing.begin(_draw, _TICK)
 
 
 def _changed(_channel: VibeMixChannel, _context: bpy.types.Context) -> None:
@@ -54,19 +53,12 @@ def _draw() -> float | None:
 def render_soon() -> None:
     """Renders the light layers of the scene after a vibe, if that is switched on."""
     if bpy.context.scene.vibe.light_mix and bpy.context.window:
-        bpy.app.timers.register(_render, first_interval=_TICK)
+        drawing.begin(_render, _TICK)
 
 
 def _render() -> None:
     if bpy.ops.vibe.mix_render.poll():
         bpy.ops.vibe.mix_render()
-
-
-def stop() -> None:
-    """Ends the timers, when the add-on is switched off."""
-    for timer in (_draw, _render):
-        if bpy.app.timers.is_registered(timer):
-            bpy.app.timers.unregister(timer)
 
 
 class VibeMixChannel(bpy.types.PropertyGroup):
@@ -119,7 +111,6 @@ class MixPanel(bases.IdlePanel):
     """The image of the mix, a slider and a color for each light, and what writes them into the scene."""
 
     bl_label = "Light Mix"
-    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
@@ -164,7 +155,6 @@ def _obstacle(context: bpy.types.Context) -> str:
 class VIBE_OT_mix_render(bases.IdleOperator):
     """Render a small image with Cycles, each light in a layer of its own. Your light groups stay as they are"""
 
-    bl_idname = "vibe.mix_render"
     bl_label = "Render Lights"
     bl_options: ClassVar[set[str]] = {"UNDO"}
 
@@ -172,7 +162,7 @@ class VIBE_OT_mix_render(bases.IdleOperator):
     def obstacle(cls, context: bpy.types.Context) -> str:
         return _obstacle(context)
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         """Renders, and puts all sliders back, or where the compositor's nodes have them."""
         scene = context.scene
         addon_state.forget_mix()
@@ -190,6 +180,8 @@ class VIBE_OT_mix_render(bases.IdleOperator):
 
 
 class _Mixed(bases.IdleOperator):
+    bl_options: ClassVar[set[str]] = {"UNDO"}
+
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
         if _shown(context.scene) is None:
@@ -200,11 +192,9 @@ class _Mixed(bases.IdleOperator):
 class VIBE_OT_mix_apply(_Mixed):
     """Write the mix into power and color of lights, world and emitting materials, as a step that Revert takes back"""
 
-    bl_idname = "vibe.mix_apply"
     bl_label = "Apply"
-    bl_options: ClassVar[set[str]] = {"UNDO"}
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         """Writes what is multiplied since the render: the sliders start again from there."""
         scene, rendered = context.scene, addon_state.mix
         assert rendered
@@ -223,15 +213,13 @@ class VIBE_OT_mix_apply(_Mixed):
 class VIBE_OT_mix_nodes(_Mixed):
     """Write the mix as nodes of the compositor, which work on every later render. Revert removes them"""
 
-    bl_idname = "vibe.mix_nodes"
     bl_label = "Compositor"
-    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
         return super().obstacle(context) or _obstacle(context)
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         scene, rendered = context.scene, addon_state.mix
         assert rendered
         light_mix.write_nodes(scene, rendered.channels, moved(scene))
@@ -241,14 +229,10 @@ class VIBE_OT_mix_nodes(_Mixed):
 class VIBE_OT_mix_reset(_Mixed):
     """Move all sliders back"""
 
-    bl_idname = "vibe.mix_reset"
     bl_label = "Reset"
     bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         for channel in context.scene.vibe.mix:
             channel.reset()
         return "The image is as it was rendered"
-
-
-CLASSES = (VibeMixChannel, VIBE_OT_mix_render, VIBE_OT_mix_apply, VIBE_OT_mix_nodes, VIBE_OT_mix_reset)

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 import bpy
 
-from ..core.schema_import import errors, schema
+from ..core.schema_import import errors
 from ..run.live import Live
 from ..run.state import addon_state
 from . import bases, drawing
@@ -35,8 +35,7 @@ def typed(settings: Any, context: bpy.types.Context) -> None:
     if not context.window_manager.vibe_live or addon_state.running or bases.untouchable(context):
         return
     addon_state.live_for(context).typed(settings.prompt)
-    if not bpy.app.timers.is_registered(_tick):
-        bpy.app.timers.register(_tick, first_interval=_TICK)
+    drawing.begin(_tick, _TICK)
 
 
 def _tick() -> float | None:
@@ -47,22 +46,13 @@ def _tick() -> float | None:
     failure = None
     try:
         live.advance()
-    except schema.VibeError as error:
-        failure = error
     except Exception as error:  # an artist must never be left with a stuck panel
-        failure = errors.unexpected(error, "looking at the words")
-    if failure:
+        failure = errors.to_show(error, "looking at the words")
         addon_state.end_live()
         addon_state.failure = failure
     if failure or before != (live.stage, live.look):
         drawing.redraw()
     return _TICK if failure is None and live.busy else None
-
-
-def stop() -> None:
-    """Ends the timer, when the add-on is switched off."""
-    if bpy.app.timers.is_registered(_tick):
-        bpy.app.timers.unregister(_tick)
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context, live: Live) -> None:
@@ -84,46 +74,40 @@ def draw_words(layout: bpy.types.UILayout, context: bpy.types.Context, words: Ma
     drawing.paragraph(layout, context, text, "HIDE_ON" if missing else "HIDE_OFF")
 
 
-class VIBE_OT_entered(bpy.types.Operator):
+class VIBE_OT_entered(bases.Operator):
     """Begin the search for the words that were typed"""
 
-    bl_idname = "vibe.entered"
     bl_label = "Vibe It from the Prompt"
     bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Only over our panel, and only for words that nobody has searched for yet."""
-        live = addon_state.live
-        return bool(live and live.typing and _over_our_panel(context) and bpy.ops.vibe.run.poll())
+        return _typed_here(context) and bpy.ops.vibe.run.poll()
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         bpy.ops.vibe.run("INVOKE_DEFAULT")
         return {"FINISHED"}
 
 
-class VIBE_OT_escaped(bpy.types.Operator):
+class VIBE_OT_escaped(bases.Operator):
     """Take the look of what was typed out of the scene"""
 
-    bl_idname = "vibe.escaped"
     bl_label = "Take the Look Away"
     bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Only over our panel, and only where there is a look."""
-        live = addon_state.live
-        return bool(live and live.typing and not addon_state.running and _over_our_panel(context))
+        return _typed_here(context) and not addon_state.running
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         if addon_state.live:
             addon_state.live.clear()
-        drawing.redraw()
-        return {"FINISHED"}
 
 
-def _over_our_panel(context: bpy.types.Context) -> bool:
-    return context.region is not None and context.region.active_panel_category == "Vibe"
+def _typed_here(context: bpy.types.Context) -> bool:
+    """True over our panel, while there are words that nobody has searched for yet."""
+    live, region = addon_state.live, context.region
+    return bool(live and live.typing and region and region.active_panel_category == "Vibe")
 
 
 def register_keys() -> None:
@@ -142,6 +126,3 @@ def unregister_keys() -> None:
     for keymap, item in _keys:
         keymap.keymap_items.remove(item)
     _keys.clear()
-
-
-CLASSES = (VIBE_OT_entered, VIBE_OT_escaped)

@@ -6,6 +6,8 @@ The panels are in the 3D viewport's sidebar, tab "Vibe".
 
 from __future__ import annotations
 
+from types import ModuleType
+
 import bpy
 from bpy.app.handlers import persistent
 
@@ -84,21 +86,19 @@ def _panel(name: str, base: type, parent: str = "") -> type:
     return type(f"VIBE_PT_{name}", (base, bpy.types.Panel), names)
 
 
-CLASSES: tuple[type, ...] = (
-    *setup.CLASSES,
-    *light_mix.CLASSES,
-    *properties.CLASSES,
-    *scope.CLASSES,
-    *run.CLASSES,
-    *live.CLASSES,
-    *words.CLASSES,
-    *picture.CLASSES,
-    *prompt_history.CLASSES,
-    *result.CLASSES,
-    *steps.CLASSES,
-    *sequence.CLASSES,
-    *presets.CLASSES,
-    *preset_files.CLASSES,
+def _classes(*modules: ModuleType) -> list[type]:
+    """The classes that modules define for Blender: operators and menus VIBE_…, groups of properties Vibe…."""
+    return [
+        each
+        for module in modules
+        for name, each in vars(module).items()
+        if name.startswith(("VIBE_", "Vibe")) and each.__module__ == module.__name__
+    ]
+
+
+CLASSES = [
+    *_classes(setup, light_mix, properties, scope, run, live, words, picture, prompt_history),
+    *_classes(result, steps, sequence, presets, preset_files),
     _panel("main", MainPanel),
     _panel("result", result.ResultPanel),
     _panel("mix", light_mix.MixPanel),
@@ -106,17 +106,14 @@ CLASSES: tuple[type, ...] = (
     _panel("scope", scope.ScopePanel),
     _panel("values", scope.ValuesPanel, "scope"),
     _panel("advanced", scope.AdvancedPanel),
-)
+]
 """Of all features, in the order in which Blender gets them: panels from top to bottom."""
 
 
 @persistent
 def _before_load(*_: object) -> None:
     """A vibe belongs to its file: it ends before Blender opens another, and its pictures go."""
-    addon_state.cancel()
-    addon_state.forget()
-    addon_state.forget_mix()
-    addon_state.end_live()
+    addon_state.leave_file()
 
 
 @persistent
@@ -178,9 +175,7 @@ def unregister() -> None:
     """Inverse of `register`; ends the engine."""
     live.unregister_keys()
     setup.forget_warm_up()
-    live.stop()
-    words.stop()
-    light_mix.stop()
+    drawing.end_timers()
     for name, handler in _HANDLERS.items():
         getattr(bpy.app.handlers, name).remove(handler)
     addon_state.close()

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """The reference image: its fields, its part of the main panel, and pasting it from the clipboard."""
 
 from __future__ import annotations
@@ -107,11 +106,10 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
 class VIBE_OT_paste_picture(IdleOperator):
     """Use the image in the clipboard; it becomes an image of this .blend"""
 
-    bl_idname = "vibe.paste_picture"
     bl_label = "Paste"
     bl_options: ClassVar[set[str]] = {"UNDO"}
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         image = compat.pasted_picture(context)
         if image is None:
             raise schema.VibeError(
@@ -122,6 +120,3 @@ class VIBE_OT_paste_picture(IdleOperator):
         settings = context.scene.vibe
         settings.like_from, settings.like_image = "IMAGE", image
         return f"{image.name} is the reference image"
-
-
-CLASSES = (VIBE_OT_paste_picture,)

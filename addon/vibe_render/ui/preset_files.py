@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """Looks as files to pass on: presets are imported and exported, the scene's look as assets, its grade as a LUT."""
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +39,6 @@ class _ExportDialog(_FileDialog, ExportHelper):
 class VIBE_OT_preset_import(IdleOperator, _FileDialog, ImportHelper):
     """Copy preset files into your presets. Nothing in them is ever run"""
 
-    bl_idname = "vibe.preset_import"
     bl_label = "Import Presets"
 
     filename_ext = ".json"
@@ -49,7 +46,7 @@ class VIBE_OT_preset_import(IdleOperator, _FileDialog, ImportHelper):
     directory: StringProperty(subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
     files: CollectionProperty(type=bpy.types.OperatorFileListElement, options={"HIDDEN", "SKIP_SAVE"})
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         """Imports every file that can be; one message names the others."""
         paths = [Path(self.directory) / file.name for file in self.files if file.name]
         paths = paths or [Path(self.filepath)]
@@ -75,18 +72,15 @@ class VIBE_OT_preset_import(IdleOperator, _FileDialog, ImportHelper):
 class VIBE_OT_preset_export(PresetOperator, _ExportDialog):
     """Save this preset and its picture as files, to pass on"""
 
-    bl_idname = "vibe.preset_export"
     bl_label = "Export Preset"
 
     filename_ext = ".json"
     filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if (name := self.name_or_report(context)) is None:
-            return {"CANCELLED"}
-        return self.propose(context, event, name)
+        return self.propose(context, event, self.look(context).name)
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         library.export_preset(self.look(context), Path(self.filepath))
         return f"Written: {self.filepath}"
 
@@ -94,7 +88,6 @@ class VIBE_OT_preset_export(PresetOperator, _ExportDialog):
 class VIBE_OT_export_assets(LookOperator, _ExportDialog):
     """Save materials, world, lights and grade of the look that the scene has now, for the Asset Browser"""
 
-    bl_idname = "vibe.export_assets"
     bl_label = "Export as Assets"
 
     filename_ext = ".blend"
@@ -105,7 +98,7 @@ class VIBE_OT_export_assets(LookOperator, _ExportDialog):
         libraries = context.preferences.filepaths.asset_libraries
         return self.propose(context, event, _name(context), libraries[0].path if libraries else "")
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         scene = context.scene
         settings = scene.vibe
         settings.show_original = False
@@ -113,9 +106,7 @@ class VIBE_OT_export_assets(LookOperator, _ExportDialog):
         names = dict.fromkeys(owner for group, owner, _ in keys if group == "material")
         materials = {material.name_full: material for material in bpy.data.materials}
         analysis = reading.read_scene(scene, settings.choice()).analysis
-        with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
-            picture = Path(folder) / f"picture{thumbnail.SUFFIX}"
-            thumbnail.render_thumbnail(scene, picture)
+        with thumbnail.rendered_thumbnail(scene) as picture:
             written = assets.export_assets(
                 analysis,
                 _name(context),
@@ -130,7 +121,6 @@ class VIBE_OT_export_assets(LookOperator, _ExportDialog):
 class VIBE_OT_export_lut(IdleOperator, _ExportDialog):
     """Save the scene's color grade as a .cube file for other programs: sRGB in, sRGB out"""
 
-    bl_idname = "vibe.export_lut"
     bl_label = "Export LUT"
 
     filename_ext = ".cube"
@@ -145,7 +135,7 @@ class VIBE_OT_export_lut(IdleOperator, _ExportDialog):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         return self.propose(context, event, _name(context))
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         """Writes it; the message names what a LUT cannot hold."""
         values = transfer.grade_values(context.scene)
         lut.write_cube(Path(self.filepath), _name(context), values)
@@ -157,6 +147,3 @@ class VIBE_OT_export_lut(IdleOperator, _ExportDialog):
 def _name(context: bpy.types.Context) -> str:
     settings: Any = context.scene.vibe
     return settings.vibed_preset or preset.title(settings.vibed_prompt) or context.scene.name
-
-
-CLASSES = (VIBE_OT_preset_import, VIBE_OT_preset_export, VIBE_OT_export_assets, VIBE_OT_export_lut)

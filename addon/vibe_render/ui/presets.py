@@ -1,11 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """Presets in the "Vibe" tab: a grid of pictures to choose from, the chosen preset, and actions on it."""
 
 from __future__ import annotations
 
-import tempfile
-from pathlib import Path
 from typing import ClassVar
 
 import bpy
@@ -14,7 +11,7 @@ from bpy.props import StringProperty
 from ..core.schema_import import preset, schema
 from ..looks import library, thumbnail, transfer
 from ..run.state import addon_state
-from .bases import IdleOperator, IdlePanel, has_mesh, untouchable
+from .bases import IdleOperator, IdlePanel, Operator, has_mesh, untouchable
 from .drawing import caption, look_icon, paragraph
 
 _WIDTH, _COLUMNS = 26, 4  # of the grid; the width in Blender's units (the height of a button)
@@ -68,7 +65,6 @@ class PresetsPanel(IdlePanel):
     """The chosen preset, and the button that shows all of them."""
 
     bl_label = "Presets"
-    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         self.layout.menu("VIBE_MT_presets", text="", icon="COLLAPSEMENU")  # type: ignore[attr-defined]
@@ -148,16 +144,12 @@ class PresetOperator(IdleOperator):
         options={"HIDDEN", "SKIP_SAVE"}, description="The preset's file; empty: the chosen one"
     )
 
+    @classmethod
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        return "" if _chosen(context) else "Choose a preset first"
+
     def look(self, context: bpy.types.Context) -> library.Look:
         return library.preset_at(self.path or context.window_manager.vibe_presets.chosen)
-
-    def name_or_report(self, context: bpy.types.Context) -> str | None:
-        """The preset's name; reports that it is gone and returns None if so."""
-        try:
-            return self.look(context).name
-        except schema.VibeError as error:
-            self.report({"ERROR"}, str(error))
-            return None
 
 
 class LookOperator(IdleOperator):
@@ -173,10 +165,8 @@ class _OwnPresetOperator(PresetOperator):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        chosen = context.window_manager.vibe_presets.chosen
-        if not chosen:
-            return "Choose a preset first"
-        return "It comes with Vibe Render" if Path(chosen).parent == library.SHIPPED else ""
+        look = _chosen(context)
+        return "It comes with Vibe Render" if look and look.shipped else super().obstacle(context)
 
 
 class _NameDialog:
@@ -192,10 +182,9 @@ class _NameDialog:
         layout.prop(self, "name")
 
 
-class VIBE_OT_preset_choose(bpy.types.Operator):
+class VIBE_OT_preset_choose(Operator):
     """Choose this preset"""
 
-    bl_idname = "vibe.preset_choose"
     bl_label = "Choose Preset"
     bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
@@ -209,15 +198,13 @@ class VIBE_OT_preset_choose(bpy.types.Operator):
             return str(error)
         return look.problem or (f"“{look.prompt}”" if look.prompt else look.name)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         context.window_manager.vibe_presets.chosen = self.path
-        return {"FINISHED"}
 
 
 class VIBE_OT_preset_apply(PresetOperator):
     """Give the scene this look. Strength, Before, Keep and Revert work as after a vibe"""
 
-    bl_idname = "vibe.preset_apply"
     bl_label = "Apply"
     bl_options: ClassVar[set[str]] = {"UNDO"}
 
@@ -225,7 +212,7 @@ class VIBE_OT_preset_apply(PresetOperator):
     def obstacle(cls, context: bpy.types.Context) -> str:
         return untouchable(context) if has_mesh(context.scene) else "The scene has no mesh"
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         look = self.look(context)
         if look.preset is None:
             raise schema.VibeError(look.problem, "Delete it, or correct the file.")
@@ -240,7 +227,6 @@ class VIBE_OT_preset_apply(PresetOperator):
 class VIBE_OT_preset_save(_NameDialog, LookOperator):
     """Save the look that the scene has now as a preset, with a picture of it"""
 
-    bl_idname = "vibe.preset_save"
     bl_label = "Save Preset"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -253,13 +239,11 @@ class VIBE_OT_preset_save(_NameDialog, LookOperator):
         super().draw(context)
         self.layout.label(text="Blender waits some seconds: a small render becomes its picture", icon="TIME")
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         """Saves it; the picture is a small render, during which Blender waits."""
         scene = context.scene
         look = transfer.capture_preset(scene, scene.vibe.choice(), self.name)
-        with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
-            picture = Path(folder) / f"picture{thumbnail.SUFFIX}"
-            thumbnail.render_thumbnail(scene, picture)
+        with thumbnail.rendered_thumbnail(scene) as picture:
             saved = library.save_preset(look, picture)
         context.window_manager.vibe_presets.chosen = str(saved.path)
         return f"Saved as {saved.name}"
@@ -268,16 +252,13 @@ class VIBE_OT_preset_save(_NameDialog, LookOperator):
 class VIBE_OT_preset_rename(_NameDialog, _OwnPresetOperator):
     """Give this preset another name"""
 
-    bl_idname = "vibe.preset_rename"
     bl_label = "Rename Preset"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if (name := self.name_or_report(context)) is None:
-            return {"CANCELLED"}
-        self.name = name
+        self.name = self.look(context).name
         return context.window_manager.invoke_props_dialog(self, width=340, confirm_text="Rename")
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         renamed = library.rename_preset(self.look(context), self.name)
         context.window_manager.vibe_presets.chosen = str(renamed.path)
         return f"Renamed to {renamed.name}"
@@ -286,32 +267,16 @@ class VIBE_OT_preset_rename(_NameDialog, _OwnPresetOperator):
 class VIBE_OT_preset_delete(_OwnPresetOperator):
     """Delete this preset and its picture"""
 
-    bl_idname = "vibe.preset_delete"
     bl_label = "Delete Preset"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if (name := self.name_or_report(context)) is None:
-            return {"CANCELLED"}
+        message = f"{self.look(context).name} will be gone for good."
         return context.window_manager.invoke_confirm(
-            self, event, title="Delete Preset", message=f"{name} will be gone for good.", confirm_text="Delete",
-            icon="WARNING",
-        )  # fmt: skip
+            self, event, title="Delete Preset", message=message, confirm_text="Delete", icon="WARNING"
+        )
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         look = self.look(context)
         library.delete_preset(look)
         context.window_manager.vibe_presets.chosen = ""
         return f"{look.name} is deleted"
-
-
-CLASSES = (
-    VibePresets,
-    VIBE_MT_preset,
-    VIBE_MT_presets,
-    VIBE_PT_preset_grid,
-    VIBE_OT_preset_choose,
-    VIBE_OT_preset_apply,
-    VIBE_OT_preset_save,
-    VIBE_OT_preset_rename,
-    VIBE_OT_preset_delete,
-)

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """The prompts that were typed, with the targets of their words, the newest first: a small file of the user's, for all scenes."""
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ from bpy.props import StringProperty
 from ..core.files import whole
 from ..core.preferences import own_folder
 from ..core.schema_import import checks, schema, targets
+from .bases import Operator
 
 _MOST = 30  # prompts that are kept
 _NAME = "prompts.json"
@@ -78,10 +78,9 @@ class VIBE_MT_history(bpy.types.Menu):
             layout.label(text="Nothing yet")
 
 
-class VIBE_OT_recall(bpy.types.Operator):
+class VIBE_OT_recall(Operator):
     """Put these words into the prompt"""
 
-    bl_idname = "vibe.recall"
     bl_label = "Recall"
     bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
@@ -91,7 +90,7 @@ class VIBE_OT_recall(bpy.types.Operator):
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         return properties.prompt
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         """Sets the prompt, and the targets of its words as far as the scene has them."""
         settings = context.scene.vibe
         settings.prompt = self.prompt
@@ -99,18 +98,12 @@ class VIBE_OT_recall(bpy.types.Operator):
         for word, target in checks.targets(targets_of(self.prompt)).items():
             if all(any(name in names for names in known) for name in targets.target_names(target)):
                 settings.set_target(word, target)
-        return {"FINISHED"}
 
 
-class VIBE_OT_clear_history(bpy.types.Operator):
+class VIBE_OT_clear_history(Operator):
     """Forget the prompts that were typed"""
 
-    bl_idname = "vibe.clear_history"
     bl_label = "Clear History"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         clear()
-        return {"FINISHED"}
-
-
-CLASSES = (VIBE_MT_history, VIBE_OT_recall, VIBE_OT_clear_history)

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """The panel's fields, kept in the scene at `scene.vibe`. Groups and options come from the schema."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
 
@@ -34,18 +33,19 @@ _Update = Callable[[Any, bpy.types.Context], None]
 def declare(
     name: str,
     preferences: bool,
-    table: Iterable[options.Option] = options.TABLE,
     updates: Mapping[str, _Update] = MappingProxyType({}),
 ) -> type:
     """A class whose annotations are properties for options of the schema, to be inherited by the one that Blender registers.
 
+    Options with choices, whose titles are the panel's, are left out.
+
     Args:
         preferences: For the add-on's preferences, else for the scene.
-        table: The options; those with choices, whose titles are the panel's, are left out.
         updates: Option -> function that is called when it changes.
     """
-    rows = [row for row in table if row.panel and row.panel.preferences == preferences and not row.choices]
-    properties = {row.name: _property(row, updates.get(row.name)) for row in rows}
+    rows = [row for row in options.TABLE if row.panel and not row.choices]
+    theirs = [row for row in rows if row.panel.preferences == preferences]
+    properties = {row.name: _property(row, updates.get(row.name)) for row in theirs}
     return type(name, (), {"__annotations__": properties, "__module__": __name__})
 
 
@@ -248,10 +248,6 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         patterns = filter(None, (pattern.strip() for pattern in self.lock.split(",")))
         chosen |= {"groups": self.groups(), "lock": [*patterns, *self.locks.keys()]}
         chosen |= {"target": self.target_pairs()}
-        chosen |= {"like": "", "like_only": ()}  # whoever reads the scene saves the picture, and knows where
-        if picture := reference.picture_name(self):
-            chosen |= {"like": picture, "like_only": self.traits()}
+        picture = reference.picture_name(self)  # whoever reads the scene saves it, and knows where
+        chosen |= {"like": picture, "like_only": self.traits() if picture else ()}
         return messages.Options.from_dict(chosen | {"online": preferences.online()})
-
-
-CLASSES = (VibeChange, VibeLock, VibeTarget, VibeSettings)

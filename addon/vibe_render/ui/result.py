@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """A result in the panel: images, Keep and Revert, strength, variants, visible words, changes and their reasons; one undo step each."""
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from ..run.session import Session
 from ..run.state import addon_state
 from ..scene import keyframes, moments, own_keys, snapshot
 from . import sequence, steps
-from .bases import HELD, ResultOperator, allowed, result_obstacle
+from .bases import HELD, Operator, ResultOperator, result_obstacle
 from .drawing import GROUP_ICONS, HEX_COLOR, before_after, colored, columns, icon, paragraph, see_rendered
 from .scope import draw_lock
 
@@ -188,7 +187,9 @@ def _draw_changes(
             values.prop(change, "after", text="")
         else:
             values.alignment = "RIGHT"
-            values.label(text=result.arrow(change.name, *change.values()))
+            before, after = change.values()
+            text = f"{labels.bare(change.name, before)} → {labels.text(change.name, after)}"  # the unit once
+            values.label(text=text)
         if not schema.light_links.link_of(change.name):  # no search changes a link
             draw_lock(row, context.scene.vibe, change.name)
     if context.scene.vibe.show_reasons and why:
@@ -202,95 +203,72 @@ def _draw_changes(
 class VIBE_OT_revert(ResultOperator):
     """Restore the scene exactly as it was before the first vibe"""
 
-    bl_idname = "vibe.revert"
     bl_label = "Revert"
-    bl_options: ClassVar[set[str]] = {"UNDO"}
+    severity = "WARNING"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> str:
         try:
             lost = result.revert(context.scene)
         except schema.VibeError as error:
             addon_state.end(error)  # it stays in the panel, not in a passing report alone
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            raise
         addon_state.forget()
         addon_state.forget_mix()
-        if lost:
-            self.report({"WARNING"}, f"{len(lost)} values could not be restored: {lost[0]}")
-        return {"FINISHED"}
+        return f"{len(lost)} values could not be restored: {lost[0]}" if lost else ""
 
 
 class VIBE_OT_keep(ResultOperator):
     """Make the result final. Revert is no longer possible"""
 
-    bl_idname = "vibe.keep"
     bl_label = "Keep"
-    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def obstacle(cls, context: bpy.types.Context) -> str:
         aside = keyframes.exist(context.scene) and not keyframes.are_shown(context.scene)
         reason = "Keyframe this look first: the keyframes of the others are set aside" if aside else ""
-        return allowed(cls, result_obstacle(context) or reason)
+        return result_obstacle(context) or reason
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         result.keep(context.scene)
         addon_state.forget()
-        return {"FINISHED"}
 
 
 class VIBE_OT_keyframe(ResultOperator):
     """Keyframe all values of the result at the current frame. Values go from one keyframed look to the next in even steps"""
 
-    bl_idname = "vibe.keyframe"
     bl_label = "Keyframe"
-    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def obstacle(cls, context: bpy.types.Context) -> str:
         unchanged = "" if context.scene.vibe.changes else "The result has changed nothing"
         held = HELD if own_keys.are_held(context.scene) else ""
-        return allowed(cls, result_obstacle(context) or unchanged or held)
+        return result_obstacle(context) or unchanged or held
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        try:
-            left = result.keyframe(context.scene)
-        except schema.VibeError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        if left:
-            self.report({"WARNING"}, f"{len(left)} values were left alone. {left[0]}")
-        else:
-            self.report({"INFO"}, f"The look is keyframed at frame {context.scene.frame_current}")
-        return {"FINISHED"}
+    def perform(self, context: bpy.types.Context) -> str:
+        if left := result.keyframe(context.scene):
+            self.severity = "WARNING"
+            return f"{len(left)} values were left alone. {left[0]}"
+        return f"The look is keyframed at frame {context.scene.frame_current}"
 
 
 class VIBE_OT_variant(ResultOperator):
     """Use this variant in place of the other"""
 
-    bl_idname = "vibe.variant"
     bl_label = "Variant"
     bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     number: IntProperty(min=0)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         session, scene = addon_state.session, context.scene
         if session is None or not 0 <= self.number < len(session.variants):
-            self.report({"ERROR"}, "That variant is gone")
-            return {"CANCELLED"}
-        try:
-            result.choose(scene, self.number, session.variants[self.number][0], session.subject(scene))
-        except schema.VibeError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+            raise schema.VibeError("That variant is gone")
+        result.choose(scene, self.number, session.variants[self.number][0], session.subject(scene))
 
 
-class VIBE_OT_why(bpy.types.Operator):
+class VIBE_OT_why(Operator):
     """Why this value changed"""
 
-    bl_idname = "vibe.why"
     bl_label = "Why"
     bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
@@ -305,6 +283,3 @@ class VIBE_OT_why(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         self.report({"INFO"}, context.scene.vibe.changes[self.key].reason or "The look needs it")
         return {"CANCELLED"}
-
-
-CLASSES = (VIBE_OT_revert, VIBE_OT_keep, VIBE_OT_keyframe, VIBE_OT_variant, VIBE_OT_why)

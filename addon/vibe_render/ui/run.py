@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """Vibe It: a vibe from the button to its end, in the background; its progress in the panel, and the buttons that end it.
 
 It leaves one undo step.
@@ -27,7 +26,7 @@ _TICK = 0.02  # seconds between two steps of the session
 _REDRAW = 0.1  # seconds after which the panels are drawn again though the stage is the same
 
 
-class Vibing(bpy.types.Operator):
+class Vibing(bases.Operator):
     """An operator that runs a vibe: in the background from its button, at once from a script."""
 
     bl_options: ClassVar[set[str]] = {"UNDO"}  # no REGISTER: "Adjust Last Operation" would do it all again
@@ -114,7 +113,6 @@ class Vibing(bpy.types.Operator):
 class VIBE_OT_run(Vibing):
     """Change the scene's materials, lights, fog and grading until it looks like the words"""
 
-    bl_idname = "vibe.run"
     bl_label = "Vibe It"
 
     again: BoolProperty(
@@ -128,8 +126,8 @@ class VIBE_OT_run(Vibing):
         return cls.__doc__ or ""
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return bases.allowed(cls, bases.obstacle(context))
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        return bases.obstacle(context)
 
     def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
         settings = context.scene.vibe
@@ -147,56 +145,45 @@ def _advance(session: Session) -> schema.VibeError | None:
     try:
         if not session.advance():
             addon_state.end()
-    except schema.VibeError as error:
-        return error
     except Exception as error:  # an artist must never be left with a stuck panel
-        return errors.unexpected(error, session.stage.lower())
+        return errors.to_show(error, session.stage.lower())
     return None
 
 
-class _Running(bpy.types.Operator):
+class _Running(bases.Operator):
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        cls.poll_message_set("No vibe is running")
-        return addon_state.running
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        return "" if addon_state.running else "No vibe is running"
 
 
 class VIBE_OT_stop(_Running):
     """Stop now, and use the best look so far"""
 
-    bl_idname = "vibe.stop"
     bl_label = "Stop"
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        cls.poll_message_set("There is no look yet to take")
-        return addon_state.running and bool(addon_state.session and addon_state.session.can_stop)
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        session = addon_state.session
+        stoppable = addon_state.running and session and session.can_stop
+        return "" if stoppable else "There is no look yet to take"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        try:
-            if addon_state.session:
-                addon_state.session.stop()
-        except schema.VibeError as error:
-            self.report({"ERROR"}, str(error))
-        return {"FINISHED"}
+    def perform(self, context: bpy.types.Context) -> None:
+        if addon_state.session:
+            addon_state.session.stop()
 
 
 class VIBE_OT_cancel(_Running):
     """Stop now, and leave the scene as it was"""
 
-    bl_idname = "vibe.cancel"
     bl_label = "Cancel"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         addon_state.cancel()
-        drawing.redraw()
-        return {"FINISHED"}
 
 
 class VIBE_OT_answer(_Running):
     """Answer, for this scene's other vibes too"""
 
-    bl_idname = "vibe.answer"
     bl_label = "Answer"
     bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
@@ -206,23 +193,20 @@ class VIBE_OT_answer(_Running):
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         return cls.bl_rna.properties["shared"].enum_items[properties.shared].description
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         context.scene.vibe.shared = self.shared
         if addon_state.session:
             addon_state.session.answer(self.shared)
-        return {"FINISHED"}
 
 
-class VIBE_OT_dismiss(bpy.types.Operator):
+class VIBE_OT_dismiss(bases.Operator):
     """Close this message"""
 
-    bl_idname = "vibe.dismiss"
     bl_label = "Dismiss"
     bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         addon_state.forget()
-        return {"FINISHED"}
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
@@ -276,6 +260,3 @@ def _draw_question(
     column.scale_y = 1.2
     for (answer, title, _), icon in zip(SHARED, ("LINKED", "UNLINKED"), strict=True):
         column.operator("vibe.answer", text=title, icon=icon).shared = answer
-
-
-CLASSES = (VIBE_OT_run, VIBE_OT_stop, VIBE_OT_cancel, VIBE_OT_answer, VIBE_OT_dismiss)

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """The limits of a vibe: the panel of groups and subject, and the list of all single values, each with a lock."""
 
 from __future__ import annotations
@@ -12,17 +11,15 @@ from bpy.props import CollectionProperty, IntProperty, StringProperty
 from ..core.schema_import import labels, schema
 from ..scene import bindings, scene_context
 from . import drawing
-from .bases import IdlePanel
+from .bases import IdlePanel, Operator
 
-_listed: tuple = ()  # fingerprint of the scene that the list shows
-_awaited: tuple = ()  # fingerprint of the scene that a timer is going to list
+_listed: tuple = ()  # fingerprint of the scene that the list shows, or that a timer is going to list
 
 
 class ScopePanel(IdlePanel):
     """The groups that may change, and the subject."""
 
     bl_label = "Affect"
-    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
@@ -43,7 +40,6 @@ class ValuesPanel(IdlePanel):
     """Every single value of the scene, with a lock."""
 
     bl_label = "Individual Locks"
-    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         if count := len(context.scene.vibe.locks):
@@ -51,10 +47,10 @@ class ValuesPanel(IdlePanel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draws the list, which a timer fills if the scene has changed: a panel that draws must not change anything."""
-        global _awaited
+        global _listed
         now = _fingerprint(context.scene)
-        if now not in (_listed, _awaited):
-            _awaited = now
+        if now != _listed:
+            _listed = now
             bpy.app.timers.register(lambda: _fill_soon(now[0]), first_interval=0.01)
         layout: Any = self.layout  # type: ignore[attr-defined]
         values = context.window_manager.vibe_values
@@ -76,8 +72,8 @@ def _fill_soon(uid: int) -> None:
 
 def fill(scene: bpy.types.Scene) -> None:
     """Lists the scene's values."""
-    global _listed, _awaited
-    _listed, _awaited = _fingerprint(scene), ()
+    global _listed
+    _listed = _fingerprint(scene)
     rows = bpy.context.window_manager.vibe_values.rows
     rows.clear()
     for instance in bindings.instances(scene, scene_context.meshes(scene), scene.vibe.pivot).values():
@@ -145,10 +141,9 @@ def draw_lock(layout: bpy.types.UILayout, settings: Any, key: str, reason: str =
     button.key, button.reason = key, reason
 
 
-class VIBE_OT_lock(bpy.types.Operator):
+class VIBE_OT_lock(Operator):
     """Lock a value, or unlock it"""
 
-    bl_idname = "vibe.lock"
     bl_label = "Lock"
     bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
@@ -163,38 +158,33 @@ class VIBE_OT_lock(bpy.types.Operator):
         title = labels.title(properties.key)
         return f"Let a vibe change {title}" if locked else f"Keep {title} as it is"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         locks = context.scene.vibe.locks
         place = locks.find(self.key)
         if place >= 0:
             locks.remove(place)
         else:
             locks.add().name = self.key
-        return {"FINISHED"}
 
 
-class VIBE_OT_unlock_all(bpy.types.Operator):
+class VIBE_OT_unlock_all(Operator):
     """Unlock all values that are locked one by one"""
 
-    bl_idname = "vibe.unlock_all"
     bl_label = "Unlock All"
     bl_options: ClassVar[set[str]] = {"UNDO"}
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        cls.poll_message_set("No value is locked")
-        return bool(context.scene.vibe.locks)
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        return "" if context.scene.vibe.locks else "No value is locked"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         context.scene.vibe.locks.clear()
-        return {"FINISHED"}
 
 
 class AdvancedPanel(IdlePanel):
     """Numbers that few need."""
 
     bl_label = "Advanced"
-    bl_options: ClassVar[set[str]] = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
@@ -203,6 +193,3 @@ class AdvancedPanel(IdlePanel):
         column.prop(settings, "lock", text="", placeholder="light/Key, */metallic")
         for name in ("top_k", "seed", "anchor"):
             column.prop(settings, name)
-
-
-CLASSES = (VibeValue, VibeValues, VIBE_UL_values, VIBE_OT_lock, VIBE_OT_unlock_all)

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """Check Sequence in the panel: the frames of the scene where a word of the result is no longer visible."""
 
 from __future__ import annotations
@@ -37,19 +36,17 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Sessio
 class VIBE_OT_check_sequence(run.Vibing):
     """Measure the words at frames of the scene, from its first to its last. Nothing in the scene changes"""
 
-    bl_idname = "vibe.check_sequence"
     bl_label = "Check Sequence"
     bl_options: ClassVar[set[str]] = set()
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def obstacle(cls, context: bpy.types.Context) -> str:
         session = addon_state.session
-        reason = bases.result_obstacle(context)
-        if not reason and not (session and session.report and session.scene == context.scene.name):
-            reason = "Run the vibe again first: its measures last only as long as Blender runs"
-        if not reason and own_keys.are_held(context.scene):
-            reason = bases.HELD
-        return bases.allowed(cls, reason)
+        if reason := bases.result_obstacle(context):
+            return reason
+        if not (session and session.report and session.scene == context.scene.name):
+            return "Run the vibe again first: its measures last only as long as Blender runs"
+        return bases.HELD if own_keys.are_held(context.scene) else ""
 
     def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
         session = addon_state.session
@@ -65,6 +62,3 @@ class VIBE_OT_check_sequence(run.Vibing):
             self.report({"INFO"}, f"{len(frames)} frames checked: {lost} are listed under Result")
             return {"FINISHED"}
         return super()._done(failure, severity)
-
-
-CLASSES = (VIBE_OT_check_sequence,)

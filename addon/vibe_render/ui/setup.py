@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """The engine and its cache in the preferences and in the panel: find it, set it up, test it, clear what it keeps."""
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from ..core.schema_import import schema
 from ..engine import setup as engine_setup
 from ..run.state import addon_state
 from . import drawing
-from .bases import IdleOperator, allowed
+from .bases import IdleOperator, Operator
 from .engine_state import engine_state, setup_folder, version
 from .properties import declare
 
@@ -40,7 +39,6 @@ class VibePreferences(_Options, bpy.types.AddonPreferences):  # type: ignore[mis
         name="Engine",
         description="Folder of the Python environment that the engine runs in. Empty: look for it",
         subtype="DIR_PATH",
-        update=lambda self, _context: engine_state.search(self.engine),
     )
     vlm_key: StringProperty(
         name="Key",
@@ -171,27 +169,26 @@ def _draw_engine_buttons(layout: bpy.types.UILayout) -> None:
     row.operator("preferences.addon_show", text="Preferences", icon="PREFERENCES").module = ADDON
 
 
-class VIBE_OT_setup_engine(bpy.types.Operator):
+class VIBE_OT_setup_engine(Operator):
     """Download the engine once, into the extension's own folder: Python packages. What they are and how large is said first"""
 
-    bl_idname = "vibe.setup_engine"
     bl_label = "Set Up Engine"
 
     build: EnumProperty(
         name="Runs On",
         description="What the engine computes on",
         items=[(b.key, b.name, f"{b.download} GB to download") for b in engine_setup.choices()],
+        default=engine_setup.suggested().key,
         options={"SKIP_SAVE"},
     )
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def obstacle(cls, context: bpy.types.Context) -> str:
         off = "" if preferences.online() else "Online access is off: see Preferences > System > Network"
-        return allowed(cls, off or ("It is being set up already" if engine_state.setting_up else ""))
+        return off or ("It is being set up already" if engine_state.setting_up else "")
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Says what will be downloaded, and lets the artist choose; nothing is downloaded before that."""
-        self.build = engine_setup.suggested().key
         return context.window_manager.invoke_props_dialog(
             self, width=_DIALOG_WIDTH, title="Set Up Engine", confirm_text="Download"
         )
@@ -203,22 +200,17 @@ class VIBE_OT_setup_engine(bpy.types.Operator):
         for line in engine_setup.download_text(engine_setup.by_key(self.build), setup_folder()):
             drawing.paragraph(column, context, line, letters=_DIALOG_LETTERS)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        chosen = self.properties.is_property_set("build")
-        build = engine_setup.by_key(self.build) if chosen else engine_setup.suggested()
+    def perform(self, context: bpy.types.Context) -> None:
         try:
-            engine_state.set_up(build)
+            engine_state.set_up(engine_setup.by_key(self.build))
         except schema.VibeError as error:
             engine_state.outcome, engine_state.succeeded = str(error), False
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+            raise
 
 
 class VIBE_OT_remove_engine(IdleOperator):
     """Delete the engine that Set Up Engine has downloaded. Presets and settings stay"""
 
-    bl_idname = "vibe.remove_engine"
     bl_label = "Remove Engine"
 
     @classmethod
@@ -233,7 +225,7 @@ class VIBE_OT_remove_engine(IdleOperator):
             self, event, title="Remove Engine", message=message, confirm_text="Remove", icon="WARNING"
         )
 
-    def act(self, context: bpy.types.Context) -> str:
+    def perform(self, context: bpy.types.Context) -> str:
         addon_state.close()
         shutil.rmtree(setup_folder())
         chosen = preferences.get(context)
@@ -243,33 +235,28 @@ class VIBE_OT_remove_engine(IdleOperator):
         return "The engine is removed"
 
 
-class VIBE_OT_cancel_setup(bpy.types.Operator):
+class VIBE_OT_cancel_setup(Operator):
     """Stop setting up the engine, and remove what has been installed of it"""
 
-    bl_idname = "vibe.cancel_setup"
     bl_label = "Cancel"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         if engine_state.setup:
             engine_state.setup.cancel()
-        return {"FINISHED"}
 
 
-class VIBE_OT_look_for_engine(bpy.types.Operator):
+class VIBE_OT_look_for_engine(Operator):
     """Look for the engine once more"""
 
-    bl_idname = "vibe.look_for_engine"
     bl_label = "Look Again"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         engine_state.search(engine_choice(context), again=True)
-        return {"FINISHED"}
 
 
-class VIBE_OT_test_engine(bpy.types.Operator):
+class VIBE_OT_test_engine(Operator):
     """Start the engine once and see whether it answers"""
 
-    bl_idname = "vibe.test_engine"
     bl_label = "Test Engine"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -277,33 +264,26 @@ class VIBE_OT_test_engine(bpy.types.Operator):
         engine_state.test(engine_choice(context))
         return {"FINISHED"}
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> str:
         """Tests at once, for scripts."""
-        try:
-            self.report({"INFO"}, f"Engine {version(engine_choice(context))} answers")
-        except schema.VibeError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+        return f"Engine {version(engine_choice(context))} answers"
 
 
-class VIBE_OT_clear_cache(bpy.types.Operator):
+class VIBE_OT_clear_cache(Operator):
     """Delete what the engine keeps; it is made again when it is needed"""
 
-    bl_idname = "vibe.clear_cache"
     bl_label = "Clear"
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        running = addon_state.running
-        cls.poll_message_set("A vibe is running, and reads it" if running else "The cache is empty")
-        return not running and cache_folder(context).is_dir()
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        if addon_state.running:
+            return "A vibe is running, and reads it"
+        return "" if cache_folder(context).is_dir() else "The cache is empty"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         """Deletes our folder in the cache folder, and nothing else there."""
         shutil.rmtree(cache_folder(context), ignore_errors=True)
         _measured.clear()
-        return {"FINISHED"}
 
 
 def warm_up_soon() -> None:
@@ -311,7 +291,7 @@ def warm_up_soon() -> None:
     global _started
     if not _started:
         _started = True
-        bpy.app.timers.register(_warm_up, first_interval=_SOON, persistent=True)
+        drawing.begin(_warm_up, _SOON, persistent=True)
 
 
 def _warm_up() -> float | None:
@@ -327,16 +307,3 @@ def forget_warm_up() -> None:
     """Lets the next panel start an engine anew, when the add-on is switched off."""
     global _started
     _started = False
-    if bpy.app.timers.is_registered(_warm_up):
-        bpy.app.timers.unregister(_warm_up)
-
-
-CLASSES = (
-    VibePreferences,
-    VIBE_OT_setup_engine,
-    VIBE_OT_remove_engine,
-    VIBE_OT_cancel_setup,
-    VIBE_OT_look_for_engine,
-    VIBE_OT_test_engine,
-    VIBE_OT_clear_cache,
-)

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """Further sentences in the panel: the list of steps, and the field for the next one. Each action is one undo step."""
 
 from __future__ import annotations
@@ -71,16 +70,15 @@ def _current(scene: bpy.types.Scene) -> Steps:
 class VIBE_OT_further(run.Vibing):
     """Go on from the result by this sentence: what it does not mention stays"""
 
-    bl_idname = "vibe.further"
     bl_label = "Go On"
     _change: Change | None = None
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def obstacle(cls, context: bpy.types.Context) -> str:
         reason = bases.result_obstacle(context)
         if not reason and not context.scene.vibe.further.strip():
             reason = "Say what is to change first"
-        return bases.allowed(cls, reason or ("Set up the engine first" if engine_state.problem else ""))
+        return reason or ("Set up the engine first" if engine_state.problem else "")
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         return self._at_once(context) or super().invoke(context, event)
@@ -120,7 +118,6 @@ class VIBE_OT_further(run.Vibing):
 class VIBE_OT_step(bases.ResultOperator):
     """Change the list of steps"""
 
-    bl_idname = "vibe.step"
     bl_label = "Step"
     bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
@@ -131,30 +128,22 @@ class VIBE_OT_step(bases.ResultOperator):
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         return _ACTS[properties.act]
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         scene, place = context.scene, self.number - 1
-        try:
-            steps = _current(scene)
-            if place >= len(steps.steps):
-                raise schema.VibeError(f"There is no step {self.number}.", "Choose one of the list.")
-            step = steps.steps[place]
-            if self.act == "EDIT":
-                leaves = scene.vibe.edited == self.number
-                scene.vibe.further, scene.vibe.edited = ("", 0) if leaves else (step.sentence, self.number)
-                return {"FINISHED"}
-            if self.act == "SHOW":
-                steps.shown = self.number
-            elif self.act == "SWITCH":
-                step.on = not step.on
-            else:
-                steps.steps.remove(step)
-                steps.shown -= place < steps.shown
-                scene.vibe.edited = 0
-            result.show(scene, steps)
-        except schema.VibeError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
-
-
-CLASSES = (VIBE_OT_further, VIBE_OT_step)
+        steps = _current(scene)
+        if place >= len(steps.steps):
+            raise schema.VibeError(f"There is no step {self.number}.", "Choose one of the list.")
+        step = steps.steps[place]
+        if self.act == "EDIT":
+            leaves = scene.vibe.edited == self.number
+            scene.vibe.further, scene.vibe.edited = ("", 0) if leaves else (step.sentence, self.number)
+            return
+        if self.act == "SHOW":
+            steps.shown = self.number
+        elif self.act == "SWITCH":
+            step.on = not step.on
+        else:
+            steps.steps.remove(step)
+            steps.shown -= place < steps.shown
+            scene.vibe.edited = 0
+        result.show(scene, steps)

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# mypy: disable-error-code="valid-type"
 """The words of the prompt, each marked as understood, guessed or left out; its targets, and other words in its place."""
 
 from __future__ import annotations
@@ -16,6 +15,7 @@ from ..core import rendered
 from ..core.schema_import import messages, schema, targets
 from ..run.state import addon_state
 from . import drawing
+from .bases import Operator
 
 _TICK = 0.02  # seconds between two looks at what the engine says
 _STATE_ICONS = {"understood": "NONE", "guessed": "QUESTION", "left out": "CANCEL"}
@@ -30,8 +30,8 @@ _items: list[tuple[str, str, str]] = []
 def keep_up(context: bpy.types.Context) -> None:
     """Has new words read by a timer, where an engine runs already; a panel may call this whenever it is drawn."""
     due = addon_state.readings.due(context.scene, addon_state.live_job(context.scene))
-    if due and addon_state.engine_runs and not bpy.app.timers.is_registered(_tick):
-        bpy.app.timers.register(_tick, first_interval=0.0)
+    if due and addon_state.engine_runs:
+        drawing.begin(_tick, 0.0)
 
 
 def _tick() -> float | None:
@@ -43,12 +43,6 @@ def _tick() -> float | None:
         if readings.step(addon_state.engine(context), context.scene, addon_state.live_job(context.scene)):
             drawing.redraw()
     return _TICK if readings.due(context.scene, addon_state.live_job(context.scene)) else None
-
-
-def stop() -> None:
-    """Ends the timer, when the add-on is switched off."""
-    if bpy.app.timers.is_registered(_tick):
-        bpy.app.timers.unregister(_tick)
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -84,10 +78,9 @@ def _lines(words: Iterable[messages.WordReading], width: int) -> Iterator[list[m
         yield line
 
 
-class VIBE_OT_reading(bpy.types.Operator):
+class VIBE_OT_reading(Operator):
     """Show how this word is understood, and what it could be taken for instead"""
 
-    bl_idname = "vibe.reading"
     bl_label = "Reading of a Word"
     bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
@@ -164,23 +157,20 @@ def _names(_operator: bpy.types.Operator, context: bpy.types.Context) -> list[tu
     return _items
 
 
-class _SetTarget(bpy.types.Operator):
+class _SetTarget(Operator):
     """Keeps in the scene what a word describes."""
 
     bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     word: StringProperty(description="What a target calls the word")
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def perform(self, context: bpy.types.Context) -> None:
         context.scene.vibe.set_target(self.word, self.target)
-        drawing.redraw()
-        return {"FINISHED"}
 
 
 class VIBE_OT_describe_another(_SetTarget):
     """Search all objects and lights for what this word describes"""
 
-    bl_idname = "vibe.describe_another"
     bl_label = "Describes Another…"
     bl_property = "target"
 
@@ -194,16 +184,14 @@ class VIBE_OT_describe_another(_SetTarget):
 class VIBE_OT_describe(_SetTarget):
     """Say what this word describes, where it is taken for something else"""
 
-    bl_idname = "vibe.describe"
     bl_label = "Describes"
 
     target: StringProperty(description="Empty: as the word is read")
 
 
-class VIBE_OT_reword(bpy.types.Operator):
+class VIBE_OT_reword(Operator):
     """Put another word in the place of this one"""
 
-    bl_idname = "vibe.reword"
     bl_label = "Another Word"
     bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
@@ -221,6 +209,3 @@ class VIBE_OT_reword(bpy.types.Operator):
             return {"CANCELLED"}
         settings.prompt = changed
         return {"FINISHED"}
-
-
-CLASSES = (VIBE_OT_reading, VIBE_OT_describe, VIBE_OT_describe_another, VIBE_OT_reword)

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from bpy.types import Node, Scene, World
+from bpy.types import Scene, World
 from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Vector
 
@@ -213,7 +213,9 @@ def horizon_height(scene: Scene, world: World | None) -> float:
     A backdrop that has one keeps it. Otherwise it is that of the scene's camera. A camera without perspective, or one that
     looks down, has none: the backdrop fades from the bottom.
     """
-    if made := horizon_inset(world) if world else None:
+    seen = single_background(world, BACKDROP) if world else None
+    color = seen.entry("Color") if seen else None
+    if made := HORIZON.of(resolve(color).source) if color else None:
         return made.inputs["Height"].default_value
     camera = scene.camera
     if camera is None or camera.type != "CAMERA" or camera.data.type != "PERSP":
@@ -225,13 +227,6 @@ def horizon_height(scene: Scene, world: World | None) -> float:
     far = camera.matrix_world.translation + 1e4 * level.normalized()
     height = world_to_camera_view(scene, camera, far).y
     return max(height, -1.0) if height < _HIGHEST else 0.0
-
-
-def horizon_inset(world: World) -> Node | None:
-    """The inset that gives a backdrop its horizon; None without one."""
-    seen = single_background(world, BACKDROP)
-    color = seen.entry("Color") if seen else None
-    return HORIZON.of(resolve(color).source) if color else None
 
 
 def _add_backdrop(journal: Journal, world: World) -> None:

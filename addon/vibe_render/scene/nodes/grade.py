@@ -46,10 +46,7 @@ def grade_slot(scene: Scene, name: str) -> LazySlot:
         return socket_slot(nodes[0].inputs[name]) if nodes else None
 
     def make(journal: Journal) -> ValueSlot:
-        insert_grade(journal, scene)
-        node_slot = find()
-        assert node_slot
-        return node_slot
+        return socket_slot(insert_grade(journal, scene).inputs[name])
 
     locked = ""
     if tree is not None and tree.library:
@@ -69,33 +66,24 @@ def cut_off(tree: NodeTree | None) -> bool:
 
 def insert_grade(journal: Journal, scene: Scene) -> Node:
     """Puts the grade before the output; makes the compositing of a scene that has none."""
-    tree = compat.compositor(scene)
-    if tree is None:
-        tree = compat.start_compositor(journal, scene)
+    tree = compat.compositor(scene) or compat.start_compositor(journal, scene)
     tree = compat.own_compositor(journal, scene, tree)
     target = compat.compositor_output(tree)
     assert target
-    node = owned.group_node(journal, tree, _group(journal), target.node)
+    node = owned.group_node(journal, tree, NAME, _fill, target.node)
     journal.link(active_links(target)[0].from_socket, node.inputs["Image"])
     journal.link(node.outputs["Image"], target)
     return node
 
 
-def _group(journal: Journal) -> NodeTree:
-    tree, new = owned.owned_group(journal, NAME, "CompositorNodeTree")
-    if new:
-        owned.group_input(tree, "Image", "NodeSocketColor", (0.0, 0.0, 0.0, 1.0))
-        for name, (identity, *ends) in _INPUTS.items():
-            if ends:
-                owned.group_input(tree, name, "NodeSocketFloat", identity, *ends)
-            else:
-                owned.group_input(tree, name, "NodeSocketColor", (*identity, 1.0))
-        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
-        _fill(tree)
-    return tree
-
-
 def _fill(tree: NodeTree) -> None:
+    owned.group_input(tree, "Image", "NodeSocketColor", (0.0, 0.0, 0.0, 1.0))
+    for name, (identity, *ends) in _INPUTS.items():
+        if ends:
+            owned.group_input(tree, name, "NodeSocketFloat", identity, *ends)
+        else:
+            owned.group_input(tree, name, "NodeSocketColor", (*identity, 1.0))
+    tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
     build = owned.Builder(tree)
     image, strength, exposure, lift, midtone, gain, contrast, saturation, hue, gamma, vignette = build.inputs(
         "Image", *_INPUTS

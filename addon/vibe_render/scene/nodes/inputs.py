@@ -134,10 +134,7 @@ class Inset:
         """Puts it before all inputs that mean the same; what else gets the value keeps it as it is."""
         socket = origin.socket
         targets = origin.targets or (socket,)
-        tree, new = owned.owned_group(journal, self.name, "ShaderNodeTree")
-        if new:
-            self.fill(tree)
-        node = owned.group_node(journal, socket.id_data, tree, targets[0].node)
+        node = owned.group_node(journal, socket.id_data, self.name, self.fill, targets[0].node)
         feed = origin.source or (socket if socket.is_output else None)
         if feed:
             journal.link(feed, node.inputs[0])

@@ -39,7 +39,7 @@ def insert_mix(journal: Journal, scene: Scene, colors: Mapping[str, Color]) -> N
     source, node = _render_layers(tree, scene), nodes[0] if nodes else None
     if node is None:
         targets = [link.to_socket for link in source.outputs["Image"].links]
-        node = owned.group_node(journal, tree, _group(journal), targets[0].node)
+        node = owned.group_node(journal, tree, NAME, _declare, targets[0].node)
         for target in targets:
             journal.link(node.outputs["Image"], target)
         journal.link(source.outputs["Image"], node.inputs["Image"])
@@ -107,14 +107,11 @@ def _render_layers(tree: NodeTree, scene: Scene) -> Node:
     )
 
 
-def _group(journal: Journal) -> NodeTree:
-    tree, new = owned.owned_group(journal, NAME, "CompositorNodeTree")
-    if new:
-        for name in ("Image", *GUIDES):
-            kind = "NodeSocketVector" if name == "Denoising Normal" else "NodeSocketColor"
-            owned.group_input(tree, name, kind, _BLACK if kind == "NodeSocketVector" else (*_BLACK, 1.0))
-        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
-    return tree
+def _declare(tree: NodeTree) -> None:
+    for name in ("Image", *GUIDES):
+        kind = "NodeSocketVector" if name == "Denoising Normal" else "NodeSocketColor"
+        owned.group_input(tree, name, kind, _BLACK if kind == "NodeSocketVector" else (*_BLACK, 1.0))
+    tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
 
 
 def _fill(tree: NodeTree, denoised: bool) -> None:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import bpy
@@ -35,12 +35,13 @@ def find_owned(blocks: Iterable[ID], role: str) -> Any:
     return next((b for b in blocks if b.get(MARK) == role and b.library is None), None)
 
 
-def owned_group(journal: Journal, name: str, kind: str) -> tuple[NodeTree, bool]:
-    """Our node group of a name, and whether it is new and to be filled."""
+def owned_group(journal: Journal, name: str, kind: str, fill: Callable[[NodeTree], None]) -> NodeTree:
+    """Our node group of a name; a new one is filled."""
     tree = find_owned(bpy.data.node_groups, name)
-    if tree is not None:
-        return tree, False
-    return new(journal, "node_groups", name, kind), True
+    if tree is None:
+        tree = new(journal, "node_groups", name, kind)
+        fill(tree)
+    return tree
 
 
 def group_input(
@@ -53,9 +54,12 @@ def group_input(
         item.min_value, item.max_value = low, high
 
 
-def group_node(journal: Journal, tree: NodeTree, inner: NodeTree, neighbor: Node) -> Node:
-    """Adds a node for one of our groups to the left of another node, in a frame."""
+def group_node(
+    journal: Journal, tree: NodeTree, name: str, fill: Callable[[NodeTree], None], neighbor: Node
+) -> Node:
+    """Adds a node for our group of a name (see `owned_group`) to the left of another node, in a frame."""
     kind = {"ShaderNodeTree": "ShaderNodeGroup", "CompositorNodeTree": "CompositorNodeGroup"}[tree.bl_idname]
+    inner = owned_group(journal, name, tree.bl_idname, fill)
     node = journal.node(tree, kind, inner.name)
     node.node_tree = inner
     dress(journal, tree, node, neighbor)

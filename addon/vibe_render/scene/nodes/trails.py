@@ -186,7 +186,8 @@ def first_background(world: World) -> NodeInGroups | None:
 def bumps_normals(material: Material) -> bool:
     """True if a material's Displacement is rendered, at least partly, as a change of its normals."""
     output = compat.output_node(material)
-    return bool(output and active_links(output.inputs["Displacement"]) and compat.displaces_normals(material))
+    as_bump = material.displacement_method != "DISPLACEMENT"
+    return bool(output and active_links(output.inputs["Displacement"]) and as_bump)
 
 
 def world_volume(world: World) -> NodeInGroups | None:
