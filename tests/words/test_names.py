@@ -252,3 +252,10 @@ def test_what_is_in_focus_is_not_painted(focus: str) -> None:
 def test_a_thing_that_is_called_focus_is_painted() -> None:
     parsed = parse("make the focus red, warm light", scene({"Focus": "Plastic", "Wall": "Plaster"}))
     assert ("red", ("Plastic",)) in [(a.entry, a.owners) for a in parsed.attributes]
+
+
+@pytest.mark.parametrize("prompt", ["blue light from the right", "red light to the left"])
+def test_the_side_of_a_light_is_no_part_of_that_side(prompt: str) -> None:
+    parts = {"Seat": ("Wool",), "Arm Left": ("Wool",), "Arm Right": ("Wool",)}
+    scene = SceneDescription("Seat", dict.fromkeys(parts, "subject"), {"Wool": "subject"}, parts)
+    assert not any(attribute.owners for attribute in parse(prompt, scene).attributes)
