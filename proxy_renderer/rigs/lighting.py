@@ -29,6 +29,8 @@ from .stage import LightStage
 OFF = 2e-3  # W per squared meter of distance: an added light before it is lit
 _DRIFT = {"power": 1.5, "strength": 1.5, "size": 1.25, "temperature": 1.06}
 _TURN = {"azimuth": 5.0, "elevation": 4.0}  # for a search from the rig: factors, and degrees
+_ASPECTS = {"color": "color", "temperature": "color", "azimuth": "direction", "elevation": "direction"}
+"""Parameter of a light -> the aspect of light that it gives."""
 _FIRST, _LATER = 1, 4  # priorities of brightness, and of what else a light has
 _POOL_MARGIN, _WIDEST = 1.5, 140.0
 _GLOWS, _OF_GLOWS = 0.15, 0.5
@@ -77,14 +79,17 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     values = _balanced(scene, rig, lights, playing, values, levels)
     values |= _sky(scene, rig, hazy) | _air(scene, rig, parsed, chosen.served)
     values = {key: value for key, value in values.items() if not scene.instances[key].locked}
-    word = next(iter(chosen.words), "")
+    parts = {x.name: x.light.part for x in lights}
     still = {each.name for each in lights if each.fixed or each.own}
-    entries = {key: _entry(scene.instances[key], value, word, still) for key, value in values.items()}
+    entries = {}
+    for key, value in values.items():
+        instance = scene.instances[key]
+        word = _word_for(chosen, parts.get(instance.owner, ""), instance.parameter.name)
+        entries[key] = _entry(instance, value, word, still)
     grade = tuple((chosen.served[0], effect) for effect in rig.grade) if chosen.served else ()
     plan = LightPlan(entries, chosen.served, grade, wishes_of_rig(chosen, lights, stage))
     whose = {True: "your light", False: "an added light"}
     notes = (f"{x.light.part.capitalize()}: {x.name}, {whose[x.own]}." for x in lights)
-    parts = {x.name: x.light.part for x in lights}
     return Lighting(list(scenes), plan, (f"Light: {rig.says}", *notes), parts)
 
 
@@ -302,6 +307,14 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
         elif shed > _GLOWS * white:
             found[key] = (own * 2.0 ** (rig.own * _OF_GLOWS),)
     return found
+
+
+def _word_for(chosen: ChosenRig, part: str, name: str) -> str:
+    """The word behind a parameter of a part: the one that asks for that aspect of it, else the setup, else the first one on the part."""
+    of_part = {word: aspects for word, (parts, aspects) in chosen.words.items() if part in parts}
+    asking = (word for word, aspects in of_part.items() if _ASPECTS.get(name) in aspects)
+    setups = (word for word, (parts, _) in chosen.words.items() if not parts)
+    return next(iter([*asking, *setups, *of_part, *chosen.words]), "")
 
 
 def _entry(instance: Instance, value: Values, word: str, still: set[str]) -> PlanEntry:

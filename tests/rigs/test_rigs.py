@@ -21,7 +21,7 @@ from proxy_renderer.optimize.scene_words import described
 from proxy_renderer.optimize.stage import set_stage
 from proxy_renderer.render.material.inputs import geometry_of
 from proxy_renderer.rigs.chosen import ChosenRig, _under_named_sky, chosen_rig
-from proxy_renderer.rigs.levels import Exposing, _bounce, sky_irradiance
+from proxy_renderer.rigs.levels import Exposing, _bounce, _hot_spot, _shed, sky_irradiance
 from proxy_renderer.rigs.lighting import _is_hazy, _sky, _veiled
 from proxy_renderer.rigs.places import placed
 from proxy_renderer.rigs.stage import LightStage
@@ -414,3 +414,27 @@ def test_a_mood_of_the_grade_alone_is_no_light(mood):
     assert chosen_rig(
         goals_of(parse(f"{mood} mood", SceneDescription(), vocabulary)), rig_table(), vocabulary
     )
+
+
+def test_each_light_names_the_word_that_asked_for_it(scene):
+    """In what is planned, and so in the panel's list of changes."""
+    addition = set_stage([scene], "red light from the left, blue light from the right")
+    colors = {
+        k: e for k, e in addition.plan.entries.items() if k.startswith("light/") and k.endswith("/color")
+    }
+    words = {"'red'" if e.start[0] > e.start[2] else "'blue'": e.reason for e in colors.values()}
+    assert words == {"'red'": "'red'", "'blue'": "'blue'"}
+
+
+def test_behind_a_silhouette_it_is_bright(scene):
+    """A silhouette's low exposure is the subject's own, and dims no light behind it."""
+    from proxy_renderer.render.lights.light_types import light_sources
+    from proxy_renderer.scene.values import RenderValues
+
+    addition = set_stage([scene], "silhouette")
+    lit = addition.scenes[0]
+    values = {key: torch.tensor(entry.start) for key, entry in addition.plan.entries.items()}
+    stage = LightStage(lit, geometry_of(lit, torch.device("cpu")))
+    lamp = next(x for x in light_sources(lit, RenderValues(lit, values, "cpu")) if x.light.added)
+    gray = Exposing(lit).gray(0.18)
+    assert _hot_spot(stage.around, _shed(lamp, stage, stage.around)) > gray
