@@ -43,9 +43,8 @@ def declare(
         preferences: For the add-on's preferences, else for the scene.
         updates: Option -> function that is called when it changes.
     """
-    rows = [row for row in options.TABLE if row.panel and not row.choices]
-    theirs = [row for row in rows if row.panel.preferences == preferences]
-    properties = {row.name: _property(row, updates.get(row.name)) for row in theirs}
+    rows = [row for row in options.TABLE if row.panel and row.panel.preferences == preferences]
+    properties = {row.name: _property(row, updates.get(row.name)) for row in rows if not row.choices}
     return type(name, (), {"__annotations__": properties, "__module__": __name__})
 
 
