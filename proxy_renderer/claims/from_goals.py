@@ -142,10 +142,12 @@ def _of_text(text: ClaimText, wish: Wish) -> Claim:
 
 
 def _with_accents(rows: list[tuple[Wish, list[Claim]]]) -> list[tuple[Wish, list[Claim]]]:
-    """Wishes with their claims; colors of light that no image can have all over, magenta and cyan, have a part of it each."""
-    colored = (c for wish, row in rows if wish.attribute.color for c in row)
-    tints = [c for c in colored if (c.part, c.measure) == ("picture", "tint")]
-    opposed = [c for c in tints if any(_cosine(c, other) < -_OPPOSED for other in tints)]
+    """Wishes with their claims; colors that no image can have all over, and those of several lights, have a part of it each."""
+    colored = [(wish.attribute, c) for wish, row in rows if wish.attribute.color for c in row]
+    tints = [(a, c) for a, c in colored if (c.part, c.measure) == ("picture", "tint")]
+    lights = [wish.attribute for wish, _ in rows if wish.quantity == "light_color"]
+    opposed = [c for _, c in tints if any(_cosine(c, other) < -_OPPOSED for _, other in tints)]
+    opposed += [c for a, c in tints if any(a.is_of_another_light(light) for light in lights)]
     words, found = {c.word for c in opposed}, []
     for wish, row in rows:
         row = [c for c in row if c.measure != "off_hue" or c.word not in words]

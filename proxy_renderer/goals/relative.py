@@ -155,8 +155,8 @@ def _compared(attribute: Attribute, vocabulary: Vocabulary, factor: float) -> It
         moved = [_around(effect, noticed) for effect in effects]
     else:
         moved = [_effect_moved(e, way, factor) for e in effects if FAMILIES[e.family].components == 1]
-    # Without an entry it stands for no rig.
-    bound = replace(attribute, entry="", strength=1.0, shades=())
+    # Without an entry it stands for no rig, and it is about the light that is there.
+    bound = replace(attribute, entry="", strength=1.0, shades=(), phrases=())
     yield Wish(bound, main.quantity, effects=tuple(dict.fromkeys(moved)), claims=claims)
 
 

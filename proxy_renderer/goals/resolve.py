@@ -45,11 +45,7 @@ _MATTER = ("color", "finish", "substance", "glow")
 def contradicts(first: Wish, later: Wish) -> bool:
     """True if a wish cannot be had together with one that ranks before it."""
     a, b = first.attribute, later.attribute
-    if a is b or first.word == later.word:
-        return False
-    if (
-        a.phrases and b.phrases and {*a.phrases}.isdisjoint(b.phrases)
-    ):  # two lights that are described one by one
+    if a is b or first.word == later.word or a.is_of_another_light(b):
         return False
     if later.of_picture:
         return not first.of_picture and _settles(first, later)

@@ -67,9 +67,8 @@ def _reaches(
             if key in instances:
                 yield key, (_times(instances[key].value, _KEY), 1, "the subject is readable")
     of_all_light = [a for a in parsed.attributes if a.kind == "light" and not (a.negated or a.of_one_light)]
-    if len({number for a in of_all_light for number in a.phrases}) > 1:  # each has its own color
-        of_all_light = []
-    gel = next((gel for a in of_all_light if (gel := _gel(a))), None)
+    several = any(a.is_of_another_light(b) for a in of_all_light for b in of_all_light)
+    gel = None if several else next((gel for a in of_all_light if (gel := _gel(a))), None)
     if "world/strength" in instances:
         times = _WORLD if gel is None else (_FAINT, _WORLD[1])
         yield "world/strength", (_times(instances["world/strength"].value, times), 2, "shadows are readable")

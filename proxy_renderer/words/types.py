@@ -163,6 +163,10 @@ class Attribute:
         """True if it is about one of several lights: what another one is like does not concern it."""
         return bool(self.lights or self.role or self.owners)
 
+    def is_of_another_light(self, other: Attribute) -> bool:
+        """True if the prompt describes one by one the lights that this word and another one are about."""
+        return bool(self.phrases and other.phrases) and {*self.phrases}.isdisjoint(other.phrases)
+
 
 @dataclass
 class PromptObject:

@@ -247,3 +247,9 @@ def test_lights_of_other_temperatures_are_two_and_neither_word_gives_way(prompt)
     assert min(kelvins) < 5000.0
     assert max(kelvins) > 7000.0
     assert not [each for each in goals.lost if each.is_news]
+
+
+def test_two_colors_of_lights_are_those_of_two_lights():
+    named = default_vocabulary().colors
+    lit = [light.color for light in rig("red and blue lights").lights if light.color]
+    assert lit == [hex_from_srgb(named["red"]), hex_from_srgb(named["blue"])]

@@ -292,19 +292,6 @@ def test_directions_are_relative_to_the_camera_and_wrap_to_the_nearest():
         assert abs(middle + 40) <= 180 + 1e-6  # the artist's -40
 
 
-def test_red_and_blue_lights_are_shared_out():
-    plan_ = make_plan("red and blue lights")
-    assert plan_["light/Key/color"].upper[0] > plan_["light/Key/color"].upper[2]
-    assert plan_["light/Fill/color"].upper[2] > plan_["light/Fill/color"].upper[0]
-
-
-def test_one_light_and_the_world_share_two_colors():
-    plan_ = make_plan("red and blue lights, night", make_instances(lights=LIGHTS[:1]))
-    assert plan_["light/Key/color"].lower[0] > plan_["light/Key/color"].upper[2]
-    assert plan_["world/color"].lower[2] > plan_["world/color"].upper[0]
-    assert "'blue'" in plan_["world/color"].reason
-
-
 def test_moods_stand_for_plain_words_and_explicit_words_beat_them():
     plan_ = make_plan("cosy teapot")
     assert plan_["light/Key/temperature"].upper[0] < 5000
