@@ -9,11 +9,13 @@ import torch
 from torch import Tensor
 
 from proxy_renderer.claims.claim import Claim, ClaimSet
-from proxy_renderer.claims.colors import tints
+from proxy_renderer.claims.colors import of_color, tints
 from proxy_renderer.claims.measures import MEASURES
 from proxy_renderer.claims.measures.picture import MeasuredPicture, region_of
+from proxy_renderer.color.floats import srgb_from_hex
 from proxy_renderer.color.tensors import linear_from_srgb, oklab_from_srgb, srgb_from_linear
 from proxy_renderer.render.surface.view_cache import GBuffer
+from proxy_renderer.words.types import Attribute
 
 SIZE = 96
 
@@ -441,3 +443,19 @@ def test_what_glows_is_seen_as_it_is_and_paint_in_dim_light_as_it_would_be_lit()
     paint = replace(picture(torch.full((*where.shape, 3), 0.15)), seen=dim)
     assert torch.allclose(lamp.in_white_light(where).display, lamp.display, atol=1e-4)
     assert paint.in_white_light(where).display.mean() > 1.5 * paint.display.mean()
+
+
+def test_a_pale_color_is_of_its_hue_or_of_another() -> None:
+    """A lime is no yellow, though a pale one is hardly farther from it than a pale lemon."""
+    (claim,) = of_color(Attribute("yellow", "", "color", "subject", "subject"), srgb_from_hex("#ffdd00"))
+
+    def aside(code: str) -> float:
+        shown = picture(torch.tensor(srgb_from_hex(code)).expand(SIZE, SIZE, 3).clone())
+        value = claim.value(shown, claim.region(shown.seen))
+        assert claim.oklab(tuple(value.tolist())) == pytest.approx(
+            (100 * oklab_from_srgb(torch.tensor(srgb_from_hex(code)))).tolist(), abs=1e-3
+        )
+        return float(claim.residual(value, None)[2])
+
+    assert aside("#c8bf88") == 0.0
+    assert aside("#bbc388") > 0.5
