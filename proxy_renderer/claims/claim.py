@@ -39,7 +39,8 @@ _SATURATED, _WIDENED = 40.0, 0.045
 """C* of a color from which the measure's own step counts for its chroma and hue. Between paler colors smaller differences are
 seen, in the proportions of CIEDE2000's weights of chroma, 1 + 0.045 C* (Sharma, Wu and Dalal 2005): the second number."""
 
-_FAINT, _PALEST = 1.0, 2.0  # chroma along a hue, OKLab times 100, from which it has one; most weight of what lies across it
+_FAINT, _PALEST = 1.0, 2.0
+"""Chroma along a hue, OKLab times 100, from which a color has it, and the most weight of what lies across."""
 _MANY = 8  # claims about mean colors that are worth being measured together
 _LEAST = 0.02  # share of the image below which judges did not see what a thing was like
 _HARDEST = 100.0  # a miss, in noticeable steps, that nothing is worse than
@@ -119,20 +120,20 @@ class Claim:
         if len(taken) == 3:
             x, y = self.direction
             turned = taken @ taken.new_tensor([[1.0, 0.0, 0.0], [0.0, x, -y], [0.0, y, x]])
-            return turned * turned.new_tensor([1.0, 1.0, self._hue_counts(float(turned[1]))])
+            return torch.cat([turned[:2], turned[2:] * self._hue_weight(turned[1].detach())])
         return (taken @ taken.new_tensor(self.direction))[None]
 
     def oklab(self, value: Values) -> Values:
         """The color, OKLab times 100, of the three numbers of a claim about one."""
         light, along, across = value
         x, y = self.direction or (1.0, 0.0)
-        across /= self._hue_counts(along) if self.direction else 1.0
+        across /= float(self._hue_weight(torch.tensor(along))) if self.direction else 1.0
         return light, x * along - y * across, y * along + x * across
 
-    def _hue_counts(self, along: float) -> float:
-        """The weight of what lies across a hue, of a color that lies so far along it: paler ones are of another hue sooner."""
+    def _hue_weight(self, along: Tensor) -> Tensor:
+        """The weight () of what lies across a hue, of a color that lies so far () along it: paler ones are of another hue sooner."""
         wanted = (self.lower[1] + self.upper[1]) / 2
-        return min(max(wanted / max(along, _FAINT), 1.0), _PALEST)
+        return (wanted / along.clamp_min(_FAINT)).clamp(1.0, _PALEST)
 
     def interval(self, before: Tensor | None) -> tuple[Values, Values]:
         """The lower and the upper end, the change considered since `before` (n,), of the artist's image; None if that is not known."""
