@@ -39,8 +39,7 @@ _SATURATED, _WIDENED = 40.0, 0.045
 """C* of a color from which the measure's own step counts for its chroma and hue. Between paler colors smaller differences are
 seen, in the proportions of CIEDE2000's weights of chroma, 1 + 0.045 C* (Sharma, Wu and Dalal 2005): the second number."""
 
-_FAINT, _PALEST = 1.0, 2.0
-"""Chroma along a hue, OKLab times 100, from which a color has it, and the most weight of what lies across."""
+_FAINT, _HEAVIEST = 1.0, 2.0  # least chroma along a hue that its weight is computed from; the most weight
 _MANY = 8  # claims about mean colors that are worth being measured together
 _LEAST = 0.02  # share of the image below which judges did not see what a thing was like
 _HARDEST = 100.0  # a miss, in noticeable steps, that nothing is worse than
@@ -131,9 +130,12 @@ class Claim:
         return light, x * along - y * across, y * along + x * across
 
     def _hue_weight(self, along: Tensor) -> Tensor:
-        """The weight () of what lies across a hue, of a color that lies so far () along it: paler ones are of another hue sooner."""
+        """The weight () of a color's distance across the wanted hue, from its chroma () along that hue.
+
+        A tolerance is a share of the wanted chroma. In a paler color the same distance is a larger angle of hue.
+        """
         wanted = (self.lower[1] + self.upper[1]) / 2
-        return (wanted / along.clamp_min(_FAINT)).clamp(1.0, _PALEST)
+        return (wanted / along.clamp_min(_FAINT)).clamp(1.0, _HEAVIEST)
 
     def interval(self, before: Tensor | None) -> tuple[Values, Values]:
         """The lower and the upper end, the change considered since `before` (n,), of the artist's image; None if that is not known."""

@@ -107,8 +107,9 @@ def measured(
     lit = exposing.gray(GRAY * 2.0**rig.exposure * (albedo / GRAY) ** kept)
     bounce = _bounce(stage, sheds[lights[0].name]) if lights else 0.0
     key = math.pi * lit / albedo / (_together(rig, lights) + bounce)
-    brightest = max((x.light.stops for x in lights if x.light.reach == "background"), default=0.0)
-    white = exposing.gray(_WHITE * 2.0 ** (_FOLLOWS * (rig.exposure + max(brightest, 0.0))))
+    # The exposure is the subject's: behind a silhouette it is as bright as the background light's stops say.
+    behind = max([0.0, *(x.light.stops for x in lights if x.light.reach == "background")])
+    white = exposing.gray(_WHITE * 2.0 ** (_FOLLOWS * (rig.exposure + behind)))
     sky = sky_irradiance(stage)
     if rig.keeps_own_light:
         own = _own_level(scene, stage, {each.name for each in lights}) + ambient * sky

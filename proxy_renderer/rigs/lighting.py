@@ -310,7 +310,10 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
 
 
 def _word_for(chosen: ChosenRig, part: str, name: str) -> str:
-    """The word behind a parameter of a part: the one that asks for that aspect of it, else the setup, else the first one on the part."""
+    """The word that a parameter of a rig's part follows.
+
+    It is the word that asks for this aspect of the part, or else the setup, or else the first word about the part.
+    """
     of_part = {word: aspects for word, (parts, aspects) in chosen.words.items() if part in parts}
     asking = (word for word, aspects in of_part.items() if _ASPECTS.get(name) in aspects)
     setups = (word for word, (parts, _) in chosen.words.items() if not parts)

@@ -179,7 +179,7 @@ _AGAIN = (
 class Usage:
     """Requests, tokens and cost so far."""
 
-    calls: int = 0  # requests sent, without repetitions after a failure of the server
+    calls: int = 0  # requests; one that the openai package repeats counts once
     cached: int = 0  # questions answered from the disk
     read: int = 0  # tokens of all questions, as the server counts them
     written: int = 0  # tokens of all answers

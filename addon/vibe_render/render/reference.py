@@ -91,9 +91,8 @@ def _save_slot(scene: bpy.types.Scene, slot: int, folder: Path) -> Path:
     if slot > len(slots):
         raise schema.VibeError(f"There is no render slot {slot}.", f"Use 1 to {len(slots)}.")
     shown = slots.active_index
-    with changed(
-        scene.render.image_settings, **bake.png("RGBA", "16")
-    ):  # of a copy of the scene, there is no render result
+    # A copy of the scene has no render result.
+    with changed(scene.render.image_settings, **bake.png("RGBA", "16")):
         try:
             slots.active_index = slot - 1
             result.save_render(str(path), scene=scene)

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -20,7 +21,7 @@ FILE = Path(__file__).with_name("words.safetensors")
 KINDS = ("known", "adjective", "noun")
 """Ways in which a word of the table may speak of a look: by heart, before any noun, or as a matter ("made of tinfoil")."""
 
-_SHORTEST = 4  # characters of a stem
+_SHORTEST, _SHORTEST_LACKED = 4, 2  # characters of a stem; what is not there has more
 _MAY_BE = 0.56  # likeness to a known word from which a word may speak of a look, and names no thing
 
 
@@ -108,6 +109,19 @@ def stem(word: str) -> str:
     return word.removesuffix("i") if len(word) > _SHORTEST else word
 
 
+def denied(word: str) -> str:
+    """The thing that a word says is not there: "moonless", "unpolished"; "" for other words."""
+    for ending in shipped_vocabulary().words["lacks"]:
+        if len(base := word.removesuffix(ending)) < len(word):
+            return base if len(base) > _SHORTEST_LACKED else ""
+    bases = (
+        word.removeprefix(prefix)
+        for prefix in shipped_vocabulary().words["denials"]
+        if word.startswith(prefix)
+    )
+    return next((stem(base) for base in bases if base in table().index), "")
+
+
 class Nearest:
     """Known words that an unknown word may stand for, the nearest first: offered for a click, never acted on.
 
@@ -124,6 +138,9 @@ class Nearest:
         known = [(w, e, self._table.vector(w)) for w, e in words.items()]
         self._known = [(word, entry) for word, entry, vector in known if vector is not None]
         self._places = np.stack([vector for _, _, vector in known if vector is not None])
+        self._denying: dict[str, list[int]] = defaultdict(list)
+        for place, (word, _) in enumerate(self._known):
+            self._denying[denied(word)].append(place)
 
     def may_be_a_look(self, word: str) -> bool:
         """True if an unknown word may speak of a look, so that known ones are offered in its place."""
@@ -141,4 +158,10 @@ class Nearest:
 
     def _likeness(self, word: str) -> np.ndarray | None:
         vector = self._table.vector(word)
-        return None if vector is None else self._places @ vector
+        if vector is None:
+            return None
+        likeness = self._places @ vector
+        if lacking := denied(word):  # "moonless" is no moonlight
+            likeness[[i for i, (known, _) in enumerate(self._known) if known.startswith(lacking)]] = -1.0
+        likeness[self._denying.get(stem(word), [])] = -1.0  # "wrinkled" is not unwrinkled
+        return likeness
