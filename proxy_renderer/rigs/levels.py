@@ -107,9 +107,10 @@ def measured(
     lit = exposing.gray(GRAY * 2.0**rig.exposure * (albedo / GRAY) ** kept)
     bounce = _bounce(stage, sheds[lights[0].name]) if lights else 0.0
     key = math.pi * lit / albedo / (_together(rig, lights) + bounce)
-    # The exposure is the subject's: behind a silhouette it is as bright as the background light's stops say.
+    # The most light on the subject (0), and on what is around (1): behind a silhouette it may be bright
     behind = max([0.0, *(x.light.stops for x in lights if x.light.reach == "background")])
-    white = exposing.gray(_WHITE * 2.0 ** (_FOLLOWS * (rig.exposure + behind)))
+    exposures = rig.exposure, rig.exposure + behind
+    whites = [exposing.gray(_WHITE * 2.0 ** (_FOLLOWS * exposure)) for exposure in exposures]
     sky = sky_irradiance(stage)
     if rig.keeps_own_light:
         own = _own_level(scene, stage, {each.name for each in lights}) + ambient * sky
@@ -123,16 +124,20 @@ def measured(
         factor = key * 2.0**each.light.stops / level if level > _BARELY else 0.0
         if edge and each.light.reach != "background":  # on a box an edge light falls on a whole side
             factor *= min(_EDGE_SHARE * level / max(float(subject.mean()), _BARELY), 1.0)
-        spot = 0.0 if each.light.part == "key" else _hot_spot(stage.around, factor * around)
-        factors[each.name] = factor * min(white / max(spot, _BARELY), 1.0)
-    # all of them weaker where the subject (0), or what is around (1), would be bleached
-    world, lightest = 0.0 if rig.world is None else key * 2.0**rig.world, 0.0
+        spots = (
+            _hot_spot(stage.subject, factor * subject, _LIT) if each.light.reach == "background" else 0.0,
+            _hot_spot(stage.around, factor * around) if each.light.part != "key" else 0.0,
+        )
+        dimmer = (white / max(spot, _BARELY) for white, spot in zip(whites, spots, strict=True))
+        factors[each.name] = factor * min(*dimmer, 1.0)
+    # all of them weaker where either would be bleached
+    world, weaker = 0.0 if rig.world is None else key * 2.0**rig.world, 1.0
     for n, points in enumerate((stage.subject, stage.around)):
         broad = [x for x in lights if not (n and x.light.reach == "background")]  # without hot spots
         base = torch.full((len(points),), world)
         total = sum((factors[x.name] * sheds[x.name][n] for x in broad), base)
-        lightest = max(lightest, _hot_spot(points, total))
-    weaker = max(min(white / max(lightest, _BARELY), 1.0), _LEAST)
+        weaker = min(whites[n] / max(_hot_spot(points, total), _BARELY), weaker)
+    weaker = max(weaker, _LEAST)
     return Levels({name: weaker * factor for name, factor in factors.items()}, weaker * key, sky)
 
 
@@ -182,8 +187,9 @@ def _bounce(stage: LightStage, key: tuple[Tensor, ...]) -> float:
     return float(every.mean()) / lit * walls / (1.0 - walls)
 
 
-def _hot_spot(points: Points, light: Tensor) -> float:
-    return float(torch.quantile(points.albedo * light / math.pi, _LIGHTEST)) if len(points) else 0.0
+def _hot_spot(points: Points, light: Tensor, share: float = _LIGHTEST) -> float:
+    """Radiance below which a share of points lies."""
+    return float(torch.quantile(points.albedo * light / math.pi, share)) if len(points) else 0.0
 
 
 def _brightest(light: Tensor, share: float) -> float:

@@ -438,3 +438,21 @@ def test_behind_a_silhouette_it_is_bright(scene):
     lamp = next(x for x in light_sources(lit, RenderValues(lit, values, "cpu")) if x.light.added)
     gray = Exposing(lit).gray(0.18)
     assert _hot_spot(stage.around, _shed(lamp, stage, stage.around)) > gray
+
+
+def test_the_light_behind_a_silhouette_does_not_bleach_what_lies_in_it(scene, monkeypatch):
+    """A watch on a floor, seen from above, gets as much of it as the floor."""
+
+    def lying(*given):
+        stage = LightStage(*given)
+        stage.subject = stage.around
+        return stage
+
+    def power():
+        addition = set_stage([scene], "silhouette")
+        (added,) = (light.name for light in addition.scenes[0].lights if light.added)
+        return addition.plan.entries[f"light/{added}/power"].start[0]
+
+    standing = power()
+    monkeypatch.setattr("proxy_renderer.rigs.lighting.LightStage", lying)
+    assert power() < 0.25 * standing
