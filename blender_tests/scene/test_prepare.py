@@ -8,6 +8,7 @@ import small_scenes as scenes
 from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Vector
 from vibe_render.core import compat
+from vibe_render.core.schema_import import schema
 from vibe_render.scene import bindings, prepare, snapshot
 from vibe_render.scene.nodes import owned
 
@@ -86,3 +87,16 @@ def test_a_material_without_nodes_has_its_color(scene):
     subject[0].data.materials.append(plain)
     assert bindings.write(scene, {"material/Plain/base_color": (0.1, 0.2, 0.3)}, subject, PIVOT) == {}
     assert tuple(plain.diffuse_color) == pytest.approx((0.1, 0.2, 0.3, 1.0))
+
+
+@pytest.mark.parametrize("kind", ["AREA", "SPOT"])
+def test_a_light_for_the_background_faces_away_from_the_subject(scene, kind):
+    subject = scenes.bare(scene)
+    prepare.prepare_scene(scene, subject)
+    name = schema.added_lights.light_name("background", kind)
+    for azimuth in (170.0, 60.0):
+        bindings.write(scene, {f"light/{name}/azimuth": (azimuth,)}, subject, PIVOT)
+        turned = scene.objects[name].matrix_world
+        shines, away = turned.to_3x3() @ Vector((0.0, 0.0, -1.0)), turned.translation.normalized()
+        assert shines.normalized().dot(away) > 0.7
+        assert shines.z < 0.0  # the floor before a wall is lit too

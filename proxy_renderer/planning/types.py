@@ -21,6 +21,7 @@ class PlanEntry:
     reason: str  # for the artist; quotes the word that caused it
     prior: float = 1.0  # weight in [0, 1] of the pull to the artist's value: 0 where words named the value
     usual: bool = False  # only so as a rule, as nights are blue: it gives way to other words, not to claims
+    varies: bool = False  # whether variants may differ in it though words name it: the side of a candle
     any_hue: bool = False  # whether a color may take any hue in its range: it is no box around a named color
     # where the search begins, within the range: the color that words name, well inside of a lamp's sizes.
     # None for the artist's value, projected.

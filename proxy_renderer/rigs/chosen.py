@@ -147,6 +147,7 @@ _DARK, _BLACK_WORLD, _BLACK_SKY, _BLACK_OWN = 20.0, -6.5, -6.5, -10.0
 """L* of a color up to which it is black, and the stops of a world, a sky and lights that leave all but the subject black."""
 _EXPOSURES = (-2.2, 1.0)
 _PRACTICAL = "practical lamp"  # the rig of a lamp in the picture
+_KEPT = "The scene stays lit as it is; lights are added to that."
 
 
 Asked = tuple[tuple[str, ...], tuple[str, ...]]
@@ -181,14 +182,16 @@ def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary) -> ChosenR
     turns = [a for a in said if (m := table.modifier(a.entry)) and "direction" in m.aspects]
     directed = any(a.kind in _OF_LIGHT and not (a.negated or a.cause) for a in turns)
     lamps = _lit_lamps(said, table)
-    if not setups and len(gels) < 2 and not lights and not directed and not lamps:
+    added = {part for a in said if _only_adds(a, table, vocabulary) for part in table.parts(a.entry)}
+    if not setups and len(gels) < 2 and not (lights or directed or lamps or added):
         return None
-    build = _Build(_first(setups, gels, lights, bool(lamps), table), table, vocabulary)
+    parts = {light.part for light in lights} | added | ({"practical"} if lamps else set())
+    build = _Build(_first(setups, gels, lights, parts, table), table, vocabulary)
     for attribute in setups:
         build.take_setup(attribute)
     build.describe(lights)
     for attribute in (a for a in said if a not in build.served and not a.cause):
-        if attribute.entry in table.rigs and table.rigs[attribute.entry].adds:
+        if table.parts(attribute.entry):
             build.add(attribute)
         elif build.may_modify(attribute):
             build.modify(attribute, _PARTS.get(attribute.role, ("key",)))
@@ -221,19 +224,22 @@ def _under_named_sky(rig: Rig, said: Sequence[Attribute]) -> Rig:
 
 
 def _first(
-    setups: list[Attribute], gels: list[Attribute], lights: list[DescribedLight], lamps: bool, table: RigTable
+    setups: list[Attribute],
+    gels: list[Attribute],
+    lights: list[DescribedLight],
+    parts: set[str],
+    table: RigTable,
 ) -> Rig:
-    """The rig that words begin with; lights that are only added leave the scene's own light as it is."""
+    """The rig that words begin with; lights that are only added, for such parts, leave the scene's own light as it is."""
     if setups:
         return table.rigs[setups[0].entry]
     if len(gels) > 1:
         return table.rigs["neon light"]
-    parts = {light.part for light in lights} | ({"practical"} if lamps else set())
     if any(a.role == "rim" for light in lights if light.part == "key" for a in light.said):
         return table.rigs["back light"]
     if not parts or "key" in parts:
         return table.plain
-    return replace(table.plain, own=0.0, world=None, lights=())
+    return replace(table.plain, says=_KEPT, own=0.0, world=None, lights=())
 
 
 class _Build:
@@ -312,10 +318,9 @@ class _Build:
 
     def add(self, attribute: Attribute) -> None:
         """Adds the lights of a rig that only adds, or takes such lights away."""
-        adding = self.table.rigs[attribute.entry]
-        parts = tuple(light.part for light in adding.lights)
+        parts, added = self.table.parts(attribute.entry), self.table.rigs[attribute.entry].lights
         rest = tuple(light for light in self.rig.lights if light.part not in parts)
-        self.rig = replace(self.rig, lights=rest if attribute.negated else (*rest, *adding.lights))
+        self.rig = replace(self.rig, lights=rest if attribute.negated else (*rest, *added))
         self._take(attribute, parts, ("rim", "color"))
 
     def light_up(self, lamp: Attribute, said: Sequence[Attribute]) -> None:
@@ -407,6 +412,13 @@ def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
     # what is said before what a mood stands for; of that by the rig's kind
     every.sort(key=lambda a: (bool(a.cause), KINDS.index(table.rigs[a.entry].kind)))
     return [a for a in every if a.entry not in table.modifiers] or every[:1]
+
+
+def _only_adds(attribute: Attribute, table: RigTable, vocabulary: Vocabulary) -> bool:
+    """True if all that a word asks for is a further light, which only a rig has: "background light"."""
+    entry = vocabulary.entries.get(attribute.entry)
+    is_said = not (attribute.negated or attribute.cause)
+    return is_said and bool(table.parts(attribute.entry)) and not (entry and entry.wishes)
 
 
 def _gels(said: Sequence[Attribute], setups: Sequence[Attribute], table: RigTable) -> list[Attribute]:

@@ -91,6 +91,8 @@ def _parts_for(words: Sequence[Attribute], table: RigTable, lights: int) -> tupl
         return EDGES
     if role == "fill" or not nouns.isdisjoint(FILLS):
         return FILLS[::-1] if "bounce" in nouns else FILLS
+    if added := [part for a in words for part in table.parts(a.entry)]:
+        return *added, *_FREE
     azimuth, _ = _direction(words, table)
     if role != "key" and azimuth is not None and abs(azimuth) > _BEHIND and lights > 1:
         return (*EDGES, *_FREE)
@@ -162,13 +164,14 @@ def _template(
     if head and not (base and light.part == "key"):
         lamp = _source(head, table)
         assert lamp
-        made = replace(lamp, stops=made.stops, reach=lamp.reach if light.part == "key" else "subject")
+        reach = lamp.reach if light.part in ("key", "background") else "subject"
+        made = replace(lamp, stops=made.stops, reach=reach)
     for other in (lamp for a in sources if a is not head and (lamp := _source(a, table))):
         if other.through and other.type != "SUN":  # a window
             made = replace(made, through=other.through)
         else:
             made = replace(made, color=other.color, kelvin=other.kelvin)
-    if key is not None and light.part not in ("key", *EDGES):
+    if key is not None and light.part not in ("key", "background", *EDGES):
         away = abs(made.azimuth) if base and not head else _OPPOSITE
         made = replace(made, azimuth=-away if key.azimuth > 0 else away)
     return replace(made, part=light.part, own=light.own)

@@ -81,11 +81,12 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     values = {key: value for key, value in values.items() if not scene.instances[key].locked}
     parts = {x.name: x.light.part for x in lights}
     still = {each.name for each in lights if each.fixed or each.own}
+    any_side = any(each.light.mirrored for each in lights[:1])
     entries = {}
     for key, value in values.items():
         instance = scene.instances[key]
         word = _word_for(chosen, parts.get(instance.owner, ""), instance.parameter.name)
-        entries[key] = _entry(instance, value, word, still)
+        entries[key] = _entry(instance, value, word, still, any_side)
     grade = tuple((chosen.served[0], effect) for effect in rig.grade) if chosen.served else ()
     plan = LightPlan(entries, chosen.served, grade, wishes_of_rig(chosen, lights, stage))
     whose = {True: "your light", False: "an added light"}
@@ -320,16 +321,18 @@ def _word_for(chosen: ChosenRig, part: str, name: str) -> str:
     return next(iter([*asking, *setups, *of_part, *chosen.words]), "")
 
 
-def _entry(instance: Instance, value: Values, word: str, still: set[str]) -> PlanEntry:
-    """The range around what the rig gives a parameter, from which the search begins."""
+def _entry(instance: Instance, value: Values, word: str, still: set[str], any_side: bool) -> PlanEntry:
+    """The range around what the rig gives a parameter, from which the search begins; `any_side` lets variants turn the lights."""
     name, reason = instance.parameter.name, f"'{word}'"
+    turns = name in _TURN and instance.owner not in still
     if name in _DRIFT:
         ends = tuple(v / _DRIFT[name] for v in value), tuple(v * _DRIFT[name] for v in value)
-    elif name in _TURN and instance.owner not in still:
+    elif turns:
         ends = tuple(v - _TURN[name] for v in value), tuple(v + _TURN[name] for v in value)
     else:
         ends = value, value
     lower, upper = (within(end, instance.lower, instance.upper) for end in ends)
     bright = name in ("power", "strength") and instance.parameter.group in ("light", "world")
     priority, start = _FIRST if bright else _LATER, within(value, lower, upper)
-    return PlanEntry(lower, upper, priority, reason, prior=0.0, usual=True, start=start)
+    varies = turns and any_side
+    return PlanEntry(lower, upper, priority, reason, 0.0, usual=True, varies=varies, start=start)

@@ -70,6 +70,20 @@ def test_lights_roam_as_one_where_the_words_leave_them_open(vector):
     assert all(e.reason == "because" for e in starts.roam(vector.instances, named).values())
 
 
+def test_lights_of_a_rig_turn_for_a_variant_and_stay_near_where_they_were_drawn(vector):
+    key = next(k for k, i in vector.instances.items() if i.parameter.family == "light/azimuth")
+    here = vector.instances[key].value[0]
+    rig = PlanEntry((here - 5.0,), (here + 5.0,), 4, "'candlelight'", 0.0, varies=True)
+    plan = Plan({**plan_of(vector), key: rig})
+    opened = starts.roam(vector.instances, plan)[key]
+    assert opened.lower[0] < here - 20.0
+    assert opened.upper[0] > here + 20.0
+    u = vector.encode({key: (here + 25.0,)})
+    (entry,) = starts.turned(plan, vector, u).values()
+    assert (entry.lower[0], entry.upper[0]) == pytest.approx((here + 20.0, here + 30.0))
+    assert entry.reason == starts.VARIED
+
+
 @pytest.fixture(scope="module")
 def variants(scene):
     encoder = load_encoder(None, "cpu")

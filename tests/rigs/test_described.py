@@ -10,6 +10,7 @@ import pytest
 from proxy_renderer.color.floats import chroma, hex_from_srgb, lab_from_srgb, srgb_from_hex
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.rigs.chosen import chosen_rig
+from proxy_renderer.rigs.described import EDGES
 from proxy_renderer.words.lexicon.rigs import Rig, RigLight, rig_table
 from proxy_renderer.words.lexicon.user_words import default_vocabulary
 from proxy_renderer.words.parser import parse
@@ -253,3 +254,26 @@ def test_two_colors_of_lights_are_those_of_two_lights():
     named = default_vocabulary().colors
     lit = [light.color for light in rig("red and blue lights").lights if light.color]
     assert lit == [hex_from_srgb(named["red"]), hex_from_srgb(named["blue"])]
+
+
+@pytest.mark.parametrize(
+    "word", [w for rig in set(rig_table().rigs.values()) if rig.adds for w in (rig.name, *rig.words)]
+)
+def test_a_light_that_is_only_added_keeps_its_part_and_the_scenes_light(word):
+    """Alone, if it is no word that acts on the scene's own lights, and beside a key."""
+    vocabulary = default_vocabulary()
+    goals = goals_of(parse(word, SceneDescription(), vocabulary))
+    alone = chosen_rig(goals, rig_table(), vocabulary)
+    entry = vocabulary.entries[goals.parsed.attributes[0].entry]
+    assert alone or entry.wishes
+    assert alone is None or alone.rig.keeps_own_light
+    beside = {light.part: light for light in rig(f"soft key from the left, {word}").lights}
+    assert beside["key"].azimuth < 0
+    parts = {*rig_table().parts(entry.name)}
+    assert not parts or beside.keys() & (parts | {*EDGES} if parts & {*EDGES} else parts)
+
+
+def test_a_background_light_stays_behind_and_lights_what_is_behind():
+    light = part("soft key from the left, background light", "background")
+    assert abs(light.azimuth) > 150
+    assert light.reach == "background"

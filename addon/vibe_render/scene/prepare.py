@@ -10,7 +10,7 @@ from math import pi, radians, tan
 import bpy
 import numpy as np
 from bpy.types import Material, Object, Scene
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
 from ..core import compat, rendered
 from ..core.journal import Journal
@@ -40,6 +40,8 @@ OURS = {"key": "Vibe Key", "fill": "Vibe Fill", "rim": "Vibe Rim"}
 _SUN = 0.526  # degrees
 _LEAST_LIGHT = 0.1  # radiance of white at the subject from which a scene is lit
 _CLEAR = 0.2  # of the way from the subject to a wall: how far from the wall a light stands
+_BACKWARDS = Matrix.Rotation(pi + radians(35.0), 4, "X")
+"""Turns a light that faces the subject away from it, and down: a wall behind is lit, and the floor before the wall."""
 LIGHT_TYPE = "AREA"
 """The type of a light that is added for a role."""
 
@@ -121,6 +123,8 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     light.visible_camera = False
     # a sun may stand anywhere: in the middle its card turns with it around what it lights
     light.matrix_world = orbit_matrix(pivot, front + azimuth, elevation, 0.0 if what.pattern else distance)
+    if what.part == "background" and kind.has_position:
+        light.matrix_world = light.matrix_world @ _BACKWARDS
     collection = owned.find_owned(scene.collection.children, schema.added_lights.COLLECTION)
     if collection is None:
         collection = owned.new(journal, "collections", schema.added_lights.COLLECTION)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import torch
 from torch import Tensor
@@ -31,6 +31,7 @@ class Start:
     # (N,) bool, components that stay near the start, so that variants stay different; None where all are free
     drawn: Tensor | None = None
     first: int = 0  # number of the first round, over all starts
+    turned: Mapping[str, PlanEntry] = field(default_factory=dict)  # entries in the place of the plan's
 
 
 @dataclass(frozen=True)
@@ -105,15 +106,15 @@ class Confiner:
         self, advice: Advice, u: Tensor, here: RoundStart, shots: Sequence[ShotState], claims: Sequence[Claim]
     ) -> Confined:
         """The round of a plan: its ranges, their box, and u (N,) projected into it."""
-        drawn = here.start.drawn
-        ranges = self._ranges(advice.plan, u, here.opening, claims)
+        drawn, plan = here.start.drawn, Plan({**advice.plan, **here.start.turned}, advice.plan.notes)
+        ranges = self._ranges(plan, u, here.opening, claims)
         lower, upper = self._vector.bounds(ranges)
         if drawn is not None:
             near = around(here.start.u, lower, upper, _NEAR)
             lower, upper = torch.where(drawn, near[0], lower), torch.where(drawn, near[1], upper)
         lower, upper = around(u, lower, upper, here.share)
         u = project(u, lower, upper)
-        return Confined(advice, advice.plan, ranges, lower, upper, u, shots, here.number, here.opening)
+        return Confined(advice, plan, ranges, lower, upper, u, shots, here.number, here.opening)
 
     def _ranges(
         self, plan: Plan, u: Tensor, opening: float, claims: Sequence[Claim]

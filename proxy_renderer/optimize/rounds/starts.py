@@ -12,6 +12,7 @@ from torch import Tensor
 from ...color.tensors import lab_from_srgb
 from ...guidance.guide import claims_loss
 from ...guidance.regions import Views
+from ...planning.ranges import within
 from ...planning.types import Plan, PlanEntry
 from ...schema import Instance
 from ..least_squares import fixed_views
@@ -30,6 +31,8 @@ _ROAM: dict[str, tuple[float, float, bool]] = {  # how far down and up, and whet
     "world/rotation": (-75.0, 75.0, False),
 }
 """Parameters that may differ between variants where the words leave them open: all lights turn as one."""
+_OF_RIGS = 0.45  # of those degrees, what the lights of a rig may be turned by: they stay what their word says
+_BRIGHT, _DARK = ("light/power", "light/strength"), 0.1  # lights that a plan dims so far need no turning
 _CELLS = 16
 _LAST = 99  # priority of what no word names
 
@@ -49,18 +52,30 @@ def find_starts(search: Search) -> list[Start]:
     search.observer.stage(f"trying {number} starts")
     tried = []
     for point in drawn:
-        tried.append(_coarse_pass(search, point, now))
+        tried.append(_coarse_pass(search, point, _turned_box(search, now, point)))
         if search.observer.stopped():
             break
     losses = [loss for _, loss, _ in tried]
     if not search.several:
         return [Start(tried[losses.index(min(losses))][0], now.shots)]
-    chosen = most_diverse([display for _, _, display in tried], losses, options.variants)
+    best, *others = most_diverse([display for _, _, display in tried], losses, options.variants)
     own = search.vector.mark(k for k, e in plan.items() if e.priority is not None and k != "film/exposure")
-    return [
-        Start(tried[i][0], now.shots, own if i else None, place * search.rounds)
-        for place, i in enumerate(chosen)
-    ]
+    starts = [Start(tried[best][0], now.shots)]
+    for place, i in enumerate(others, 1):
+        u = tried[i][0]
+        starts.append(Start(u, now.shots, own, place * search.rounds, turned(now.plan, search.vector, u)))
+    return starts
+
+
+def _turned_box(search: Search, now: Confined, point: Tensor) -> Confined:
+    """The round with the ranges of a rig's lights around where a drawn point (N,) has them."""
+    plan = Plan({**now.plan, **turned(now.plan, search.vector, point)}, now.plan.notes)
+    box = search.vector.bounds(feasible_ranges(plan, search.vector.instances, search.vector.values(point)))
+    turns = search.vector.mark(key for key, entry in plan.items() if entry.varies)
+    lower, upper = (
+        torch.where(turns, mine, its) for mine, its in zip(box, (now.lower, now.upper), strict=True)
+    )
+    return replace(now, plan=plan, lower=lower, upper=upper)
 
 
 def _coarse_pass(search: Search, point: Tensor, now: Confined) -> tuple[Tensor, float, Tensor]:
@@ -115,17 +130,35 @@ def draw_starts(
 def roam(instances: Mapping[str, Instance], plan: Plan) -> Plan:
     """The plan, with ranges to draw from for how the scene is lit where the words leave that open."""
     roaming = Plan(dict(plan), plan.notes)
+    dark = {
+        i.owner
+        for key, i in instances.items()
+        if i.parameter.family in _BRIGHT and plan[key].upper[0] < _DARK * i.value[0]
+    }
     for key, entry in plan.items():
         instance = instances[key]
         reach = _ROAM.get(instance.parameter.family)
-        if reach is None or instance.locked or entry.prior < 1.0:
+        left_open = entry.varies or (entry.prior == 1.0 and instance.owner not in dark)
+        if reach is None or instance.locked or not left_open:
             continue
         *ends, factors = reach
-        value = instance.value[0]
-        low, high = ((value * end if factors else value + end) for end in ends)
+        value, share = instance.value[0], _OF_RIGS if entry.varies else 1.0
+        low, high = ((value * end if factors else value + share * end) for end in ends)
         low, high = max(low, instance.lower[0]), min(high, instance.upper[0])
         roaming[key] = PlanEntry((low,), (high,), _LAST, VARIED, prior=0.0)
     return roaming
+
+
+def turned(plan: Plan, vector: ParameterVector, u: Tensor) -> dict[str, PlanEntry]:
+    """Entries of a rig's lights for a variant that starts at u (N,): as wide as the plan's, around that."""
+    values, found = vector.values(u), {}
+    for key, entry in plan.items():
+        if entry.varies:
+            instance, half = vector.instances[key], (entry.upper[0] - entry.lower[0]) / 2.0
+            ends = ((values[key][0] + side * half,) for side in (-1.0, 1.0))
+            lower, upper = (within(end, instance.lower, instance.upper) for end in ends)
+            found[key] = replace(entry, lower=lower, upper=upper, reason=VARIED, start=values[key])
+    return found
 
 
 def with_reasons(plan: Plan, vector: ParameterVector, u: Tensor) -> Plan:

@@ -137,6 +137,11 @@ class RigTable:
         kelvin = temperature(entry)
         return Modifier(kelvin=kelvin) if kelvin else self.modifiers.get(entry)
 
+    def parts(self, entry: str) -> tuple[str, ...]:
+        """Parts of the lights that a word only adds to another setup: of "kicker light" a kicker; () of other words."""
+        rig = self.rigs.get(entry)
+        return tuple(light.part for light in rig.lights) if rig and rig.adds else ()
+
     def is_a_light(self, entry: str, word: str) -> bool:
         """True if a word for a setup names a light by itself: a candle, the low sun of "low sun", and no night."""
         rig = self.rigs.get(entry)
