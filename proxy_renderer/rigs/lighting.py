@@ -81,12 +81,14 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     values = {key: value for key, value in values.items() if not scene.instances[key].locked}
     parts = {x.name: x.light.part for x in lights}
     still = {each.name for each in lights if each.fixed or each.own}
-    any_side = any(each.light.mirrored for each in lights[:1])
+    any_side = any(each.light.mirrored and not each.fixed for each in lights[:1])
     entries = {}
     for key, value in values.items():
         instance = scene.instances[key]
         word = _word_for(chosen, parts.get(instance.owner, ""), instance.parameter.name)
         entries[key] = _entry(instance, value, word, still, any_side)
+    if any_side:
+        entries |= _of_own(scene, lights)
     grade = tuple((chosen.served[0], effect) for effect in rig.grade) if chosen.served else ()
     plan = LightPlan(entries, chosen.served, grade, wishes_of_rig(chosen, lights, stage))
     whose = {True: "your light", False: "an added light"}
@@ -319,6 +321,17 @@ def _word_for(chosen: ChosenRig, part: str, name: str) -> str:
     asking = (word for word, aspects in of_part.items() if _ASPECTS.get(name) in aspects)
     setups = (word for word, (parts, _) in chosen.words.items() if not parts)
     return next(iter([*asking, *setups, *of_part, *chosen.words]), "")
+
+
+def _of_own(scene: SceneData, lights: Sequence[Placed]) -> dict[str, PlanEntry]:
+    """Entries for the places of the scene's lights that play a part, but are no lamps: they stay, and variants turn them."""
+    free = [x.name for x in lights if x.own and not x.fixed and not x.light.worn]
+    instances = (scene.instances.get(f"light/{name}/{angle}") for name in free for angle in _TURN)
+    return {
+        i.key: PlanEntry(i.value, i.value, None, "stays where it is", 0.0, usual=True, varies=True)
+        for i in instances
+        if i and not i.locked
+    }
 
 
 def _entry(instance: Instance, value: Values, word: str, still: set[str], any_side: bool) -> PlanEntry:

@@ -142,7 +142,7 @@ def _added(light: RigLight, stage: LightStage, taken: set[str], alone: bool) -> 
             name = light_name("key", "SUN", light.pattern) if light.pattern else ""
             if name in taken or all(light.name != name for light in stage.scene.standby.lights):
                 name = _free_name(light.part, "SUN", stage, taken)
-            still = bool(light.through or light.pattern)
+            still = bool(light.pattern or (light.through and stage.openness < _OUTDOORS))
             azimuth, elevation = stage.front + sun[0], sun[1]
             return Placed(light, name, "SUN", False, azimuth, elevation, 0.0, still) if name else None
         if not alone and light.part != "key":

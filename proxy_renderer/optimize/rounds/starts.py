@@ -32,7 +32,6 @@ _ROAM: dict[str, tuple[float, float, bool]] = {  # how far down and up, and whet
 }
 """Parameters that may differ between variants where the words leave them open: all lights turn as one."""
 _OF_RIGS = 0.45  # of those degrees, what the lights of a rig may be turned by: they stay what their word says
-_BRIGHT, _DARK = ("light/power", "light/strength"), 0.1  # lights that a plan dims so far need no turning
 _CELLS = 16
 _LAST = 99  # priority of what no word names
 
@@ -128,17 +127,13 @@ def draw_starts(
 
 
 def roam(instances: Mapping[str, Instance], plan: Plan) -> Plan:
-    """The plan, with ranges to draw from for how the scene is lit where the words leave that open."""
+    """The plan, with ranges to draw from for how the scene is lit where the words leave that open: of a rig only its lights."""
     roaming = Plan(dict(plan), plan.notes)
-    dark = {
-        i.owner
-        for key, i in instances.items()
-        if i.parameter.family in _BRIGHT and plan[key].upper[0] < _DARK * i.value[0]
-    }
+    of_rig = any(entry.varies for entry in plan.values())
     for key, entry in plan.items():
         instance = instances[key]
         reach = _ROAM.get(instance.parameter.family)
-        left_open = entry.varies or (entry.prior == 1.0 and instance.owner not in dark)
+        left_open = entry.varies if of_rig else entry.prior == 1.0
         if reach is None or instance.locked or not left_open:
             continue
         *ends, factors = reach
