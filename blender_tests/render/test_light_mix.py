@@ -80,7 +80,9 @@ def test_the_layers_add_up_to_the_same_picture_as_without_them(mixed, tmp_path, 
     assert all(mix.layers[each.name].max() > 0.01 for each in layers)
     assert {each.title for each in layers} == {"Point", "Spot", "Area", "Sun", "World", "Emission"}
     mix.write(mixed, tmp_path / "mixed.png", {})
-    assert np.array_equal(bake.read_file(tmp_path / "mixed.png")[..., :3], after[..., :3])
+    apart = np.abs(bake.read_file(tmp_path / "mixed.png")[..., :3] - after[..., :3])
+    assert apart.max() < 1.5 / 255  # a sum that ends between two levels is rounded up or down
+    assert (apart > 0.0).mean() < 1e-3
     assert {path for path in difference(before, dump()) if "Render Result" not in path} == set()
 
 
