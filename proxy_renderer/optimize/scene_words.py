@@ -230,8 +230,8 @@ def _floor(rays: _Rays, walls: list[int], levels: dict[int, np.ndarray], tall: f
 
 
 def _extent(height: np.ndarray) -> tuple[float, float]:
-    """Height of the lowest point, and the extent upward, without a few that stick out."""
-    low, high = np.quantile(height, (0.01, 0.99))
+    """Height of the lowest point, and the extent upward, without what sticks out: a hole in the ground is not the ground."""
+    low, high = np.quantile(height, (0.03, 0.99))
     return float(low), max(float(high - low), 1e-6)
 
 

@@ -25,6 +25,7 @@ from ..words.types import Attribute
 from .described import (
     EDGES,
     FILLS,
+    FREE,
     DescribedLight,
     composed,
     described,
@@ -289,7 +290,7 @@ class _Build:
         if len(lights) > 1 and (self.first.kind == "source" or self.first.name == "back light"):
             parts = {"key", *(light.part for light in lights)}
             self.rig = replace(self.rig, lights=tuple(x for x in self.rig.lights if x.part in parts))
-        for light in lights:
+        for light in map(self._in_its_part, lights):
             made = composed(light, self.rig.lights, self.table, self.vocabulary)
             others = tuple(x for x in self.rig.lights if x.part != light.part)
             self.rig = replace(self.rig, lights=(made, *others) if light.part == "key" else (*others, made))
@@ -300,6 +301,12 @@ class _Build:
                 self.rig = replace(self.rig, lights=(*rest, twin))
             for attribute in light.said:
                 self._take_described(attribute, light.part)
+
+    def _in_its_part(self, light: DescribedLight) -> DescribedLight:
+        """A light whose use words do not say, as that of the rig which has its name: the lamps of a night, not its moon."""
+        nouns = {singular(word) for a in light.said for word in a.thing.split()}
+        named = (x.part for x in self.rig.lights if nouns & x.names)
+        return replace(light, part=next(named, light.part)) if light.part in FREE else light
 
     def _take_described(self, attribute: Attribute, part: str) -> None:
         """Notes a word of a described light, with what it asks for; of the key also the contrast and the exposure."""

@@ -14,7 +14,7 @@ from ..words.types import Attribute
 
 EDGES = ("rim", "kicker")  # parts that draw an edge from behind
 FILLS = ("fill", "bounce")  # parts that open the shadows
-_FREE = ("key", "accent", "practical", "top")  # for lights whose use the prompt does not say, in order
+FREE = ("key", "accent", "practical", "top")  # for lights whose use the prompt does not say, in order
 _TEMPLATES = {
     "rim": "rim light", "kicker": "kicker light", "fill": "fill light", "bounce": "bounce light",
     "background": "background light",
@@ -92,11 +92,11 @@ def _parts_for(words: Sequence[Attribute], table: RigTable, lights: int) -> tupl
     if role == "fill" or not nouns.isdisjoint(FILLS):
         return FILLS[::-1] if "bounce" in nouns else FILLS
     if added := [part for a in words for part in table.parts(a.entry)]:
-        return *added, *_FREE
+        return *added, *FREE
     azimuth, _ = _direction(words, table)
     if role != "key" and azimuth is not None and abs(azimuth) > _BEHIND and lights > 1:
-        return (*EDGES, *_FREE)
-    return _FREE
+        return (*EDGES, *FREE)
+    return FREE
 
 
 def composed(
@@ -157,7 +157,7 @@ def _template(
 ) -> RigLight:
     """A light before words say more of it: what burns there, else the rig's own, else a plain one of its part."""
     plain = (table.rigs[_TEMPLATES[light.part]] if light.part in _TEMPLATES else table.plain).lights[0]
-    stops = _OF_FREE if light.part in _FREE[1:] else plain.stops
+    stops = _OF_FREE if light.part in FREE[1:] else plain.stops
     made = replace(base, stops=max(base.stops, stops)) if base else replace(plain, stops=stops)
     sources = [a for a in light.said if _source(a, table)]
     head = source_of(light.said, table)

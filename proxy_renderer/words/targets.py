@@ -24,7 +24,7 @@ NOWHERE = ("none", TINGE)  # kinds of targets that change nothing
 SURFACE = ("finish", "material", "color")  # slots of words about a surface
 _OF_NOUNS = {
     "surroundings": "surroundings", "sky": "sky", "light": "light", "fill": "fill", "rim": "rim", "fog": "air",
-    "shadow": "shadow", "highlight": "highlight", "tone": "picture", "subject": "subject", "others": "others", "unknown": "subject",
+    "shadow": "shadow", "highlight": "highlight", "tone": "picture", "glow": "light", "subject": "subject", "others": "others", "unknown": "subject",
 }  # fmt: skip
 """Kind of noun -> kind of target."""
 _KINDS = {

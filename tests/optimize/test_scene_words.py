@@ -73,6 +73,15 @@ def test_the_only_ground_is_the_table_that_people_say(shelf):
     assert found.get("support") == (None if shelf else 0)
 
 
+def test_a_hole_in_the_ground_is_not_the_ground():
+    """Stairs that lead down, of which little is seen."""
+    number = np.repeat([0, 1, 2], [75, 23, 2])
+    height, slope = np.array([0.0, 5.0, -4.0])[number], np.array([1.0, 0.0, 1.0])[number]
+    rays = _Rays(100, number, number, height, slope, np.zeros((2, len(number))))
+    objects = [SimpleNamespace(subject=n > 0) for n in range(3)]
+    assert _structures(SimpleNamespace(objects=objects), rays)["ground"] == 0
+
+
 @pytest.mark.parametrize(("floor", "wide"), [(0.3, True), (0.3, False), (1.5, True)])
 def test_a_room_on_a_ground_has_walls_and_a_floor_of_its_own(floor, wide):
     """A ground, the floor of a room on it, and two walls. In a room that fills the image all ground is within the walls."""

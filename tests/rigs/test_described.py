@@ -257,7 +257,7 @@ def test_two_colors_of_lights_are_those_of_two_lights():
 
 
 @pytest.mark.parametrize(
-    "word", [w for rig in set(rig_table().rigs.values()) if rig.adds for w in (rig.name, *rig.words)]
+    "word", sorted({w for rig in rig_table().rigs.values() if rig.adds for w in (rig.name, *rig.words)})
 )
 def test_a_light_that_is_only_added_keeps_its_part_and_the_scenes_light(word):
     """Alone, if it is no word that acts on the scene's own lights, and beside a key."""
@@ -277,3 +277,12 @@ def test_a_background_light_stays_behind_and_lights_what_is_behind():
     light = part("soft key from the left, background light", "background")
     assert abs(light.azimuth) > 150
     assert light.reach == "background"
+
+
+@pytest.mark.parametrize("lamps", ["warm amber lamps", "lamps glowing warm amber", "the streetlamps amber"])
+def test_the_lamps_of_a_night_are_not_its_moon(lamps):
+    found = rig(f"night, {lamps}, cool moonlight fill")
+    key, *others = found.lights
+    assert key.type == "SUN"
+    assert not key.color
+    assert [light.part for light in others if light.color] == ["kicker"]

@@ -63,6 +63,8 @@ MEANT = [
             "night": ("light",),
         },
     ),
+    ("a toxic green glow from below", {"toxic green": ("light",), "under light": ("light",)}),
+    ("a faint purple glow", {"purple": ("light",)}),
     ("gold cup, black marble", {"gold": ("Cup",), "black marble": ("surroundings",)}),
     (
         "copper cup, polished concrete table",
