@@ -53,12 +53,18 @@ def described(said: Iterable[Attribute], table: RigTable) -> list[DescribedLight
             free = (p for p in _parts_for(words, table, len(groups)) if p not in taken)
             if part := next(free, ""):
                 found.append(DescribedLight(part, tuple(words), own))
-    # Of an edge and a fill without a key the edge is the key: a scene lit from behind
+    # Of an edge and a fill without a key the edge is the key, and so is a sun behind the subject: "golden hour backlight"
     parts = {light.part for light in found}
-    if "key" in parts or parts.isdisjoint(FILLS):
-        return found
     edge = next((light for light in found if light.part in EDGES), None)
+    if "key" in parts or edge is None or (parts.isdisjoint(FILLS) and not _names_a_sun(edge.said, table)):
+        return found
     return [replace(light, part="key") if light is edge else light for light in found]
+
+
+def _names_a_sun(words: Sequence[Attribute], table: RigTable) -> bool:
+    """True if a word of a light stands for a setup with a sun or a moon."""
+    rigs = (table.rigs[a.entry] for a in words if a.entry in table.rigs and not (a.color or a.negated))
+    return any(light.type == "SUN" for rig in rigs for light in rig.lights[:1])
 
 
 def _merged(groups: Mapping[int, list[Attribute]], table: RigTable) -> dict[int, list[Attribute]]:

@@ -120,6 +120,10 @@ class Lexer:
             if tokens and self._covers(words[start], tokens[-1]):
                 start += 1
                 continue
+            if tokens and self._places(words[start:], tokens[-1]):
+                tokens.append(replace(self._phrase(f"from {words[start]}"), text=words[start]))
+                start += 1
+                continue
             for count in range(min(_LONGEST, len(words) - start), 0, -1):
                 part = words[start : start + count]
                 if self._ends_in_thing(part):
@@ -136,6 +140,13 @@ class Lexer:
         """True if a word names the surface of the thing before it and wishes for no material: "wet frog skin"."""
         named = (thing.scene or "thing" in thing.lists or thing.noun) and not thing.names_a_look
         return bool(named) and word in self.vocabulary.words["coverings"] and word not in self.names
+
+    def _places(self, words: list[str], light: Token) -> bool:
+        """True if words after a light say where it comes from: "behind" of "cold dawn behind it", not of "the sun behind the hills"."""
+        is_light = light.noun == "light" or self.vocabulary.slot(light.entry) == "lighting"
+        if light.scene or not is_light or words[0] not in self.vocabulary.words["placed"]:
+            return False
+        return len(words) < 3 or (what := self._phrase(words[2])).scene or what.noun == "subject"
 
     def _cuts_a_phrase(self, words: list[str], start: int, end: int) -> bool:
         """True if words take the first word of a listed phrase that is no surface: "warm golden" of "golden hour"."""

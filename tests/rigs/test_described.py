@@ -286,3 +286,14 @@ def test_the_lamps_of_a_night_are_not_its_moon(lamps):
     assert key.type == "SUN"
     assert not key.color
     assert [light.part for light in others if light.color] == ["kicker"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    ["golden hour backlight", "low sun behind, long shadows", "cold dawn behind it", "moonlight from behind"],
+)
+def test_a_sun_that_is_said_to_be_behind_is_the_key_and_stands_there(words):
+    key, *others = rig(words).lights
+    assert key.type == "SUN"
+    assert abs(key.azimuth) > 120
+    assert not {light.part for light in others} & {*EDGES}

@@ -65,6 +65,8 @@ MEANT = [
     ),
     ("a toxic green glow from below", {"toxic green": ("light",), "under light": ("light",)}),
     ("a faint purple glow", {"purple": ("light",)}),
+    ("a strong light behind the cup", {"strong light": ("light",), "back light": ("light",)}),
+    ("blue wall behind the cup", {"blue": ("Wall",)}),
     ("gold cup, black marble", {"gold": ("Cup",), "black marble": ("surroundings",)}),
     (
         "copper cup, polished concrete table",

@@ -45,13 +45,14 @@ def find_starts(search: Search) -> list[Start]:
         return [artist]
     now = search.confine(RoundStart.at(artist))
     plan = roam(search.vector.instances, now.plan) if search.several else now.plan
-    ranges = feasible_ranges(plan, search.vector.instances, search.vector.values(home))
-    box = search.vector.bounds(ranges)
+    box = search.vector.bounds(feasible_ranges(plan, search.vector.instances, search.vector.values(home)))
     drawn = draw_starts(search.vector, plan, now.u, box, number, options.seed)
     search.observer.stage(f"trying {number} starts")
     tried = []
     for point in drawn:
-        tried.append(_coarse_pass(search, point, _turned_box(search, now, point)))
+        here = RoundStart.at(Start(point, now.shots, turned=turned(now.plan, search.vector, point)))
+        there = search.confiner.confined(now.advice, point, here, now.shots, search.judge.claims)
+        tried.append(_coarse_pass(search, point, there))
         if search.observer.stopped():
             break
     losses = [loss for _, loss, _ in tried]
@@ -64,17 +65,6 @@ def find_starts(search: Search) -> list[Start]:
         u = tried[i][0]
         starts.append(Start(u, now.shots, own, place * search.rounds, turned(now.plan, search.vector, u)))
     return starts
-
-
-def _turned_box(search: Search, now: Confined, point: Tensor) -> Confined:
-    """The round with the ranges of a rig's lights around where a drawn point (N,) has them."""
-    plan = Plan({**now.plan, **turned(now.plan, search.vector, point)}, now.plan.notes)
-    box = search.vector.bounds(feasible_ranges(plan, search.vector.instances, search.vector.values(point)))
-    turns = search.vector.mark(key for key, entry in plan.items() if entry.varies)
-    lower, upper = (
-        torch.where(turns, mine, its) for mine, its in zip(box, (now.lower, now.upper), strict=True)
-    )
-    return replace(now, plan=plan, lower=lower, upper=upper)
 
 
 def _coarse_pass(search: Search, point: Tensor, now: Confined) -> tuple[Tensor, float, Tensor]:
