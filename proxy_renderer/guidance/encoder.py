@@ -114,12 +114,7 @@ MERGES = "merges.txt.gz"  # the merges of a folder's own, smaller vocabulary, re
 
 
 class Encoder:
-    """A frozen dual encoder with its own preprocessing.
-
-    Attributes:
-        name: As the user named it.
-        size: Side of the square image that the model sees, in pixels.
-    """
+    """A frozen dual encoder with its own preprocessing; its `name` is as the user named it."""
 
     def __init__(self, name: str, model: Any, tokenizer: Any, device: torch.device) -> None:
         self.name, self.device = name, device
@@ -128,7 +123,9 @@ class Encoder:
         self._tokenizer = tokenizer
         config = model.visual.preprocess_cfg
         size = config["size"]
-        self.size: int = size if isinstance(size, int) else size[0]
+        self.size: int = (
+            size if isinstance(size, int) else size[0]
+        )  # side of the square image that the model sees
         self._mode = config.get("interpolation", "bicubic")
         self._resize = config.get("resize_mode", "shortest")
         self._mean, self._std = (

@@ -95,15 +95,12 @@ class AbsentObjects:
     """Nouns of a prompt that name an object which its scene lacks.
 
     The only one of them is what the artist calls the subject, where the subject is of one material and no noun names it.
-
-    Attributes:
-        subject: What the prompt calls a subject whose names do not tell; "" for nothing.
     """
 
     def __init__(self, found: PromptPairs, scene: SceneDescription, vocabulary: Vocabulary) -> None:
         self._found, self._scene, self._vocabulary = found, scene, vocabulary
         self._own = OwnNouns(found.passage, found.mentions, vocabulary)
-        self.subject = self._subject_name()
+        self.subject = self._subject_name()  # what the prompt calls a subject whose names do not tell, or ""
 
     def noun_of(self, pair: TargetPair) -> str:
         """The absent object that a look word describes; "" where it describes none."""

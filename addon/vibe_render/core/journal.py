@@ -24,15 +24,11 @@ _GONE = (LookupError, ValueError, AttributeError, ReferenceError)
 
 
 class Journal:
-    """Recorded changes. What is in a tree that no data-block owns is a LookupError.
-
-    Attributes:
-        entries: What was changed, in order.
-        ids: The data-blocks that the entries speak of; None where one has been deleted since.
-    """
+    """Recorded changes. What is in a tree that no data-block owns is a LookupError."""
 
     def __init__(self, entries: list[JournalEntry] | None = None, ids: list[ID | None] | None = None) -> None:
-        self.entries: list[JournalEntry] = entries if entries is not None else []
+        self.entries: list[JournalEntry] = entries if entries is not None else []  # in their order
+        # the data-blocks that the entries speak of; None where one has been deleted since
         self.ids: list[ID | None] = ids if ids is not None else []
 
     def refer(self, block: ID) -> int:

@@ -99,18 +99,13 @@ def requirements() -> list[str]:
 
 
 class EngineSetup:
-    """Makes an environment in a thread; a failure or `cancel` leaves nothing behind, and an older environment as it was.
-
-    Attributes:
-        text: The present step, for the panel.
-        fraction: The part of the present download that has arrived, 0 to 1; None while nothing is downloaded.
-    """
+    """Makes an environment in a thread; a failure or `cancel` leaves nothing behind, and an older environment as it was."""
 
     def __init__(self, folder: Path, packages: list[str], build: TorchBuild) -> None:
         self.folder, self._packages, self._build = folder, packages, build
         self._part = folder.with_name(f"{folder.name}.part")  # nobody looks for an engine there
-        self.text = "Starting"
-        self.fraction: float | None = None
+        self.text = "Starting"  # the present step, for the panel
+        self.fraction: float | None = None  # of the present download, from 0 to 1; None while there is none
         self._process: subprocess.Popen[str] | None = None
         self._canceled = False
         atexit.register(self.cancel)

@@ -45,12 +45,7 @@ class MixChannel:
 
 
 class RenderedMix:
-    """The light layers of the scene's newest render.
-
-    Attributes:
-        channels: One for each layer.
-        rendered, picture: The images of the render and of the present mix.
-    """
+    """The light layers of the scene's newest render, with a channel for each, and its picture and that of the present mix."""
 
     def __init__(self, scene: Scene) -> None:
         """Renders the scene with Cycles. Raises VibeError if there is nothing to mix, or no room on the disk."""

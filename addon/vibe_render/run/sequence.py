@@ -36,13 +36,9 @@ class CheckedFrame:
 
 
 class SequenceDriver(Driver):
-    """A driver that measures the words of its result at other frames.
+    """A driver that measures the words of its result at other frames."""
 
-    Attributes:
-        sequence: The frames that were checked.
-    """
-
-    sequence: tuple[CheckedFrame, ...] = ()
+    sequence: tuple[CheckedFrame, ...] = ()  # the frames that were checked
 
     def _check_frames(
         self,

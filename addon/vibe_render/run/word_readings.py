@@ -27,13 +27,10 @@ class WordReadings:
 
     They are read against the exported scene: that of Live, or else a sketch, which is made anew after a change. For all
     methods, `live` is the job folder that Live has exported, if the scene has not changed since.
-
-    Attributes:
-        newest: The engine's last answer; of no words before that.
     """
 
     def __init__(self) -> None:
-        self.newest = messages.Readings("")
+        self.newest = messages.Readings("")  # the engine's last answer; of no words before that
         self._asked: _Words | None = None  # those whose readings the engine works on
         self._read: _Words = ("", ())
         self._folder: Path | None = None  # of the sketch

@@ -28,20 +28,14 @@ def orbit_matrix(
 
 @dataclass
 class Pose:
-    """The place and rotation of a camera or light relative to the pivot (world space).
-
-    Attributes:
-        azimuth, elevation: Degrees.
-        distance: Meters.
-        residual: Its rotation relative to looking straight at the pivot; stays when it moves.
-    """
+    """The place and rotation of a camera or light relative to the pivot (world space)."""
 
     obj: Object
     pivot: Vector
-    azimuth: float
+    azimuth: float  # with the elevation: degrees
     elevation: float
-    distance: float
-    residual: Matrix
+    distance: float  # meters
+    residual: Matrix  # its rotation relative to looking straight at the pivot; stays when it moves
 
     @classmethod
     def of(cls, obj: Object, pivot: Vector) -> Pose:

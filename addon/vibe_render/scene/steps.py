@@ -79,18 +79,14 @@ class Change:
 
 @dataclass
 class Steps:
-    """All steps of a scene.
+    """All steps of a scene."""
 
-    Attributes:
-        base: Values before the first step that changes them.
-        shown: How many of the steps the scene shows, from the first.
-        pivot: The subject's center at export.
-    """
-
-    base: dict[str, list[float]] = field(default_factory=dict)
+    base: dict[str, list[float]] = field(
+        default_factory=dict
+    )  # values before the first step that changes them
     steps: list[LookStep] = field(default_factory=list)
-    shown: int = 0
-    pivot: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    shown: int = 0  # how many of the steps the scene shows, from the first
+    pivot: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])  # the subject's center at export
 
     @classmethod
     def of(cls, scene: Scene) -> Steps:

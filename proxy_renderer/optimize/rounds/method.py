@@ -26,15 +26,12 @@ VARIABLE = "VIBE_METHOD"  # a plug-in, MODULE:CLASS, that the engine uses in pla
 
 
 class Method:
-    """Least squares on what the words claim, over the parameters that serve the claims most.
+    """Least squares on what the words claim, over the parameters that serve the claims most."""
 
-    Attributes:
-        weights: Of the terms of the loss.
-        every_word: Whether the encoder is asked for all words, and not only for those that no measure covers.
-    """
-
-    weights = Weights()
-    every_word = False
+    weights = Weights()  # of the terms of the loss
+    every_word = (
+        False  # whether the encoder is asked for all words, and not only for those that no measure covers
+    )
 
     def plan(self, instances: Mapping[str, Instance], plan: Plan) -> Plan:
         """The plan of a round (lines 3 to 5), from the scene's parameters by key, and the plan of the words or a model."""
