@@ -23,9 +23,7 @@ class PlanEntry:
     usual: bool = False  # only so as a rule, as nights are blue: it gives way to other words, not to claims
     varies: bool = False  # whether variants may differ in it though words name it: the side of a candle
     any_hue: bool = False  # whether a color may take any hue in its range: it is no box around a named color
-    # where the search begins, within the range: the color that words name, well inside of a lamp's sizes.
-    # None for the artist's value, projected.
-    start: Values | None = None
+    start: Values | None = None  # where the search begins; None for the artist's value, projected
 
     @classmethod
     def kept(cls, instance: Instance, reason: str) -> PlanEntry:

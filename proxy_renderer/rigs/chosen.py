@@ -23,6 +23,7 @@ from ..words.lexicon.vocabulary import GLOWING, Vocabulary
 from ..words.passage import LIGHTS
 from ..words.types import Attribute
 from .described import (
+    BEHIND,
     EDGES,
     FILLS,
     FREE,
@@ -148,7 +149,6 @@ _DARK, _BLACK_WORLD, _BLACK_SKY, _BLACK_OWN = 20.0, -6.5, -6.5, -10.0
 """L* of a color up to which it is black, and the stops of a world, a sky and lights that leave all but the subject black."""
 _EXPOSURES = (-2.2, 1.0)
 _PRACTICAL = "practical lamp"  # the rig of a lamp in the picture
-_KEPT = "The scene stays lit as it is; lights are added to that."
 
 
 Asked = tuple[tuple[str, ...], tuple[str, ...]]
@@ -205,6 +205,9 @@ def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary) -> ChosenR
     moods = (a for a in said if a.cause and a.slot == "lighting" and not a.owners)
     least = min(_EXPOSURES[0], build.first.exposure)
     rig = _under_named_sky(build.rig, said)
+    first, key = ([abs(x.azimuth) > BEHIND for x in each.lights[:1]] for each in (build.first, rig))
+    if first == [False] and key == [True]:
+        rig = replace(rig, exposure=min(rig.exposure, table.rigs["back light"].exposure))
     rig = replace(rig, exposure=min(max(rig.exposure, least), _EXPOSURES[1]))
     return ChosenRig(rig, build.words, (*build.served, *(a for a in moods if a not in build.served)))
 
@@ -240,7 +243,8 @@ def _first(
         return table.rigs["back light"]
     if not parts or "key" in parts:
         return table.plain
-    return replace(table.plain, says=_KEPT, own=0.0, world=None, lights=())
+    says = "The scene stays lit as it is; lights are added to that."
+    return replace(table.plain, says=says, own=0.0, world=None, lights=())
 
 
 class _Build:

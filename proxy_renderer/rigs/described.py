@@ -20,7 +20,7 @@ _TEMPLATES = {
     "background": "background light",
 }  # fmt: skip
 """Part -> the rig that adds one."""
-_BEHIND = 120.0  # degrees from the camera from which a light draws an edge
+BEHIND = 120.0  # degrees from the camera from which a light draws an edge, and what the camera sees is in the shade
 _FRONT, _EDGE = 20.0, 128.0  # an edge that is said to be on a side stands there, behind the subject
 _OPPOSITE = 100.0  # degrees of azimuth from the key at which a light stands that says nothing of its place
 _SOFTER, _OF_FREE = 1.6, -0.5  # how much "faint" takes of others than the key; stops of a second light
@@ -100,7 +100,7 @@ def _parts_for(words: Sequence[Attribute], table: RigTable, lights: int) -> tupl
     if added := [part for a in words for part in table.parts(a.entry)]:
         return *added, *FREE
     azimuth, _ = _direction(words, table)
-    if role != "key" and azimuth is not None and abs(azimuth) > _BEHIND and lights > 1:
+    if role != "key" and azimuth is not None and abs(azimuth) > BEHIND and lights > 1:
         return (*EDGES, *FREE)
     return FREE
 

@@ -325,7 +325,7 @@ def _word_for(chosen: ChosenRig, part: str, name: str) -> str:
 
 def _of_own(scene: SceneData, lights: Sequence[Placed]) -> dict[str, PlanEntry]:
     """Entries for the places of the scene's lights that play a part, but are no lamps: they stay, and variants turn them."""
-    free = [x.name for x in lights if x.own and not x.fixed and not x.light.worn]
+    free = [x.name for x in lights if x.own and not (x.fixed or x.light.worn)]
     instances = (scene.instances.get(f"light/{name}/{angle}") for name in free for angle in _TURN)
     return {
         i.key: PlanEntry(i.value, i.value, None, "stays where it is", 0.0, usual=True, varies=True)
