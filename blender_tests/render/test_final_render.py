@@ -8,7 +8,7 @@ import small_scenes as scenes
 from dump import difference, dump
 from vibe_render.core import compat
 from vibe_render.render import final_render
-from vibe_render.scene import copies
+from vibe_render.scene import bindings, copies
 
 
 def layers(picture):
@@ -67,6 +67,18 @@ def test_the_artists_compositor_is_in_the_picture_and_its_files_are_not_written(
     before, after = (_pixels(tmp_path / f"{name}.png") for name in ("before", "after"))
     assert np.abs(before - after).mean() > 0.05
     assert not files.mute
+
+
+def test_fog_has_no_noise(scene, tmp_path):
+    """Albedo and normals have noise in it too, which a denoiser that trusts them would put into the picture."""
+    subject = scenes.studio(scene)
+    bindings.write(
+        scene, {"volume/density": (0.15,), "volume/color": (0.9, 0.9, 0.9)}, subject, (0.0, 0.0, 0.0)
+    )
+    final_render.render_picture(scene, tmp_path / "fog.png", 96, 32)
+    pixels = _pixels(tmp_path / "fog.png").reshape(-1, 96, 3)
+    steps = np.abs(np.diff(pixels, axis=1)).mean(-1)
+    assert np.median(steps) < 0.0025  # of neighbors in what has few edges
 
 
 def _pixels(path):

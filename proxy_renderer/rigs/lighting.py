@@ -347,5 +347,4 @@ def _entry(instance: Instance, value: Values, word: str, still: set[str], any_si
     lower, upper = (within(end, instance.lower, instance.upper) for end in ends)
     bright = name in ("power", "strength") and instance.parameter.group in ("light", "world")
     priority, start = _FIRST if bright else _LATER, within(value, lower, upper)
-    varies = turns and any_side
-    return PlanEntry(lower, upper, priority, reason, 0.0, usual=True, varies=varies, start=start)
+    return PlanEntry(lower, upper, priority, reason, 0.0, usual=True, varies=turns and any_side, start=start)

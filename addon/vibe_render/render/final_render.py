@@ -96,9 +96,9 @@ def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable
         assign(twin.cycles, use_denoising=False, max_bounces=0)
         rendered.set_world(twin, None)
         for thing in scene.objects:
-            fog = thing.type == "VOLUME" or is_fog(thing)
             holdout = thing.name_full not in theirs and thing.type not in ("LIGHT", "CAMERA")
-            stack.enter_context(changed(thing, **({"hide_render": True} if fog else {"is_holdout": holdout})))
+            hiding = {"hide_render": True} if is_fog(thing) else {"is_holdout": holdout}
+            stack.enter_context(changed(thing, **hiding))
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             colors = Path(folder) / path.name
             bake.render_file(twin, colors, bake.png("RGBA"))
@@ -129,7 +129,8 @@ def _set_up(twin: bpy.types.Scene, size: int, samples: int, seed: int) -> None:
         adaptive_threshold=_NOISE,
         adaptive_min_samples=min(16, samples),
         use_denoising=denoises,
-        denoising_prefilter="FAST",  # a fifth of the whole time less, for no difference to be seen
+        # a fifth of the whole time less, for no difference to be seen, but in fog, where albedo and normals have noise too
+        denoising_prefilter="ACCURATE" if any(map(is_fog, twin.objects)) else "FAST",
         time_limit=0.0,
     )
     if denoises:
@@ -137,9 +138,9 @@ def _set_up(twin: bpy.types.Scene, size: int, samples: int, seed: int) -> None:
 
 
 def is_fog(thing: bpy.types.Object) -> bool:
-    """True if all materials of a thing are fog."""
+    """True for a volume, and a thing of which all materials are fog."""
     slots = [slot.material for slot in thing.material_slots if slot.material]
-    return bool(slots) and not any(rendered.has_surface(m) for m in slots)
+    return thing.type == "VOLUME" or (bool(slots) and not any(rendered.has_surface(m) for m in slots))
 
 
 def join_pictures(pictures: Sequence[Path], path: Path) -> None:
