@@ -191,7 +191,10 @@ def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary) -> ChosenR
     for attribute in setups:
         build.take_setup(attribute)
     build.describe(lights)
-    for attribute in (a for a in said if a not in build.served and not a.cause):
+    left = (a for a in said if a not in build.served and not a.cause)
+    for attribute in sorted(
+        left, key=lambda a: not table.parts(a.entry)
+    ):  # a light is added before it is made warm
         if table.parts(attribute.entry):
             build.add(attribute)
         elif build.may_modify(attribute):

@@ -315,10 +315,11 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
 def _word_for(chosen: ChosenRig, part: str, name: str) -> str:
     """The word that a parameter of a rig's part follows.
 
-    It is the word that asks for this aspect of the part, or else the setup, or else the first word about the part.
+    It is the word that asks for this aspect of the part, or else that adds it, or else the setup, or the first word about the part.
     """
     of_part = {word: aspects for word, (parts, aspects) in chosen.words.items() if part in parts}
-    asking = (word for word, aspects in of_part.items() if _ASPECTS.get(name) in aspects)
+    last = sorted(of_part, key=lambda word: "rim" in of_part[word])  # what adds the part
+    asking = [word for aspect in (_ASPECTS.get(name), "rim") for word in last if aspect in of_part[word]]
     setups = (word for word, (parts, _) in chosen.words.items() if not parts)
     return next(iter([*asking, *setups, *of_part, *chosen.words]), "")
 

@@ -120,8 +120,10 @@ class Lexer:
             if tokens and self._covers(words[start], tokens[-1]):
                 start += 1
                 continue
-            if tokens and self._places(words[start:], tokens[-1]):
-                tokens.append(replace(self._phrase(f"from {words[start]}"), text=words[start]))
+            if self._is_no_color(words, start) or (tokens and self._places(words[start:], tokens[-1])):
+                word = words[start]  # a place, or a thing
+                placed = word in self.vocabulary.words["placed"]
+                tokens.append(replace(self._phrase(f"from {word}"), text=word) if placed else Token(word))
                 start += 1
                 continue
             for count in range(min(_LONGEST, len(words) - start), 0, -1):
@@ -140,6 +142,15 @@ class Lexer:
         """True if a word names the surface of the thing before it and wishes for no material: "wet frog skin"."""
         named = (thing.scene or "thing" in thing.lists or thing.noun) and not thing.names_a_look
         return bool(named) and word in self.vocabulary.words["coverings"] and word not in self.names
+
+    def _is_no_color(self, words: list[str], place: int) -> bool:
+        """True for a thing that a color is named after: "lemons", and "the lemon is yellow"."""
+        v, word = self.vocabulary, words[place]
+        one, before, after = singular(word), words[max(place - 1, 0)], words[place + 1 : place + 2]
+        if word in self.names or one not in v.colors or one not in thing_words():
+            return False
+        said = before in v.lists["definite"] and any(w in v.lists["link"] for w in after)
+        return said or (one != word and word not in v.synonyms)
 
     def _places(self, words: list[str], light: Token) -> bool:
         """True if words after a light say where it comes from: "behind" of "cold dawn behind it", not of "the sun behind the hills"."""

@@ -220,17 +220,13 @@ def with_choices(
     scene: SceneDescription,
     vocabulary: Vocabulary,
 ) -> tuple[list[TargetPair], list[str]]:
-    """Look words with the targets that the artist has chosen, or as they are.
+    """Look words with the targets that the artist has chosen, or as they are; and the words with a choice that are none of these.
+
+    Raises VibeError if the scene has nothing of such a name, or a word can say nothing of its target.
 
     Args:
         choices: Word of the prompt -> a name in the scene, several with " + ", or one of `schema.targets.GENERAL`.
         english: Word of the prompt -> the same in English, where the prompt is in another language.
-
-    Returns:
-        The pairs, and the words with a choice that are no look words of the prompt.
-
-    Raises:
-        VibeError: The scene has nothing of such a name, or a word can say nothing of its target.
     """
     targets = {key: _target(plain_key(key), name, scene) for key, name in choices.items()}
     used, found = set[str](), list[TargetPair]()

@@ -26,7 +26,7 @@ _VERSIONS = ((3, 11), (3, 12), (3, 13))  # of Python: every package has wheels f
 _PROGRESS = re.compile(r"Progress (\d+) of (\d+)")
 _UNREACHABLE = r"NewConnectionError|Temporary failure|Network is unreachable|ConnectTimeout|ProxyError|SSLError|ReadTimeoutError"
 _OUT_OF_REACH = "Check that pip's index can be reached from here, then press Set Up Engine again."
-_AGAIN = "Press Set Up Engine again, or make the environment by hand as the README says."
+_AGAIN = "Press Set Up Engine again, or install it by hand (docs/install.md, On the command line) and choose its Folder."
 
 
 @dataclass(frozen=True)

@@ -57,13 +57,7 @@ def extract_look(
     name: str = "",
     goals: dict[str, Any] | None = None,
 ) -> preset.Preset:
-    """The look that a vibe gave a scene.
-
-    Args:
-        values: The values that the vibe has changed, by key.
-        name: The preset's name; without one, the prompt's first words.
-        goals: The goals of the vibe's search.
-    """
+    """The look that a vibe with goals gave a scene: the values, by key, that it has changed. Without a name the prompt's first words."""
     roles: dict[str, list[preset.Entry]] = {}
     kinds: dict[str, list[str]] = {}
     for role, group in preset.ROLES.items():

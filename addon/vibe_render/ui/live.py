@@ -70,7 +70,7 @@ def draw_words(layout: bpy.types.UILayout, context: bpy.types.Context, words: Ma
     if not words:
         return
     missing = [word for word, shown in words.items() if not shown]
-    text = f"Not visible yet: {', '.join(missing)}" if missing else "All words are visible so far"
+    text = f"Not visible yet: {', '.join(missing)}" if missing else "No word is missing so far"
     drawing.paragraph(layout, context, text, "HIDE_ON" if missing else "HIDE_OFF")
 
 

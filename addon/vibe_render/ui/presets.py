@@ -237,7 +237,7 @@ class VIBE_OT_preset_save(_NameDialog, LookOperator):
 
     def draw(self, context: bpy.types.Context) -> None:
         super().draw(context)
-        self.layout.label(text="Blender waits some seconds: a small render becomes its picture", icon="TIME")
+        self.layout.label(text="Blender waits for a small render, its picture", icon="TIME")
 
     def perform(self, context: bpy.types.Context) -> str:
         """Saves it; the picture is a small render, during which Blender waits."""

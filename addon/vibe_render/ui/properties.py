@@ -37,11 +37,8 @@ def declare(
 ) -> type:
     """A class whose annotations are properties for options of the schema, to be inherited by the one that Blender registers.
 
-    Options with choices, whose titles are the panel's, are left out.
-
-    Args:
-        preferences: For the add-on's preferences, else for the scene.
-        updates: Option -> function that is called when it changes.
+    They are for the add-on's preferences, or else for the scene, without options with choices, whose titles are the panel's.
+    `updates` has the functions that are called when an option changes.
     """
     rows = [row for row in options.TABLE if row.panel and row.panel.preferences == preferences]
     properties = {row.name: _property(row, updates.get(row.name)) for row in rows if not row.choices}

@@ -218,7 +218,7 @@ class VIBE_OT_revert(ResultOperator):
 
 
 class VIBE_OT_keep(ResultOperator):
-    """Make the result final. Revert is no longer possible"""
+    """Make the result final. Revert and Save Preset are no longer possible"""
 
     bl_label = "Keep"
 
@@ -228,9 +228,10 @@ class VIBE_OT_keep(ResultOperator):
         reason = "Keyframe this look first: the keyframes of the others are set aside" if aside else ""
         return result_obstacle(context) or reason
 
-    def perform(self, context: bpy.types.Context) -> None:
+    def perform(self, context: bpy.types.Context) -> str:
         result.keep(context.scene)
         addon_state.forget()
+        return "The values are yours now. Undo takes that back"
 
 
 class VIBE_OT_keyframe(ResultOperator):

@@ -96,15 +96,11 @@ class Search:
     """One vibe. Nothing in it changes from round to round but the judge's guidance. Arguments as for `pipeline.run`.
 
     Attributes:
-        vector: The parameters of u.
         shots: One or several, each with its proxy, as loaded. Plans are made for the first.
-        several: Whether variants are asked for.
         rounds: R, the most rounds from each start.
-        clock: Reports progress to the observer.
         reference: The image that replaces words, or adds to them; None for words alone.
         pictured: Whether a reference image is among the goals; its wishes may come without it.
         confiner: Plans, and makes boxes of plans.
-        judge: Says how near images are to the words.
         looks: Shown before the end; None where nobody wants them, and for several shots.
     """
 
