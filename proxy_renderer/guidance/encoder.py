@@ -123,9 +123,7 @@ class Encoder:
         self._tokenizer = tokenizer
         config = model.visual.preprocess_cfg
         size = config["size"]
-        self.size: int = (
-            size if isinstance(size, int) else size[0]
-        )  # side of the square image that the model sees
+        self.size: int = size if isinstance(size, int) else size[0]  # pixels, of a square
         self._mode = config.get("interpolation", "bicubic")
         self._resize = config.get("resize_mode", "shortest")
         self._mean, self._std = (

@@ -192,9 +192,8 @@ def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary) -> ChosenR
         build.take_setup(attribute)
     build.describe(lights)
     left = (a for a in said if a not in build.served and not a.cause)
-    for attribute in sorted(
-        left, key=lambda a: not table.parts(a.entry)
-    ):  # a light is added before it is made warm
+    # A light is added before it is made warm.
+    for attribute in sorted(left, key=lambda a: not table.parts(a.entry)):
         if table.parts(attribute.entry):
             build.add(attribute)
         elif build.may_modify(attribute):

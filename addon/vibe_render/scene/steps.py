@@ -81,9 +81,7 @@ class Change:
 class Steps:
     """All steps of a scene."""
 
-    base: dict[str, list[float]] = field(
-        default_factory=dict
-    )  # values before the first step that changes them
+    base: dict[str, list[float]] = field(default_factory=dict)  # values before a first step changes them
     steps: list[LookStep] = field(default_factory=list)
     shown: int = 0  # how many of the steps the scene shows, from the first
     pivot: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])  # the subject's center at export

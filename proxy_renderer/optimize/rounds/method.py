@@ -29,9 +29,7 @@ class Method:
     """Least squares on what the words claim, over the parameters that serve the claims most."""
 
     weights = Weights()  # of the terms of the loss
-    every_word = (
-        False  # whether the encoder is asked for all words, and not only for those that no measure covers
-    )
+    every_word = False  # whether the encoder is asked for words that a measure covers, too
 
     def plan(self, instances: Mapping[str, Instance], plan: Plan) -> Plan:
         """The plan of a round (lines 3 to 5), from the scene's parameters by key, and the plan of the words or a model."""
