@@ -63,10 +63,9 @@ def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True) -> l
         taken = {each.name for each in found}
         mine = _own(wanted, stage, taken)
         mine = mine or (_added(wanted, stage, taken, alone=not found) if add else None)
-        # the key of the scene, or the light that is called "Rim", wherever it stands
-        free = [x for x in _playable(stage, taken) if light.part in ("key", *plain_name(x.name).split())]
-        if mine is None and free:
-            mine = _as_it_stands(wanted, min(free, key=lambda x: x.role != "key"), stage)
+        if mine is None:  # the key of the scene, or the light that is called "Rim", wherever it stands
+            free = [x for x in _playable(stage, taken) if light.part in ("key", *plain_name(x.name).split())]
+            mine = _as_it_stands(wanted, min(free, key=lambda x: x.role != "key"), stage) if free else None
         if mine is None:
             continue
         if not found and light.mirrored and light.azimuth:  # the others stay on the other side of the key

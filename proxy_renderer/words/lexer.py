@@ -120,10 +120,12 @@ class Lexer:
             if tokens and self._covers(words[start], tokens[-1]):
                 start += 1
                 continue
-            if self._is_no_color(words, start) or (tokens and self._places(words[start:], tokens[-1])):
-                word = words[start]  # a place, or a thing
-                placed = word in self.vocabulary.words["placed"]
-                tokens.append(replace(self._phrase(f"from {word}"), text=word) if placed else Token(word))
+            if self._is_no_color(words, start):
+                tokens.append(Token(words[start]))
+                start += 1
+                continue
+            if tokens and self._places(words[start:], tokens[-1]):
+                tokens.append(replace(self._phrase(f"from {words[start]}"), text=words[start]))
                 start += 1
                 continue
             for count in range(min(_LONGEST, len(words) - start), 0, -1):
