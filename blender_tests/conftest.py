@@ -49,7 +49,7 @@ def addon(registered, scene):
 def pytest_collection_modifyitems(items):
     """Files with slow tests begin: started last, the longest would run on alone, beside an idle worker."""
     slow = {item.path for item in items if "slow" in item.keywords}
-    items.sort(key=lambda item: (item.path.name != "test_window.py", item.path not in slow))
+    items.sort(key=lambda item: (not item.path.name.startswith("test_window"), item.path not in slow))
 
 
 _status = pytest.StashKey[int]()

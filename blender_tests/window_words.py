@@ -31,6 +31,8 @@ def words(screen):
     screen.observed["states"] = {word.text: word.state for word in addon_state.readings.newest.words}
     yield 1.0
     screen.shoot("told")
+    for obj in bpy.context.scene.objects:  # the menu offers what is selected, too
+        obj.select_set(obj.type == "MESH")
     yield from screen.click_on("vibe.reading", 143, (0.12, 0.3, 0.5))
     yield 1.0
     screen.shoot("menu_again")

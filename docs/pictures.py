@@ -15,7 +15,7 @@ results/       results.json of out/sealed, and of out/sealed-long (`python -m la
 tutorial/      the tutorial's own commands
 panel.jpg, progress.jpg, presets.jpg, first-look.webp
                screenshots of the window test (needs a Blender with a window):
-               VIBE_WINDOW_OUT=out/window python -m pytest -m slow blender_tests/ui/test_window.py
+               VIBE_WINDOW_OUT=out/window python -m pytest -m slow blender_tests/ui/test_window*.py
 light-mix.jpg  the same with -k light_is_mixed
 """
 

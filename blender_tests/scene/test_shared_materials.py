@@ -7,7 +7,7 @@ import small_scenes as scenes
 from dump import difference, dump
 from vibe_render.run.session import Session
 from vibe_render.scene import bindings, snapshot
-from vibe_render.scene.prepare import separate_materials, shared_materials
+from vibe_render.scene.prepare import EVERYTHING, separate_materials, shared_materials
 
 from proxy_renderer.schema import material_copies
 
@@ -103,7 +103,17 @@ def test_nothing_is_asked_where_no_material_may_change(addon):
     floor.data.materials[0] = body
     session = object.__new__(Session)
     session.shared, session._find_scene, session.subject = "ASK", lambda: addon, lambda scene: subject
+    session._painted = EVERYTHING
     assert next(session._ask_about_shared()) == "Waiting for your answer"
     assert session.question == {"Body": ["Floor"]}
     addon.vibe.change_material = False
     assert list(session._ask_about_shared()) == []
+
+
+@pytest.mark.parametrize(
+    ("painted", "asked"),
+    [("subject", {"Body"}), ("Body", {"Body"}), ("Floor", {"Body"}), ("Lamp", set())],
+)
+def test_only_what_words_paint_is_asked_about(scene, painted, asked):
+    subject = sharing(scene)
+    assert {m.name for m in shared_materials(subject, frozenset({painted}))} == asked

@@ -8,11 +8,17 @@ from vibe_render.run.word_readings import WordReadings
 
 @pytest.mark.parametrize(
     ("target", "paints"),
-    [("lights", False), ("image", False), ("air", False), ("subject", True), ("Cup + Saucer", True)],
+    [
+        ("lights", ()),
+        ("image", ()),
+        ("air", ()),
+        ("subject", ("subject",)),
+        ("Cup + Saucer", ("Cup", "Saucer")),
+    ],
 )
 def test_words_that_describe_things_may_paint(target, paints):
     readings = WordReadings()
     word = messages.WordReading("warm", "understood", candidates=[target, "Cup"])
     readings.newest = messages.Readings("warm", [messages.WordReading("hm", "left out"), word])
-    assert readings.may_paint(" warm ") == paints
-    assert readings.may_paint("warm cup")  # not read yet
+    assert readings.painted(" warm ") == {*paints}
+    assert readings.painted("warm cup") == {"subject"}  # not read yet

@@ -373,7 +373,8 @@ def _offered(token: Token, scene: SceneDescription, vocabulary: Vocabulary) -> I
         yield from scene.made(_largest, vocabulary)
     if sense_at(token, "lights", vocabulary):
         yield from [*scene.lights][:_MOST]
-    yield from (name for name in OFFERED if sense_at(token, GENERAL[name], vocabulary))
+    own = {name.casefold() for name in scene.lights}  # "Key Light" of the scene is enough
+    yield from (n for n in OFFERED if n not in own and sense_at(token, GENERAL[n], vocabulary))
 
 
 def _largest(scene: SceneDescription, _: Vocabulary) -> list[str]:

@@ -15,7 +15,7 @@ from ..export import notes
 from ..render import anchors, final_render, reference
 from ..scene import bindings, keyframes, own_keys, snapshot
 from ..scene.nodes import grade
-from ..scene.prepare import separate_materials, shared_materials
+from ..scene.prepare import EVERYTHING, separate_materials, shared_materials
 from ..scene.steps import Change, Steps
 from ..scene.subject import SubjectChoice, remember_subject
 from . import before_image, result
@@ -43,7 +43,11 @@ class Session(SceneSession, SequenceDriver):
     patience = 900.0
 
     def __init__(
-        self, context: bpy.types.Context, engine: Engine, ask: bool = False, change: Change | None = None
+        self,
+        context: bpy.types.Context,
+        engine: Engine,
+        painted: frozenset[str] = frozenset(),
+        change: Change | None = None,
     ) -> None:
         super().__init__(context, engine)
         settings = context.scene.vibe
@@ -52,8 +56,9 @@ class Session(SceneSession, SequenceDriver):
             Steps(), sentence=self.prompt, title=self.prompt or self.like, first=True
         )
         self.prompt, self.like = self._change.sentence, self.like if self._change.first else ""
-        self.shared = settings.shared if ask or settings.shared != "ASK" else "ALL"
+        self.shared = settings.shared if painted or settings.shared != "ASK" else "ALL"
         self.question: dict[str, list[str]] = {}
+        self._painted = painted  # names of what the words may paint
         self.checking = False
         self._vibed = False  # whether an earlier vibe is in the scene
         saved = preferences.get(context)
@@ -147,10 +152,11 @@ class Session(SceneSession, SequenceDriver):
     def _ask_about_shared(self) -> Generator[str]:
         """Asks about materials that other things use too, unless that is settled; may export anew."""
         scene = self._find_scene()
-        shared = shared_materials(self.subject(scene))
+        asks = self.shared == "ASK"
+        shared = shared_materials(self.subject(scene), self._painted if asks else EVERYTHING)
         if not shared or not scene.vibe.change_material:
             return
-        if self.shared == "ASK":
+        if asks:
             self.question = {m.name: [o.name for o in users] for m, users in shared.items()}
             self.stage = "Waiting for your answer"
             while self.question:

@@ -68,12 +68,13 @@ class WordReadings:
             self._asked = words
         return arrived is not None
 
-    def may_paint(self, prompt: str) -> bool:
-        """True if a word of a prompt describes an object or the subject, or has not been read yet."""
+    def painted(self, prompt: str) -> frozenset[str]:
+        """Names of objects and materials that a prompt's words describe; "subject" for all of it, or if nothing has been read yet."""
         if self.newest.prompt.strip() != prompt.strip():
-            return True
-        described = {name for word in self.newest.words for name in word.candidates[:1]}
-        return not described <= targets.GENERAL.keys() - {"subject"}
+            return frozenset({"subject"})
+        described = [word.candidates[0] for word in self.newest.words if word.candidates]
+        names = {name for target in described for name in targets.target_names(target)}
+        return frozenset(names - (targets.GENERAL.keys() - {"subject"}))
 
     def forget(self) -> None:
         """Waits for nothing any more: the engine is another one."""

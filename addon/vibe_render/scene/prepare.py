@@ -217,10 +217,16 @@ def _light_of_mesh(mesh: bpy.types.Mesh, matrix: np.ndarray, strengths: list[flo
     return float((strength * factor).sum())
 
 
-def shared_materials(subject: Sequence[Object]) -> dict[Material, list[Object]]:
+EVERYTHING = frozenset({"subject"})
+"""Names of what words paint, where they may paint all of the subject."""
+
+
+def shared_materials(
+    subject: Sequence[Object], painted: frozenset[str] = EVERYTHING
+) -> dict[Material, list[Object]]:
     """The subject's materials that objects outside of it use too, with those objects, in this or other scenes.
 
-    Those from a library are left out: nobody may change them.
+    Those from a library are left out, as nobody may change them, and those that nothing of `painted` names or wears.
     """
     inside, theirs = set(subject), {m for obj in subject for m in _materials_of(obj) if m.is_editable}
     users: dict[Material, list[Object]] = {}
@@ -229,7 +235,10 @@ def shared_materials(subject: Sequence[Object]) -> dict[Material, list[Object]]:
             continue
         for material in theirs.intersection(_materials_of(obj)):
             users.setdefault(material, []).append(obj)
-    return users
+    if painted >= EVERYTHING:
+        return users
+    named = {m for obj in bpy.data.objects if obj.name in painted for m in _materials_of(obj)}
+    return {m: objects for m, objects in users.items() if m in named or m.name in painted}
 
 
 def separate_materials(scene: Scene, subject: Sequence[Object]) -> None:

@@ -19,6 +19,7 @@ from .bases import Operator
 
 _TICK = 0.02  # seconds between two looks at what the engine says
 _STATE_ICONS = {"understood": "NONE", "guessed": "QUESTION", "left out": "CANCEL"}
+_FEW = 3  # selected objects that are named one by one
 _MARGIN, _ICON = 2, 3  # room that a word's margins take, and its icon, in characters
 _ICONS = {"light": "LIGHT", "sky": "WORLD", "picture": "IMAGE_DATA", "air": "MOD_FLUID", "none": "CANCEL"}
 """Kind of target -> icon, of those that every scene has."""
@@ -118,6 +119,7 @@ class VIBE_OT_reading(Operator):
         for name in word.candidates:
             icon = "RADIOBUT_ON" if name == word.candidates[0] else _icon(scene, name)
             self._draw_target(layout, name, _description(name), icon)
+        self._draw_selection(layout, context, word)
         if word.targets:
             layout.separator()
         for name in word.targets:
@@ -126,6 +128,22 @@ class VIBE_OT_reading(Operator):
         if offered & {*scene.objects.keys()} and not offered.issuperset(_own_names(scene)):
             layout.operator_context = "INVOKE_DEFAULT"
             layout.operator("vibe.describe_another", icon="VIEWZOOM").word = self.key
+
+    def _draw_selection(
+        self, layout: bpy.types.UILayout, context: bpy.types.Context, word: messages.WordReading
+    ) -> None:
+        """Offers the selected objects, or the selected lights, together."""
+        own = {*_own_names(context.scene)}
+        chosen = [obj for obj in context.selected_objects if obj.name in own]
+        target = targets.joined(obj.name for obj in chosen)
+        if (
+            not chosen
+            or target in (*word.candidates, *word.targets)
+            or len({o.type == "LIGHT" for o in chosen}) > 1
+        ):
+            return
+        listed = targets.listed(target) if len(chosen) <= _FEW else f"{len(chosen)} objects"
+        self._draw_target(layout, target, f"Describes the selected: {listed}", "RESTRICT_SELECT_OFF")
 
     def _draw_target(self, layout: bpy.types.UILayout, target: str, text: str, icon: str) -> None:
         button = layout.operator("vibe.describe", text=text, icon=icon)
