@@ -19,6 +19,7 @@ import bpy
 sys.path.append(str(Path(__file__).parent))
 from window_files import files
 from window_further import further
+from window_hour import hour
 from window_mix import light_mix
 from window_presets import presets
 from window_scene import a_scene, effort, same, values
@@ -321,6 +322,7 @@ WAYS = {
         light_mix,
         tour,
         tour_double,
+        hour,
     )
 }
 

@@ -61,8 +61,8 @@ def search(screen, held, top):
     screen.press("Return")
     yield 1.0
     own = held.chosen
-    for number, place in enumerate((0.18, -0.3)):  # the second and the first of those that are left
-        yield from screen.click_at(top + 299, place)
+    for number, place in enumerate((-0.21, -0.62)):  # the second and the first of those that are left
+        yield from screen.click_at(top + 289, place)
         yield from screen.wait(lambda n=number: (held.chosen == own) == bool(n), 30, "a picture is chosen")
         yield 0.7
         screen.shoot(f"search_{number + 1}")

@@ -5,9 +5,10 @@ import bpy
 import pytest
 import small_scenes as scenes
 from dump import difference, dump
+from vibe_render.core.schema_import import messages
 from vibe_render.run.session import Session
 from vibe_render.scene import bindings, snapshot
-from vibe_render.scene.prepare import EVERYTHING, separate_materials, shared_materials
+from vibe_render.scene.prepare import separate_materials, shared_materials
 
 from proxy_renderer.schema import material_copies
 
@@ -103,7 +104,7 @@ def test_nothing_is_asked_where_no_material_may_change(addon):
     floor.data.materials[0] = body
     session = object.__new__(Session)
     session.shared, session._find_scene, session.subject = "ASK", lambda: addon, lambda scene: subject
-    session._painted = EVERYTHING
+    session.like = "dusk.png"  # which may change everything
     assert next(session._ask_about_shared()) == "Waiting for your answer"
     assert session.question == {"Body": ["Floor"]}
     addon.vibe.change_material = False
@@ -111,9 +112,41 @@ def test_nothing_is_asked_where_no_material_may_change(addon):
 
 
 @pytest.mark.parametrize(
-    ("painted", "asked"),
-    [("subject", {"Body"}), ("Body", {"Body"}), ("Floor", {"Body"}), ("Lamp", set())],
+    ("described", "asked"),
+    [
+        ("subject", {"Body"}),
+        ("Body", {"Body"}),
+        ("Lamp + Floor", {"Body"}),
+        ("lights", set()),
+        ("Lamp", set()),
+    ],
 )
-def test_only_what_words_paint_is_asked_about(scene, painted, asked):
+def test_only_what_words_describe_is_asked_about(scene, described, asked):
     subject = sharing(scene)
-    assert {m.name for m in shared_materials(subject, frozenset({painted}))} == asked
+    word = messages.WordReading("warm", "understood", candidates=[described, "Body"])
+    session = object.__new__(Session)
+    session.prompt, session.like, session.stage, session._job = "warm", "", "", None
+    session._options, session._engine = (
+        messages.Options(),
+        Reader([messages.WordReading("hm", "left out"), word]),
+    )
+    painted = []
+
+    def read():
+        painted.append((yield from session._painted()))
+
+    assert [*read()] == [""]
+    assert {m.name for m in shared_materials(subject, *painted)} == asked
+
+
+class Reader:
+    """An engine that understands all words, once it has been asked."""
+
+    def __init__(self, words):
+        self.words, self.readings = words, [None]
+
+    def send(self, request):
+        self.readings.append(messages.Readings(request.prompt, self.words))
+
+    def poll_readings(self):
+        return self.readings.pop(0)

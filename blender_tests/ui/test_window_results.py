@@ -84,3 +84,12 @@ def test_a_light_is_mixed_by_its_slider(walk):
     assert observed["light_groups"] == [name]
     for seen in ("scene_stays", "undo_restores", "revert_restores"):
         assert observed[seen], seen
+
+
+def test_an_artists_hour(walk):
+    """Sentences, a change by hand, light mix, keyframes, a checked sequence and final frames; Revert takes all of it back."""
+    observed = walk("hour")
+    assert [len(steps) for steps in observed["sentences"]][:3] == [2, 3, 4]
+    assert observed["frames_checked"] >= 4
+    for seen in ("hand_made_stays", "first_look_at_its_frame", "revert_restores", "no_keyframes_stay"):
+        assert observed[seen], seen

@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Generator
 from dataclasses import asdict, replace
 
 import bpy
 
 from ..core import compat, preferences
-from ..core.schema_import import atomic, messages, schema
+from ..core.schema_import import atomic, messages, schema, targets
 from ..engine.process import Engine
 from ..export import notes
 from ..render import anchors, final_render, reference
@@ -26,6 +27,7 @@ from .sequence import SequenceDriver
 
 PAUSING = (READING, ANCHORING)
 """Stages during which Blender is blocked: for long where the scene is large."""
+_READS = 20.0  # seconds, after which a prompt that is not read yet may be about everything
 SILENT = 30.0  # seconds without a message from the engine, after which the panel says so
 
 
@@ -43,11 +45,7 @@ class Session(SceneSession, SequenceDriver):
     patience = 900.0
 
     def __init__(
-        self,
-        context: bpy.types.Context,
-        engine: Engine,
-        painted: frozenset[str] = frozenset(),
-        change: Change | None = None,
+        self, context: bpy.types.Context, engine: Engine, ask: bool = False, change: Change | None = None
     ) -> None:
         super().__init__(context, engine)
         settings = context.scene.vibe
@@ -56,9 +54,8 @@ class Session(SceneSession, SequenceDriver):
             Steps(), sentence=self.prompt, title=self.prompt or self.like, first=True
         )
         self.prompt, self.like = self._change.sentence, self.like if self._change.first else ""
-        self.shared = settings.shared if painted or settings.shared != "ASK" else "ALL"
+        self.shared = settings.shared if ask or settings.shared != "ASK" else "ALL"
         self.question: dict[str, list[str]] = {}
-        self._painted = painted  # names of what the words may paint
         self.checking = False
         self._vibed = False  # whether an earlier vibe is in the scene
         saved = preferences.get(context)
@@ -152,11 +149,11 @@ class Session(SceneSession, SequenceDriver):
     def _ask_about_shared(self) -> Generator[str]:
         """Asks about materials that other things use too, unless that is settled; may export anew."""
         scene = self._find_scene()
-        asks = self.shared == "ASK"
-        shared = shared_materials(self.subject(scene), self._painted if asks else EVERYTHING)
+        shared = shared_materials(self.subject(scene))
         if not shared or not scene.vibe.change_material:
             return
-        if asks:
+        if self.shared == "ASK":
+            shared = shared_materials(self.subject(scene), (yield from self._painted()))
             self.question = {m.name: [o.name for o in users] for m, users in shared.items()}
             self.stage = "Waiting for your answer"
             while self.question:
@@ -168,6 +165,21 @@ class Session(SceneSession, SequenceDriver):
             with self._without_look(scene):
                 separate_materials(scene, self.subject(scene))
             yield from self._export()
+
+    def _painted(self) -> Generator[str, None, frozenset[str]]:
+        """Names of objects and materials that the words describe, as the engine reads them; of a picture everything."""
+        if self.like:
+            return EVERYTHING
+        job, target = str(self._job), self._options.target
+        self._engine.send(messages.AskReadings(schema.schema_hash(), self.prompt, job, target=target))
+        until = time.monotonic() + _READS
+        while (readings := self._engine.poll_readings()) is None or readings.prompt != self.prompt:
+            yield self.stage
+            if time.monotonic() > until:
+                return EVERYTHING
+        described = [word.candidates[0] for word in readings.words if word.candidates]
+        names = {name for target in described for name in targets.target_names(target)}
+        return frozenset(names - (targets.GENERAL.keys() - EVERYTHING))
 
     def answer(self, choice: str) -> None:
         """Takes the artist's answer to the question: "ALL" or "SINGLE"."""

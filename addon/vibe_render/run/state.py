@@ -39,13 +39,11 @@ class AddonState:
         self._engine: Engine | None = None
         self._engine_choice: tuple[str, Path] | None = None
 
-    def begin(
-        self, context: bpy.types.Context, painted: frozenset[str] = frozenset(), change: Change | None = None
-    ) -> Session:
+    def begin(self, context: bpy.types.Context, ask: bool = False, change: Change | None = None) -> Session:
         """Starts a session with the engine of the last one, unless the preferences have changed; arguments as for `Session`."""
         self.forget()
         self.forget_mix()
-        self.session, self.running = Session(context, self.engine(context), painted, change), True
+        self.session, self.running = Session(context, self.engine(context), ask, change), True
         if self.live and self.live.scene == self.session.scene:
             self.live.hand_over(self.session)
         return self.session

@@ -12,7 +12,7 @@ from typing import Any
 import bpy
 
 from ..core import rendered
-from ..core.schema_import import messages, schema, targets
+from ..core.schema_import import messages, schema
 from ..engine.process import Engine
 from ..export.reading import sketch_scene
 from .scene_session import scene_settings
@@ -67,14 +67,6 @@ class WordReadings:
             engine.send(messages.AskReadings(schema.schema_hash(), prompt, self._job, *names, targets))
             self._asked = words
         return arrived is not None
-
-    def painted(self, prompt: str) -> frozenset[str]:
-        """Names of objects and materials that a prompt's words describe; "subject" for all of it, or if nothing has been read yet."""
-        if self.newest.prompt.strip() != prompt.strip():
-            return frozenset({"subject"})
-        described = [word.candidates[0] for word in self.newest.words if word.candidates]
-        names = {name for target in described for name in targets.target_names(target)}
-        return frozenset(names - (targets.GENERAL.keys() - {"subject"}))
 
     def forget(self) -> None:
         """Waits for nothing any more: the engine is another one."""

@@ -14,8 +14,8 @@ from ..run.state import addon_state
 from .bases import IdleOperator, IdlePanel, Operator, has_mesh, untouchable
 from .drawing import caption, look_icon, paragraph
 
-_WIDTH, _COLUMNS = 26, 4  # of the grid; the width in Blender's units (the height of a button)
-_LETTERS = 70  # characters in a line of text below the grid
+_WIDTH, _COLUMNS = 36, 6  # of the grid; the width in Blender's units (the height of a button)
+_LETTERS = 98  # characters in a line of text below the grid
 _SHOWN = 5  # lines about what did not fit
 
 

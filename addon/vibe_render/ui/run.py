@@ -14,12 +14,10 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty
 
 from ..core.schema_import import errors, schema
-from ..render import reference
 from ..run.driver import LOOKING
 from ..run.notes import failure_note
 from ..run.session import PAUSING, SILENT, Session
 from ..run.state import addon_state
-from ..scene.prepare import EVERYTHING
 from . import bases, drawing, light_mix, live, prompt_history
 from .properties import SHARED
 
@@ -137,10 +135,7 @@ class VIBE_OT_run(Vibing):
             settings.seed += 1
         if words := settings.prompt.strip():
             prompt_history.remember(words, settings.target_pairs())
-        if not ask:
-            return addon_state.begin(context)
-        has_picture = bool(reference.picture_name(settings))
-        return addon_state.begin(context, EVERYTHING if has_picture else addon_state.readings.painted(words))
+        return addon_state.begin(context, ask)
 
 
 def _advance(session: Session) -> schema.VibeError | None:

@@ -13,7 +13,6 @@ from ..run import result
 from ..run.session import Session
 from ..run.state import addon_state
 from ..scene import bindings
-from ..scene.prepare import EVERYTHING
 from ..scene.steps import WORDLESS, Change, Steps
 from . import bases, run
 from .drawing import columns, paragraph
@@ -107,7 +106,7 @@ class VIBE_OT_further(run.Vibing):
         return set() if change.sentence else self._done(None, "INFO")
 
     def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
-        return addon_state.begin(context, EVERYTHING if ask else frozenset(), self._change)
+        return addon_state.begin(context, ask, self._change)
 
     def _done(self, failure: schema.VibeError | None, severity: str) -> set[str]:
         if failure is None:
