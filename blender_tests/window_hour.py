@@ -23,6 +23,7 @@ def hour(screen):
     yield from open_panel(screen)
     scene = bpy.context.scene
     scene.frame_end, scene.render.resolution_percentage, scene.cycles.samples = FRAMES[-1], 50, 32
+    scene.vibe.shared = "ALL"  # a question that another way answers
     bpy.ops.ed.undo_push(message="Bust")
     before = values()
     effort(2, 8)
