@@ -3,7 +3,7 @@
 
 import bpy
 from window_scene import effort, same, values
-from window_steps import LIGHT_MIX, header, open_panel
+from window_steps import LIGHT_MIX, PRESETS, header, open_panel
 from window_tour import bust
 
 PROMPT = "cool moonlight from the left, dark blue background"
@@ -106,12 +106,13 @@ def mixed(screen):
     """The lights are rendered apart, the first slider is dragged, and the mix is applied."""
     from bl_ext.user_default.vibe_render.run.state import addon_state
 
-    yield from header(screen, LIGHT_MIX)
-    yield from screen.click_on("vibe.mix_render", 400)
+    yield from header(screen, LIGHT_MIX)  # Result is there, and closes; Light Mix is below it
+    yield from header(screen, PRESETS)
+    yield from screen.click_on("vibe.mix_render", 440)
     yield from screen.wait(lambda: addon_state.mix, 600, "the lights are rendered")
     yield from screen.away()
     screen.shoot("mix")
-    yield from screen.find("factor", 620, (0.6,))
+    yield from screen.find("factor", 640, (0.6,))
     place, row, _ = screen.observed["found"]["factor"]
     x = screen.sidebar.x + screen.sidebar.width * place
     yield from screen.drag((x, row), (x + 40, row), "slider_dragged")
@@ -120,7 +121,8 @@ def mixed(screen):
     yield from screen.wait(lambda: values() != before, 60, "Apply")
     yield from screen.away()
     screen.shoot("mix_applied")
-    yield from header(screen, LIGHT_MIX)  # closed again
+    yield from header(screen, PRESETS)
+    yield from header(screen, LIGHT_MIX)
 
 
 def moments(screen):

@@ -28,7 +28,7 @@ _FORMS = (
     ("show", r"(?:go |take me |take it )?back to (?:the )?(?P<what>[^,]+)"),
     (
         "between",
-        rf"(?:some(?:thing|where) )?(?:half ?way )?(?:in )?between (?:this|it|now)(?: one)? and {_STEP}",
+        rf"(?:go |meet )?(?:some(?:thing|where) )?(?:half ?way )?(?:in )?between (?:this|it|now)(?: one)? and {_STEP}",
     ),
     ("between", r"(?:some(?:thing|where) )?(?:in )?between (?:those|these|the) two"),
     ("between", rf"half ?way back to {_STEP}"),
@@ -69,9 +69,12 @@ _LINKS = re.compile(
 _MATCHES = [(kind, re.compile(rf"(?:{form})[.!]*", re.I)) for kind, form in _FORMS]
 
 _LEAD = re.compile(
-    r"^(?:(?:no|nope|nah|and|now|then|ok|okay|please|hm+|wait|sorry|actually|nice|good|better|but|too much|yes|yeah)\b[ ,.!]*)+",
+    r"^(?:(?:no|nope|nah|and|now|then|ok|okay|please|(?:the )?same (?:mood|look|light|thing)|hm+|wait|sorry|actually|nice|good|better|but|too much|yes|yeah)\b[ ,.!]*)+",
     re.I,
 )
+_NEXT = re.compile(r"\s*[,;.]+(?: (?:but|and|then))*\s+|\s+(?:but|and then|then)\s+", re.I)
+"""Between a return to a step and what is to be done then."""
+_TOO = re.compile(r"(?:that|it|this)(?:'s| is| was| looks?| feels?) [^,]*\btoo\b[^,]*", re.I)
 _TAIL = re.compile(r"[ ,]*\b(?:please|pls|tho|though|thanks|again|still)\b[.!]*$", re.I)
 _START = re.compile(
     r"^(?:(?:and|but|now|then|also|plus|please|hm+|ok|okay|actually|nice|make (?:it|that|this)|keep everything(?: else)?(?: as it is)?,? but)\b[ ,.]*)+",
@@ -146,17 +149,30 @@ class AboutSteps(NamedTuple):
     factor: float = 1.0
     what: str = ""  # what is taken back, or what stays
     new: str = ""  # what gets it instead
+    rest: str = ""  # what is to be done after the return to a step
 
 
 def about_steps(sentence: str) -> AboutSteps | None:
     """A sentence's words on earlier steps; None for one that only names looks.
 
     >>> about_steps("No, the wall, not the table")
-    AboutSteps(kind='instead', number=-1, factor=1.0, what='table', new='wall')
+    AboutSteps(kind='instead', number=-1, factor=1.0, what='table', new='wall', rest='')
     """
     text = _TAIL.sub("", " ".join(sentence.split()))
     if _LINKS.search(text):
         return None
+    if said := _about_steps(text):
+        return said
+    first, *rest = _NEXT.split(_LEAD.sub("", text), maxsplit=1)
+    if rest and _TOO.fullmatch(first):
+        return about_steps(*rest)
+    said = _about_steps(first) if rest else None
+    returns = said and said.kind in ("show", "between") and not about_steps(*rest)
+    return said._replace(rest=rest[0]) if said and returns else None
+
+
+def _about_steps(text: str) -> AboutSteps | None:
+    """The earlier step that one clause speaks of."""
     for kind, form in _MATCHES:
         if not (found := form.fullmatch(text) or form.fullmatch(_LEAD.sub("", text))):
             continue

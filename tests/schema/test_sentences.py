@@ -32,6 +32,7 @@ from proxy_renderer.schema.sentences import about_steps, plain
         ("something between this and the first", "between", 1, 1.0, "", ""),
         ("half as strong", "strength", -1, 0.5, "", ""),
         ("and now twice as strong", "strength", -1, 2.0, "", ""),
+        ("same mood without the fog", "without", -1, 1.0, "fog", ""),
         ("without the vignette", "without", -1, 1.0, "vignette", ""),
         ("no, the wall, not the table", "instead", -1, 1.0, "table", "wall"),
         ("but leave the sky as it is", "except", -1, 1.0, "sky", ""),
@@ -39,13 +40,29 @@ from proxy_renderer.schema.sentences import about_steps, plain
     ],
 )
 def test_a_sentence_about_steps_is_told_from_a_look(sentence, kind, number, factor, what, new):
-    assert about_steps(sentence) == (kind, number, factor, what, new)
+    assert about_steps(sentence) == (kind, number, factor, what, new, "")
+
+
+@pytest.mark.parametrize(
+    ("sentence", "kind", "number", "rest"),
+    [
+        ("hmm, back to the first one, just a little darker", "show", 1, "just a little darker"),
+        ("back to the first, but with a rim light", "show", 1, "with a rim light"),
+        ("halfway between this and step 2 but warmer", "between", 2, "warmer"),
+        ("that's a bit too heavy, go halfway between this and the first one", "between", 1, ""),
+    ],
+)
+def test_after_a_return_something_else_may_be_done(sentence, kind, number, rest):
+    said = about_steps(sentence)
+    assert said
+    assert (said.kind, said.number, said.rest) == (kind, number, rest)
 
 
 @pytest.mark.parametrize(
     "sentence",
     [
         "a bit warmer",
+        "warm light, but leave the key light as it is",
         "back light",
         "no fog",
         "warmer, but leave the sky",

@@ -185,9 +185,11 @@ class Steps:
                 number = named[-1]
             if number > len(self.steps):
                 raise schema.VibeError(f"There is no step {number}.", f"There are 0 to {len(self.steps)}.")
-            if said.kind == "show":
-                return Change(self, self.values(number), shown=number)
-            return Change(self, self._mixed(self.values(), self.values(number), 0.5), title=title)
+            if said.kind == "between":
+                return Change(self, self._mixed(self.values(), self.values(number), 0.5), said.rest, title)
+            if said.rest:
+                return Change(self, self.values(number), said.rest, title)
+            return Change(self, self.values(number), shown=number)
         if said.kind == "strength":
             last = self.steps[self._last()]
             return Change(self, self._mixed(last.before, last.after, said.factor), title=title)
