@@ -152,7 +152,7 @@ def _compared(attribute: Attribute, vocabulary: Vocabulary, factor: float) -> It
         noticed = _NOTICED * (way if rises else -way)
         lower, upper = sorted((_LEAST * noticed, _MOST * noticed))
         claims = (replace(claim, lower=(lower,), upper=(upper,), change=None, near=True, by=True),)
-        moved = [_around(effect, noticed) for effect in effects]
+        moved = [_around(effect, noticed, way) for effect in effects]
     else:
         moved = [_effect_moved(e, way, factor) for e in effects if FAMILIES[e.family].components == 1]
     # Without an entry it stands for no rig, and it is about the light that is there.
@@ -160,11 +160,20 @@ def _compared(attribute: Attribute, vocabulary: Vocabulary, factor: float) -> It
     yield Wish(bound, main.quantity, effects=tuple(dict.fromkeys(moved)), claims=claims)
 
 
-def _around(effect: Effect, noticed: float) -> Effect:
-    """An effect's parameter, free around its value; the size of a light only to where shadows change as wanted."""
+def _around(effect: Effect, noticed: float, way: float) -> Effect:
+    """An effect's parameter, free around its value; where its direction is known only that way.
+
+    A larger light softens shadows, whatever else is there. A surface's finish goes where the word has it: less gloss is no more coat.
+    """
     reach = _REACH * abs(noticed) / _NOTICED
-    sized = effect.name in ("size", "angle")
-    down, up = (0.0 if sized and noticed < 0.0 else reach), (0.0 if sized and noticed > 0.0 else reach)
+    parameter, towards = FAMILIES[effect.family], 0.0
+    if effect.name in ("size", "angle"):
+        towards = noticed
+    elif parameter.group == "material" and parameter.components == 1 and not effect.mode:
+        low, plain, high = effect.lower[0], parameter.default, effect.upper[0]
+        # "coat 0..0.1" is as good as none: it falls to there
+        towards = way * ((plain < low) - (plain > high) - (plain == low) + (plain == high))
+    down, up = (0.0 if towards > 0.0 else reach), (0.0 if towards < 0.0 else reach)
     return Effect(effect.owner, effect.name, "near", (-down,), (up,), priority=1)
 
 

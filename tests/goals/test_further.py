@@ -68,6 +68,14 @@ def test_twice_as_much_is_a_factor_of_the_value():
     assert not [claim for wish in goals.wishes for claim in wish.claims]
 
 
+@pytest.mark.parametrize(("sentence", "sign"), [("less glossy", -1.0), ("a bit glossier", 1.0)])
+def test_a_finish_goes_one_way(sentence, sign):
+    effects = {effect.name: effect for wish in step(sentence).wishes for effect in wish.effects}
+    for name, way in (("roughness", -sign), ("coat", sign), ("specular", sign)):
+        assert min(way * effects[name].lower[0], way * effects[name].upper[0]) == 0.0, name
+        assert max(way * effects[name].lower[0], way * effects[name].upper[0]) > 0.0, name
+
+
 @pytest.mark.parametrize("sentence", ["darker", "warmer light", "a bit moodier light", "softer shadows"])
 def test_a_word_that_compares_sets_up_no_rig(sentence):
     goals = step(sentence)
