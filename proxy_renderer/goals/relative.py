@@ -172,7 +172,8 @@ def _around(effect: Effect, noticed: float, way: float) -> Effect:
     elif parameter.group == "material" and parameter.components == 1 and not effect.mode:
         low, plain, high = effect.lower[0], parameter.default, effect.upper[0]
         # "coat 0..0.1" is as good as none: it falls to there
-        towards = way * ((plain < low) - (plain > high) - (plain == low) + (plain == high))
+        rises = high == parameter.upper if plain >= high else low > parameter.lower
+        towards = 0.0 if low < plain < high else way if rises else -way
     down, up = (0.0 if towards > 0.0 else reach), (0.0 if towards < 0.0 else reach)
     return Effect(effect.owner, effect.name, "near", (-down,), (up,), priority=1)
 
