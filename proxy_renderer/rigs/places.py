@@ -59,7 +59,9 @@ def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True) -> l
     found: list[Placed] = []
     turned = 1.0
     for light in lights:
-        wanted = replace(light, azimuth=turned * light.azimuth)
+        # an accent beside the key would be a second key
+        either = light.mirrored and not (found and light.part == "accent")
+        wanted = replace(light, azimuth=turned * light.azimuth, mirrored=either)
         taken = {each.name for each in found}
         mine = _own(wanted, stage, taken)
         mine = mine or (_added(wanted, stage, taken, alone=not found) if add else None)
