@@ -88,7 +88,7 @@ def test_marks_follow_a_change_of_the_scene_when_it_is_quiet(typing):
 
 def test_a_word_can_describe_what_the_menu_has_no_room_for(typing):
     typing.vibe.prompt = "glossy cube"
-    assert bpy.ops.vibe.describe_another(word="glossy", target="Floor") == {"FINISHED"}
+    assert bpy.ops.vibe.describe(word="glossy", target="Floor") == {"FINISHED"}
     assert typing.vibe.target_pairs() == ["glossy=Floor"]
     typing.vibe.targets.clear()
 
@@ -103,7 +103,8 @@ def test_a_letter_needs_no_new_sketch(typing, monkeypatch):
 
 def test_a_scene_that_cannot_be_exported_has_marks_too(typing):
     typing.camera = None
-    assert "Floor" in read(typing, "glossy red floor, warm light")["glossy"].candidates
+    words = read(typing, "glossy red floor, warm light, flubbery")
+    assert {word.state for word in words.values()} == {"understood", "left out"}
 
 
 def test_a_choice_for_a_word_that_is_gone_is_not_sent(typing):

@@ -161,10 +161,7 @@ def _compared(attribute: Attribute, vocabulary: Vocabulary, factor: float) -> It
 
 
 def _around(effect: Effect, noticed: float, way: float) -> Effect:
-    """An effect's parameter, free around its value; where its direction is known only that way.
-
-    A larger light softens shadows, whatever else is there. A surface's finish goes where the word has it: less gloss is no more coat.
-    """
+    """An effect's parameter, free around its value; sizes of lights and finishes only in the word's direction."""
     reach = _REACH * abs(noticed) / _NOTICED
     parameter, towards = FAMILIES[effect.family], 0.0
     if effect.name in ("size", "angle"):

@@ -171,7 +171,7 @@ class Session(SceneSession, SequenceDriver):
         if self.like:
             return EVERYTHING
         job, target = str(self._job), self._options.target
-        self._engine.send(messages.AskReadings(schema.schema_hash(), self.prompt, job, target=target))
+        self._engine.send(messages.AskReadings(schema.schema_hash(), self.prompt, job, target))
         until = time.monotonic() + _READS
         while (readings := self._engine.poll_readings()) is None or readings.prompt != self.prompt:
             yield self.stage

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 import bpy
-from bpy.props import EnumProperty, StringProperty
+from bpy.props import StringProperty
 
 from ..core import rendered
 from ..core.schema_import import messages, schema, targets
@@ -23,9 +23,6 @@ _FEW = 3  # selected objects that are named one by one
 _MARGIN, _ICON = 2, 3  # room that a word's margins take, and its icon, in characters
 _ICONS = {"light": "LIGHT", "sky": "WORLD", "picture": "IMAGE_DATA", "air": "MOD_FLUID", "none": "CANCEL"}
 """Kind of target -> icon, of those that every scene has."""
-
-_items: list[tuple[str, str, str]] = []
-"""Of the search: Blender does not keep the texts of a list that is made when it is asked for."""
 
 
 def keep_up(context: bpy.types.Context) -> None:
@@ -124,23 +121,15 @@ class VIBE_OT_reading(Operator):
             layout.separator()
         for name in word.targets:
             self._draw_target(layout, name, _description(name), _icon(scene, name))
-        offered = {part for name in (*word.candidates, *word.targets) for part in targets.target_names(name)}
-        if offered & {*scene.objects.keys()} and not offered.issuperset(_own_names(scene)):
-            layout.operator_context = "INVOKE_DEFAULT"
-            layout.operator("vibe.describe_another", icon="VIEWZOOM").word = self.key
 
     def _draw_selection(
         self, layout: bpy.types.UILayout, context: bpy.types.Context, word: messages.WordReading
     ) -> None:
         """Offers the selected objects, or the selected lights, together."""
-        own = {*_own_names(context.scene)}
-        chosen = [obj for obj in context.selected_objects if obj.name in own]
+        kinds = ("LIGHT", *rendered.GEOMETRY)
+        chosen = [o for o in rendered.shown(context.scene) if o.select_get() and o.type in kinds]
         target = targets.joined(obj.name for obj in chosen)
-        if (
-            not chosen
-            or target in (*word.candidates, *word.targets)
-            or len({o.type == "LIGHT" for o in chosen}) > 1
-        ):
+        if target in ("", *word.candidates, *word.targets) or len({o.type == "LIGHT" for o in chosen}) > 1:
             return
         listed = targets.listed(target) if len(chosen) <= _FEW else f"{len(chosen)} objects"
         self._draw_target(layout, target, f"Describes the selected: {listed}", "RESTRICT_SELECT_OFF")
@@ -163,48 +152,17 @@ def _icon(scene: bpy.types.Scene, name: str) -> str:
     return "LIGHT" if obj.type == "LIGHT" else "OBJECT_DATA"
 
 
-def _own_names(scene: bpy.types.Scene) -> Iterator[str]:
-    """The objects and lights that a render shows."""
-    for obj in rendered.shown(scene):
-        if obj.type == "LIGHT" or (obj.type in rendered.GEOMETRY and obj.material_slots):
-            yield obj.name
-
-
-def _names(_operator: bpy.types.Operator, context: bpy.types.Context) -> list[tuple[str, str, str]]:
-    _items[:] = [(name, name, "") for name in sorted(_own_names(context.scene), key=str.casefold)]
-    return _items
-
-
-class _SetTarget(Operator):
-    """Keeps in the scene what a word describes."""
-
-    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
-
-    word: StringProperty(description="What a target calls the word")
-
-    def perform(self, context: bpy.types.Context) -> None:
-        context.scene.vibe.set_target(self.word, self.target)
-
-
-class VIBE_OT_describe_another(_SetTarget):
-    """Search all objects and lights for what this word describes"""
-
-    bl_label = "Describes Another…"
-    bl_property = "target"
-
-    target: EnumProperty(items=_names)
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        context.window_manager.invoke_search_popup(self)
-        return {"FINISHED"}
-
-
-class VIBE_OT_describe(_SetTarget):
+class VIBE_OT_describe(Operator):
     """Say what this word describes, where it is taken for something else"""
 
     bl_label = "Describes"
+    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
+    word: StringProperty(description="What a target calls the word")
     target: StringProperty(description="Empty: as the word is read")
+
+    def perform(self, context: bpy.types.Context) -> None:
+        context.scene.vibe.set_target(self.word, self.target)
 
 
 class VIBE_OT_reword(Operator):
