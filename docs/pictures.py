@@ -94,7 +94,7 @@ PANEL = {
 PROGRESS = (0, 25, 1185, 815)
 """What is cut out of the screenshot of progress.jpg, at the usual scale."""
 
-GRID = (1130, 60, 1720, 1006)
+GRID = (1030, 60, 1812, 1046)
 """What is cut out of the screenshot of presets.jpg."""
 
 COLUMN = (1790, 160, 2306, 1333)
