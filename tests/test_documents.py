@@ -151,7 +151,7 @@ def test_examples_in_docstrings(module):
 
 def test_a_release_needs_its_entry_in_the_changelog(capsys):
     main = runpy.run_path(str(ROOT / ".ci" / "release_notes.py"))["main"]
-    assert main("v0.1.0") == 0
+    assert main(f"v{__version__}") == 0
     assert "Added" in capsys.readouterr().out
     assert main("v0.0.1") == 1
     assert "0.0.1" in capsys.readouterr().err
