@@ -237,7 +237,7 @@ def _draw_progress(box: bpy.types.UILayout, context: bpy.types.Context, session:
     live.draw_words(box, context, session.words)
     for note in session.view_notes:
         drawing.paragraph(box, context, note, "ERROR")
-    if session.silence > SILENT:
+    if session.silence > SILENT and session.stage not in PAUSING:
         note = f"No response from the engine for {drawing.duration(session.silence)}. Wait, or cancel and try again."
         drawing.paragraph(box, context, note, "ERROR")
 
