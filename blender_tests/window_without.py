@@ -84,9 +84,8 @@ def a_preset(screen):
     yield from screen.click_at(top + 110, 0.45)  # Browse; nothing tells that its grid is there
     yield 1.5
     screen.shoot("grid")
-    yield from screen.click_at(
-        top - 85, 1.68
-    )  # Moonlight: the grid opens above, and is wider than the sidebar
+    # Moonlight: the grid opens above, and is wider than the sidebar.
+    yield from screen.click_at(top - 85, 1.73)
     yield from screen.wait(lambda: snapshot.exists(bpy.context.scene), 60, "the preset is applied")
     screen.observed["preset"] = bpy.context.scene.vibe.vibed_preset
     screen.press("Escape")
