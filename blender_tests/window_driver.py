@@ -52,10 +52,7 @@ def ways_out(screen):
     yield from preferences(screen)
     screen.shoot("panel")
     before = values()
-    yield from screen.click_on("vibe.prompt", 117)
-    screen.press("ctrl+a")
-    screen.type(PROMPT)
-    screen.press("Return")
+    yield from screen.type_into("vibe.prompt", PROMPT, 117)
     yield from screen.wait(lambda: bpy.context.scene.vibe.prompt, 60, "the prompt arrives")
     yield 0.5
     observed["prompt"] = bpy.context.scene.vibe.prompt
@@ -123,10 +120,7 @@ def choosing(screen):
     yield from screen.click_on("show_original", 716, (0.7,))
     yield from screen.wait(lambda: not scene.vibe.show_original, 60, "After is pressed")
     observed["after_shows_after"] = same(values(), after, after)
-    yield from screen.click_on("strength", 733)
-    screen.press("ctrl+a")
-    screen.type("0.5")
-    screen.press("Return")
+    yield from screen.type_into("strength", "0.5", 733)
     yield from screen.wait(lambda: scene.vibe.strength == 0.5, 30, "half the strength")
     observed["strength_dims"] = not same(values(), after, after) and not same(values(), before, after)
     yield from screen.away()

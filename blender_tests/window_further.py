@@ -3,10 +3,7 @@
 
 import bpy
 from window_scene import effort, same, values
-from window_steps import a_result
-
-_RIGHT = (0.94, 0.9, 0.86, 0.82, 0.78, 0.755, 0.73, 0.7)
-"""Where small buttons are, across the sidebar."""
+from window_steps import RIGHT, a_result, say
 
 
 def further(screen):
@@ -18,16 +15,7 @@ def further(screen):
     first = values()
     screen.shoot("first")
     effort(1, 4)
-    yield from screen.click_on("vibe.further", 750, page=1)
-    screen.press("ctrl+a")
-    screen.type("much darker")
-    screen.press("Return")
-    yield from screen.wait(lambda: bpy.context.scene.vibe.further, 60, "the sentence arrives")
-    bpy.ops.ed.undo_push(message="Sentence")
-    yield from screen.click_on("ops.vibe.further", 750, _RIGHT, page=1)
-    yield from screen.wait(lambda: addon_state.running, 60, "the search starts")
-    yield from screen.wait(lambda: not addon_state.running, 900, "the search ends")
-    yield from screen.away()
+    yield from say(screen, "much darker", 750)
     darker = values()
     screen.shoot("darker")
     screen.observed["failure"] = str(addon_state.failure or "")
@@ -40,7 +28,7 @@ def further(screen):
     yield from screen.wait(lambda: Steps.of(bpy.context.scene).shown == 2, 30, "undo")
     yield 1.0
     screen.observed["undo_restores"] = same(values(), darker, first)
-    yield from screen.click_on("number=2, act='SWITCH'", 869, _RIGHT)
+    yield from screen.click_on("number=2, act='SWITCH'", 869, RIGHT)
     yield from screen.wait(lambda: not Steps.of(bpy.context.scene).steps[1].on, 30, "a step is switched off")
     screen.observed["off_restores"] = same(values(), first, darker)
     yield from screen.away()

@@ -2,15 +2,14 @@
 """An artist's hour with one scene: a vibe, further sentences, a change by hand, light mix, keyframes, a sequence. See window_driver.py."""
 
 import bpy
+from window_mix import first_slider
 from window_scene import effort, same, values
-from window_steps import LIGHT_MIX, PRESETS, header, open_panel
+from window_steps import LIGHT_MIX, PRESETS, ended, header, open_panel, say
 from window_tour import bust
 
 PROMPT = "cool moonlight from the left, dark blue background"
 SENTENCES = ("make the turtleneck deep red", "no, the coat, not the turtleneck", "and a warm rim light")
 FRAMES = (1, 25, 50, 75, 100)
-_RIGHT = (0.94, 0.9, 0.86, 0.82, 0.78, 0.755, 0.73, 0.7)
-"""Where small buttons are, across the sidebar."""
 
 
 def hour(screen):
@@ -58,22 +57,9 @@ def animated():
     return [scene, scene.world, *bpy.data.lights, *bpy.data.materials, *trees, *bpy.data.objects]
 
 
-def ended(screen, what):
-    """A search is awaited; it must not have failed."""
-    from bl_ext.user_default.vibe_render.run.state import addon_state
-
-    yield from screen.wait(lambda: addon_state.running, 60, f"{what}: it starts")
-    yield from screen.wait(lambda: not addon_state.running, 900, f"{what}: it ends")
-    assert not addon_state.failure, addon_state.failure
-    yield from screen.away()
-
-
 def vibed(screen):
     """The prompt is typed and searched for."""
-    yield from screen.click_on("vibe.prompt", 130)
-    screen.press("ctrl+a")
-    screen.type(PROMPT)
-    screen.press("Return")
+    yield from screen.type_into("vibe.prompt", PROMPT, 130)
     yield from screen.wait(lambda: bpy.context.scene.vibe.prompt == PROMPT, 60, "the prompt arrives")
     yield from screen.click_on("vibe.run", 295)
     yield from ended(screen, "the vibe")
@@ -82,13 +68,10 @@ def vibed(screen):
 
 def said(screen, sentence, number):
     """A further sentence is typed and searched for."""
-    yield from screen.click_on("vibe.further", 730 + 20 * number, page=1)
-    screen.press("ctrl+a")
-    screen.type(sentence)
-    screen.press("Return")
-    yield from screen.wait(lambda: bpy.context.scene.vibe.further == sentence, 60, "the sentence arrives")
-    yield from screen.click_on("ops.vibe.further", 730 + 20 * number, _RIGHT, page=1)
-    yield from ended(screen, sentence)
+    from bl_ext.user_default.vibe_render.run.state import addon_state
+
+    yield from say(screen, sentence, 730 + 20 * number)
+    assert not addon_state.failure, addon_state.failure
     screen.shoot(f"sentence_{number}")
     screen.observed.setdefault("sentences", []).append(sentences())
 
@@ -104,17 +87,9 @@ def by_hand(screen):
 
 def mixed(screen):
     """The lights are rendered apart, the first slider is dragged, and the mix is applied."""
-    from bl_ext.user_default.vibe_render.run.state import addon_state
-
     yield from header(screen, LIGHT_MIX)  # Result is there, and closes; Light Mix is below it
     yield from header(screen, PRESETS)
-    yield from screen.click_on("vibe.mix_render", 440)
-    yield from screen.wait(lambda: addon_state.mix, 600, "the lights are rendered")
-    yield from screen.away()
-    screen.shoot("mix")
-    yield from screen.find("factor", 640, (0.6,))
-    place, row, _ = screen.observed["found"]["factor"]
-    x = screen.sidebar.x + screen.sidebar.width * place
+    x, row = yield from first_slider(screen, 440)
     yield from screen.drag((x, row), (x + 40, row), "slider_dragged")
     before = values()
     yield from screen.click_on("vibe.mix_apply", 720, (0.2,))

@@ -16,13 +16,8 @@ def light_mix(screen):
     before = values()
     yield from prompted(screen)
     yield from header(screen, LIGHT_MIX)
-    yield from screen.click_on("vibe.mix_render", 320)
-    yield from screen.wait(lambda: addon_state.mix, 300, "the lights are rendered")
-    yield from screen.away()
-    screen.shoot("mix")
-    yield from screen.find("factor", 520, (0.6,))
-    place, row, _ = screen.observed["found"]["factor"]
-    x, images = screen.sidebar.x + screen.sidebar.width * place, set()
+    x, row = yield from first_slider(screen, 320)
+    images = set()
     for wait in screen.drag((x, row), (x + 60, row), "slider_dragged"):
         images.add(addon_state.mix.picture.stat().st_mtime_ns)
         yield wait
@@ -55,3 +50,16 @@ def light_mix(screen):
     with screen.over(screen.view):
         bpy.ops.vibe.revert()
     screen.observed["revert_restores"] = values() == before and not bpy.context.view_layer.lightgroups
+
+
+def first_slider(screen, near):
+    """The lights are rendered apart by a button about so many pixels below the window's top; returns the first slider's place."""
+    from bl_ext.user_default.vibe_render.run.state import addon_state
+
+    yield from screen.click_on("vibe.mix_render", near)
+    yield from screen.wait(lambda: addon_state.mix, 600, "the lights are rendered")
+    yield from screen.away()
+    screen.shoot("mix")
+    yield from screen.find("factor", near + 200, (0.6,))
+    place, row, _ = screen.observed["found"]["factor"]
+    return screen.sidebar.x + screen.sidebar.width * place, row

@@ -151,6 +151,13 @@ class Screen:
         self.click()
         yield 0.3
 
+    def type_into(self, what, text, near=0, page=0):
+        """Replaces the text of a field by typing; see `find`."""
+        yield from self.click_on(what, near, page=page)
+        self.press("ctrl+a")
+        self.type(text)
+        self.press("Return")
+
     def click_at(self, below, place):
         """Clicks in the sidebar, so many pixels below the window's top."""
         self.move(self.sidebar.x + self.sidebar.width * place, self.window.height - below)

@@ -10,6 +10,8 @@ LIGHT_MIX, PRESETS, AFFECT, ADVANCED, REFERENCE_IMAGE = 60, 88, 116, 144, -65
 """Headers of closed panels, pixels below the upper edge of Vibe It."""
 CHANGES = -16
 """The header of the changes, below that of Save Preset."""
+RIGHT = (0.94, 0.9, 0.86, 0.82, 0.78, 0.755, 0.73, 0.7)
+"""Where small buttons are, across the sidebar."""
 PROMPT = "misty night, cool blue fog, glossy red monkey, vignette"
 
 
@@ -65,15 +67,29 @@ def first_look(screen):
 
 def a_result(screen, variants=1):
     """A short vibe is run to its end."""
-    from bl_ext.user_default.vibe_render.run.state import addon_state
-
     effort(1, 4)
     bpy.context.scene.vibe.variants, bpy.context.scene.vibe.prompt = variants, PROMPT
     bpy.ops.ed.undo_push(message="Words")
     yield from screen.click_on("vibe.run", 342)
-    yield from screen.wait(lambda: addon_state.running, 60, "Vibe It starts")
-    yield from screen.wait(lambda: not addon_state.running, 900, "the vibe ends")
+    yield from ended(screen, "the vibe")
+
+
+def ended(screen, what):
+    """A search, or a check, is awaited to its end."""
+    from bl_ext.user_default.vibe_render.run.state import addon_state
+
+    yield from screen.wait(lambda: addon_state.running, 60, f"{what} starts")
+    yield from screen.wait(lambda: not addon_state.running, 900, f"{what} ends")
     yield from screen.away()
+
+
+def say(screen, sentence, near):
+    """A further sentence is typed and searched for; its field is about so many pixels below the window's top."""
+    yield from screen.type_into("vibe.further", sentence, near, page=1)
+    yield from screen.wait(lambda: bpy.context.scene.vibe.further == sentence, 60, "the sentence arrives")
+    bpy.ops.ed.undo_push(message="Sentence")
+    yield from screen.click_on("ops.vibe.further", near, RIGHT, page=1)
+    yield from ended(screen, f"the search for {sentence}")
 
 
 def header(screen, below, above="vibe.run", near=227, page=0):

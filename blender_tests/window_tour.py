@@ -34,10 +34,7 @@ def tour(screen, effort="QUICK"):
     yield from screen.wait(lambda: addon_state.engine_runs, 120, "the engine starts with the panel")
     yield from screen.away()
     screen.shoot("open")
-    yield from screen.click_on("vibe.prompt", 130)
-    screen.press("ctrl+a")
-    screen.type(PROMPT)
-    screen.press("Return")
+    yield from screen.type_into("vibe.prompt", PROMPT, 130)
     yield from screen.wait(lambda: addon_state.readings.newest.prompt == PROMPT, 300, "words are read")
     yield from screen.away()
     yield 1.0

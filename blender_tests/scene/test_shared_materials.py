@@ -8,7 +8,7 @@ from dump import difference, dump
 from vibe_render.core.schema_import import messages
 from vibe_render.run.session import Session
 from vibe_render.scene import bindings, snapshot
-from vibe_render.scene.prepare import separate_materials, shared_materials
+from vibe_render.scene.prepare import described_materials, separate_materials, shared_materials
 
 from proxy_renderer.schema import material_copies
 
@@ -130,13 +130,13 @@ def test_only_what_words_describe_is_asked_about(scene, described, asked):
         messages.Options(),
         Reader([messages.WordReading("hm", "left out"), word]),
     )
-    painted = []
+    names = []
 
     def read():
-        painted.append((yield from session._painted()))
+        names.append((yield from session._described()))
 
     assert [*read()] == [""]
-    assert {m.name for m in shared_materials(subject, *painted)} == asked
+    assert {m.name for m in described_materials(shared_materials(subject), *names)} == asked
 
 
 class Reader:

@@ -71,8 +71,7 @@ def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     colored += [c for wish, row in rows for c in row if _is_painted(c, wish.attribute)]
     shown = []
     for claim in claims:
-        is_light = claim.part == "picture" and claim.measure in (*_TINTS, "warmth", "off_hue")
-        claim = _without_colored(claim, colored) if is_light else darkened(claim, darkest)
+        claim = _without_colored(claim, colored) if _is_light(claim) else darkened(claim, darkest)
         if (claim.part, claim.measure) == ("picture", "chroma") and claim.lower[0] > 0.0:
             # vivid objects: a gray world behind them has no color, and lights them
             claim = replace(claim, apart=(("sky", ()),))
@@ -213,6 +212,11 @@ def _is_painted(claim: Claim, attribute: Attribute) -> bool:
     if claim.part == "sky":
         return claim.measure in (*_TINTS, "warmth")
     return attribute.slot == "setting" and claim.part == "surroundings" and claim.measure in _TINTS
+
+
+def _is_light(claim: Claim) -> bool:
+    """True for claims about the color of light, which objects that have a color of their own hide."""
+    return claim.part == "picture" and claim.measure in (*_TINTS, "warmth", "off_hue")
 
 
 def _is_brightness(claim: Claim) -> bool:

@@ -17,7 +17,7 @@ from ..schema.targets import GENERAL, NOT_USED, listed
 from ..words.lexicon.user_words import default_vocabulary
 from ..words.lexicon.word_table import Nearest
 from ..words.parser import Understood
-from ..words.types import PromptWord, SceneDescription
+from ..words.types import LightDescription, PromptWord, SceneDescription
 from .pictures import save_picture
 from .session import pick_device
 
@@ -33,7 +33,16 @@ class WordReader:
 
     def read(self, request: messages.AskReadings) -> messages.Readings:
         """The words of a prompt as a vibe of the exported scene understands them; raises VibeError if it cannot be read."""
-        scene = self._described(request.job) if request.job else SceneDescription()
+        if request.job:
+            return readings(request.prompt, self._described(request.job), request.target)
+        # Only names are known: everything may be the subject.
+        objects = request.objects
+        scene = SceneDescription(
+            objects=dict.fromkeys(objects, "subject"),
+            materials=dict.fromkeys((m for names in objects.values() for m in names), "subject"),
+            object_materials={name: tuple(materials) for name, materials in objects.items()},
+            lights={name: LightDescription(kind) for name, kind in request.lights.items()},
+        )
         return readings(request.prompt, scene, request.target)
 
     def _described(self, job: str) -> SceneDescription:

@@ -163,16 +163,22 @@ def _compared(attribute: Attribute, vocabulary: Vocabulary, factor: float) -> It
 def _around(effect: Effect, noticed: float, way: float) -> Effect:
     """An effect's parameter, free around its value; sizes of lights and finishes only in the word's direction."""
     reach = _REACH * abs(noticed) / _NOTICED
-    parameter, towards = FAMILIES[effect.family], 0.0
-    if effect.name in ("size", "angle"):
-        towards = noticed
-    elif parameter.group == "material" and parameter.components == 1 and not effect.mode:
-        low, plain, high = effect.lower[0], parameter.default, effect.upper[0]
-        # "coat 0..0.1" is as good as none: it falls to there
-        rises = high == parameter.upper if plain >= high else low > parameter.lower
-        towards = 0.0 if low < plain < high else way if rises else -way
+    towards = noticed if effect.name in ("size", "angle") else way * _finish_direction(effect)
     down, up = (0.0 if towards > 0.0 else reach), (0.0 if towards < 0.0 else reach)
     return Effect(effect.owner, effect.name, "near", (-down,), (up,), priority=1)
+
+
+def _finish_direction(effect: Effect) -> float:
+    """1 if an effect raises a value of a finish, -1 if it lowers it; 0 for other effects, and where the range says neither."""
+    parameter = FAMILIES[effect.family]
+    if parameter.group != "material" or parameter.components > 1 or effect.mode:
+        return 0.0
+    low, plain, high = effect.lower[0], parameter.default, effect.upper[0]
+    if low < plain < high:
+        return 0.0
+    # A range from the parameter's own end, "coat 0..0.1", asks for as good as none.
+    rises = high == parameter.upper if plain >= high else low > parameter.lower
+    return 1.0 if rises else -1.0
 
 
 def _effect_moved(effect: Effect, way: float, factor: float) -> Effect:

@@ -281,9 +281,8 @@ def _air(scene: SceneData, rig: Rig, parsed: Parsed, served: Sequence[Attribute]
         named = sky_color_of(parsed.attributes) is not None
         if not colored and (rig.has_dark_sky or named):
             red, _, blue = srgb_from_hex(_key_color(rig) or _GRAY_SKY)
-            lamplit = (
-                rig.has_dark_sky and not named and red > blue
-            )  # a lamp's glow in blue haze would be gray
+            # In the blue haze of a night the glow of a warm lamp would be gray.
+            lamplit = rig.has_dark_sky and not named and red > blue
             tint = (1.0, 1.0, 1.0) if lamplit else linear_from_srgb(srgb_from_hex(_sky_color(rig)))
             scale = (
                 _DARK_HAZE / max(luminance(tint), _BARELY) if rig.has_dark_sky else color.value[0] / max(tint)

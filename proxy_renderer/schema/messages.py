@@ -76,6 +76,9 @@ class AskReadings:
     schema: str  # Blender's schema hash
     prompt: str  # what the artist has typed so far
     job: str = ""  # the job folder, with or without surfaces and textures; "" where nothing can be exported
+    # where there is no job: object that a render shows -> names of its materials
+    objects: dict[str, list[str]] = field(default_factory=dict)
+    lights: dict[str, str] = field(default_factory=dict)  # Likewise: light -> its type, "AREA" and so on
     target: tuple[str, ...] = ()  # "copper=Cup": what the artist says that words describe
 
 

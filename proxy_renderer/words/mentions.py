@@ -135,9 +135,8 @@ class _NounFinder:
         if not named and len(said) > 1 and token.noun != "tone":  # "the whole picture" hangs on no wall
             named, said = self.index.named(last), last
         if said == last and last[0] in self.vocabulary.lists["anylight"]:  # though one may be called "Light"
-            plural = token.text.endswith("s")  # "wooden" is no light, though there are "wood planks"
-            said_so = [n for n in named if plural or not all(s.endswith("synonym") for s in fit_signs(n))]
-            named = [n for n in said_so if n.signs != {"light exact"}]
+            plural = token.text.endswith("s")
+            named = [n for n in named if n.signs != {"light exact"} and (plural or not _is_translated(n))]
         return self._surely(named) if "stop" in token.lists and not token.noun else named
 
     def _is_of_the_next(self, start: int) -> bool:
@@ -174,6 +173,11 @@ class _NounFinder:
         before = [i for i in self.passage.content(0, start) if not i.names_a_look]
         gives_light = before and "lighting" in before[-1].lists  # "lit by a red firefly"
         return token.noun or ("light" if gives_light else "unknown")
+
+
+def _is_translated(named: Named) -> bool:
+    """True if no name has the very word: "wooden" of "wood planks"."""
+    return all(sign.endswith("synonym") for sign in fit_signs(named))
 
 
 class _NounRow:

@@ -16,7 +16,7 @@ from ..export import notes
 from ..render import anchors, final_render, reference
 from ..scene import bindings, keyframes, own_keys, snapshot
 from ..scene.nodes import grade
-from ..scene.prepare import EVERYTHING, separate_materials, shared_materials
+from ..scene.prepare import EVERYTHING, described_materials, separate_materials, shared_materials
 from ..scene.steps import Change, Steps
 from ..scene.subject import SubjectChoice, remember_subject
 from . import before_image, result
@@ -27,7 +27,7 @@ from .sequence import SequenceDriver
 
 PAUSING = (READING, ANCHORING)
 """Stages during which Blender is blocked: for long where the scene is large."""
-_READS = 20.0  # seconds, after which a prompt that is not read yet may be about everything
+_READ_WITHIN = 20.0  # seconds; a prompt that takes longer to read may describe everything
 SILENT = 30.0  # seconds without a message from the engine, after which the panel says so
 
 
@@ -153,7 +153,7 @@ class Session(SceneSession, SequenceDriver):
         if not shared or not scene.vibe.change_material:
             return
         if self.shared == "ASK":
-            shared = shared_materials(self.subject(scene), (yield from self._painted()))
+            shared = described_materials(shared, (yield from self._described()))
             self.question = {m.name: [o.name for o in users] for m, users in shared.items()}
             self.stage = "Waiting for your answer"
             while self.question:
@@ -166,13 +166,13 @@ class Session(SceneSession, SequenceDriver):
                 separate_materials(scene, self.subject(scene))
             yield from self._export()
 
-    def _painted(self) -> Generator[str, None, frozenset[str]]:
+    def _described(self) -> Generator[str, None, frozenset[str]]:
         """Names of objects and materials that the words describe, as the engine reads them; of a picture everything."""
         if self.like:
             return EVERYTHING
         job, target = str(self._job), self._options.target
-        self._engine.send(messages.AskReadings(schema.schema_hash(), self.prompt, job, target))
-        until = time.monotonic() + _READS
+        self._engine.send(messages.AskReadings(schema.schema_hash(), self.prompt, job, target=target))
+        until = time.monotonic() + _READ_WITHIN
         while (readings := self._engine.poll_readings()) is None or readings.prompt != self.prompt:
             yield self.stage
             if time.monotonic() > until:

@@ -11,6 +11,7 @@ from typing import Any
 
 import bpy
 
+from ..core import rendered
 from ..core.schema_import import messages, schema
 from ..engine.process import Engine
 from ..export.reading import sketch_scene
@@ -62,7 +63,8 @@ class WordReadings:
         if self._asked is None and (words != self._read or (is_quiet and self.due(scene, live))):
             prompt, targets = words
             self._job = str(live or self._sketch(scene) or "") if prompt else ""
-            engine.send(messages.AskReadings(schema.schema_hash(), prompt, self._job, targets))
+            names = ({}, {}) if self._job else _names(scene)
+            engine.send(messages.AskReadings(schema.schema_hash(), prompt, self._job, *names, targets))
             self._asked = words
         return arrived is not None
 
@@ -86,6 +88,17 @@ class WordReadings:
 
 def _words(scene: bpy.types.Scene) -> _Words:
     return scene.vibe.prompt, tuple(scene.vibe.target_pairs())
+
+
+def _names(scene: bpy.types.Scene) -> tuple[dict[str, list[str]], dict[str, str]]:
+    """All that is known of a scene that cannot be exported, such as one without a camera: objects with their materials, and lights."""
+    shown = sorted(rendered.shown(scene), key=lambda obj: obj.name)
+    objects = {
+        o.name: [slot.material.name for slot in o.material_slots if slot.material]
+        for o in shown
+        if o.type in rendered.GEOMETRY
+    }
+    return objects, {o.name: o.data.type for o in shown if o.type == "LIGHT"}
 
 
 def _settings(scene: bpy.types.Scene) -> tuple[Any, ...]:

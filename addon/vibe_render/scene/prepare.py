@@ -217,16 +217,10 @@ def _light_of_mesh(mesh: bpy.types.Mesh, matrix: np.ndarray, strengths: list[flo
     return float((strength * factor).sum())
 
 
-EVERYTHING = frozenset({"subject"})
-"""Names of what words paint, where they may paint all of the subject."""
-
-
-def shared_materials(
-    subject: Sequence[Object], painted: frozenset[str] = EVERYTHING
-) -> dict[Material, list[Object]]:
+def shared_materials(subject: Sequence[Object]) -> dict[Material, list[Object]]:
     """The subject's materials that objects outside of it use too, with those objects, in this or other scenes.
 
-    Those from a library are left out, as nobody may change them, and those that nothing of `painted` names or wears.
+    Those from a library are left out: nobody may change them.
     """
     inside, theirs = set(subject), {m for obj in subject for m in _materials_of(obj) if m.is_editable}
     users: dict[Material, list[Object]] = {}
@@ -235,10 +229,21 @@ def shared_materials(
             continue
         for material in theirs.intersection(_materials_of(obj)):
             users.setdefault(material, []).append(obj)
-    if painted >= EVERYTHING:
-        return users
-    named = {m for obj in bpy.data.objects if obj.name in painted for m in _materials_of(obj)}
-    return {m: objects for m, objects in users.items() if m in named or m.name in painted}
+    return users
+
+
+EVERYTHING = frozenset({"subject"})
+"""Names of what words describe, where they may describe all of the subject."""
+
+
+def described_materials(
+    shared: dict[Material, list[Object]], names: frozenset[str]
+) -> dict[Material, list[Object]]:
+    """Those of `shared_materials` that have one of the names, or whose objects have."""
+    if names >= EVERYTHING:
+        return shared
+    worn = {m for obj in bpy.data.objects if obj.name in names for m in _materials_of(obj)}
+    return {m: users for m, users in shared.items() if m in worn or m.name in names}
 
 
 def separate_materials(scene: Scene, subject: Sequence[Object]) -> None:

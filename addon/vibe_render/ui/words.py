@@ -125,11 +125,15 @@ class VIBE_OT_reading(Operator):
     def _draw_selection(
         self, layout: bpy.types.UILayout, context: bpy.types.Context, word: messages.WordReading
     ) -> None:
-        """Offers the selected objects, or the selected lights, together."""
-        kinds = ("LIGHT", *rendered.GEOMETRY)
-        chosen = [o for o in rendered.shown(context.scene) if o.select_get() and o.type in kinds]
-        target = targets.joined(obj.name for obj in chosen)
-        if target in ("", *word.candidates, *word.targets) or len({o.type == "LIGHT" for o in chosen}) > 1:
+        """Offers the selected objects, or the selected lights, together, if the word can describe such."""
+        scene, offered = context.scene, (*word.candidates, *word.targets)
+        selected = [obj for obj in rendered.shown(scene) if obj.select_get()]
+        things = [obj.name for obj in selected if obj.type in rendered.GEOMETRY and obj.material_slots]
+        lights = [obj.name for obj in selected if obj.type == "LIGHT"]
+        chosen = things or lights
+        target = targets.joined(chosen)
+        kinds = {_icon(scene, name) for name in offered}
+        if (things and lights) or not chosen or target in offered or _icon(scene, target) not in kinds:
             return
         listed = targets.listed(target) if len(chosen) <= _FEW else f"{len(chosen)} objects"
         self._draw_target(layout, target, f"Describes the selected: {listed}", "RESTRICT_SELECT_OFF")
