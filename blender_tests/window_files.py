@@ -36,11 +36,11 @@ def a_preset_of_ones_own(screen):
     """Saved under a name that ours has, and renamed by typing."""
     from bl_ext.user_default.vibe_render.looks import library
 
-    yield from header(screen, PRESETS, "vibe.preset_save", 580)
+    yield from header(screen, PRESETS, "vibe.preset_save", 638)
 
     held = bpy.context.window_manager.vibe_presets
     ours = held.chosen
-    yield from screen.click_on("vibe.preset_save", 580, (0.7,))
+    yield from screen.click_on("vibe.preset_save", 638, (0.7,))
     yield 0.7
     screen.shoot("save")
     yield from confirm(screen, lambda: held.chosen != ours, "the preset is saved")
@@ -115,14 +115,14 @@ def dragged_back(screen, folder):
 
 def choose(screen, below):
     """An entry of the chosen preset's menu: so many pixels below its button."""
-    row = (yield from screen.top_of("vibe.preset_apply", 740)) - 59
+    row = (yield from screen.top_of("vibe.preset_apply", 851, page=1)) - 59
     yield from screen.open(row, 0.815)
     yield from screen.click_at(row + below, 0.98)
 
 
 def presets_menu(screen, below):
     """An entry of the menu of all presets: so many pixels below its button."""
-    row = (yield from screen.top_of("vibe.preset_save", 580)) + PRESETS
+    row = (yield from screen.top_of("vibe.preset_save", 638)) + PRESETS
     yield from screen.open(row, 0.79)
     yield from screen.click_at(row + below, 0.98)
 

@@ -36,7 +36,7 @@ def presets(screen):
     before = values()
     yield 0.5
     yield from header(screen, PRESETS)
-    top = yield from screen.top_of("vibe.run", 227)
+    top = yield from screen.top_of("vibe.run", 345)
     yield from screen.click_at(top + 119, 0.45)  # Browse: a popover's button says nothing of itself
     yield 1.5
     screen.shoot("grid")
@@ -47,7 +47,7 @@ def presets(screen):
     screen.shoot("applied")
     screen.observed["applied"] = [change.name for change in bpy.context.scene.vibe.changes]
     screen.observed["rest"] = held.rest.splitlines()
-    yield from screen.click_on("vibe.revert", 444, (0.7,))
+    yield from screen.click_on("vibe.revert", 377, (0.7,), page=1)
     yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "revert")
     screen.observed["preset_revert_restores"] = values() == before
 

@@ -42,7 +42,7 @@ def running(screen):
 
     bpy.context.scene.vibe.prompt = PROMPT
     effort(20, 60, 160)
-    bpy.context.scene.vibe.variants = 3  # one look alone is found too soon to be stopped
+    bpy.context.scene.vibe.variants = 2  # one look alone is found too soon to be stopped
     yield from screen.click_on("vibe.run", 342)
     yield from screen.wait(lambda: addon_state.running, 60, "Vibe It starts")
     yield from first_look(screen)
@@ -92,7 +92,7 @@ def say(screen, sentence, near):
     yield from ended(screen, f"the search for {sentence}")
 
 
-def header(screen, below, above="vibe.run", near=227, page=0):
+def header(screen, below, above="vibe.run", near=345, page=0):
     """Opens the panel whose header is so many pixels below a button's upper edge, which is returned; headers say nothing of themselves."""
     top = yield from screen.top_of(above, near, page)
     yield from screen.open(top + below * screen.scale, 0.4)

@@ -30,7 +30,7 @@ def still(screen):
     screen.shoot("file")
     effort(1, 6)
     bpy.ops.ed.undo_push(message="Picture")
-    yield from screen.click_on("vibe.run", 227)
+    yield from screen.click_on("vibe.run", 345)
     yield from screen.wait(lambda: addon_state.running, 60, "Vibe It starts")
     yield from screen.wait(lambda: not addon_state.running, 900, "the vibe ends")
     yield from screen.away()

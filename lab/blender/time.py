@@ -94,9 +94,9 @@ class _Phases:
 def _processor_seconds() -> float:
     """Resources that this process and the engine have used; the engine's only on Linux."""
     own = os.times()
-    engine = addon_state.engine(bpy.context).process_id
+    process = addon_state.engine(bpy.context)._process
     try:
-        fields = Path(f"/proc/{engine}/stat").read_text().rpartition(")")[2].split()
+        fields = Path(f"/proc/{process.pid if process else 0}/stat").read_text().rpartition(")")[2].split()
     except OSError:
         return own.user + own.system
     return own.user + own.system + (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

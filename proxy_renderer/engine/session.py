@@ -19,6 +19,7 @@ from ..guidance.encoder import Encoder, load_encoder
 from ..optimize import pipeline
 from ..optimize.progress import Observer
 from ..optimize.rounds.method import load_method
+from ..optimize.rounds.search import Search
 from ..optimize.shots import BlenderPictures, ShotInput, picture_size
 from ..optimize.stage import linked, set_stage
 from ..render.proxy import Proxy
@@ -94,7 +95,7 @@ class EngineSession:
         rows_of_shots = zip(scenes, blenders, self.shots, strict=True)
         views = [ShotInput(s, b if options.anchor else None, shot.file) for s, b, shot in rows_of_shots]
         outcome = self._outcome = pipeline.run(
-            views, self.prompt, options, encoder, observer, advisor, stage, self._method
+            Search(views, self.prompt, options, encoder, observer, advisor, stage, self._method)
         )
         clock.lap("loop", {"wait for Blender": sum(blender.waited for blender in blenders)})
 

@@ -2,40 +2,20 @@
 """From a prompt and exported scenes to values: Algorithm 1 of the paper, from each start. Comments name its lines; its θ is u."""
 
 import time
-from collections.abc import Sequence
 from dataclasses import replace
 
-from ..guidance.encoder import Encoder
-from ..planning.advice import Advisor
-from ..schema.messages import Options
-from .progress import Observer
 from .rounds.confiner import RoundStart, Start
-from .rounds.method import Method
 from .rounds.refinement import Outcome, RoundEnd, least_change, nearest, next_round, outcome_of
 from .rounds.search import Search
 from .rounds.starts import find_starts
-from .shots import ShotInput
-from .stage import StagedScenes
 
 
-def run(
-    views: Sequence[ShotInput],
-    prompt: str,
-    options: Options,
-    encoder: Encoder,
-    observer: Observer,
-    advisor: Advisor | None = None,
-    stage: StagedScenes | None = None,
-    method: Method | None = None,
-) -> Outcome:
+def run(search: Search) -> Outcome:
     """Finds the values that make the scene, or several shots of one look, look like the prompt.
 
-    The same options give the same values, bit for bit, on a CPU. Without an advisor the offline planner is asked; without a stage
-    the words are read here, and no light is added; without a method it is the product's. All outcomes are in the `variants` of
-    that of least loss, where several are asked for. Raises VibeError if no word of the prompt is known, or nothing that the words
-    touch may change.
+    The same options give the same values, bit for bit, on a CPU. All outcomes are in the `variants` of that of least loss, where
+    several are asked for. Raises VibeError if no word of the prompt is known, or nothing that the words touch may change.
     """
-    search = Search(views, prompt, options, encoder, observer, advisor, stage, method)
     search.show_plan()
     outcomes = []
     for start in find_starts(search):

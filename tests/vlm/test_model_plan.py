@@ -15,6 +15,7 @@ from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.goals.resolve import Goals, goals_of, goals_or_why
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import pipeline
+from proxy_renderer.optimize.rounds.search import Search
 from proxy_renderer.optimize.scene_words import described
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.planning.advice import Advice, Prompts
@@ -331,7 +332,7 @@ def vibe(scene, encoder, model, prompt=PROMPT, **options):
     understood = Understood(prompt, described(scene))
     advisor = ModelAdvisor(understood, goals_or_why(understood), client, watch.stage)
     chosen = Options(**{"rounds": 2, "steps": 2, "size": 48, **options})
-    outcome = pipeline.run([ShotInput(scene)], prompt, chosen, encoder, watch, advisor)
+    outcome = pipeline.run(Search([ShotInput(scene)], prompt, chosen, encoder, watch, advisor))
     return outcome, advisor.account(), watch.seen
 
 
@@ -392,7 +393,7 @@ class TestLoop:
         with serving(lambda body, n: answer) as model:
             outcome, account, _ = vibe(scene, encoder, model)
         offline = pipeline.run(
-            [ShotInput(scene)], PROMPT, Options(rounds=2, steps=2, size=48), encoder, Silent()
+            Search([ShotInput(scene)], PROMPT, Options(rounds=2, steps=2, size=48), encoder, Silent())
         )
         assert torch.equal(outcome.u, offline.u)
         assert all(r["advice"].startswith("offline planner: ") for r in outcome.rounds)

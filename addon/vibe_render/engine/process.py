@@ -62,11 +62,6 @@ class Engine:
         """True if the process runs."""
         return self._process is not None and self._process.poll() is None
 
-    @property
-    def process_id(self) -> int | None:
-        """The process's number; None while there is none."""
-        return self._process.pid if self._process else None
-
     def start(self) -> None:
         """Starts the process, unless it runs; its first message is `Ready`. Any thread may call this."""
         with self._start_lock:

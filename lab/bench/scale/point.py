@@ -25,6 +25,7 @@ from proxy_renderer.engine.worker import keep_freed_memory
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import pipeline
 from proxy_renderer.optimize.looks import EarlyLook
+from proxy_renderer.optimize.rounds.search import Search
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import SceneData, load_scene
@@ -116,7 +117,7 @@ def measure(jobs: Sequence[Path], size: int) -> dict[str, dict[str, float]]:
     del proxies
     options = Options(rounds=1, steps=1, starts=1, anchor=False)
     with watch.phase("search"):
-        pipeline.run([ShotInput(s) for s in scenes], _PROMPT, options, encoder, _Follower())
+        pipeline.run(Search([ShotInput(s) for s in scenes], _PROMPT, options, encoder, _Follower()))
     return watch.costs
 
 

@@ -93,7 +93,10 @@ class Missed(NamedTuple):
 
 
 class Search:
-    """One vibe. Nothing in it changes from round to round but the judge's guidance. Arguments as for `pipeline.run`.
+    """One vibe. Nothing in it changes from round to round but the judge's guidance.
+
+    Without an advisor the offline planner is asked; without a stage the words are read here, and no light is added; without a
+    method it is the product's.
 
     Attributes:
         shots: One or several, each with its proxy, as loaded. Plans are made for the first.

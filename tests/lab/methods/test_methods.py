@@ -39,7 +39,9 @@ def scene(tmp_path_factory):
 def vibe(scene, encoder):
     def run(method, watch=None, **options):
         chosen = Options(**{"rounds": 2, "steps": 8, "size": 64, **options})
-        return pipeline.run([ShotInput(scene)], PROMPT, chosen, encoder, watch or Silent(), method=method)
+        return pipeline.run(
+            Search([ShotInput(scene)], PROMPT, chosen, encoder, watch or Silent(), method=method)
+        )
 
     return run
 
@@ -168,7 +170,7 @@ def test_the_bare_rig_moves_lights_and_no_surface(scene, encoder, prompt):
     stage = set_stage([scene], prompt)
     views = [ShotInput(each) for each in stage.scenes]
     options = Options(rounds=2, size=48)
-    outcome = pipeline.run(views, prompt, options, encoder, Silent(), stage=stage, method=BareRig())
+    outcome = pipeline.run(Search(views, prompt, options, encoder, Silent(), stage=stage, method=BareRig()))
     changed = changed_values(outcome)
     assert not [key for key in changed if key.startswith("material/")]
     assert any(key.startswith(("light/", "world/")) for key in changed) == ("candlelight" in prompt)
