@@ -3,7 +3,12 @@
 
 from dataclasses import replace
 
+from proxy_renderer.goals.resolve import goals_or_why
 from proxy_renderer.optimize.rounds.confiner import RoundStart
+from proxy_renderer.optimize.rounds.search import Search
+from proxy_renderer.optimize.scene_words import described
+from proxy_renderer.optimize.stage import StagedScenes
+from proxy_renderer.words.parser import Understood
 
 PROMPT = "glossy teal ball, white studio background"
 
@@ -40,3 +45,16 @@ def any_round(search, ends):
         return None
     start = replace(last.start.start, u=last.u, shots=last.shots, first=last.start.number + 1)
     return replace(RoundStart.at(start), earlier=last.confined.plan, start=last.start.start)
+
+
+def read_stage(scenes, prompt):
+    """The words, read against scenes that stay as they are lit: no light is added."""
+    understood = Understood(prompt, described(*scenes))
+    scenes = [scene.with_copies(understood.scene.copies) for scene in scenes]
+    return StagedScenes(scenes, understood, goals_or_why(understood))
+
+
+def search_for(views, prompt, options, encoder, observer, advisor=None, stage=None, method=None):
+    """A search for words, in scenes that stay as they are lit unless a stage is given."""
+    stage = stage or read_stage([view.scene for view in views], prompt)
+    return Search(views, stage, options, encoder, observer, advisor, method)

@@ -94,9 +94,8 @@ class EngineSession:
         blenders = [BlenderPictures(s, observer.ask, options.seed, n) for n, s in enumerate(scenes)]
         rows_of_shots = zip(scenes, blenders, self.shots, strict=True)
         views = [ShotInput(s, b if options.anchor else None, shot.file) for s, b, shot in rows_of_shots]
-        outcome = self._outcome = pipeline.run(
-            Search(views, self.prompt, options, encoder, observer, advisor, stage, self._method)
-        )
+        search = Search(views, stage, options, encoder, observer, advisor, self._method)
+        outcome = self._outcome = pipeline.run(search)
         clock.lap("loop", {"wait for Blender": sum(blender.waited for blender in blenders)})
 
         self._claims = report.claims_about(outcome)

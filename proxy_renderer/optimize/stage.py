@@ -55,13 +55,6 @@ class StagedScenes:
         return claims_of(lit, default_vocabulary())
 
 
-def read_stage(scenes: Sequence[SceneData], prompt: str) -> StagedScenes:
-    """The words, read against scenes that stay as they are lit."""
-    understood = Understood(prompt, described(*scenes))
-    scenes = [scene.with_copies(understood.scene.copies) for scene in scenes]
-    return StagedScenes(scenes, understood, goals_or_why(understood))
-
-
 def set_stage(
     scenes: Sequence[SceneData],
     prompt: str,
@@ -73,9 +66,8 @@ def set_stage(
     """The shots, lit by the rig that the words ask for; or with lights on standby for single words, where they ask for no rig.
 
     Where nothing in the prompt is understood offline, nothing is added. The first of several shots decides on lights for all; a
-    backdrop is for all of them or for none. Written goals take the place of those that the prompt asks for. A prompt that
-    `goes_on` is measured from the image as it is. Raises VibeError if
-    the scene has nothing that a word, with a target as in "copper=Cup", is to describe.
+    backdrop is for all of them or for none. Written goals take the place of the prompt's. A prompt that `goes_on` is measured from
+    the image as it is. Raises VibeError if the scene has nothing that a target's word, "copper=Cup", is to describe.
     """
     prompt, factor = sentences.plain(prompt) if goes_on else (prompt, 0.0)
     understood = Understood(prompt, described(*scenes), target)

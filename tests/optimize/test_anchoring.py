@@ -7,11 +7,10 @@ import numpy as np
 import OpenEXR
 import pytest
 import torch
-from loop_parts import PROMPT, Silent, any_round
+from loop_parts import PROMPT, Silent, any_round, search_for
 
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import pipeline, shots
-from proxy_renderer.optimize.rounds.search import Search
 from proxy_renderer.optimize.shots import BlenderPictures, ShotInput, gathered
 from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
@@ -40,7 +39,7 @@ class Elsewhere:
 def run(scene, source, prompt=PROMPT, **options):
     encoder = load_encoder(None, "cpu")
     chosen = Options(**{"rounds": 2, "steps": 4, "size": 48, **options})
-    return pipeline.run(Search([ShotInput(scene, source)], prompt, chosen, encoder, Silent()))
+    return pipeline.run(search_for([ShotInput(scene, source)], prompt, chosen, encoder, Silent()))
 
 
 def test_every_round_starts_from_a_picture_and_so_does_the_prediction(scene, monkeypatch):

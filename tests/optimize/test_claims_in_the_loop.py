@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 import torch
-from loop_parts import PROMPT, Silent
+from loop_parts import PROMPT, Silent, search_for
 from tiny_job import write_job
 
 from proxy_renderer.claims.from_goals import claims_of
@@ -28,7 +28,7 @@ _DENSE = 0.95
 def search(scene, encoder):
     def begin(prompt, **options):
         chosen = Options(**{"rounds": 2, "steps": 4, "size": 48, **options})
-        return Search([ShotInput(scene)], prompt, chosen, encoder, Silent(), None)
+        return search_for([ShotInput(scene)], prompt, chosen, encoder, Silent(), None)
 
     return begin
 
@@ -176,7 +176,7 @@ def test_a_vignette_is_earned_on_dark_and_on_light_ground(tmp_path, encoder, gra
     """Its range is the same on both; how dark corners are is for the claim to see."""
     scene = load_scene(write_job(tmp_path / "job", **{"material/Floor/base_color": (gray,) * 3}))
     chosen = Options(rounds=2, steps=4, size=64)
-    begun = Search([ShotInput(scene)], "vignette", chosen, encoder, Silent(), None)
+    begun = search_for([ShotInput(scene)], "vignette", chosen, encoder, Silent(), None)
     outcome = refined(begun)
     (claim,) = (row for row in foreseen(outcome, claims_about(outcome)) if row["measure"] == "vignette")
     assert claim["holds"]
@@ -186,7 +186,7 @@ def test_a_vignette_is_earned_on_dark_and_on_light_ground(tmp_path, encoder, gra
 def test_a_subject_that_words_make_like_its_ground_is_told_apart(tmp_path, encoder):
     scene = load_scene(write_job(tmp_path / "job", **{"material/Floor/base_color": (0.75,) * 3}))
     chosen = Options(rounds=3, steps=6, size=64)
-    begun = Search([ShotInput(scene)], "white ball", chosen, encoder, Silent(), None)
+    begun = search_for([ShotInput(scene)], "white ball", chosen, encoder, Silent(), None)
     outcome = refined(begun)
     rows = {row["measure"]: row for row in foreseen(outcome, claims_about(outcome))}
     assert rows["color"]["holds"]

@@ -3,21 +3,20 @@
 
 import pytest
 import torch
-from loop_parts import Silent
+from loop_parts import Silent, search_for
 from tiny_job import write_job
 
 from proxy_renderer.optimize.pipeline import refine
 from proxy_renderer.optimize.rounds import refinement
 from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
 from proxy_renderer.optimize.rounds.refinement import eased
-from proxy_renderer.optimize.rounds.search import Search
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema.messages import Options
 
 
 def begun(scene, encoder, prompt, **options):
-    search = Search(
+    search = search_for(
         [ShotInput(scene)],
         prompt,
         Options(**{"rounds": 3, "steps": 6, "size": 64, **options}),

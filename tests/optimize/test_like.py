@@ -5,12 +5,11 @@ import numpy as np
 import OpenEXR
 import pytest
 import torch
-from loop_parts import Silent
+from loop_parts import Silent, search_for
 from PIL import Image
 
 from proxy_renderer.color.tensors import lab_from_srgb
 from proxy_renderer.optimize import pipeline
-from proxy_renderer.optimize.rounds.search import Search
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.messages import Options
@@ -31,7 +30,7 @@ def liked(scene, encoder, tmp_path):
     def run(color, prompt="", **options):
         like = still(tmp_path / "still.png", color)
         chosen = Options(like=like, **{"rounds": 1, "steps": 4, "size": 48, **options})
-        return pipeline.run(Search([ShotInput(scene)], prompt, chosen, encoder, Silent()))
+        return pipeline.run(search_for([ShotInput(scene)], prompt, chosen, encoder, Silent()))
 
     return run
 
@@ -63,7 +62,7 @@ def test_a_panorama_turns_and_colors_the_key_light(scene, encoder, tmp_path):
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     OpenEXR.File(header, {"RGB": sky}).write(str(tmp_path / "sky.exr"))
     chosen = Options(like=str(tmp_path / "sky.exr"), rounds=1, steps=2, size=48)
-    found = pipeline.run(Search([ShotInput(scene)], "", chosen, encoder, Silent()))
+    found = pipeline.run(search_for([ShotInput(scene)], "", chosen, encoder, Silent()))
     (key,) = (light.name for light in scene.lights if light.role == "key")
     values = found.vector.values(found.u)
     azimuth = 90.0 + (0.5 - 41 / 128) * 360.0
@@ -87,7 +86,7 @@ def test_a_look_that_was_hidden_in_this_very_scene_is_found(scene, encoder, tmp_
     hidden = {"film/contrast": (1.3,), "film/saturation": (0.6,), "film/gain": (1.1, 0.95, 0.8)}
     options = {"rounds": 2, "steps": 8, "size": 64}
     start = pipeline.run(
-        Search([ShotInput(scene)], "very dark", Options(rounds=1, steps=1, size=64), encoder, Silent())
+        search_for([ShotInput(scene)], "very dark", Options(rounds=1, steps=1, size=64), encoder, Silent())
     )
     shot, vector = start.shots[0], start.vector
     hidden = {key: value for key, value in hidden.items() if key in vector.slices}
@@ -96,7 +95,7 @@ def test_a_look_that_was_hidden_in_this_very_scene_is_found(scene, encoder, tmp_
         before, goal = (shot.draw(vector.encode(values)).display for values in ({}, hidden))
     Image.fromarray((goal.numpy() * 255 + 0.5).astype(np.uint8)).save(tmp_path / "goal.png")
     chosen = Options(like=str(tmp_path / "goal.png"), like_only=("grade",), like_same=True, **options)
-    found = pipeline.run(Search([ShotInput(scene)], "", chosen, encoder, Silent()))
+    found = pipeline.run(search_for([ShotInput(scene)], "", chosen, encoder, Silent()))
     with torch.no_grad():
         after = found.shots[0].draw(found.u).display
     start_error, error = (

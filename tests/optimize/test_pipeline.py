@@ -3,7 +3,7 @@
 
 import pytest
 import torch
-from loop_parts import PROMPT, Silent
+from loop_parts import PROMPT, Silent, search_for
 from tiny_job import write_job
 
 from proxy_renderer.engine.report import changed_values, parameter_records
@@ -11,7 +11,6 @@ from proxy_renderer.guidance.guide import Weights, claims_loss
 from proxy_renderer.optimize import objective as objectives
 from proxy_renderer.optimize import pipeline
 from proxy_renderer.optimize.least_squares import fixed_views
-from proxy_renderer.optimize.rounds.search import Search
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
@@ -22,7 +21,7 @@ from proxy_renderer.words import parser
 
 def vibe(scene, encoder, prompt=PROMPT, watch=None, **options):
     chosen = Options(**{"rounds": 2, "steps": 8, "size": 64, **options})
-    return pipeline.run(Search([ShotInput(scene)], prompt, chosen, encoder, watch or Silent()))
+    return pipeline.run(search_for([ShotInput(scene)], prompt, chosen, encoder, watch or Silent()))
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@
 from dataclasses import replace
 
 import pytest
-from loop_parts import Silent
+from loop_parts import Silent, search_for
 from PIL import Image
 from tiny_job import write_job
 
@@ -12,7 +12,6 @@ from proxy_renderer.engine.report import changed_values
 from proxy_renderer.engine.session import EngineSession
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import pipeline
-from proxy_renderer.optimize.rounds.search import Search
 from proxy_renderer.optimize.shots import MOVES, ShotInput, shared_parameters
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema.messages import VARIANTS, Options, Shot
@@ -33,7 +32,7 @@ def views(tmp_path_factory):
 def vibe(views, **options):
     chosen = Options(**{"rounds": 2, "steps": 8, "size": 48, **options})
     encoder = load_encoder(None, "cpu")
-    return pipeline.run(Search(views, PROMPT, chosen, encoder, Silent()))
+    return pipeline.run(search_for(views, PROMPT, chosen, encoder, Silent()))
 
 
 def changed(outcome):
@@ -60,7 +59,7 @@ def test_all_shots_get_the_same_look_again(views):
 def test_what_no_word_names_stays_as_each_scene_has_it(views):
     only_color = Options(rounds=1, steps=4, size=48, groups=("material",))
     encoder = load_encoder(None, "cpu")
-    outcome = pipeline.run(Search([views[0], views[2]], "teal ball", only_color, encoder, Silent()))
+    outcome = pipeline.run(search_for([views[0], views[2]], "teal ball", only_color, encoder, Silent()))
     first, other = changed(outcome)
     assert COLOR in first
     assert first[COLOR] == other[COLOR]

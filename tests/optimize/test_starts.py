@@ -3,13 +3,12 @@
 
 import pytest
 import torch
-from loop_parts import Silent
+from loop_parts import Silent, search_for
 
 from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import pipeline
 from proxy_renderer.optimize.rounds import starts
-from proxy_renderer.optimize.rounds.search import Search
 from proxy_renderer.optimize.shots import ShotInput, draw
 from proxy_renderer.planning.types import Plan, PlanEntry
 from proxy_renderer.schema.messages import Options
@@ -89,7 +88,7 @@ def test_lights_of_a_rig_turn_for_a_variant_and_stay_near_where_they_were_drawn(
 def variants(scene):
     encoder = load_encoder(None, "cpu")
     options = Options(rounds=2, steps=3, size=48, variants=3, lock=("material/Floor",))
-    return pipeline.run(Search([ShotInput(scene)], "glossy teal ball", options, encoder, Silent()))
+    return pipeline.run(search_for([ShotInput(scene)], "glossy teal ball", options, encoder, Silent()))
 
 
 @pytest.mark.slow

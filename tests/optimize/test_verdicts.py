@@ -2,13 +2,11 @@
 """What is said of each word after the search: its state, and why the image does not show it."""
 
 import pytest
-from loop_parts import Silent
+from loop_parts import Silent, search_for
 
 from proxy_renderer.engine.report import claims_about, foreseen, word_verdicts
 from proxy_renderer.optimize.pipeline import run
-from proxy_renderer.optimize.rounds.search import Search
 from proxy_renderer.optimize.shots import ShotInput
-from proxy_renderer.optimize.stage import read_stage
 from proxy_renderer.schema.messages import Options
 
 
@@ -16,8 +14,7 @@ from proxy_renderer.schema.messages import Options
 def verdicts(scene, encoder):
     def found(prompt, **options):
         settings = Options(**{"rounds": 1, "steps": 2, "size": 48, **options})
-        stage = read_stage([scene], prompt)
-        outcome = run(Search([ShotInput(scene)], prompt, settings, encoder, Silent(), None, stage))
+        outcome = run(search_for([ShotInput(scene)], prompt, settings, encoder, Silent()))
         claims = claims_about(outcome)
         rows = foreseen(outcome, claims)
         return {row["word"]: row for row in word_verdicts(outcome, rows, claims[0].after)}

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -240,6 +241,7 @@ def test_a_named_sun_is_the_sun_of_the_hour_before_it():
         "warm light from the left, cool light from the right",
         "cool light from the right, warm light from the left",
         "warm lamp, cold blue window light",
+        "warm from the left, cool from the right",
     ],
 )
 def test_lights_of_other_temperatures_are_two_and_neither_word_gives_way(prompt):
@@ -248,6 +250,20 @@ def test_lights_of_other_temperatures_are_two_and_neither_word_gives_way(prompt)
     assert min(kelvins) < 5000.0
     assert max(kelvins) > 7000.0
     assert not [each for each in goals.lost if each.is_news]
+
+
+@pytest.mark.parametrize(
+    ("prompt", "sides"),
+    [
+        ("amber from the right and deep teal from the left", [1, -1]),
+        ("cool from the left and warm from behind on the right", [-1, 1]),
+        ("hard from the right, soft from the left", [1, -1]),
+        ("warm from the left", [-1]),
+    ],
+)
+def test_what_comes_from_a_side_is_a_light(prompt, sides):
+    described = [light for light in rig(prompt).lights if light.part in ("key", "accent", "rim")]
+    assert [math.copysign(1, light.azimuth) for light in described] == sides
 
 
 def test_two_colors_of_lights_are_those_of_two_lights():

@@ -7,7 +7,7 @@ import random
 
 import pytest
 import torch
-from loop_parts import any_round
+from loop_parts import any_round, search_for
 from model_server import KEY, MODEL, document, has_picture, plan_for, refuses, says, serving
 from tiny_job import write_job
 
@@ -15,7 +15,6 @@ from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.goals.resolve import Goals, goals_of, goals_or_why
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import pipeline
-from proxy_renderer.optimize.rounds.search import Search
 from proxy_renderer.optimize.scene_words import described
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.planning.advice import Advice, Prompts
@@ -332,7 +331,7 @@ def vibe(scene, encoder, model, prompt=PROMPT, **options):
     understood = Understood(prompt, described(scene))
     advisor = ModelAdvisor(understood, goals_or_why(understood), client, watch.stage)
     chosen = Options(**{"rounds": 2, "steps": 2, "size": 48, **options})
-    outcome = pipeline.run(Search([ShotInput(scene)], prompt, chosen, encoder, watch, advisor))
+    outcome = pipeline.run(search_for([ShotInput(scene)], prompt, chosen, encoder, watch, advisor))
     return outcome, advisor.account(), watch.seen
 
 
@@ -393,7 +392,7 @@ class TestLoop:
         with serving(lambda body, n: answer) as model:
             outcome, account, _ = vibe(scene, encoder, model)
         offline = pipeline.run(
-            Search([ShotInput(scene)], PROMPT, Options(rounds=2, steps=2, size=48), encoder, Silent())
+            search_for([ShotInput(scene)], PROMPT, Options(rounds=2, steps=2, size=48), encoder, Silent())
         )
         assert torch.equal(outcome.u, offline.u)
         assert all(r["advice"].startswith("offline planner: ") for r in outcome.rounds)

@@ -93,11 +93,8 @@ def _words(scene: bpy.types.Scene) -> _Words:
 def _names(scene: bpy.types.Scene) -> tuple[dict[str, list[str]], dict[str, str]]:
     """All that is known of a scene that cannot be exported, such as one without a camera: objects with their materials, and lights."""
     shown = sorted(rendered.shown(scene), key=lambda obj: obj.name)
-    objects = {
-        o.name: [slot.material.name for slot in o.material_slots if slot.material]
-        for o in shown
-        if o.type in rendered.GEOMETRY
-    }
+    things = [o for o in shown if o.type in rendered.GEOMETRY]
+    objects = {o.name: [s.material.name for s in o.material_slots if s.material] for o in things}
     return objects, {o.name: o.data.type for o in shown if o.type == "LIGHT"}
 
 

@@ -170,9 +170,6 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         description="Materials of the subject that other objects use too",
         items=(("ASK", "Ask", "Ask when it matters"), *SHARED),
     )
-    show_reasons: BoolProperty(
-        name="Reasons", description="Show which words caused each change", default=True
-    )
     strength: FloatProperty(
         name="Strength",
         description="From the original (0) to the vibe (1)",

@@ -160,7 +160,6 @@ def draw_changes(layout: bpy.types.UILayout, context: bpy.types.Context) -> None
     header.label(text=f"Changes ({len(changes)})")
     if body is None:
         return
-    header.prop(context.scene.vibe, "show_reasons", text="", icon="INFO", emboss=False)
     owned = groupby(changes, key=lambda change: schema.split_key(change.name)[:2])
     for number, ((group, owner), entries) in enumerate(owned):
         if number:
@@ -192,7 +191,7 @@ def _draw_changes(
             values.label(text=text)
         if not schema.light_links.link_of(change.name):  # no search changes a link
             draw_lock(row, context.scene.vibe, change.name)
-    if context.scene.vibe.show_reasons and why:
+    if why:
         most = columns(context)
         text = why if len(why) <= most else f"{why[: most - 1].rstrip()}…"
         row = layout.row()

@@ -27,6 +27,7 @@ from proxy_renderer.optimize import pipeline
 from proxy_renderer.optimize.looks import EarlyLook
 from proxy_renderer.optimize.rounds.search import Search
 from proxy_renderer.optimize.shots import ShotInput
+from proxy_renderer.optimize.stage import set_stage
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import SceneData, load_scene
 from proxy_renderer.schema.messages import Anchor, Anchored, Options, Progress
@@ -117,7 +118,9 @@ def measure(jobs: Sequence[Path], size: int) -> dict[str, dict[str, float]]:
     del proxies
     options = Options(rounds=1, steps=1, starts=1, anchor=False)
     with watch.phase("search"):
-        pipeline.run(Search([ShotInput(s) for s in scenes], _PROMPT, options, encoder, _Follower()))
+        stage = set_stage(scenes, _PROMPT)
+        views = [ShotInput(scene) for scene in stage.scenes]
+        pipeline.run(Search(views, stage, options, encoder, _Follower()))
     return watch.costs
 
 

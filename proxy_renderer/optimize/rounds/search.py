@@ -24,7 +24,7 @@ from ..least_squares import Descent
 from ..looks import Looks
 from ..progress import Clock, Observer
 from ..shots import ShotInput, ShotState, gathered, inner_size
-from ..stage import StagedScenes, read_stage
+from ..stage import StagedScenes
 from ..vector import start_point
 from .confiner import Confined, Confiner, RoundStart
 from .key_start import with_key_turned
@@ -95,8 +95,7 @@ class Missed(NamedTuple):
 class Search:
     """One vibe. Nothing in it changes from round to round but the judge's guidance.
 
-    Without an advisor the offline planner is asked; without a stage the words are read here, and no light is added; without a
-    method it is the product's.
+    Without an advisor the offline planner is asked; without a method it is the product's.
 
     Attributes:
         shots: One or several, each with its proxy, as loaded. Plans are made for the first.
@@ -110,18 +109,16 @@ class Search:
     def __init__(
         self,
         views: Sequence[ShotInput],
-        prompt: str,
+        stage: StagedScenes,
         options: Options,
         encoder: Encoder,
         observer: Observer,
         advisor: Advisor | None = None,
-        stage: StagedScenes | None = None,
         method: Method | None = None,
     ) -> None:
-        self.method, self.observer = method or Method(), observer
+        self.method, self.observer, self._stage = method or Method(), observer, stage
         self.reference = Reference.of(options, views[0].scene)
-        self._stage = stage or read_stage([view.scene for view in views], prompt)
-        written = self._stage.goals.pictured if isinstance(self._stage.goals, Goals) else ()
+        written = stage.goals.pictured if isinstance(stage.goals, Goals) else ()
         self.pictured = bool(self.reference or written)
         if self.pictured:  # it speaks of all of light and grade at once
             options = replace(options, top_k=max(options.top_k, _VALUES))
@@ -131,19 +128,19 @@ class Search:
             size = inner_size(scene, options, encoder, self.pictured)
             return Proxy(scene, size, device=str(encoder.device), seed=options.seed)
 
-        staged = zip(views, self._stage.scenes, strict=True)
+        staged = zip(views, stage.scenes, strict=True)
         self.vector, self.shots = gathered([replace(v, scene=scene) for v, scene in staged], options, proxy)
-        words = bool(prompt.strip()) or isinstance(self._stage.goals, Goals)
-        described = self._stage.understood.scene
+        prompt, described = stage.understood.prompt, stage.understood.scene
+        words = bool(prompt.strip()) or isinstance(stage.goals, Goals)
         self._offline, asked = (
-            self._with_picture(each, words) for each in (self._stage.advisor, advisor or self._stage.advisor)
+            self._with_picture(each, words) for each in (stage.advisor, advisor or stage.advisor)
         )
         self.confiner = Confiner(self.vector, self.shots, described, asked, self.method.plan)
         self.several = options.variants > 1
         # Variants have the time of one vibe in common, as far as that goes.
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds
         self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, observer)
-        self.judge = ImageJudge(self.method, encoder, prompt, bool(options.encoder), self._stage.claims)
+        self.judge = ImageJudge(self.method, encoder, prompt, bool(options.encoder), stage.claims)
         alone = len(self.shots) == 1 and observer.wants_looks
         self.looks = Looks(self.shots[0], described) if alone else None
 

@@ -161,7 +161,9 @@ def with_reasons(plan: Plan, vector: ParameterVector, u: Tensor) -> Plan:
 
 def distance(a: Tensor, b: Tensor) -> float:
     """Difference of two images (H, W, 3): mean Lab distance of their cells, which ignores fine detail."""
-    return float((_cells(a) - _cells(b)).norm(dim=0).mean())
+    labs = (lab_from_srgb(display.detach()).permute(2, 0, 1) for display in (a, b))
+    first, other = (F.adaptive_avg_pool2d(lab, _CELLS) for lab in labs)
+    return float((first - other).norm(dim=0).mean())
 
 
 def most_diverse(pictures: list[Tensor], losses: list[float], number: int) -> list[int]:
@@ -173,8 +175,3 @@ def most_diverse(pictures: list[Tensor], losses: list[float], number: int) -> li
         left = [i for i in good if i not in chosen] or [i for i in ranked if i not in chosen]
         chosen.append(max(left, key=lambda i: min(distance(pictures[i], pictures[j]) for j in chosen)))
     return chosen
-
-
-def _cells(display: Tensor) -> Tensor:
-    """(3, 16, 16) mean Lab colors of an image (H, W, 3)."""
-    return F.adaptive_avg_pool2d(lab_from_srgb(display.detach()).permute(2, 0, 1), _CELLS)

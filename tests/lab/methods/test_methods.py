@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 import torch
-from loop_parts import PROMPT, Silent
+from loop_parts import PROMPT, Silent, search_for
 from tiny_job import write_job
 
 from lab.methods import METHODS, RATE, Variation
@@ -18,7 +18,7 @@ from proxy_renderer.optimize import pipeline
 from proxy_renderer.optimize.rounds import selection
 from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
 from proxy_renderer.optimize.rounds.method import VARIABLE, Method, load_method
-from proxy_renderer.optimize.rounds.search import Missed, Search
+from proxy_renderer.optimize.rounds.search import Missed
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.optimize.stage import set_stage
 from proxy_renderer.scene import load_scene
@@ -40,7 +40,7 @@ def vibe(scene, encoder):
     def run(method, watch=None, **options):
         chosen = Options(**{"rounds": 2, "steps": 8, "size": 64, **options})
         return pipeline.run(
-            Search([ShotInput(scene)], PROMPT, chosen, encoder, watch or Silent(), method=method)
+            search_for([ShotInput(scene)], PROMPT, chosen, encoder, watch or Silent(), method=method)
         )
 
     return run
@@ -50,7 +50,7 @@ def vibe(scene, encoder):
 def search(scene, encoder):
     def begin(prompt, method=None, **options):
         chosen = Options(**{"rounds": 2, "steps": 4, "size": 48, **options})
-        return Search([ShotInput(scene)], prompt, chosen, encoder, Silent(), None, method=method)
+        return search_for([ShotInput(scene)], prompt, chosen, encoder, Silent(), None, method=method)
 
     return begin
 
@@ -170,7 +170,9 @@ def test_the_bare_rig_moves_lights_and_no_surface(scene, encoder, prompt):
     stage = set_stage([scene], prompt)
     views = [ShotInput(each) for each in stage.scenes]
     options = Options(rounds=2, size=48)
-    outcome = pipeline.run(Search(views, prompt, options, encoder, Silent(), stage=stage, method=BareRig()))
+    outcome = pipeline.run(
+        search_for(views, prompt, options, encoder, Silent(), stage=stage, method=BareRig())
+    )
     changed = changed_values(outcome)
     assert not [key for key in changed if key.startswith("material/")]
     assert any(key.startswith(("light/", "world/")) for key in changed) == ("candlelight" in prompt)
