@@ -10,7 +10,7 @@ from small_scenes import camera, cube, light, principled, world
 from vibe_render.export import reading
 from vibe_render.scene.subject import SubjectChoice
 
-from proxy_renderer.engine.live import WordReader
+from proxy_renderer.engine import live
 from proxy_renderer.optimize.stage import set_stage
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import messages, schema_hash
@@ -128,7 +128,7 @@ def marked(folder, prompt, target=()):
     """What the panel marks."""
     reading.sketch_scene(bpy.context.scene, folder, SubjectChoice())
     asked = messages.AskReadings(schema_hash(), prompt, str(folder), target=target)
-    return WordReader().read(asked).words
+    return live.answer(asked).words
 
 
 def understood(folder, prompt, target=()):

@@ -46,7 +46,7 @@ def objective(proxy: Proxy, prompt: str, encoder: Encoder) -> Callable[[Tensor],
         advice = OfflineAdvisor(goals_or_why(Understood(prompt, known))).advise(
             picture.display, scene.instances, now
         )
-        guidance = Method().guidance(encoder, prompt, advice, picture, every_word=True)
+        guidance = Method().guidance(encoder, advice, picture, every_word=True)
         wanted = claims_of(advice.goals, default_vocabulary())
         claims = ClaimSet.about(wanted, MeasuredPicture(picture.display, seen))
 

@@ -89,12 +89,10 @@ class Adam(Method):
         if rate:
             self.settings = replace(self.settings, rate=rate / 1000)
 
-    def guidance(
-        self, encoder: Encoder, prompt: str, advice: Advice, start: Render, every_word: bool = False
-    ) -> Guidance:
+    def guidance(self, encoder: Encoder, advice: Advice, start: Render, every_word: bool = False) -> Guidance:
         """The product's, but the paper's full-image term has the raw text."""
-        raw = replace(advice, prompts=replace(advice.prompts, whole=prompt))
-        return super().guidance(encoder, prompt, raw, start, every_word=True)
+        raw = replace(advice, prompts=replace(advice.prompts, whole=advice.goals.parsed.prompt))
+        return super().guidance(encoder, raw, start, every_word=True)
 
     def descend(
         self,

@@ -53,11 +53,9 @@ class ClipOnly(Adam):
         """None: the baseline does not know what the words ask for."""
         return ()
 
-    def guidance(
-        self, encoder: Encoder, prompt: str, advice: Advice, start: Render, every_word: bool = False
-    ) -> Guidance:
+    def guidance(self, encoder: Encoder, advice: Advice, start: Render, every_word: bool = False) -> Guidance:
         """L_pos(I, t) alone."""
-        return GlobalGuidance(encoder, prompt, regions.Views())
+        return GlobalGuidance(encoder, advice.goals.parsed.prompt, regions.Views())
 
     def select(
         self, now: Confined, vector: ParameterVector, shots: Sequence[ShotState], u: Tensor, options: Options

@@ -85,9 +85,7 @@ class Middle(Method):
 class WithoutEncoder(Method):
     """Claims alone."""
 
-    def guidance(
-        self, encoder: Encoder, prompt: str, advice: Advice, start: Render, every_word: bool = False
-    ) -> Guidance:
+    def guidance(self, encoder: Encoder, advice: Advice, start: Render, every_word: bool = False) -> Guidance:
         """None."""
         return NoGuidance()
 
@@ -103,12 +101,10 @@ class WithoutClaims(Method):
 
     weights = replace(Weights(), claims=0.0)
 
-    def guidance(
-        self, encoder: Encoder, prompt: str, advice: Advice, start: Render, every_word: bool = False
-    ) -> Guidance:
+    def guidance(self, encoder: Encoder, advice: Advice, start: Render, every_word: bool = False) -> Guidance:
         """The product's for every word, with a term for the heads."""
         return WithHeads(
-            super().guidance(encoder, prompt, advice, start, every_word=True),
+            super().guidance(encoder, advice, start, every_word=True),
             encoder,
             {HEADS[name]: value for name, value in advice.goals.classes.items() if name in HEADS},
         )

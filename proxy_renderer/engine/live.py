@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Answers while the artist types: how words are read, and a first look at them."""
 
+import contextlib
+import functools
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -24,36 +26,26 @@ from .session import pick_device
 _OTHERS = 2  # known words that are offered in place of one that is not used
 
 
-class WordReader:
-    """Reads prompts against exported scenes, the last of which it remembers."""
+def answer(request: messages.AskReadings) -> messages.Readings:
+    """The words of a prompt as a vibe of the exported scene understands them; raises VibeError if it cannot be read."""
+    # Without a job only names are known: everything may be the subject.
+    objects = request.objects
+    scene = SceneDescription(
+        objects=dict.fromkeys(objects, "subject"),
+        materials=dict.fromkeys((m for names in objects.values() for m in names), "subject"),
+        object_materials={name: tuple(materials) for name, materials in objects.items()},
+        lights={name: LightDescription(kind) for name, kind in request.lights.items()},
+    )
+    if request.job:
+        with contextlib.suppress(OSError):  # Live has ended, and its job is gone: the panel asks again
+            scene = _described(request.job, (Path(request.job) / "scene.json").stat().st_mtime_ns)
+    return readings(request.prompt, scene, request.target)
 
-    def __init__(self) -> None:
-        self._job: tuple[str, int] = ("", 0)
-        self._scene = SceneDescription()
 
-    def read(self, request: messages.AskReadings) -> messages.Readings:
-        """The words of a prompt as a vibe of the exported scene understands them; raises VibeError if it cannot be read."""
-        if request.job:
-            return readings(request.prompt, self._described(request.job), request.target)
-        # Only names are known: everything may be the subject.
-        objects = request.objects
-        scene = SceneDescription(
-            objects=dict.fromkeys(objects, "subject"),
-            materials=dict.fromkeys((m for names in objects.values() for m in names), "subject"),
-            object_materials={name: tuple(materials) for name, materials in objects.items()},
-            lights={name: LightDescription(kind) for name, kind in request.lights.items()},
-        )
-        return readings(request.prompt, scene, request.target)
-
-    def _described(self, job: str) -> SceneDescription:
-        """The names in an exported scene."""
-        try:
-            known = job, (Path(job) / "scene.json").stat().st_mtime_ns
-        except OSError:  # Live has ended, and its job is gone: the panel asks again
-            return SceneDescription()
-        if known != self._job:
-            self._scene, self._job = described(load_scene(job)), known
-        return self._scene
+@functools.lru_cache(maxsize=1)
+def _described(job: str, written: int) -> SceneDescription:
+    """The names in an exported scene of that time."""
+    return described(load_scene(job))
 
 
 def readings(prompt: str, scene: SceneDescription, target: Sequence[str] = ()) -> messages.Readings:

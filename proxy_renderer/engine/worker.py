@@ -249,16 +249,15 @@ def _glance(wire: Wire, request: messages.Glance, glances: Glances) -> messages.
 
 def _read_words(wire: Wire) -> None:
     """Says how words are understood, without end; of several that wait, only the newest."""
-    from .live import WordReader
+    from . import live
 
-    reader = WordReader()
     while True:
         request = wire.asked.get()
         while not wire.asked.empty():
             request = wire.asked.get()
         try:
             check_schema(request.schema, "add-on")
-            answer = reader.read(request)
+            answer = live.answer(request)
         except Exception as error:  # the panel says so, and the next letter is another try
             answer = messages.Readings(request.prompt, note=_fault(error).message)
         wire.send(answer)

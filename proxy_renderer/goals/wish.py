@@ -163,7 +163,9 @@ def _wish(own: EntryWish, attribute: Attribute, strength: float) -> Wish:
     if named and attribute.strength < _SOFT:
         named = quantity.softer.get(named, named) if quantity.softly else ""
     claims = (*(() if attribute.negated else own.claims), *quantity.classes.get(named, ()))
-    effects = _allowed(own.effects, attribute)
+    # "a cool rim light" leaves the world as it is
+    elsewhere = (attribute.lights or attribute.role) and own.quantity == "surroundings_color"
+    effects = () if elsewhere else _allowed(own.effects, attribute)
     return Wish(attribute, own.quantity, named, named or own.named, effects, claims, strength)
 
 

@@ -52,6 +52,13 @@ def test_opposites_go_equally_far_in_opposite_directions(more, less, measure):
     assert down == pytest.approx(-up)
 
 
+@pytest.mark.parametrize("sentence", ["a cool rim light", "warm key light", "a blue fill light"])
+def test_the_color_of_one_light_leaves_the_world(sentence):
+    owners = {effect.owner for wish in step(sentence).wishes for effect in wish.effects}
+    assert owners
+    assert "world" not in owners
+
+
 def test_a_bit_is_half_and_much_is_twice_of_the_plain_word():
     for word in ("warmer", "less fog", "darker"):
         plain = change(word)[1]

@@ -39,9 +39,7 @@ class Method:
         """The claims that pictures are measured by."""
         return claims
 
-    def guidance(
-        self, encoder: Encoder, prompt: str, advice: Advice, start: Render, every_word: bool = False
-    ) -> Guidance:
+    def guidance(self, encoder: Encoder, advice: Advice, start: Render, every_word: bool = False) -> Guidance:
         """The judge of similarity to the words that the encoder is asked for (`every_word`: all), calibrated on the artist's image."""
         prompts = advice.prompts if every_word or self.every_word else advice.unmeasured
         if prompts == NO_PROMPTS:  # claims say all

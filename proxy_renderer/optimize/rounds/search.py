@@ -42,11 +42,10 @@ class ImageJudge:
         self,
         method: Method,
         encoder: Encoder,
-        prompt: str,
         every_word: bool,
         claims_of: Callable[[Goals], tuple[Claim, ...]],
     ) -> None:
-        self._method, self._encoder, self._prompt, self._every_word = method, encoder, prompt, every_word
+        self._method, self._encoder, self._every_word = method, encoder, every_word
         self._claims_of = claims_of
         self.claims: tuple[Claim, ...] = ()  # of words and reference image; none before `begin`
         # of each shot: the artist's image, as measured, its claims
@@ -72,7 +71,7 @@ class ImageJudge:
         if self._asked != (asked := (advice.prompts, advice.unmeasured)):
             self._asked = asked
             self._guidance = [
-                self._method.guidance(self._encoder, self._prompt, advice, image, self._every_word)
+                self._method.guidance(self._encoder, advice, image, self._every_word)
                 for image, _, _ in self._artist
             ]
         found = []
@@ -130,8 +129,8 @@ class Search:
 
         staged = zip(views, stage.scenes, strict=True)
         self.vector, self.shots = gathered([replace(v, scene=scene) for v, scene in staged], options, proxy)
-        prompt, described = stage.understood.prompt, stage.understood.scene
-        words = bool(prompt.strip()) or isinstance(stage.goals, Goals)
+        described = stage.understood.scene
+        words = bool(stage.understood.prompt.strip()) or isinstance(stage.goals, Goals)
         self._offline, asked = (
             self._with_picture(each, words) for each in (stage.advisor, advisor or stage.advisor)
         )
@@ -140,7 +139,7 @@ class Search:
         # Variants have the time of one vibe in common, as far as that goes.
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds
         self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, observer)
-        self.judge = ImageJudge(self.method, encoder, prompt, bool(options.encoder), stage.claims)
+        self.judge = ImageJudge(self.method, encoder, bool(options.encoder), stage.claims)
         alone = len(self.shots) == 1 and observer.wants_looks
         self.looks = Looks(self.shots[0], described) if alone else None
 
