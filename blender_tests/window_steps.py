@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What several ways through the panel begin with. See window_driver.py."""
 
+import os
 import time
 
 import bpy
@@ -12,6 +13,8 @@ CHANGES = -16
 """The header of the changes, below that of Save Preset."""
 RIGHT = (0.94, 0.9, 0.86, 0.82, 0.78, 0.755, 0.73, 0.7)
 """Where small buttons are, across the sidebar."""
+KEPT = "VIBE_WINDOW_OUT" in os.environ
+"""Whether screenshots are kept, for the documents: then searches are at defaults, and the viewport renders."""
 PROMPT = "misty night, cool blue fog, glossy red monkey, vignette"
 
 

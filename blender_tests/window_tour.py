@@ -1,19 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A first look in an example scene, for the documents' screenshots. See window_driver.py."""
 
-import os
 import sys
 import time
 from pathlib import Path
 
 import bpy
-from window_steps import ADVANCED, AFFECT, CHANGES, PRESETS, REFERENCE_IMAGE, header, open_panel
+from window_steps import ADVANCED, AFFECT, CHANGES, KEPT, PRESETS, REFERENCE_IMAGE, header, open_panel
 
 PROMPT = "cinematic teal and orange, dramatic light from the left, dark background"
 CLOSED = {"advanced": ADVANCED, "affect": AFFECT, "presets": PRESETS, "reference_image": REFERENCE_IMAGE}
-KEPT = (
-    "VIBE_WINDOW_OUT" in os.environ
-)  # images are kept, for the documents: the viewport renders, and the search is at defaults
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 
 

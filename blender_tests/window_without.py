@@ -5,7 +5,7 @@ import shutil
 
 import bpy
 from window_scene import same, values
-from window_steps import header
+from window_steps import KEPT, header
 
 EARLIER = ("golden hour, soft haze", "noir, one hard light")
 KEY = "light/Key/power"
@@ -115,7 +115,7 @@ def compared(screen, before, after):
     shading = screen.area.spaces.active.shading
     yield from screen.wait(lambda: shading.type == "RENDERED", 30, "it is seen rendered")
     yield from screen.away()
-    yield 8.0  # EEVEE's first picture
+    yield 8.0 if KEPT else 0.1  # EEVEE's first picture
     screen.shoot("rendered")
     shading.type = "SOLID"
     screen.observed["rendered"] = True

@@ -10,7 +10,7 @@ like.jpg       vibe demo --like coffee.png --out out/like, coffee.png being skim
 fidelity.jpg   python -m lab fidelity --out out/fidelity
 sealed.jpg     python -m lab sealed --out out/sealed
 gallery/       vibe batch examples/batch.toml --out out/gallery, after the scenes (examples/README.md)
-rigs.jpg       vibe batch rigs.toml --out out/rigs: four scenes, and the prompts of `RIGS`
+rigs.jpg       vibe batch examples/rigs.toml --out out/rigs
 results/       results.json of out/sealed, and of out/sealed-long (`python -m lab sealed --long --out out/sealed-long`)
 tutorial/      the tutorial's own commands
 panel.jpg, progress.jpg, presets.jpg, first-look.webp
@@ -22,9 +22,10 @@ light-mix.jpg  the same with -k light_is_mixed
 import json
 import shutil
 import sys
+import tomllib
 from pathlib import Path
 
-from PIL import Image
+from PIL import Image, ImageOps
 
 HERE = Path(__file__).parent
 PICTURES = {
@@ -56,16 +57,7 @@ SCENES = (
 )
 """Scenes of fidelity.jpg, from left to right."""
 
-RIGS = (
-    "by lamplight",
-    "single warm spot",
-    "sun through the blinds",
-    "golden hour",
-    "moonlight",
-    "neon pink and cyan light",
-    "film noir",
-    "overcast",
-)
+RIGS = tuple(tomllib.loads((HERE.parent / "examples" / "rigs.toml").read_text("utf-8"))["prompts"])
 """Prompts of rigs.jpg, from left to right."""
 
 GALLERY = {
@@ -85,9 +77,9 @@ FAILURES = {
 """The same of results that are not worth keeping."""
 
 PANEL = {
-    "marks": (1790, 160, 2306, 712),
-    "result": (1790, 160, 2306, 1630),
-    "changes": (1790, 160, 2306, 1630),
+    "marks": (904, 160, 1420, 712),
+    "result": (904, 160, 1420, 1630),
+    "changes": (904, 160, 1420, 1630),
 }
 """Screenshots of panel.jpg, from left to right, and what is cut out of each: left, top, right, bottom."""
 
@@ -97,11 +89,11 @@ PROGRESS = (0, 25, 1185, 815)
 GRID = (1030, 60, 1812, 1046)
 """What is cut out of the screenshot of presets.jpg."""
 
-COLUMN = (1790, 160, 2306, 1333)
+COLUMN = (904, 160, 1420, 1333)
 """What is cut out of the screenshots of first-look.webp: the panel down to the result."""
 
 _FRAME, _LAST, _DARK = 1500, 4500, "#1d1d1d"  # milliseconds of an animation's frames, and of its last one
-LIGHT_MIX = (1290, 308, 1548, 722)
+LIGHT_MIX = (699, 308, 957, 722)
 """What is cut out of the screenshot of light-mix.jpg, at the usual scale."""
 
 _SIDE, _GAP = 128, 6
@@ -179,13 +171,13 @@ def rigs(jobs: Path) -> Image.Image:
     for report in sorted(jobs.glob("*/report.json")):
         told = json.loads(report.read_text("utf-8"))
         rows.setdefault(told["scene"], {})[told["prompt"]] = report.parent
-    width, height = 150, 112
+    width, height = 150, 100
     size = ((len(RIGS) + 1) * (width + _GAP), len(rows) * (height + _GAP))
     sheet = Image.new("RGB", size, "white")
     for row, found in enumerate(rows.values()):
         files = [found[RIGS[0]] / "before.png", *(found[prompt] / "after.png" for prompt in RIGS)]
         for column, file in enumerate(files):
-            picture = Image.open(file).convert("RGB").resize((width, height), Image.Resampling.LANCZOS)
+            picture = ImageOps.fit(Image.open(file).convert("RGB"), (width, height), Image.Resampling.LANCZOS)
             sheet.paste(picture, (column * (width + _GAP), row * (height + _GAP)))
     return sheet
 
