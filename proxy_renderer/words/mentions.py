@@ -137,6 +137,8 @@ class _NounFinder:
         if said == last and last[0] in self.vocabulary.lists["anylight"]:  # though one may be called "Light"
             plural = token.text.endswith("s")
             named = [n for n in named if n.signs != {"light exact"} and (plural or not _is_translated(n))]
+            if not plural and self.vocabulary.nouns.get(last[0]) == "light":  # nor a "Tail Light"
+                named = [n for n in named if n.kind == "lights"] or self._surely(named)
         return self._surely(named) if "stop" in token.lists and not token.noun else named
 
     def _is_of_the_next(self, start: int) -> bool:

@@ -130,6 +130,20 @@ def test_a_light_that_is_named_outshines_the_light_of_a_mood():
     assert "neon" not in lamps["reason"]
 
 
+@pytest.mark.parametrize(
+    ("prompt", "painted"),
+    [("neon pink light", ()), ("pink light", ()), ("red tail light", ("Tail Light Glass",))],
+)
+def test_light_is_no_thing_whose_name_has_that_word_too(prompt, painted):
+    scene = SceneDescription(
+        objects={"Tail Light Left": "surroundings", "Body": "subject"},
+        materials={"Tail Light Glass": "surroundings", "Paint": "subject"},
+        object_materials={"Tail Light Left": ("Tail Light Glass",), "Body": ("Paint",)},
+    )
+    (color,) = parse(prompt, scene).attributes
+    assert color.owners == painted
+
+
 def test_a_prompt_of_guesses_in_another_language_is_refused():
     with pytest.raises(VibeError):
         parse("bardzo ciepły i złoty ton, bez cienia", SceneDescription())
