@@ -86,7 +86,7 @@ PANEL = {
 PROGRESS = (0, 25, 1185, 815)
 """What is cut out of the screenshot of progress.jpg, at the usual scale."""
 
-GRID = (1030, 60, 1812, 1046)
+GRID = (405, 60, 1195, 1020)
 """What is cut out of the screenshot of presets.jpg."""
 
 COLUMN = (904, 160, 1420, 1333)
