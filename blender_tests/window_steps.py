@@ -14,7 +14,7 @@ CHANGES = -16
 RIGHT = (0.94, 0.9, 0.86, 0.82, 0.78, 0.755, 0.73, 0.7)
 """Where small buttons are, across the sidebar."""
 KEPT = "VIBE_WINDOW_OUT" in os.environ
-"""Whether screenshots are kept, for the documents: then searches are at defaults, and the viewport renders."""
+"""True if screenshots are kept, for the documents: then the viewport renders, and a search has default settings."""
 PROMPT = "misty night, cool blue fog, glossy red monkey, vignette"
 
 

@@ -67,7 +67,7 @@ def set_stage(
 
     Where nothing in the prompt is understood offline, nothing is added. The first of several shots decides on lights for all; a
     backdrop is for all of them or for none. Written goals take the place of the prompt's. A prompt that `goes_on` is measured from
-    the image as it is. Raises VibeError if the scene has nothing that a target's word, "copper=Cup", is to describe.
+    the image as it is. Raises VibeError if a target, as "copper=Cup", names nothing in the scene.
     """
     prompt, factor = sentences.plain(prompt) if goes_on else (prompt, 0.0)
     understood = Understood(prompt, described(*scenes), target)

@@ -147,9 +147,8 @@ def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> d
         goes_on = all(_goes_on(item, rigs, vocabulary) for item in items)
         expected = several or bool(spoken_of)
         heads = [n for n, item in enumerate(items) if _is_light(item, rigs, vocabulary, expected)]
-        sided = any(_is_of_light(i, rigs, vocabulary) for i in items) and any(
-            _says_the_side(i, rigs) for i in items
-        )
+        tells = any(_is_of_light(item, rigs, vocabulary) for item in items)
+        sided = tells and any(_says_the_side(item, rigs) for item in items)
         if sided and goes_on and not (counted or heads):
             heads = [0]  # "magenta from the left", "warm from the right"
         counts = any("count" in item.lists for item in items) and not any(i.names_a_look for i in items)
@@ -199,7 +198,7 @@ def _is_light(item: Token, rigs: RigTable, vocabulary: Vocabulary, expected: boo
 
 
 def _is_of_light(item: Token, rigs: RigTable, vocabulary: Vocabulary) -> bool:
-    """True if an item is a color, or such as light has without its noun: "warm"."""
+    """True if an item is a color, or an adjective of light: "warm"."""
     of_light = vocabulary.adjectives.get(item.adjective, {}).get("light", "")
     return item.color is not None or rigs.modifier(of_light) is not None
 
