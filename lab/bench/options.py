@@ -24,6 +24,9 @@ def _speed(sub: argparse.ArgumentParser) -> None:
 def _time(sub: argparse.ArgumentParser) -> None:
     _pictures_of(sub, size=512, samples=128)
     sub.add_argument("--only", default="*", metavar="GLOB", help='only scenes with such names: "*fog*"')
+    sub.add_argument(
+        "--scenes", default="", metavar="DIR", help="a folder of .blend files (default: four scenes of ours)"
+    )
 
 
 def _scale(sub: argparse.ArgumentParser) -> None:

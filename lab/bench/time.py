@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import statistics
 import subprocess
 import sys
 import time
@@ -18,33 +19,37 @@ from rich.table import Table
 from lab.bench import blender
 from proxy_renderer.schema import atomic
 
+_FINAL = "finished picture"
+_SEARCH = ("search", "anchors", "to the first values", "to the first picture")  # phases
 _COMMANDS = {
     "vibe --help": ("--help",),
     "vibe explain": ("explain", "misty tree, glossy red"),
 }
 
 
-def run(out: Path, size: int, samples: int, only: str) -> dict[str, Any]:
-    """Times the scenes and writes OUT/results.json. Nothing is asserted: machines differ.
+def run(out: Path, size: int, samples: int, only: str, scenes: str) -> dict[str, Any]:
+    """Times our scenes, or those in a folder, and writes OUT/results.json. Nothing is asserted: machines differ.
 
     Returns:
         `cores`; `commands`, seconds to the first line; `scenes`, by name: `phases` (each with its `seconds` and its `share` of
-        all cores), `anchors`, `rounds`; `failed`.
+        all cores), `anchors`, `rounds`, `memory`; `failed`.
     """
     commands = {name: _first_line(arguments) for name, arguments in _COMMANDS.items()}
-    scenes: dict[str, Any] = {}
+    timed: dict[str, Any] = {}
     failed: dict[str, str] = {}
     out.mkdir(parents=True, exist_ok=True)
     options = ["--size", str(size), "--samples", str(samples), "--work", str(out)]
-    results = {"cores": os.cpu_count(), "commands": commands, "scenes": scenes, "failed": failed}
+    if scenes:
+        options += ["--scenes", str(Path(scenes).resolve())]
+    results = {"cores": os.cpu_count(), "commands": commands, "scenes": timed, "failed": failed}
     for event in blender.scenes(only, options, "time"):
         if event["type"] == "scene":
-            scenes[event["name"]] = {key: event[key] for key in ("phases", "anchors", "rounds")}
+            timed[event["name"]] = {key: event[key] for key in ("phases", "anchors", "rounds", "memory")}
         elif event["type"] == "failed":
             failed[event["name"]] = event["message"]
             print(f"{event['name']}: {event['message']}", flush=True)
         atomic.write_text(out / "results.json", json.dumps(results, indent=1))
-    _show(commands, scenes)
+    _show(commands, timed)
     return results
 
 
@@ -62,15 +67,28 @@ def _first_line(arguments: Sequence[str]) -> float:
 
 
 def _show(commands: Mapping[str, float], scenes: Mapping[str, Mapping[str, Any]]) -> None:
-    """A row for each phase, a column for each scene."""
-    table = Table("seconds (share of all cores)", *scenes)
-    phases = dict.fromkeys(phase for scene in scenes.values() for phase in scene["phases"])
-    for phase in phases:
-        cells = (scene["phases"].get(phase) for scene in scenes.values())
-        table.add_row(phase, *(f"{c['seconds']:.2f} ({c['share']:.0%})" if c else "" for c in cells))
-    for count in ("anchors", "rounds"):
-        table.add_row(count, *(str(scene[count]) for scene in scenes.values()))
+    """A row for each scene; the whole vibe and its search in final renders too."""
+    phases = list(dict.fromkeys(phase for scene in scenes.values() for phase in scene["phases"]))
+    table = Table("scene", *phases, "rounds", "anchors", "MiB", "vibe / render", "search / render")
+    costs = []
+    for name, scene in scenes.items():
+        seconds = {phase: row["seconds"] for phase, row in scene["phases"].items()}
+        costs.append(_in_renders(seconds))
+        cells = (f"{seconds[phase]:.1f}" if phase in seconds else "" for phase in phases)
+        counts = (str(scene[count]) for count in ("rounds", "anchors", "memory"))
+        table.add_row(name, *cells, *counts, *(f"{cost:.2f}" for cost in costs[-1]))
+    if costs:
+        both = list(zip(*costs, strict=True))
+        for title, of in (("median", statistics.median), ("most", max)):
+            table.add_row(title, *[""] * (len(phases) + 3), *(f"{of(cost):.2f}" for cost in both))
     console = Console()
     console.print(table)
-    for name, seconds in commands.items():
-        console.print(f"{name}: {seconds} s to the first line")
+    for name, first in commands.items():
+        console.print(f"{name}: {first} s to the first line")
+
+
+def _in_renders(seconds: Mapping[str, float]) -> tuple[float, float]:
+    """What a vibe costs with its final render, and its search with anchors, in final renders."""
+    final = max(seconds[_FINAL], 1e-9)
+    vibe = sum(each for phase, each in seconds.items() if not phase.startswith("live"))
+    return vibe / final, sum(seconds.get(phase, 0.0) for phase in _SEARCH) / final

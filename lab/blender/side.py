@@ -102,6 +102,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--skip", default="", help="names that have been made already")
     parser.add_argument("--work", type=Path, default=Path())
     parser.add_argument("--cache", type=Path, default=Path())
+    parser.add_argument("--scenes", type=Path, default=Path(), help="folder of .blend files")
     parser.add_argument("--blend", action="store_true")
     for name in ("size", "samples", "seed", "count"):
         parser.add_argument(f"--{name}", type=int, default=0)

@@ -8,12 +8,14 @@ import os
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import bpy
 from vibe_render.core import ADDON
+from vibe_render.headless.scenes import open_blend
 from vibe_render.render import final_render
 from vibe_render.run import result, session
 from vibe_render.run.live import Live
@@ -28,6 +30,16 @@ from lab.blender.scenes.recipe import LightRecipe
 from lab.blender.scenes.set_catalog import SET_CATALOG
 
 _PREDICTION = "Drawing the prediction"
+_PROMPTS = (
+    "golden hour, low warm sun from the left, long shadows",
+    "moonlit night, cool key from behind, a small warm lamp",
+    "overcast, soft light, muted colors",
+    "film noir, hard light from the right, deep shadows",
+    "bright airy morning, low contrast",
+    "teal and orange, thin haze, slight vignette",
+    "studio product shot, large softbox, white background",
+)
+"""For scenes in a folder, in turn."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +74,24 @@ SCENES = {
     ),
     "car": _Timed(_recipe("lacquer_car"), "glossy deep blue car at golden hour, high contrast"),
 }
+
+
+def scenes(options: argparse.Namespace) -> dict[str, _Timed]:
+    """Our scenes; with a folder of others, the .blend files in it."""
+    if options.scenes == Path():
+        return SCENES
+    files = sorted(options.scenes.glob("*.blend"))
+    return {
+        file.stem: _Timed(partial(_opened, file), _PROMPTS[number % len(_PROMPTS)])
+        for number, file in enumerate(files)
+    }
+
+
+def _opened(path: Path) -> None:
+    """Opens a file, in Object Mode, as an artist has it who asks for a look."""
+    open_blend(path)
+    if bpy.context.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
 
 
 class _Phases:
@@ -102,6 +132,19 @@ def _processor_seconds() -> float:
     return own.user + own.system + (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
+def _peak_memory(forget: bool = False) -> int:
+    """The engine's peak memory in MiB since it was forgotten; 0 where the system does not tell."""
+    process = addon_state.engine(bpy.context)._process
+    folder = Path(f"/proc/{process.pid if process else 0}")
+    try:
+        if forget:
+            (folder / "clear_refs").write_text("5")
+        lines = (folder / "status").read_text().splitlines()
+    except OSError:
+        return 0
+    return next((int(line.split()[1]) // 1024 for line in lines if line.startswith("VmHWM")), 0)
+
+
 def measure(timed: _Timed, options: argparse.Namespace) -> dict[str, Any]:
     """Builds a scene, and times a vibe and looks of what is typed.
 
@@ -109,12 +152,13 @@ def measure(timed: _Timed, options: argparse.Namespace) -> dict[str, Any]:
         options: `size` and `samples` of the finished picture.
 
     Returns:
-        `phases`, `anchors` and `rounds`.
+        `phases`, `anchors`, `rounds`, and `memory`, the most that the engine has used, MiB.
     """
     timed.make()
     scene = bpy.context.scene
     scene.vibe.prompt = timed.prompt
     _warm_up()
+    _peak_memory(forget=True)
     phases = _Phases()
     _live(phases, timed.prompt)
     vibe = addon_state.begin(bpy.context)
@@ -133,6 +177,7 @@ def measure(timed: _Timed, options: argparse.Namespace) -> dict[str, Any]:
         "phases": phases.rows(),
         "anchors": len(report.get("anchored", {}).get("pictures", [])),
         "rounds": len(report["rounds"]),
+        "memory": _peak_memory(),
     }
 
 
@@ -176,4 +221,4 @@ def _phase(vibe: Session) -> str:
 
 if __name__ == "__main__":
     import_module(ADDON).register()
-    side.main(SCENES, measure)
+    side.main(scenes, measure)

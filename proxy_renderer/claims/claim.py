@@ -18,11 +18,12 @@ from ..schema import Values
 from ..words.lexicon.quantities import quantities
 from ..words.types import Part
 from .measures import MEASURES
-from .measures.color import RegionMeans
+from .measures.color import RegionMeans, chromaticity
 from .measures.picture import MeasuredPicture, is_black, region_of
 
 _FEW = 16  # pixels of which nothing can be said
 _SEEN = 0.05  # share of a region that is left, at least, when what words color is left out
+_OF_MEANS = ("mean", "chromaticity")  # measures of a region's mean color
 _AIR = ("haze", "air_lightness", "tint")  # before what lies around; before the subject, if it is alone
 
 _NEARLY = 1.0  # changes from the interval, from where a change is enough: what was very blue is not warm yet
@@ -250,7 +251,11 @@ class ClaimSet:
         """An image's value of each claim: (n,), differentiable in it; None where the target is hardly seen."""
         means = self._means.of(picture) if self._means else {}
         return [
-            None if where is None else means[i] if i in means else claim.value(picture, where)
+            None
+            if where is None
+            else _of_mean(claim, means[i])
+            if i in means
+            else claim.value(picture, where)
             for i, (claim, where) in enumerate(zip(self.claims, self.regions, strict=True))
         ]
 
@@ -260,7 +265,7 @@ class ClaimSet:
         plain = {
             i: where
             for i, (claim, where) in enumerate(zip(self.claims, self.regions, strict=True))
-            if where is not None and claim.measure == "mean" and not claim.direction
+            if where is not None and claim.measure in _OF_MEANS and not claim.direction
         }
         return RegionMeans(plain) if len(plain) > _MANY else None
 
@@ -285,6 +290,11 @@ class ClaimSet:
         """Distance of an image from each claim that can be measured: (n,) each, see `Claim.residual`."""
         rows = zip(self.claims, self.values(picture), self.before, strict=True)
         return [claim.residual(value, before) for claim, value, before in rows if value is not None]
+
+
+def _of_mean(claim: Claim, mean: Tensor) -> Tensor:
+    """The value (n,) of a claim about a mean color (3,)."""
+    return mean if claim.measure == "mean" else chromaticity(mean)
 
 
 def _inside(box: Values, like: Tensor) -> Tensor:

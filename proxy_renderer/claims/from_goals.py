@@ -251,19 +251,24 @@ def _held(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
     if whole and not (light or color):  # how light falls: each place may change, their mean does not
         yield _still("picture", (_EXACT[0], math.inf, math.inf))
         light = True
-    width = tuple(math.inf if (color if n else light) else v for n, v in enumerate(_STILL))
+    if light and color:
+        return
+    # Of a darker image less chroma is the same color.
+    measure = "chromaticity" if light else "mean"
+    width = _STILL[1:] if light else (_STILL[0], math.inf, math.inf) if color else _STILL
     apart = [(c.part, c.materials) for c in claims if c.part != "picture" or c.materials]
     apart += [("picture", w.attribute.owners) for w in acting if w.attribute.owners]
     across, down = _PLACES
-    for x, y in product(range(across), range(down)) if min(width) < math.inf else ():
+    for x, y in product(range(across), range(down)):
         box = x / across, y / down, (x + 1) / across, (y + 1) / down
-        yield _still("picture", width, _HELD, box=box, apart=tuple(dict.fromkeys(apart)))
+        apart_from = tuple(dict.fromkeys(apart))
+        yield _still("picture", width, measure, weight=_HELD, box=box, apart=apart_from)
 
 
-def _still(part: Part, width: Values, weight: float = 1.0, **where: Any) -> Claim:
+def _still(part: Part, width: Values, measure: str = "mean", **where: Any) -> Claim:
     """A claim without words: a place keeps its mean color, as far as the widths, OKLab, go."""
     lower = tuple(-v for v in width)
-    return Claim("", _REST, "mean", part, lower, width, by=True, weight=weight, **where)
+    return Claim("", _REST, measure, part, lower, width, by=True, **where)
 
 
 def _of_every_image(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:

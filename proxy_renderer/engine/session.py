@@ -32,6 +32,9 @@ from ..vlm.endpoint import find_endpoint
 from . import pictures, report
 from .report import word_verdicts
 
+_PREDICTED = (
+    320  # pixels of the longer side of a prediction, which stands beside Cycles' image, or in a panel
+)
 _FURTHER = 2  # the most rounds of a further sentence: it begins where its image is nearly as wanted
 
 
@@ -133,7 +136,8 @@ class EngineSession:
         outcome, encoder = self._last("draw")
         rows: list[list[tuple[str, Image.Image]]] = []  # a column for each variant
         for number, (shot, state) in enumerate(zip(self.shots, outcome.shots, strict=True)):
-            size, job = picture_size(state.scene.resolution, self.options.size), Path(shot.job)
+            longest = self.options.size if self.options.figures else min(self.options.size, _PREDICTED)
+            size, job = picture_size(state.scene.resolution, longest), Path(shot.job)
             proxy = Proxy(state.scene, size, str(encoder.device), self.options.seed, fine=True)
             self._predicted.append(pictures.predict(proxy, outcome, number, job, self.options.figures))
             drawn = pictures.predict_variants(proxy, outcome, number, job)
@@ -148,8 +152,8 @@ class EngineSession:
         before, after = (pictures.load_picture(p) for p in (request.before, request.after))
         shape, shot = (after.shape[1], after.shape[0]), self.shots[request.shot]
         names, mask = self._predicted[request.shot]
-        predictions = {n: pictures.load_picture(Path(shot.job) / pictures.PICTURES[n], shape) for n in names}
-        shown = predictions["shown"]
+        files = {name: Path(shot.job) / pictures.PICTURES[name] for name in names}
+        shown = pictures.load_picture(files["shown"], shape)
 
         panels = [("before", before), ("the proxy's prediction", shown), ("after (Cycles)", after)]
         if outcome.reference:
@@ -159,11 +163,17 @@ class EngineSession:
         sheet = pictures.compare(self._rows, self.prompt, Path(outcome.shots[0].scene.film.fonts))
         pictures.save_image(sheet, Path(request.compare_out))
 
-        subject = np.asarray(mask.resize(shape, Image.Resampling.LANCZOS), np.float32) / 255.0
+        subject, rendered = (
+            np.asarray(mask, np.float32) / 255.0,
+            pictures.load_picture(request.after, mask.size),
+        )
         likeness = partial(_similarity, encoder, outcome.prompts.whole or self.prompt)
         rows = self._claims[request.shot].verdicts(*map(torch.from_numpy, (before, shown, after)))
         return messages.Finished(
-            prediction={n: pictures.difference(p, after, subject) for n, p in predictions.items()},
+            prediction={
+                name: pictures.difference(pictures.load_picture(file), rendered, subject)
+                for name, file in files.items()
+            },
             similarity={"before": likeness(before), "after": likeness(after)},
             judge=self._judge(row[0][1], row[-1][1]),
             claims=rows,

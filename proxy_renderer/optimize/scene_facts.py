@@ -218,10 +218,17 @@ def _limits(
     return -low if -below < offset[2] else -90.0, high if offset[2] < above else 90.0
 
 
+_ALL_SIDES = 15
+
+
 def _heights(scene: SceneData) -> tuple[float, float]:
     """Distances from the pivot straight down and up to the surroundings; infinite where there are none."""
     mesh, pivot = scene.mesh, np.array(scene.pivot)
-    around = ~np.array([o.subject for o in scene.objects])[mesh.object]
+    # Triangles that may lie above or below it: some of their corners are on either side, along both axes
+    side = mesh.vertices[:, :2] <= pivot[:2].astype(np.float32)
+    sides = (side * np.uint8([1, 2]) | ~side * np.uint8([4, 8])).sum(1, dtype=np.uint8)
+    a, b, c = sides[mesh.faces].T
+    around = ~np.array([o.subject for o in scene.objects])[mesh.object] & (a | b | c == _ALL_SIDES)
     corners = mesh.vertices[mesh.faces[around]].astype(float) - pivot
     a, b, c = corners[:, :, :2].transpose(1, 0, 2)
     areas = np.stack([_cross(b, c), _cross(c, a), _cross(a, b)], 1)

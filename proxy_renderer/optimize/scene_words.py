@@ -4,6 +4,7 @@
 import weakref
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import torch
@@ -50,8 +51,9 @@ def described(*scenes: SceneData) -> SceneDescription:
         lights |= light_descriptions(scene, added=False)
         objects |= {o.name: "subject" if o.subject else "surroundings" for o in scene.objects}
         materials |= {m.name: "subject" if m.role == "subject" else "surroundings" for m in scene.materials}
-        pairs = np.unique(np.stack([scene.mesh.object, scene.mesh.material], 1), axis=0)
-        for o, m in pairs.tolist():
+        count = len(scene.materials)
+        pairs = np.flatnonzero(np.bincount(scene.mesh.object * count + scene.mesh.material))
+        for o, m in (divmod(pair, count) for pair in pairs.tolist()):
             names = worn.setdefault(scene.objects[o].name, [])
             names += [scene.materials[m].name] * (scene.materials[m].name not in names)
     looks = present_looks(scenes[0]) if scenes else {}
@@ -99,7 +101,8 @@ class _Rays:
     place: np.ndarray  # (2, N) x and y
 
 
-_met: weakref.WeakKeyDictionary[SceneMesh, _Rays] = weakref.WeakKeyDictionary()
+_met: weakref.WeakKeyDictionary[SceneMesh, tuple[Path, _Rays]] = weakref.WeakKeyDictionary()
+"""Of each mesh in use: the last job with it, and its camera's rays."""
 
 
 def present_looks(scene: SceneData) -> dict[str, MaterialLook]:
@@ -122,10 +125,12 @@ def present_looks(scene: SceneData) -> dict[str, MaterialLook]:
 
 
 def _rays(scene: SceneData) -> _Rays:
-    """Rays of a scene; those of its mesh are traced once, as a tree takes longer than the reading of a prompt."""
-    if scene.mesh not in _met:
-        _met[scene.mesh] = _traced(scene)
-    return _met[scene.mesh]
+    """Rays of a scene; those of its job are traced once, as a tree takes longer than the reading of a prompt."""
+    job, rays = _met.get(scene.mesh, (None, None))
+    if rays is None or job != scene.folder:
+        rays = _traced(scene)
+        _met[scene.mesh] = scene.folder, rays
+    return rays
 
 
 def _traced(scene: SceneData) -> _Rays:

@@ -26,8 +26,8 @@ from ..words.parser import Understood
 from ..words.types import SaidLink
 from .scene_words import described
 
-_SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim")}
-"""Lights that single words may need, as "rim light" does where no rig is asked for."""
+_SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim", "kicker", "bounce")}
+"""Lights that single words may need, as "rim light" does where no rig is asked for; the last two for a second one."""
 
 
 @dataclass(frozen=True)
@@ -75,18 +75,17 @@ def set_stage(
     goals = written.within(understood.scene) if written else goals_or_why(understood)
     if isinstance(goals, VibeError):
         return StagedScenes(list(scenes), understood, goals)
-    vocabulary = default_vocabulary()
+    vocabulary, first = default_vocabulary(), scenes[0]
+    adds = goes_on and new_lights and sentences.adds_light(prompt)
     if goes_on:
         goals = further(goals, vocabulary, factor)
-    if chosen := chosen_rig(goals, rig_table(), vocabulary):
-        rig = lighting(scenes, goals.parsed, chosen, new_lights)
+    if chosen := chosen_rig(goals, rig_table(), vocabulary, adds):
+        rig = lighting(scenes, goals.parsed, chosen, new_lights, adds)
         return StagedScenes(rig.scenes, understood, goals, rig)
 
     # No rig: lights and a backdrop that single words need
-    first = scenes[0]
     spare = [ADDED_LIGHTS[light.name] for light in first.standby.lights if light.name in _SPARE]
-    roles = {light.name: light.role for light in spare}
-    instances = dict(first.instances)
+    roles, instances = {light.name: light.role for light in spare}, dict(first.instances)
     names = missing_lights(goals, instances, understood.scene, roles, vocabulary) if new_lights else []
     parts = asks_for_backdrop(goals, instances, understood.scene, vocabulary)
     if parts and all(scene.may_have_backdrop for scene in scenes):

@@ -9,6 +9,7 @@ from ..scene import SceneData
 from ..words.types import Glow
 
 _MOST = 1.0  # a surface that glows all around gives white surfaces its own radiance
+_ENOUGH = 50_000  # triangles of a glow that are looked at
 
 
 def glowing(scene: SceneData) -> list[str]:
@@ -31,14 +32,16 @@ def glows(scene: SceneData) -> dict[str, Glow]:
         faces = np.flatnonzero(mesh.material == number)
         if material.name not in names or not len(faces):
             continue
-        corners = mesh.vertices[mesh.faces[faces]].astype(float)
+        objects = {scene.objects[o].name for o in np.flatnonzero(np.bincount(mesh.object[faces])).tolist()}
+        # of very many triangles some stand for all
+        step = max(len(faces) // _ENOUGH, 1)
+        corners = mesh.vertices[mesh.faces[faces[::step]]].astype(float)
         # as long as its area
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2.0
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) * (step / 2.0)
         way = corners.mean(1) - pivot
         square = np.maximum((way**2).sum(1), max(near, 1e-12))
         light = np.abs((normal * way).sum(1)) / (math.pi * square**1.5)
         x, y, _ = (way * light[:, None]).sum(0)
-        objects = {scene.objects[o].name for o in np.unique(mesh.object[faces]).tolist()}
         computed = material.maps.get("emission_color")
         color = computed.image.reshape(-1, 3).mean(0).tolist() if computed else (1.0, 1.0, 1.0)
         levels = material.maps.get("emission")

@@ -139,11 +139,9 @@ def missing_lights(
     for wish, effect in acts(goals, vocabulary, owners):
         role = _asked(effect, wish.attribute, owners)
         roles += [role] if role and role not in roles else []
-    found: list[str] = []
-    for role in roles:
-        free = [name for name in standby if name not in found]
-        found += sorted(free, key=lambda name: standby[name] != role)[:1]
-    return found
+    return [
+        next(name for name in standby if standby[name] == role) for role in roles if role in standby.values()
+    ]
 
 
 def _asked(effect: Effect, attribute: Attribute, owners: Owners) -> str:

@@ -3,7 +3,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -12,11 +12,12 @@ from torch import Tensor
 from torch.nn import functional
 
 from ..scene import Material, SceneData
-from ..scene.values import Remembered, RenderValues
+from ..scene.values import Remembered, RenderValues, needs_gradient
 from ..schema import FAMILIES, VibeError
 from .cycles import Correction, CyclesPicture
 from .film import Film
 from .geometry.camera import View, view_of
+from .layers import LightLayers
 from .lights.emitters import Emitters
 from .lights.environment import Environment, sky_of
 from .lights.light_source import LightSource
@@ -75,6 +76,7 @@ class Proxy:
         self.correction: Correction | None = None
         self._cache: ViewCache | None = None
         self._made = Remembered()
+        self._layers: tuple[Correction, LightLayers, LatentImage] | None = None  # of the last anchor
         self._undeveloped: tuple[LatentImage, Mapping[str, Tensor], Correction | None] | None = None
 
     def render(self, values: Mapping[str, Tensor]) -> Render:
@@ -107,8 +109,10 @@ class Proxy:
         """Renders the scene, up to the film, whose values do not count.
 
         With a `cache`, nothing is traced again except for a lamp that has moved: mirrors and glasses then stay what they
-        were, as they do for gradients.
+        were, as they do for gradients. What differs from the anchor only in powers and colors of lights is a sum of layers.
         """
+        if (latent := self._layered(values)) is not None:
+            return latent
         frame = self._frame(values, cache)
         radiance, passing = self._light(frame)
         # A correction of another camera is looked up by sample, so that outlines stay smooth.
@@ -154,7 +158,28 @@ class Proxy:
             emission = self._picture(frame.only(""))
             parts = {owner: self._picture(frame.only(owner)) - emission for owner in colors}
             self.correction = Correction.of(picture, whole, parts, colors, values, frame.view, frame.cache)
+            rest = whole - sum(parts.values(), torch.zeros_like(whole))
+            layers = LightLayers(dict(values), colors, parts, rest)
+            self._layers = None  # until the anchor's own picture is drawn
+            self._layers = self.correction, layers, self.expose(values, frame.cache)
         return self.correction
+
+    def _layered(self, values: Mapping[str, Tensor]) -> LatentImage | None:
+        """The latent image by the layers of the anchor; None where other values than those of light differ from it."""
+        if self._layers is None or needs_gradient(*values.values()):
+            return None
+        correction, layers, anchor = self._layers
+        if correction is not self.correction or not layers.serve(values, self.scene):
+            return None
+        settings = RenderValues(self.scene, values, self.device)
+        sky = sky_of(self.environment, settings)
+        lamps = light_sources(self.scene, settings, self._made) + sky.lamps
+        colors = {**{lamp.owner: lamp.color for lamp in lamps}, "world": sky.color}
+        picture = layers.picture(colors)
+        if picture is None:
+            return None
+        linear = correction.pixels(picture, colors).view(-1, *self.size[::-1]).permute(1, 2, 0)
+        return replace(anchor, linear=linear)
 
     def _before(self, values: Mapping[str, Tensor], cache: ViewCache) -> Tensor:
         """Radiance (3, N) of the anchor's values at the samples of the current camera."""

@@ -167,8 +167,11 @@ class ChosenRig:
     served: tuple[Attribute, ...]  # the attributes that it takes the place of
 
 
-def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary) -> ChosenRig | None:
-    """The rig that a prompt asks for; None where no word stands for a setup, and each acts on the lights that are there."""
+def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary, adds: bool = False) -> ChosenRig | None:
+    """The rig that a prompt asks for; None where no word stands for a setup, and each acts on the lights that are there.
+
+    A prompt that `adds` lights names none that are there: "and a rim light".
+    """
     # words that tell glowing things apart by their names act on these alone
     attributes = [a for a in goals.parsed.attributes if a.entry]
     apart = len({a.lights for a in attributes if a.of_glows}) > 1
@@ -183,7 +186,7 @@ def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary) -> ChosenR
     turns = [a for a in said if (m := table.modifier(a.entry)) and "direction" in m.aspects]
     directed = any(a.kind in _OF_LIGHT and not (a.negated or a.cause) for a in turns)
     lamps = _lit_lamps(said, table)
-    added = {part for a in said if _only_adds(a, table, vocabulary) for part in table.parts(a.entry)}
+    added = {part for a in said if _only_adds(a, table, vocabulary, adds) for part in table.parts(a.entry)}
     if not setups and len(gels) < 2 and not (lights or directed or lamps or added):
         return None
     parts = {light.part for light in lights} | added | ({"practical"} if lamps else set())
@@ -347,9 +350,11 @@ class _Build:
         self.rig = replace(self.rig, lights=(*others, light))
 
     def may_modify(self, attribute: Attribute) -> bool:
-        """True if a word changes lights of the rig; where the scene stays lit as it is, it is about the scene's own."""
-        of_light = attribute.kind in _OF_LIGHT and not attribute.owners
-        return of_light and not self.first.keeps_own_light and bool(self.table.modifier(attribute.entry))
+        """True if a word changes lights of the rig; where the scene stays lit as it is, others than those added are the scene's own."""
+        of_added = any(light.part in _PARTS.get(attribute.role, ()) for light in self.rig.lights)
+        of_rig = of_added or not self.first.keeps_own_light
+        of_light = attribute.kind in _OF_LIGHT or bool(attribute.role)
+        return of_light and of_rig and not attribute.owners and bool(self.table.modifier(attribute.entry))
 
     def modify(self, attribute: Attribute, parts: Sequence[str]) -> None:
         """Changes the lights that a modifier is said of."""
@@ -427,11 +432,11 @@ def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
     return [a for a in every if a.entry not in table.modifiers] or every[:1]
 
 
-def _only_adds(attribute: Attribute, table: RigTable, vocabulary: Vocabulary) -> bool:
-    """True if all that a word asks for is a further light, which only a rig has: "background light"."""
+def _only_adds(attribute: Attribute, table: RigTable, vocabulary: Vocabulary, adds: bool) -> bool:
+    """True if all that a word asks for is a further light: one that only a rig has, as "background light", or any where a prompt `adds` it."""
     entry = vocabulary.entries.get(attribute.entry)
     is_said = not (attribute.negated or attribute.cause)
-    return is_said and bool(table.parts(attribute.entry)) and not (entry and entry.wishes)
+    return is_said and bool(table.parts(attribute.entry)) and (adds or not (entry and entry.wishes))
 
 
 def _gels(said: Sequence[Attribute], setups: Sequence[Attribute], table: RigTable) -> list[Attribute]:

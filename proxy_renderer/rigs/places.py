@@ -15,7 +15,7 @@ from torch import Tensor
 
 from ..scene import Light, SceneData
 from ..schema import orbit
-from ..schema.added_lights import PARTS, light_name
+from ..schema.added_lights import PARTS, light_name, role_of
 from ..words.lexicon.rigs import RigLight
 from ..words.names import plain_name
 from .stage import LightStage, Points
@@ -54,15 +54,20 @@ class Placed:
     fixed: bool = False  # whether it must stay where it is: at a lamp, in a window
 
 
-def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True) -> list[Placed]:
-    """The lights of a rig that reach their targets, the key first; without `add`, the scene's own key plays its part anywhere."""
+def placed(
+    lights: Iterable[RigLight], stage: LightStage, add: bool = True, anew: bool = False
+) -> list[Placed]:
+    """The lights of a rig that reach their targets, the key first; without `add`, the scene's own key plays its part anywhere.
+
+    With `anew` all of them are added.
+    """
     found: list[Placed] = []
-    turned = 1.0
+    turned, present = 1.0, {light.name for light in stage.scene.lights if anew}
     for light in lights:
         # an accent beside the key would be a second key
         either = light.mirrored and not (found and light.part == "accent")
         wanted = replace(light, azimuth=turned * light.azimuth, mirrored=either)
-        taken = {each.name for each in found}
+        taken = present | {each.name for each in found}
         mine = _own(wanted, stage, taken)
         mine = mine or (_added(wanted, stage, taken, alone=not found) if add else None)
         if mine is None:  # the key of the scene, or the light that is called "Rim", wherever it stands
@@ -166,7 +171,8 @@ def _made(
 def _free_name(part: str, kind: str, stage: LightStage, taken: set[str]) -> str:
     """The name of an added light for a part, or of another part's where a rig has two of it; "" if all are taken."""
     free = {light.name for light in stage.scene.standby.lights} - taken
-    names = (light_name(each, kind) for each in (part, *PARTS))
+    role = role_of(part)
+    names = (light_name(each, kind) for each in (part, *sorted(PARTS, key=lambda p: role_of(p) != role)))
     return next((name for name in names if name in free), "")
 
 

@@ -128,8 +128,10 @@ class LightStage:
     def things(self) -> list[tuple[str, frozenset[str], Tensor, float]]:
         """Of each object: its name, the words of it, the middle (3,) of its box, and the box's half diagonal."""
         mesh, found = self.scene.mesh, []
-        for number, thing in enumerate(self.scene.objects):
-            if len(faces := mesh.faces[mesh.object == number]):
+        order = np.argsort(mesh.object, kind="stable")
+        ends = np.bincount(mesh.object, minlength=len(self.scene.objects)).cumsum()[:-1]
+        for thing, mine in zip(self.scene.objects, np.split(order, ends), strict=True):
+            if len(faces := mesh.faces[mine]):
                 words = frozenset(word.removesuffix("s") for word in plain_name(thing.name).split())
                 found.append((thing.name, words, *_box(mesh.vertices[faces.ravel()])))
         return found
@@ -138,9 +140,10 @@ class LightStage:
         """Of each object that wears one of some materials: the middle (3,) of the part that does, and half its diagonal."""
         mesh = self.scene.mesh
         numbers = [n for n, material in enumerate(self.scene.materials) if material.name in materials]
-        wears = np.isin(mesh.material, numbers)
-        for thing in np.unique(mesh.object[wears]):
-            yield _box(mesh.vertices[mesh.faces[wears & (mesh.object == thing)].ravel()])
+        wearing = np.isin(mesh.material, numbers).nonzero()[0]
+        owner = mesh.object[wearing]
+        for thing in np.flatnonzero(np.bincount(owner)):
+            yield _box(mesh.vertices[mesh.faces[wearing[owner == thing]].ravel()])
 
 
 def _box(corners: np.ndarray) -> tuple[Tensor, float]:

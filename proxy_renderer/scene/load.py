@@ -3,6 +3,7 @@
 
 import json
 import math
+import weakref
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -15,6 +16,7 @@ from .data import Array
 
 FORMAT = 1
 _FARTHEST = 1e9  # meters from the origin beyond which squares of areas leave the range of 32-bit floats
+_AT_ONCE = 1 << 18  # triangles that are checked at once, for memory
 _EXPORT_AGAIN = "Export the scene again with the add-on that belongs to this engine."
 _ROWS = {(p.group, p.name): p for p in PARAMETERS}
 _MESH_SHAPES = {
@@ -136,6 +138,12 @@ def _picture(path: Path, channels: tuple[int, ...] = (3,)) -> Array:
     return np.nan_to_num(image, nan=0.0, posinf=0.0, neginf=0.0).clip(0.0)
 
 
+_meshes: weakref.WeakSet[data.SceneMesh] = weakref.WeakSet()
+"""Meshes in use: what follows from one, as its tree for rays, serves all jobs of a scene."""
+_ALIKE = {"vertices": 1e-6, "normals": 1e-3, "uvs": 0.02}
+"""How far numbers of one mesh may differ from export to export, of the greatest: subdivision rounds as its threads come."""
+
+
 def _mesh(path: Path, materials: int, objects: int) -> data.SceneMesh:
     with np.load(path, allow_pickle=False) as stored:
         arrays = {name: stored[name] for name in _MESH_SHAPES}
@@ -152,23 +160,48 @@ def _mesh(path: Path, materials: int, objects: int) -> data.SceneMesh:
     arrays = _drop_broken(arrays)
     if not len(arrays["faces"]):
         raise VibeError("The scene has no mesh that can be rendered.", "Add a mesh, or make one visible.")
-    return data.SceneMesh(**arrays)
+    mesh = next((known for known in tuple(_meshes) if _is_alike(known, arrays)), None)
+    mesh = mesh or data.SceneMesh(**arrays)
+    _meshes.add(mesh)
+    return mesh
+
+
+def _is_alike(mesh: data.SceneMesh, arrays: dict[str, Array]) -> bool:
+    """True if arrays are those of a mesh, but for rounding."""
+    pairs = {name: (getattr(mesh, name), array) for name, array in arrays.items()}
+    if any(one.shape != other.shape for one, other in pairs.values()):
+        return False
+    if not all(np.array_equal(*pairs[name]) for name in pairs.keys() - _ALIKE):
+        return False
+    greatest = {
+        name: max(float(np.abs(mesh.vertices).max()), 1e-9) if name == "vertices" else 1.0 for name in _ALIKE
+    }
+    return all(
+        np.abs(np.subtract(*pairs[name])).max() <= most * greatest[name] for name, most in _ALIKE.items()
+    )
 
 
 def _drop_broken(arrays: dict[str, Array]) -> dict[str, Array]:
     """Removes triangles that have no area or a corner without a usable place; mends broken normals and UVs."""
-    corners = arrays["vertices"][arrays["faces"]]
+    keep = np.ones(len(arrays["faces"]), bool)
+    for first in range(0, len(keep), _AT_ONCE):
+        some = slice(first, first + _AT_ONCE)
+        keep[some] = _mend(arrays["vertices"][arrays["faces"][some]], arrays["normals"][some])
+    np.nan_to_num(arrays["uvs"], copy=False, nan=0.0, posinf=0.0, neginf=0.0)
+    return arrays if keep.all() else {k: v if k == "vertices" else v[keep] for k, v in arrays.items()}
+
+
+def _mend(corners: Array, normals: Array) -> Array:
+    """Which triangles (n, 3, 3) can be used, (n,) bool; broken normals (n, 3, 3) become those of the triangles."""
     finite = (np.abs(corners) < _FARTHEST).all((1, 2))  # also false for what is not a number
     corners = np.where(finite[:, None, None], corners, 0.0).astype(float)
     flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(flat, axis=1)
-    keep = finite & (area > 0)
-    length = np.linalg.norm(arrays["normals"], axis=2, keepdims=True)
+    length = np.linalg.norm(normals, axis=2, keepdims=True)
     facet = (flat / np.where(area > 0, area, 1.0)[:, None]).astype(np.float32)
     sound = np.isfinite(length) & (length > 1e-6)
-    arrays["normals"] = np.where(sound, arrays["normals"] / np.where(sound, length, 1.0), facet[:, None])
-    arrays["uvs"] = np.nan_to_num(arrays["uvs"], nan=0.0, posinf=0.0, neginf=0.0)
-    return {k: v if k == "vertices" else v[keep] for k, v in arrays.items()}
+    normals[:] = np.where(sound, normals / np.where(sound, length, 1.0), facet[:, None])
+    return finite & (area > 0)
 
 
 def _instances(rows: dict[str, Any]) -> dict[str, Instance]:

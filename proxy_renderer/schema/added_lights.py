@@ -28,8 +28,13 @@ class AddedLight:
 
     @property
     def role(self) -> str:
-        """Its role among the scene's lights: "key", "fill" or "rim"."""
-        return _ROLES.get(self.part, "fill")
+        """Its role among the scene's lights."""
+        return role_of(self.part)
+
+
+def role_of(part: str) -> str:
+    """The role of a light that plays a part: "key", "fill" or "rim"."""
+    return _ROLES.get(part, "fill")
 
 
 def light_name(part: str, kind: str, pattern: str = "") -> str:

@@ -80,6 +80,10 @@ _START = re.compile(
     r"^(?:(?:and|but|now|then|also|plus|please|hm+|ok|okay|actually|nice|make (?:it|that|this)|keep everything(?: else)?(?: as it is)?,? but)\b[ ,.]*)+",
     re.I,
 )
+_ANOTHER = re.compile(
+    r"\b(?:an?|another|one more|an extra)(?: (?!\w+er\b|more\b|less\b)[\w-]+){0,3} (?:rim|edge|hair|back|kicker|fill)(?:light)?\b",
+    re.I,
+)
 _SEEMS = r"(?:'s|\b (?:is|are|gets?|got|goes|went|looks?|feels?|reads?|seems?)\b)"
 _COMPLAINT = re.compile(
     rf"(?:the )?(?P<thing>[\w -]+?){_SEEMS} [^,;.]*[,;.]+ (?P<act>[^,;.]*\b(?:it|them)\b.*)", re.I
@@ -194,6 +198,15 @@ def _factor(named: dict[str, str]) -> float:
     text = named["share"].lower()
     share = _FACTORS[text] if text in _FACTORS else float(text.rstrip("%percnt ")) / 100.0
     return 1.0 + share if named.get("sign", "").lower() in ("more", "stronger") else 1.0 - share
+
+
+def adds_light(sentence: str) -> bool:
+    """True if a sentence asks for a rim or a fill beside those that are there.
+
+    >>> adds_light("a cool rim light"), adds_light("the rim light cooler")
+    (True, False)
+    """
+    return bool(_ANOTHER.search(sentence))
 
 
 def plain(sentence: str) -> tuple[str, float]:

@@ -161,6 +161,7 @@ def test_every_measure_of_one_number_is_tried() -> None:
         "off_hue",
         "accent",
         "mean",
+        "chromaticity",
         "cast",
         "shadow_cast",
         "midtone_cast",
@@ -355,6 +356,19 @@ def test_values_are_sought_inside_of_what_holds() -> None:
     light, _, least = replace(dark, weight=0.5).aim(torch.tensor([50.0]), None)
     assert (float(light), float(least)) == (12.5, 6.5)
     assert dark.miss(torch.tensor([30.0]), None) == 0
+
+
+@pytest.mark.parametrize("stops", [-2.0, 1.0])
+def test_exposure_leaves_a_chromaticity_alone(stops: float) -> None:
+    """OKLab's three numbers grow alike with light: the cube root of a product is a product."""
+    light = torch.tensor([0.2, 0.1, 0.05]).expand(SIZE, SIZE, 3)
+    whole = torch.ones(SIZE, SIZE, dtype=torch.bool)
+    seen = edged(20.0).seen
+    one, other = (
+        MEASURES["chromaticity"].take(MeasuredPicture(srgb_from_linear(factor * light), seen), whole)
+        for factor in (1.0, 2.0**stops)
+    )
+    assert torch.allclose(one, other, atol=0.1)
 
 
 def test_the_color_of_a_subject_is_not_that_of_what_it_shares_with_its_surroundings() -> None:

@@ -73,10 +73,14 @@ def test_a_scene_that_has_the_lights_lacks_none():
     assert found("bright rim light", lights) == found("red and blue lights", lights) == []
 
 
-def found(prompt, lights):
+def test_a_light_on_standby_plays_no_other_part():
+    assert found("bright rim light", (("Light", "POINT", "key", -40.0),), {"Vibe Fill": "fill"}) == []
+
+
+def found(prompt, lights, standby=STANDBY):
     context = SceneDescription(lights={name: LightDescription(kind) for name, kind, _, _ in lights})
     goals = goals_of(parse(prompt, SceneDescription()))
-    return missing_lights(goals, make_instances(lights=lights), context, STANDBY, default_vocabulary())
+    return missing_lights(goals, make_instances(lights=lights), context, standby, default_vocabulary())
 
 
 @pytest.mark.parametrize(("prompt", "blue"), [("morning light", False), ("morning, pale blue light", True)])

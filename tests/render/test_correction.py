@@ -278,3 +278,33 @@ def test_what_is_not_there_is_an_error(tmp_path: Path) -> None:
 
 def test_the_rest_is_an_owner_too(truth: Proxy, proxy: Proxy) -> None:
     assert proxy.anchor({}, picture_of(truth)).owners == (*OWNERS, REST)
+
+
+@pytest.mark.parametrize(
+    ("values", "layered"),
+    [
+        ({"light/Lamp 0/power": 700.0}, True),
+        ({"light/Lamp 0/color": (1.0, 0.3, 0.1), "light/Lamp 1/temperature": 3000.0}, True),
+        ({"world/strength": 3.0, "world/color": (0.1, 0.15, 0.2), "film/exposure": 1.0}, True),
+        ({"light/Lamp 1/power": 0.0, "light/Lamp 0/size": SCENE.value("light/Lamp 0/size")}, True),
+        ({"light/Lamp 0/power": 1e6}, False),
+        ({"light/Lamp 0/power": 700.0, "light/Lamp 0/size": 0.3}, False),
+        ({"material/Floor/roughness": 0.2}, False),
+    ],
+    ids=str,
+)
+def test_layers_of_the_anchor_add_up_to_what_would_be_drawn(
+    truth: Proxy, proxy: Proxy, values, layered
+) -> None:
+    proxy.anchor({}, picture_of(truth))
+    with torch.no_grad():
+        assert (proxy._layered(tensors(values)) is not None) == layered
+    quick = render(proxy, **values)
+    proxy._layers = proxy._undeveloped = None
+    torch.testing.assert_close(quick, render(proxy, **values), atol=1e-5, rtol=1e-4)
+
+
+def test_gradients_pass_no_layers(truth: Proxy, proxy: Proxy) -> None:
+    proxy.anchor({}, picture_of(truth))
+    power = torch.tensor([700.0], requires_grad=True)
+    assert proxy._layered({"light/Lamp 0/power": power}) is None

@@ -61,7 +61,7 @@ def _spare() -> Standby:
         values = {**_COMMON, **{name: (_AT_HOME[name],) for name in names}}
         for name, value in values.items():
             instance = Instance(
-                FAMILIES[f"light/{name}"], what.name, value, 4.0 if name == "distance" else 1.0
+                FAMILIES[f"light/{name}"], what.name, value, 4.0 if name == "distance" else 1.0, what.role
             )
             instances[instance.key] = instance
     return Standby(tuple(lights), instances)
@@ -199,6 +199,20 @@ def test_an_added_light_is_off_before_the_vibe_and_written_with_all_its_values(s
     from proxy_renderer.optimize.shots import added_values
 
     assert f"light/{name}/azimuth" in added_values(addition.scenes[0])
+
+
+def test_a_further_sentence_adds_another_rim_and_leaves_those_that_are_there(scene):
+    """Without the article the rim that is there is meant."""
+    lit = scene.with_lights(["Vibe Rim"])
+    free = tuple(light for light in lit.standby.lights if light.name != "Vibe Rim")
+    lit = replace(lit, standby=replace(lit.standby, lights=free))
+    stage = set_stage([lit], "and a cool rim light", goes_on=True)
+    assert {x.name for x in stage.scenes[0].lights} - {x.name for x in lit.lights} == {"Vibe Kicker"}
+    assert {stage.scenes[0].instances[key].owner for key in stage.plan.entries} == {"Vibe Kicker"}
+    assert stage.plan.entries["light/Vibe Kicker/temperature"].start[0] > 7000.0
+    stage = set_stage([lit], "the rim light cooler", goes_on=True)
+    assert stage.scenes[0].lights == lit.lights
+    assert stage.plan is None
 
 
 def test_without_new_lights_the_scenes_own_plays_the_key(scene):

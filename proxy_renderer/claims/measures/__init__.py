@@ -70,6 +70,12 @@ MEASURES: dict[str, Measure] = {
     ),
     "sheen": Measure(light.sheen, "", 0.05, "glow along the edges of the {}", of_finish=True),
     "mean": Measure(color.mean, "OKLab", 1.0, "color of the {}"),
+    "chromaticity": Measure(
+        lambda picture, where: color.chromaticity(color.mean(picture, where)),
+        "OKLab",
+        1.0,
+        "color of the {} in any light",
+    ),
     "lower_quartile": Measure(color.tone(0.25), "L*", 2.0, "lightness of the darker quarter of the {}"),
     "median": Measure(color.tone(0.5), "L*", 2.0, "median lightness of the {}"),
     "upper_quartile": Measure(color.tone(0.75), "L*", 2.0, "lightness of the lighter quarter of the {}"),

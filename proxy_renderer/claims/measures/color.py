@@ -199,6 +199,17 @@ def mean(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return picture.oklab[where].mean(0)
 
 
+_OF_LIGHTNESS, _NEARLY_BLACK = (
+    60.0,
+    20.0,
+)  # lightness, OKLab times 100, at which a chromaticity is stated, and its least
+
+
+def chromaticity(mean: Tensor) -> Tensor:
+    """Color of a mean (3,) OKLab, whatever light falls on it: (2,) a and b at lightness 60, which exposure leaves alone."""
+    return mean[1:] * (_OF_LIGHTNESS / mean[0].clamp_min(_NEARLY_BLACK))
+
+
 class RegionMeans:
     """The measure `mean` of many regions at once, (H, W) bool each, by any number."""
 

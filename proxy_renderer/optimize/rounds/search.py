@@ -32,7 +32,9 @@ from .method import Method
 from .selection import Selection
 
 _VALUES = 48  # that a round for a reference image may refine, at least
-_STRIDE = 0.05  # of a value's whole range: a projection that moves none by more needs no new anchor
+_STRIDE, _FURTHER_STRIDE = 0.05, 0.25
+"""Of a value's whole range: a projection that moves none by more needs no new anchor; that of a further sentence, which
+begins near where it ends, less often."""
 
 
 class ImageJudge:
@@ -195,7 +197,8 @@ class Search:
         if not here.earlier and self.reference and self.reference.same:
             goal = self.reference.display
             u = with_key_turned(self.shots[0].scene, self.vector, u, now.lower, now.upper, goal)
-        shots = [shot.anchored(u, here.number, _STRIDE).viewed(u) for shot in now.shots]
+        stride = _FURTHER_STRIDE if self.options.goes_on else _STRIDE
+        shots = [shot.anchored(u, here.number, stride).viewed(u) for shot in now.shots]
         return replace(now, u=u, shots=shots)
 
     def select(self, now: Confined, u: Tensor, shots: Sequence[ShotState] = ()) -> Selection:

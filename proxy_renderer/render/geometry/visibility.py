@@ -162,6 +162,42 @@ class Opacity(Protocol):
         """Alpha (N,) of surface points; `by_camera` if the exported camera sees them directly."""
 
 
+@dataclass(frozen=True)
+class TriangleArrays:
+    """The triangles of a mesh on a device; see `RayGeometry`."""
+
+    corners: Tensor
+    normals: Tensor
+    uvs: Tensor
+    material: Tensor
+    object: Tensor
+    size: float
+
+    @classmethod
+    def of(cls, mesh: SceneMesh, device: torch.device) -> TriangleArrays:
+        """Those of a mesh; on the CPU its own arrays, as far as that goes."""
+        corners = mesh.vertices[mesh.faces]
+        low, high = corners.min((0, 1)), corners.max((0, 1))
+        by_corner = (
+            torch.from_numpy(each).to(device).transpose(0, 1) for each in (corners, mesh.normals, mesh.uvs)
+        )
+        owners = (torch.from_numpy(each).to(device, torch.int64) for each in (mesh.material, mesh.object))
+        return cls(*by_corner, *owners, float(np.linalg.norm(high - low)))
+
+
+_on_device: weakref.WeakKeyDictionary[SceneMesh, dict[torch.device, TriangleArrays]] = (
+    weakref.WeakKeyDictionary()
+)
+"""Of each mesh; all renderers of it share them."""
+
+
+def _arrays_of(mesh: SceneMesh, device: torch.device) -> TriangleArrays:
+    arrays = _on_device.setdefault(mesh, {})
+    if device not in arrays:
+        arrays[device] = TriangleArrays.of(mesh, device)
+    return arrays[device]
+
+
 class RayGeometry:
     """The scene's triangles, ready for rays and for look-ups. Rays are traced on the CPU, whatever the device.
 
@@ -171,25 +207,26 @@ class RayGeometry:
         uvs: (3, F, 2).
         material, object: (F,) int64.
         opacity: Alpha of what is not opaque; None where everything is.
-        glass: (M,) share of light that passes a surface of each material, refracted.
+        glass: (M,) share of light that passes a surface of each material, refracted. Materials that are `glassy` (M,) from
+            the first are sorted with those that have some.
         size: Diagonal of the bounding box in meters; offsets and tolerances are relative to it.
     """
 
     def __init__(
-        self, mesh: SceneMesh, hidden: list[frozenset[str]], opacity: Opacity, device: torch.device
+        self,
+        mesh: SceneMesh,
+        hidden: list[frozenset[str]],
+        opacity: Opacity,
+        glassy: Tensor,
+        device: torch.device,
     ) -> None:
-        triangles = mesh.vertices[mesh.faces]
         self.device = device
-        self.corners = torch.from_numpy(triangles).to(device).permute(1, 0, 2).contiguous()
-        self.normals = torch.from_numpy(mesh.normals).to(device).permute(1, 0, 2).contiguous()
-        self.uvs = torch.from_numpy(mesh.uvs).to(device).permute(1, 0, 2).contiguous()
-        self.material = torch.from_numpy(mesh.material).to(device, torch.int64)
-        self.object = torch.from_numpy(mesh.object).to(device, torch.int64)
-        flat = triangles.reshape(-1, 3)
-        self.size = float(np.linalg.norm(flat.max(0) - flat.min(0)))
+        triangles = _arrays_of(mesh, device)
+        self.corners, self.normals, self.uvs = triangles.corners, triangles.normals, triangles.uvs
+        self.material, self.object, self.size = triangles.material, triangles.object, triangles.size
         self.opacity = opacity if bool(opacity.clear[self.material].any()) else None
         self.glass = torch.zeros(len(opacity.clear), device=device)
-        self._mesh, self._hidden = mesh, hidden
+        self._mesh, self._hidden, self._glassy = mesh, hidden, glassy.to(device)
         self._apart: frozenset[int] = frozenset()
         self._sort()
 
@@ -208,7 +245,8 @@ class RayGeometry:
             self._sort()
 
     def _sort(self) -> None:
-        clear = self.glass > 0 if self.opacity is None else self.opacity.clear | (self.glass > 0)
+        glassy = self._glassy | (self.glass > 0)
+        clear = glassy if self.opacity is None else self.opacity.clear | glassy
         self._classes = classes_of(self._mesh, self._hidden, clear.cpu().numpy(), self._apart)
         self._filter = any(c.clear for c in self._classes)
 

@@ -295,4 +295,10 @@ class MaterialOpacity:
 def geometry_of(scene: SceneData, device: torch.device) -> RayGeometry:
     """The scene's triangles, with the opacity of their materials."""
     hidden = [frozenset(thing.hidden) for thing in scene.objects]
-    return RayGeometry(scene.mesh, hidden, MaterialOpacity(scene, device), device)
+    glassy = torch.tensor(
+        [
+            "transmission" in m.maps or scene.value(f"material/{m.name}/transmission")[0] > 0.0
+            for m in scene.materials
+        ]
+    )
+    return RayGeometry(scene.mesh, hidden, MaterialOpacity(scene, device), glassy, device)

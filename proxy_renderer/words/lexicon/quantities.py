@@ -26,7 +26,12 @@ COLORS = (
 PARTS = ("thing", "subject", "surroundings", "picture", "sky")
 _TINTS = ("tint", "accent")  # measures of which only what lies in the direction of a color counts
 _IN_TWO = ("off_hue", "cast", "shadow_cast", "midtone_cast", "highlight_cast")
-_NUMBERS = {"color": 3, "mean": 3, **dict.fromkeys(_IN_TWO, 2)}  # measure -> how many, if several
+_NUMBERS = {
+    "color": 3,
+    "mean": 3,
+    "chromaticity": 2,
+    **dict.fromkeys(_IN_TWO, 2),
+}  # measure -> how many, if several
 _NUMBER = r"-?\d*\.?\d+"
 _END = rf"{_NUMBER}(?:,{_NUMBER})*"
 _CLAIM = re.compile(

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The picture of an anchor, split by light: light adds up, so one of other powers and colors is a sum, and is drawn at once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from ..scene import SceneData
+from ..schema import split_key
+
+_OF_LIGHTS = ("power", "strength", "color", "temperature")
+_OF_WORLD = ("strength", "color", "tint")
+_BLACK = 1e-9  # radiance of a light that was off
+_BRIGHTER = (
+    16.0  # times as bright as at the anchor: of a light that hardly shone there, a layer is mostly rounding
+)
+
+
+@dataclass(frozen=True)
+class LightLayers:
+    """The proxy's own picture at some values, by what sheds its light."""
+
+    values: Mapping[str, Tensor]  # key to (components,): those that differ from the scene's, or may
+    colors: Mapping[str, Tensor]  # owner, as "light/NAME" or "world", to the color (3,) of its light
+    parts: Mapping[str, Tensor]  # the same owners to their light (3, P)
+    rest: Tensor  # (3, P) light that belongs to no owner: of what glows
+
+    def serve(self, values: Mapping[str, Tensor], scene: SceneData) -> bool:
+        """True if other values differ from these only in powers and colors of lights, or in what the film does."""
+        keys = (key for key in values.keys() | self.values.keys() if not key.startswith("film/"))
+        return all(_is_of_light(key, scene) or self._stays(key, values, scene) for key in keys)
+
+    def _stays(self, key: str, values: Mapping[str, Tensor], scene: SceneData) -> bool:
+        own = torch.tensor(scene.value(key), dtype=torch.float32)
+        one, other = (each.get(key, own).detach().reshape(-1).cpu().float() for each in (values, self.values))
+        return torch.equal(one, other)
+
+    def picture(self, colors: Mapping[str, Tensor]) -> Tensor | None:
+        """The picture (3, P) with owners' light of other colors (3,); None where a layer says too little of that."""
+        whole = self.rest
+        for owner, part in self.parts.items():
+            before, now = self.colors[owner], colors[owner]
+            off = before < _BLACK
+            growth = torch.where(off, 1.0, now / torch.where(off, 1.0, before))
+            if bool((growth > _BRIGHTER).any()) or bool((off & (now > _BLACK)).any()):
+                return None
+            whole = whole + part * growth[:, None]
+        return whole
+
+
+def _is_of_light(key: str, scene: SceneData) -> bool:
+    """True if a picture is linear in a parameter, or in the color of light that follows from it."""
+    group, _, name = split_key(key)
+    if group == "light":
+        return name in _OF_LIGHTS
+    # A backdrop that is no copy of the world is not as bright as it.
+    return group == "world" and name in _OF_WORLD and "world/backdrop_strength" not in scene.instances
