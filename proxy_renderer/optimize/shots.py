@@ -169,10 +169,16 @@ class ShotState:
         return advisor.advise(image.display, self.vector.instances, now)
 
     def anchored(self, u: Tensor, number: int, slack: float = _HERE) -> ShotState:
-        """The shot with its proxy corrected at u (N,) by a picture of Cycles, if there is one and none within the slack."""
+        """The shot with its proxy corrected at u (N,) by a picture of Cycles, if there is one and none within the slack.
+
+        Where only light and film differ from the last one, that is exact already.
+        """
         distance = self.anchor.distance(u)
         if self.source is None or distance <= slack:
             return self
+        with torch.no_grad():
+            if self.corrected.layered(chosen_values(self.vector, u, self.proxy.device)) is not None:
+                return self
         picture = self.source({k: list(v) for k, v in self.vector.changes(u).items()}, self.proxy.size)
         if picture is None:
             return self if distance <= _NEAR else replace(self, anchor=AnchorState(), _last=None)

@@ -111,7 +111,7 @@ class Proxy:
         With a `cache`, nothing is traced again except for a lamp that has moved: mirrors and glasses then stay what they
         were, as they do for gradients. What differs from the anchor only in powers and colors of lights is a sum of layers.
         """
-        if (latent := self._layered(values)) is not None:
+        if (latent := self.layered(values)) is not None:
             return latent
         frame = self._frame(values, cache)
         radiance, passing = self._light(frame)
@@ -164,8 +164,8 @@ class Proxy:
             self._layers = self.correction, layers, self.expose(values, frame.cache)
         return self.correction
 
-    def _layered(self, values: Mapping[str, Tensor]) -> LatentImage | None:
-        """The latent image by the layers of the anchor; None where other values than those of light differ from it."""
+    def layered(self, values: Mapping[str, Tensor]) -> LatentImage | None:
+        """The latent image by the layers of the anchor, as exact as that; None where other values than those of light differ from it."""
         if self._layers is None or needs_gradient(*values.values()):
             return None
         correction, layers, anchor = self._layers

@@ -298,7 +298,7 @@ def test_layers_of_the_anchor_add_up_to_what_would_be_drawn(
 ) -> None:
     proxy.anchor({}, picture_of(truth))
     with torch.no_grad():
-        assert (proxy._layered(tensors(values)) is not None) == layered
+        assert (proxy.layered(tensors(values)) is not None) == layered
     quick = render(proxy, **values)
     proxy._layers = proxy._undeveloped = None
     torch.testing.assert_close(quick, render(proxy, **values), atol=1e-5, rtol=1e-4)
@@ -307,4 +307,4 @@ def test_layers_of_the_anchor_add_up_to_what_would_be_drawn(
 def test_gradients_pass_no_layers(truth: Proxy, proxy: Proxy) -> None:
     proxy.anchor({}, picture_of(truth))
     power = torch.tensor([700.0], requires_grad=True)
-    assert proxy._layered({"light/Lamp 0/power": power}) is None
+    assert proxy.layered({"light/Lamp 0/power": power}) is None
