@@ -138,7 +138,7 @@ class EngineSession:
         for number, (shot, state) in enumerate(zip(self.shots, outcome.shots, strict=True)):
             longest = self.options.size if self.options.figures else min(self.options.size, _PREDICTED)
             size, job = picture_size(state.scene.resolution, longest), Path(shot.job)
-            proxy = Proxy(state.scene, size, str(encoder.device), self.options.seed, fine=True)
+            proxy = Proxy(state.scene, size, str(encoder.device), self.options.seed, self.options.figures)
             self._predicted.append(pictures.predict(proxy, outcome, number, job, self.options.figures))
             drawn = pictures.predict_variants(proxy, outcome, number, job)
             rows.append([(_label(str(place), shot), image) for place, image in enumerate(drawn, 1)])

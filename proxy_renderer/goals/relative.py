@@ -109,7 +109,7 @@ _LARGE = re.compile(r"\b(?:much|very|strongly|far|extremely)\b")
 _NOTICED = 2.0  # noticeable differences of one step: of warmth a cast of about 3 ΔE
 _LEAST, _MOST = 0.8, 1.3  # shares of its way between which a word is satisfied
 _REACH = 0.07  # share of its range by which a value may move for one step, either way
-_BRIGHTER = 1.25  # factor of one step, of what no measure reads
+_BRIGHTER = 2.0**0.5  # factor of one step, of what no measure reads: half a stop
 _EXACT = 0.01  # share by which "twice as much" may be missed
 
 
@@ -117,11 +117,14 @@ def further(goals: Goals, vocabulary: Vocabulary, factor: float = 0.0) -> Goals:
     """Goals of a sentence that goes on from an image; the factor of "twice as much fog" is 2, and 0 if it says none."""
     said, wishes = list[Attribute](), list[Wish]()
     every = (*goals.wishes, *(each.wish for each in goals.lost))
+    compared = [a for a in goals.parsed.attributes if not a.cause and compares(a, (), vocabulary)]
     for attribute in goals.parsed.attributes:
         mine = [wish for wish in every if wish.attribute is attribute]
-        if not attribute.cause and compares(attribute, (), vocabulary):
+        if attribute in compared:
             mine = [*_compared(attribute, vocabulary, factor)]
             attribute = mine[0].attribute if mine else attribute
+        elif attribute.role and any(attribute.role == each.role for each in compared):
+            mine = []  # "the rim light brighter" only names it
         elif attribute.role in ("rim", "fill"):  # another light has to show beside what is there
             mine = [replace(wish, claims=tuple(map(_beside, wish.claims))) for wish in mine]
         said.append(attribute)

@@ -52,6 +52,13 @@ def test_opposites_go_equally_far_in_opposite_directions(more, less, measure):
     assert down == pytest.approx(-up)
 
 
+@pytest.mark.parametrize("sentence", ["the rim light a bit brighter", "bring the rim light up"])
+def test_a_light_that_is_there_keeps_its_place_when_it_gets_brighter(sentence):
+    effects = {effect.name for wish in step(sentence).wishes for effect in wish.effects}
+    assert "power" in effects
+    assert effects <= {"power", "strength"}
+
+
 @pytest.mark.parametrize("sentence", ["a cool rim light", "warm key light", "a blue fill light"])
 def test_the_color_of_one_light_leaves_the_world(sentence):
     owners = {effect.owner for wish in step(sentence).wishes for effect in wish.effects}
