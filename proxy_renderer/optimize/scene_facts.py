@@ -218,7 +218,7 @@ def _limits(
     return -low if -below < offset[2] else -90.0, high if offset[2] < above else 90.0
 
 
-_ALL_SIDES = 15
+_ALL_SIDES = 0b11110000
 
 
 def _heights(scene: SceneData) -> tuple[float, float]:
@@ -226,7 +226,7 @@ def _heights(scene: SceneData) -> tuple[float, float]:
     mesh, pivot = scene.mesh, np.array(scene.pivot)
     # Triangles that may lie above or below it: some of their corners are on either side, along both axes
     side = mesh.vertices[:, :2] <= pivot[:2].astype(np.float32)
-    sides = (side * np.uint8([1, 2]) | ~side * np.uint8([4, 8])).sum(1, dtype=np.uint8)
+    sides = np.packbits(np.concatenate([side, ~side], 1), axis=1)[:, 0]
     a, b, c = sides[mesh.faces].T
     around = ~np.array([o.subject for o in scene.objects])[mesh.object] & (a | b | c == _ALL_SIDES)
     corners = mesh.vertices[mesh.faces[around]].astype(float) - pivot

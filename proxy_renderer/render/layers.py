@@ -21,7 +21,7 @@ _BRIGHTER = (
 
 
 @dataclass(frozen=True)
-class LightLayers:
+class AnchorLayers:
     """The proxy's own picture at some values, by what sheds its light."""
 
     values: Mapping[str, Tensor]  # key to (components,): those that differ from the scene's, or may

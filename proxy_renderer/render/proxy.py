@@ -17,7 +17,7 @@ from ..schema import FAMILIES, VibeError
 from .cycles import Correction, CyclesPicture
 from .film import Film
 from .geometry.camera import View, view_of
-from .layers import LightLayers
+from .layers import AnchorLayers
 from .lights.emitters import Emitters
 from .lights.environment import Environment, sky_of
 from .lights.light_source import LightSource
@@ -76,7 +76,7 @@ class Proxy:
         self.correction: Correction | None = None
         self._cache: ViewCache | None = None
         self._made = Remembered()
-        self._layers: tuple[Correction, LightLayers, LatentImage] | None = None  # of the last anchor
+        self._layers: tuple[Correction, AnchorLayers, LatentImage] | None = None  # of the last anchor
         self._undeveloped: tuple[LatentImage, Mapping[str, Tensor], Correction | None] | None = None
 
     def render(self, values: Mapping[str, Tensor]) -> Render:
@@ -159,7 +159,7 @@ class Proxy:
             parts = {owner: self._picture(frame.only(owner)) - emission for owner in colors}
             self.correction = Correction.of(picture, whole, parts, colors, values, frame.view, frame.cache)
             rest = whole - sum(parts.values(), torch.zeros_like(whole))
-            layers = LightLayers(dict(values), colors, parts, rest)
+            layers = AnchorLayers(dict(values), colors, parts, rest)
             self._layers = None  # until the anchor's own picture is drawn
             self._layers = self.correction, layers, self.expose(values, frame.cache)
         return self.correction

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from tiny_job import write_job
 
+from proxy_renderer.optimize.scene_words import present_looks
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import VibeError
 
@@ -71,3 +72,29 @@ def test_drops_broken_triangles_and_refuses_when_none_is_left(tmp_path: Path) ->
     np.savez(folder / "meshes.npz", **{**arrays, "vertices": arrays["vertices"] * 0})
     with pytest.raises(VibeError, match="no mesh"):
         load_scene(folder)
+
+
+def _with_vertices_moved(folder: Path, by: float) -> Path:
+    with np.load(folder / "meshes.npz") as stored:
+        arrays = dict(stored)
+    arrays["vertices"][0] += by
+    np.savez(folder / "meshes.npz", **arrays)
+    return folder
+
+
+def test_jobs_of_one_scene_share_their_mesh_whatever_its_last_digits(tmp_path: Path) -> None:
+    """Subdivision in threads rounds otherwise at each export; a mesh that has moved is another one."""
+    first = load_scene(write_job(tmp_path / "first"))
+    rounded = load_scene(_with_vertices_moved(write_job(tmp_path / "rounded"), 1e-7))
+    moved = load_scene(_with_vertices_moved(write_job(tmp_path / "moved"), 0.01))
+    assert rounded.mesh is first.mesh
+    assert moved.mesh is not first.mesh
+
+
+def test_a_camera_that_has_moved_sees_a_shared_mesh_anew(tmp_path: Path) -> None:
+    """What is known of a mesh says nothing of the camera of a job."""
+    first = load_scene(write_job(tmp_path / "first"))
+    second = load_scene(write_job(tmp_path / "second", **{"camera/distance": 60.0}))
+    assert second.mesh is first.mesh
+    shares = [sum(look.share for look in present_looks(scene).values()) for scene in (first, second)]
+    assert shares[0] > 2 * shares[1]

@@ -176,13 +176,15 @@ class TriangleArrays:
     @classmethod
     def of(cls, mesh: SceneMesh, device: torch.device) -> TriangleArrays:
         """Those of a mesh; on the CPU its own arrays, as far as that goes."""
-        corners = mesh.vertices[mesh.faces]
-        low, high = corners.min((0, 1)), corners.max((0, 1))
-        by_corner = (
-            torch.from_numpy(each).to(device).transpose(0, 1) for each in (corners, mesh.normals, mesh.uvs)
+        places = mesh.vertices[mesh.faces]
+        low, high = places.min((0, 1)), places.max((0, 1))
+        corners, normals, uvs = (
+            torch.from_numpy(each).to(device).transpose(0, 1) for each in (places, mesh.normals, mesh.uvs)
         )
-        owners = (torch.from_numpy(each).to(device, torch.int64) for each in (mesh.material, mesh.object))
-        return cls(*by_corner, *owners, float(np.linalg.norm(high - low)))
+        material, owner = (
+            torch.from_numpy(each).to(device, torch.int64) for each in (mesh.material, mesh.object)
+        )
+        return cls(corners, normals, uvs, material, owner, float(np.linalg.norm(high - low)))
 
 
 _on_device: weakref.WeakKeyDictionary[SceneMesh, dict[torch.device, TriangleArrays]] = (
