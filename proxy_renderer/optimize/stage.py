@@ -27,7 +27,7 @@ from ..words.types import SaidLink
 from .scene_words import described
 
 _SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim", "kicker", "bounce")}
-"""Lights that single words may need, as "rim light" does where no rig is asked for; the last two for a second one."""
+"""Lights that single words may need, as "rim light" does where no rig is asked for; the last two where such a light is there."""
 
 
 @dataclass(frozen=True)

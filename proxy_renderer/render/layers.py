@@ -15,16 +15,16 @@ from ..schema import split_key
 _OF_LIGHTS = ("power", "strength", "color", "temperature")
 _OF_WORLD = ("strength", "color", "tint")
 _BLACK = 1e-9  # radiance of a light that was off
-_BRIGHTER = (
-    16.0  # times as bright as at the anchor: of a light that hardly shone there, a layer is mostly rounding
-)
+_BRIGHTER = 8.0  # times as bright as at the anchor: a layer of a light that hardly shone there is noise
 
 
 @dataclass(frozen=True)
 class AnchorLayers:
     """The proxy's own picture at some values, by what sheds its light."""
 
-    values: Mapping[str, Tensor]  # key to (components,): those that differ from the scene's, or may
+    values: Mapping[
+        str, Tensor
+    ]  # key to (components,) in schema units; the scene's for those that are missing
     colors: Mapping[str, Tensor]  # owner, as "light/NAME" or "world", to the color (3,) of its light
     parts: Mapping[str, Tensor]  # the same owners to their light (3, P)
     rest: Tensor  # (3, P) light that belongs to no owner: of what glows
