@@ -86,7 +86,8 @@ _ANOTHER = re.compile(
 )
 _SEEMS = r"(?:'s|\b (?:is|are|gets?|got|goes|went|looks?|feels?|reads?|seems?)\b)"
 _COMPLAINT = re.compile(
-    rf"(?:the )?(?P<thing>[\w -]+?){_SEEMS} [^,;.]*[,;.]+ (?P<act>[^,;.]*\b(?:it|them)\b.*)", re.I
+    rf"(?:the )?(?P<thing>[\w -]+?)(?:{_SEEMS}| (?:way |much |a bit )?too\b) [^,;.]*[,;.]+ (?P<act>[^,;.]*\b(?:it|them)\b.*)",
+    re.I,
 )
 """A thing, what is wrong with it, and what to do with it: "the lamp is burning out the wall, halve it"."""
 _RESEMBLES = re.compile(
@@ -96,7 +97,8 @@ _RESEMBLES = re.compile(
 _PRONOUNS = ("it", "this", "that", "i", "we", "they", "these", "those", "there", "still")
 _REASON = re.compile(
     r"(?:[,;.]? (?:so that|so (?:the|it|we|i|you)|because|since (?:the|it))\b"
-    r"|[,;.] (?:i|we|you|they) (?:can|could|cannot|can't)\b|[,;.] (?:it|that|this)(?:'s| is| looks?| feels?| reads?)\b).*",
+    r"|[,;.] (?:i|we|you|they) (?:can|could|cannot|can't)\b|[,;.] (?:it|that|this|they)(?:'s|'re| is| are| looks?| feels?| reads?)\b"
+    r"|[,;.] (?:(?:it |they )?still|the [\w ]+?) (?:looks?|feels?|reads?|seems?)\b).*",
     re.I,
 )
 """Why something is to be done: its words are no looks."""
@@ -108,7 +110,7 @@ _TIMES = "|".join(
 _COMPARED = rf"\b(?P<factor>{_TIMES})(?: as much)?(?: of)?(?: the)? (?=\w)"
 _PERCENT = r"(?P<sign>more|less) (?P<what>\w+),? (?:like |about |by )?(?P<share>\d{1,3} ?(?:%|percent))(?: (?:more|less))?"
 _SHARE_AFTER = r",? (?:like|about|maybe|by) \+?(?P<share>half|\d{1,3} ?(?:%|percent))(?: (?:more|less))?$"
-_LESS = re.compile(r"\b(?:less|darker|dimmer|weaker|softer|thinner|lower|cooler)\b", re.I)
+_LESS = re.compile(r"\b(?:less|darker|dimmer|weaker|softer|thinner|lower|cooler|down)\b", re.I)
 _STOPS = (
     r"\b(?:about |by )?(?P<count>a third of a|third of a|half a|a|one|two|three|1/3|1/2|2/3) (?:f-?)?stops?(?P<half> and a half)?"
     r"(?: (?P<way>brighter|darker|up|down|over|under|more|less)\b)?"
@@ -119,6 +121,7 @@ _COUNTS = {"two": 2.0, "three": 3.0, "half a": 0.5, "1/2": 0.5, "2/3": 2 / 3} | 
 _DOWN = ("darker", "down", "under", "less")
 _AMOUNT = rf"(?:(?:bring|turn|dial|pull|push|take) )?(?:the )?({_AMOUNTS})"
 _MOVE = "(?:bring|take|pull|push|knock|lift|move|swing|rotate|turn|put|shift)"
+_HOW_MUCH, _ALL_OVER = "(?:a bit |much )?", "(?: whole image| everywhere| in general)?"
 _PLAINER = (
     (r"\ba (?:touch|tad|little bit|hint|shade|trifle)\b(?! of)|\bsomewhat\b|\bslightly\b", "a bit"),
     (r"\ba lot\b|\b(?:way|far)(?= (?:\w+er|more|less)\b)", "much"),
@@ -126,6 +129,8 @@ _PLAINER = (
     (r"(?<=\bmore )glow\b|(?<=\bless )glow\b", "bloom"),
     (r"\b(bring|put|get|give)\b(.*?) back\b", r"\1\2"),  # no light from the back
     (r"\b(?:the )?(?:whole thing|whole lot|overall)\b", "whole image"),
+    (rf"^({_HOW_MUCH})(?:less (?:orange|yellow|amber)|more blue|bluer){_ALL_OVER}$", r"\1cooler"),
+    (rf"^({_HOW_MUCH})(?:less (?:blue|cyan|teal)|more (?:orange|yellow|amber)){_ALL_OVER}$", r"\1warmer"),
     (r"\bsat\b", "saturation"),
     (r"\bnot (?:that|so|quite so|as) (\w+)$", r"less \1"),
     (r",? (?:but|and) not (?:on )?(?=the\b)", ", but leave "),
@@ -139,6 +144,8 @@ _PLAINER = (
         r"\1 from the \2",
     ),
     (rf"\b{_MOVE} (the [\w ]+?) (?:more |further )?towards? (?=\w+$)", r"\1 more "),
+    (r" down$", " darker"),
+    (r"\b(brighter|darker) (a bit|much)\b", r"\2 \1"),
     (r"\badd (?:some|a bit of|a little) ", "add "),
     (r"(\bno \w+) (?:at all|whatsoever)\b", r"\1"),
     (r",? (?:without|but not) (?:touching|changing|affecting|moving) ", ", but leave "),
@@ -232,6 +239,9 @@ def plain(sentence: str) -> tuple[str, float]:
     elif found := re.search(_SHARE_AFTER, text, re.I):
         factor = _factor({"share": found["share"], "sign": "less" if _LESS.search(text) else "more"})
         text = text.replace(found[0], "")
+        factor *= (
+            "," not in text
+        )  # of several changes it is the last one's: that goes as far as its word says
     elif found := re.search(_COMPARED, text, re.I):
         factor = _FACTORS[found["factor"].lower()]
         text = text.replace(found[0], "more " if factor > 1.0 else "less ")

@@ -119,6 +119,13 @@ def test_a_look_is_no_sentence_about_steps(sentence):
         ("a bit warmer still", "a bit warmer", 0.0),
         ("sat down a bit", "less saturation a bit", 0.0),
         ("and a rim light", "a rim light", 0.0),
+        ("softer shadows, they're a bit hard", "softer shadows", 0.0),
+        ("more contrast, the walls look flat", "more contrast", 0.0),
+        ("sconces too bright, take them down a bit", "the sconces a bit darker", 0.0),
+        ("key brighter, sun down by half", "key brighter, sun darker", 0.0),
+        ("sun down by half", "sun darker", 0.5),
+        ("a touch less orange overall", "a bit cooler", 0.0),
+        ("the vase less orange", "the vase less orange", 0.0),
     ],
 )
 def test_what_is_left_of_a_sentence_is_as_prompts_say_it(sentence, text, factor):
