@@ -4,6 +4,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
+from ..goals.wish import Wish
 from ..schema import Instance, Values
 from ..words.attributes import fixture
 from ..words.lexicon.entries import OWNERS, Effect
@@ -229,6 +230,12 @@ class Owners:
             names = [effect.name]
         keys = (f"{group}/{name}" for name in names)
         return [self._instances[key] for key in keys if key in self._instances]
+
+    def gives_backdrop(self, wish: Wish, effect: Effect) -> bool:
+        """True if a word gives what is seen of the world a color of its own: "cream background"."""
+        attribute = wish.attribute
+        colored = attribute.kind == "surroundings" and attribute.color and not attribute.cause
+        return bool(colored) and any(i.key.startswith("world/backdrop_") for i in self.of(effect, attribute))
 
     def world_is_hidden(self) -> bool:
         """True if surfaces fill all that the camera sees."""

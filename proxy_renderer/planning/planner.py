@@ -143,7 +143,10 @@ def plan(
     light = light or LightPlan()
     planner = _Planner(goals, instances, scene, vocabulary or default_vocabulary(), light)
     entries = planner.entries()
-    entries |= {key: entry for key, entry in light.entries.items() if not planner.instances[key].locked}
+    lit = {key: entry for key, entry in light.entries.items() if not planner.instances[key].locked}
+    if any(planner.owners.gives_backdrop(*act) for act in planner.acts):  # no setup's sky
+        lit = {key: entry for key, entry in lit.items() if not key.startswith("world/backdrop_")}
+    entries |= lit
     support = supports(goals.parsed, planner.instances, planner.sources, entries, planner.owners)
     if goals.holds:  # nothing but what the sentence needs
         entries |= _faint(entries, planner.instances, scene.added_lights)

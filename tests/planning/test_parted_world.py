@@ -76,6 +76,18 @@ def test_green_is_seen_and_the_light_of_the_night_is_shed(tmp_path):
     assert "green" not in light.reason
 
 
+@pytest.mark.parametrize("setup", ["product shot", "golden hour", "high key"])
+def test_a_named_background_is_seen_whatever_sky_a_setup_has(tmp_path, setup):
+    stage = set_stage([shot(tmp_path)], f"{setup}, teal background")
+    (scene,) = stage.scenes
+    assert stage.plan is not None
+    entries = plan(stage.goals, dict(scene.instances), stage.understood.scene, light=stage.plan)
+    red, green, blue = entries[COLOR].upper
+    assert min(green, blue) > 3 * red
+    assert "teal" in entries[COLOR].reason
+    assert "teal" in entries[STRENGTH].reason
+
+
 def test_chrome_has_light_to_mirror_before_a_dark_background(tmp_path):
     prompt = "chrome ball, dark background"
     (scene,) = set_stage([shot(tmp_path)], prompt).scenes
