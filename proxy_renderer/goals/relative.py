@@ -123,13 +123,19 @@ def further(goals: Goals, vocabulary: Vocabulary, factor: float = 0.0) -> Goals:
         if attribute in compared:
             mine = [*_compared(attribute, vocabulary, factor)]
             attribute = mine[0].attribute if mine else attribute
-        elif attribute.role and any(attribute.role == each.role for each in compared):
-            mine = []  # "the rim light brighter" only names it
+        elif any(_names_light_of(attribute, each) for each in compared):
+            attribute, mine = replace(attribute, entry=""), []
         elif attribute.role in ("rim", "fill"):  # another light has to show beside what is there
             mine = [replace(wish, claims=tuple(map(_beside, wish.claims))) for wish in mine]
         said.append(attribute)
         wishes += mine
     return replace(resolved(replace(goals.parsed, attributes=said), wishes), holds=True)
+
+
+def _names_light_of(attribute: Attribute, compared: Attribute) -> bool:
+    """True if a word only names the light that another word compares: "the window light a bit darker" asks for no window."""
+    same = bool(attribute.lights) and {*attribute.lights} <= {*compared.lights}
+    return attribute.slot == "lighting" and (same or bool(attribute.role and attribute.role == compared.role))
 
 
 def _beside(claim: ClaimText) -> ClaimText:

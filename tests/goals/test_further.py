@@ -12,10 +12,13 @@ from proxy_renderer.claims.claim import Claim
 from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.goals import written
 from proxy_renderer.goals.relative import further
+from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.rigs.chosen import chosen_rig
 from proxy_renderer.schema import sentences
 from proxy_renderer.words.lexicon.rigs import rig_table
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.parser import parse
+from proxy_renderer.words.types import LightDescription, SceneDescription
 
 VOCABULARY = shipped_vocabulary()
 
@@ -57,6 +60,17 @@ def test_a_light_that_is_there_keeps_its_place_when_it_gets_brighter(sentence):
     effects = {effect.name for wish in step(sentence).wishes for effect in wish.effects}
     assert "power" in effects
     assert effects <= {"power", "strength"}
+
+
+def test_a_light_that_is_called_by_its_name_is_no_setup():
+    lights = {"Window Light": LightDescription("AREA"), "Sun": LightDescription("SUN")}
+    text, factor = sentences.plain("window light too strong, bring it down a bit")
+    goals = further(goals_of(parse(text, SceneDescription(lights=lights))), VOCABULARY, factor)
+    assert chosen_rig(goals, rig_table(), VOCABULARY) is None
+    wished = {(effect.name, wish.attribute.lights) for wish in goals.wishes for effect in wish.effects}
+    assert wished
+    assert {name for name, _ in wished} <= {"power", "strength"}
+    assert {lights for _, lights in wished} == {("Window Light",)}
 
 
 @pytest.mark.parametrize("sentence", ["a cool rim light", "warm key light", "a blue fill light"])
