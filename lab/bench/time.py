@@ -13,9 +13,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-from rich.table import Table
-
 from lab.bench import blender
 from proxy_renderer.schema import atomic
 
@@ -67,24 +64,21 @@ def _first_line(arguments: Sequence[str]) -> float:
 
 
 def _show(commands: Mapping[str, float], scenes: Mapping[str, Mapping[str, Any]]) -> None:
-    """A row for each scene; the whole vibe and its search in final renders too."""
-    phases = list(dict.fromkeys(phase for scene in scenes.values() for phase in scene["phases"]))
-    table = Table("scene", *phases, "rounds", "anchors", "MiB", "vibe / render", "search / render")
-    costs = []
+    """A line for each scene: the whole vibe and its search in final renders, and the seconds of its phases."""
+    costs: list[tuple[float, float]] = []
     for name, scene in scenes.items():
         seconds = {phase: row["seconds"] for phase, row in scene["phases"].items()}
         costs.append(_in_renders(seconds))
-        cells = (f"{seconds[phase]:.1f}" if phase in seconds else "" for phase in phases)
-        counts = (str(scene[count]) for count in ("rounds", "anchors", "memory"))
-        table.add_row(name, *cells, *counts, *(f"{cost:.2f}" for cost in costs[-1]))
+        vibe, search = costs[-1]
+        phases = ", ".join(f"{phase} {each:.1f} s" for phase, each in seconds.items())
+        counts = ", ".join(f"{scene[count]} {count}" for count in ("rounds", "anchors"))
+        print(f"{name}: {vibe:.2f} renders, search {search:.2f}; {phases}; {counts}, {scene['memory']} MiB")
     if costs:
-        both = list(zip(*costs, strict=True))
-        for title, of in (("median", statistics.median), ("most", max)):
-            table.add_row(title, *[""] * (len(phases) + 3), *(f"{of(cost):.2f}" for cost in both))
-    console = Console()
-    console.print(table)
+        vibes, searches = zip(*costs, strict=True)
+        print(f"median: {statistics.median(vibes):.2f} renders, search {statistics.median(searches):.2f}")
+        print(f"most: {max(vibes):.2f} renders, search {max(searches):.2f}")
     for name, first in commands.items():
-        console.print(f"{name}: {first} s to the first line")
+        print(f"{name}: {first} s to the first line")
 
 
 def _in_renders(seconds: Mapping[str, float]) -> tuple[float, float]:
