@@ -64,13 +64,14 @@ def _first_line(arguments: Sequence[str]) -> float:
 
 
 def _show(commands: Mapping[str, float], scenes: Mapping[str, Mapping[str, Any]]) -> None:
-    """A line for each scene: the whole vibe and its search in final renders, and the seconds of its phases."""
+    """A line for each scene: the whole vibe and its search in final renders, and its phases with their share of all cores."""
     costs: list[tuple[float, float]] = []
     for name, scene in scenes.items():
         seconds = {phase: row["seconds"] for phase, row in scene["phases"].items()}
         costs.append(_in_renders(seconds))
         vibe, search = costs[-1]
-        phases = ", ".join(f"{phase} {each:.1f} s" for phase, each in seconds.items())
+        rows = scene["phases"].items()
+        phases = ", ".join(f"{phase} {row['seconds']:.1f} s ({row['share']:.0%})" for phase, row in rows)
         counts = ", ".join(f"{scene[count]} {count}" for count in ("rounds", "anchors"))
         print(f"{name}: {vibe:.2f} renders, search {search:.2f}; {phases}; {counts}, {scene['memory']} MiB")
     if costs:

@@ -250,12 +250,9 @@ class ClaimSet:
     def values(self, picture: MeasuredPicture) -> list[Tensor | None]:
         """An image's value of each claim: (n,), differentiable in it; None where the target is hardly seen."""
         means = self._means.of(picture) if self._means else {}
+        known = {i: _of_mean(self.claims[i], mean) for i, mean in means.items()}
         return [
-            None
-            if where is None
-            else _of_mean(claim, means[i])
-            if i in means
-            else claim.value(picture, where)
+            None if where is None else known[i] if i in known else claim.value(picture, where)
             for i, (claim, where) in enumerate(zip(self.claims, self.regions, strict=True))
         ]
 

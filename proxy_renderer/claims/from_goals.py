@@ -258,11 +258,11 @@ def _held(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
     width = _STILL[1:] if light else (_STILL[0], math.inf, math.inf) if color else _STILL
     apart = [(c.part, c.materials) for c in claims if c.part != "picture" or c.materials]
     apart += [("picture", w.attribute.owners) for w in acting if w.attribute.owners]
+    place = {"weight": _HELD, "apart": tuple(dict.fromkeys(apart))}
     across, down = _PLACES
     for x, y in product(range(across), range(down)):
         box = x / across, y / down, (x + 1) / across, (y + 1) / down
-        apart_from = tuple(dict.fromkeys(apart))
-        yield _still("picture", width, measure, weight=_HELD, box=box, apart=apart_from)
+        yield _still("picture", width, measure, box=box, **place)
 
 
 def _still(part: Part, width: Values, measure: str = "mean", **where: Any) -> Claim:

@@ -32,9 +32,7 @@ from ..vlm.endpoint import find_endpoint
 from . import pictures, report
 from .report import word_verdicts
 
-_PREDICTED = (
-    320  # pixels of the longer side of a prediction, which stands beside Cycles' image, or in a panel
-)
+_PREDICTED = 320  # the longer side of a prediction, pixels; the panel shows no more
 _FURTHER = 2  # the most rounds of a further sentence: it begins where its image is nearly as wanted
 
 
@@ -163,10 +161,8 @@ class EngineSession:
         sheet = pictures.compare(self._rows, self.prompt, Path(outcome.shots[0].scene.film.fonts))
         pictures.save_image(sheet, Path(request.compare_out))
 
-        subject, rendered = (
-            np.asarray(mask, np.float32) / 255.0,
-            pictures.load_picture(request.after, mask.size),
-        )
+        subject = np.asarray(mask, np.float32) / 255.0
+        rendered = pictures.load_picture(request.after, mask.size)
         likeness = partial(_similarity, encoder, outcome.prompts.whole or self.prompt)
         rows = self._claims[request.shot].verdicts(*map(torch.from_numpy, (before, shown, after)))
         return messages.Finished(

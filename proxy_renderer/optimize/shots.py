@@ -171,20 +171,20 @@ class ShotState:
     def anchored(self, u: Tensor, number: int, slack: float = _HERE) -> ShotState:
         """The shot with its proxy corrected at u (N,) by a picture of Cycles, if there is one and none within the slack.
 
-        Where only light and film differ from the last one, that is exact already.
+        A picture from which only light and film differ is exact at u, too.
         """
         distance = self.anchor.distance(u)
         if self.source is None or distance <= slack:
             return self
-        with torch.no_grad():
-            if self.corrected.layered(chosen_values(self.vector, u, self.proxy.device)) is not None:
-                return self
+        values = chosen_values(self.vector, u, self.proxy.device)
+        if self.corrected.layered(values) is not None:
+            return self
         picture = self.source({k: list(v) for k, v in self.vector.changes(u).items()}, self.proxy.size)
         if picture is None:
             return self if distance <= _NEAR else replace(self, anchor=AnchorState(), _last=None)
         with torch.no_grad():
             predicted = self.draw(u).display
-            correction = self.proxy.anchor(chosen_values(self.vector, u, self.proxy.device), picture)
+            correction = self.proxy.anchor(values, picture)
             anchor = AnchorState(correction, u.clone(), self.anchor.correction)
             shot = replace(self, anchor=anchor, _last=None)
             difference = float(mean_difference(predicted, shot.draw(u).display))

@@ -75,17 +75,19 @@ def set_stage(
     goals = written.within(understood.scene) if written else goals_or_why(understood)
     if isinstance(goals, VibeError):
         return StagedScenes(list(scenes), understood, goals)
-    vocabulary, first = default_vocabulary(), scenes[0]
-    adds = goes_on and new_lights and sentences.adds_light(prompt)
+    vocabulary = default_vocabulary()
+    anew = goes_on and new_lights and sentences.adds_light(prompt)
     if goes_on:
         goals = further(goals, vocabulary, factor)
-    if chosen := chosen_rig(goals, rig_table(), vocabulary, adds):
-        rig = lighting(scenes, goals.parsed, chosen, new_lights, adds)
+    if chosen := chosen_rig(goals, rig_table(), vocabulary, anew):
+        rig = lighting(scenes, goals.parsed, chosen, new_lights)
         return StagedScenes(rig.scenes, understood, goals, rig)
 
     # No rig: lights and a backdrop that single words need
+    first = scenes[0]
     spare = [ADDED_LIGHTS[light.name] for light in first.standby.lights if light.name in _SPARE]
-    roles, instances = {light.name: light.role for light in spare}, dict(first.instances)
+    roles = {light.name: light.role for light in spare}
+    instances = dict(first.instances)
     names = missing_lights(goals, instances, understood.scene, roles, vocabulary) if new_lights else []
     parts = asks_for_backdrop(goals, instances, understood.scene, vocabulary)
     if parts and all(scene.may_have_backdrop for scene in scenes):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The picture of an anchor, split by light: light adds up, so one of other powers and colors is a sum, and is drawn at once."""
+"""The proxy's picture of an anchor, split by light. Light adds up: a picture of other powers and colors is a sum of layers."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from torch import Tensor
 
 from ..scene import SceneData
 from ..schema import split_key
+from .lights.environment import has_own_backdrop
 
 _OF_LIGHTS = ("power", "strength", "color", "temperature")
 _OF_WORLD = ("strength", "color", "tint")
@@ -22,9 +23,7 @@ _BRIGHTER = 8.0  # times as bright as at the anchor: a layer of a light that har
 class AnchorLayers:
     """The proxy's own picture at some values, by what sheds its light."""
 
-    values: Mapping[
-        str, Tensor
-    ]  # key to (components,) in schema units; the scene's for those that are missing
+    values: Mapping[str, Tensor]  # key to (components,); missing ones are the scene's
     colors: Mapping[str, Tensor]  # owner, as "light/NAME" or "world", to the color (3,) of its light
     parts: Mapping[str, Tensor]  # the same owners to their light (3, P)
     rest: Tensor  # (3, P) light that belongs to no owner: of what glows
@@ -57,5 +56,5 @@ def _is_of_light(key: str, scene: SceneData) -> bool:
     group, _, name = split_key(key)
     if group == "light":
         return name in _OF_LIGHTS
-    # A backdrop that is no copy of the world is not as bright as it.
-    return group == "world" and name in _OF_WORLD and "world/backdrop_strength" not in scene.instances
+    # A backdrop of its own keeps its light when the world's changes.
+    return group == "world" and name in _OF_WORLD and not has_own_backdrop(scene)

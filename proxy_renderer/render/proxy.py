@@ -165,7 +165,7 @@ class Proxy:
         return self.correction
 
     def layered(self, values: Mapping[str, Tensor]) -> LatentImage | None:
-        """The latent image by the layers of the anchor, as exact as that; None where other values than those of light differ from it."""
+        """The latent image as a sum of the anchor's layers; None where more than light and film differ from the anchor."""
         if self._layers is None or needs_gradient(*values.values()):
             return None
         correction, layers, anchor = self._layers
@@ -174,7 +174,7 @@ class Proxy:
         settings = RenderValues(self.scene, values, self.device)
         sky = sky_of(self.environment, settings)
         lamps = light_sources(self.scene, settings, self._made) + sky.lamps
-        colors = {**{lamp.owner: lamp.color for lamp in lamps}, "world": sky.color}
+        colors = surfaces.colors_by_owner(lamps, sky)
         picture = layers.picture(colors)
         if picture is None:
             return None

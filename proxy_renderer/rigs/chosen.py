@@ -165,12 +165,13 @@ class ChosenRig:
     # asks for; no aspects for all of them
     words: Mapping[str, Asked]
     served: tuple[Attribute, ...]  # the attributes that it takes the place of
+    anew: bool = False  # whether lights that the scene has play no part in it
 
 
-def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary, adds: bool = False) -> ChosenRig | None:
+def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary, anew: bool = False) -> ChosenRig | None:
     """The rig that a prompt asks for; None where no word stands for a setup, and each acts on the lights that are there.
 
-    A prompt that `adds` lights names none that are there: "and a rim light".
+    With `anew`, lights that the prompt names are others than those of the scene: "and a rim light".
     """
     # words that tell glowing things apart by their names act on these alone
     attributes = [a for a in goals.parsed.attributes if a.entry]
@@ -186,7 +187,7 @@ def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary, adds: bool
     turns = [a for a in said if (m := table.modifier(a.entry)) and "direction" in m.aspects]
     directed = any(a.kind in _OF_LIGHT and not (a.negated or a.cause) for a in turns)
     lamps = _lit_lamps(said, table)
-    added = {part for a in said if _only_adds(a, table, vocabulary, adds) for part in table.parts(a.entry)}
+    added = {part for a in said if _adds(a, table, vocabulary, anew) for part in table.parts(a.entry)}
     if not setups and len(gels) < 2 and not (lights or directed or lamps or added):
         return None
     parts = {light.part for light in lights} | added | ({"practical"} if lamps else set())
@@ -214,7 +215,8 @@ def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary, adds: bool
     if first == [False] and key == [True]:
         rig = replace(rig, exposure=min(rig.exposure, table.rigs["back light"].exposure))
     rig = replace(rig, exposure=min(max(rig.exposure, least), _EXPOSURES[1]))
-    return ChosenRig(rig, build.words, (*build.served, *(a for a in moods if a not in build.served)))
+    served = (*build.served, *(a for a in moods if a not in build.served))
+    return ChosenRig(rig, build.words, served, anew)
 
 
 def sky_color_of(said: Sequence[Attribute]) -> Values | None:
@@ -350,7 +352,7 @@ class _Build:
         self.rig = replace(self.rig, lights=(*others, light))
 
     def may_modify(self, attribute: Attribute) -> bool:
-        """True if a word changes lights of the rig; where the scene stays lit as it is, others than those added are the scene's own."""
+        """True if a word changes lights of the rig; where the scene stays lit as it is, only those that the rig adds."""
         of_added = any(light.part in _PARTS.get(attribute.role, ()) for light in self.rig.lights)
         of_rig = of_added or not self.first.keeps_own_light
         of_light = attribute.kind in _OF_LIGHT or bool(attribute.role)
@@ -432,11 +434,11 @@ def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
     return [a for a in every if a.entry not in table.modifiers] or every[:1]
 
 
-def _only_adds(attribute: Attribute, table: RigTable, vocabulary: Vocabulary, adds: bool) -> bool:
-    """True if all that a word asks for is a further light: one that only a rig has, as "background light", or any where a prompt `adds` it."""
+def _adds(attribute: Attribute, table: RigTable, vocabulary: Vocabulary, anew: bool) -> bool:
+    """True if a word asks for a further light: one that only a rig has, as "background light", or any with `anew`."""
     entry = vocabulary.entries.get(attribute.entry)
     is_said = not (attribute.negated or attribute.cause)
-    return is_said and bool(table.parts(attribute.entry)) and (adds or not (entry and entry.wishes))
+    return is_said and bool(table.parts(attribute.entry)) and (anew or not (entry and entry.wishes))
 
 
 def _gels(said: Sequence[Attribute], setups: Sequence[Attribute], table: RigTable) -> list[Attribute]:

@@ -58,17 +58,12 @@ class Lighting:
     parts: Mapping[str, str]  # light -> the part that it plays
 
 
-def lighting(
-    scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add: bool = True, anew: bool = False
-) -> Lighting:
-    """Sets a rig up in one or several shots, of which the first decides.
-
-    `add` allows lights that the scene lacks; with `anew` none that it has plays a part.
-    """
+def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add: bool = True) -> Lighting:
+    """Sets a rig up in one or several shots, of which the first decides; `add` allows lights that the scene lacks."""
     rig = chosen.rig
     first = scenes[0]
     stage = LightStage(first, geometry_of(first, torch.device("cpu")))
-    lights = placed(rig.lights, stage, add, anew)
+    lights = placed(rig.lights, stage, add, chosen.anew)
     scenes = [_with_cards(_with_lights(scene, lights, stage), lights) for scene in scenes]
     # a world that the camera sees would become as bright as the fill that it gives
     if (rig.sky, rig.world) != (None, None) and all(scene.may_have_backdrop for scene in scenes):

@@ -239,9 +239,8 @@ def plain(sentence: str) -> tuple[str, float]:
     elif found := re.search(_SHARE_AFTER, text, re.I):
         factor = _factor({"share": found["share"], "sign": "less" if _LESS.search(text) else "more"})
         text = text.replace(found[0], "")
-        factor *= (
-            "," not in text
-        )  # of several changes it is the last one's: that goes as far as its word says
+        if "," in text:  # a factor is for all that a sentence changes, and this one only for the last of it
+            factor = 0.0
     elif found := re.search(_COMPARED, text, re.I):
         factor = _FACTORS[found["factor"].lower()]
         text = text.replace(found[0], "more " if factor > 1.0 else "less ")

@@ -199,14 +199,12 @@ def mean(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return picture.oklab[where].mean(0)
 
 
-_OF_LIGHTNESS, _NEARLY_BLACK = (
-    60.0,
-    20.0,
-)  # lightness, OKLab times 100, at which a chromaticity is stated, and its least
+_OF_LIGHTNESS, _NEARLY_BLACK = 60.0, 20.0
+"""Lightness, OKLab times 100, at which chromaticities are stated, and below which black counts as lighter than it is."""
 
 
 def chromaticity(mean: Tensor) -> Tensor:
-    """Color of a mean (3,) OKLab, whatever light falls on it: (2,) a and b at lightness 60, which exposure leaves alone."""
+    """A mean color (3,) OKLab as it is at another lightness: (2,) a and b. Exposure leaves them alone."""
     return mean[1:] * (_OF_LIGHTNESS / mean[0].clamp_min(_NEARLY_BLACK))
 
 

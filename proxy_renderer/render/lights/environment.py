@@ -174,14 +174,14 @@ class Sky:
         return torch.stack((even + odd, even - odd)).clamp_min(0.0)
 
 
-def _has_own_backdrop(scene: SceneData) -> bool:
+def has_own_backdrop(scene: SceneData) -> bool:
     """True if what the camera sees of the world has a color and a strength of its own."""
     return "world/backdrop_strength" in scene.instances
 
 
 def _shares_picture(scene: SceneData) -> bool:
     """True if the camera sees the picture that lights, turned as it is."""
-    tinted = not _has_own_backdrop(scene) or "world/backdrop_tint" in scene.instances
+    tinted = not has_own_backdrop(scene) or "world/backdrop_tint" in scene.instances
     return scene.world.backdrop is None and tinted
 
 
@@ -193,7 +193,7 @@ def sky_of(environment: Environment, settings: RenderValues) -> Sky:
     else:
         color, turn = settings.color("world/tint", 1.0), torch.deg2rad(settings.scalar("world/rotation"))
     color = color * settings.scalar("world/strength", 1.0)
-    if not _has_own_backdrop(settings.scene):
+    if not has_own_backdrop(settings.scene):
         return Sky(environment, color, turn, color, turn)
     kind = "color" if environment.backdrop is None else "tint"
     backdrop = settings.color(f"world/backdrop_{kind}", 1.0) * settings.scalar("world/backdrop_strength", 1.0)

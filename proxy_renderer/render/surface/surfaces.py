@@ -189,8 +189,8 @@ class RenderState:
 
     @property
     def owners(self) -> dict[str, Tensor]:
-        """Owner, "light/NAME" or "world", to the color (3,) of its light."""
-        return {**{lamp.owner: lamp.color for lamp in self.lamps if lamp.owner}, "world": self.sky.color}
+        """See `colors_by_owner`."""
+        return colors_by_owner(self.lamps, self.sky)
 
     def only(self, owner: str) -> RenderState:
         """The same with one owner's light only ("" for no owner's), and with what surfaces emit."""
@@ -198,6 +198,11 @@ class RenderState:
         lamps = [lamp if lamp.owner in (owner, "") else replace(lamp, color=dark) for lamp in self.lamps]
         sky = self.sky if owner == "world" else replace(self.sky, color=dark, backdrop_color=dark)
         return replace(self, lamps=lamps, sky=sky)
+
+
+def colors_by_owner(lamps: Sequence[LightSource], sky: Sky) -> dict[str, Tensor]:
+    """Owner, "light/NAME" or "world", to the color (3,) of its light."""
+    return {**{lamp.owner: lamp.color for lamp in lamps if lamp.owner}, "world": sky.color}
 
 
 def mirror_weight(inputs: ShadingInputs) -> Tensor:

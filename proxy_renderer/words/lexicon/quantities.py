@@ -25,13 +25,8 @@ COLORS = (
 )  # fmt: skip
 PARTS = ("thing", "subject", "surroundings", "picture", "sky")
 _TINTS = ("tint", "accent")  # measures of which only what lies in the direction of a color counts
-_IN_TWO = ("off_hue", "cast", "shadow_cast", "midtone_cast", "highlight_cast")
-_NUMBERS = {
-    "color": 3,
-    "mean": 3,
-    "chromaticity": 2,
-    **dict.fromkeys(_IN_TWO, 2),
-}  # measure -> how many, if several
+_IN_TWO = ("off_hue", "cast", "shadow_cast", "midtone_cast", "highlight_cast", "chromaticity")
+_NUMBERS = {"color": 3, "mean": 3, **dict.fromkeys(_IN_TWO, 2)}  # measure -> how many, if several
 _NUMBER = r"-?\d*\.?\d+"
 _END = rf"{_NUMBER}(?:,{_NUMBER})*"
 _CLAIM = re.compile(
