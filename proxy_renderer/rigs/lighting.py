@@ -127,7 +127,9 @@ def _with_cards(scene: SceneData, lights: Sequence[Placed]) -> SceneData:
 def _shape(each: Placed, stage: LightStage) -> dict[str, Values]:
     """Name of a parameter -> what a light has of it, its power apart."""
     light = each.light
-    found: dict[str, Values] = {"color": (1.0, 1.0, 1.0), "temperature": (light.kelvin or 6500.0,)}
+    found: dict[str, Values] = {}
+    if light.color or light.kelvin or not each.own:
+        found = {"color": (1.0, 1.0, 1.0), "temperature": (light.kelvin or 6500.0,)}
     if light.color:
         linear = linear_from_srgb(srgb_from_hex(light.color))
         pale = _GEL * min(linear)
@@ -243,7 +245,11 @@ def _ends_of_sky(rig: Rig, shown: Values, hazy: bool) -> tuple[Values, Values]:
 
 def _key_color(rig: Rig) -> str:
     key = next(iter(rig.lights), None)
-    return "" if key is None else key.color or hex_from_srgb(srgb_from_linear(kelvin_color(key.kelvin)))
+    return (
+        ""
+        if key is None
+        else key.color or hex_from_srgb(srgb_from_linear(kelvin_color(key.kelvin or 6500.0)))
+    )
 
 
 def _sky_color(rig: Rig) -> str:
