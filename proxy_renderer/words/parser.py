@@ -191,7 +191,7 @@ def read(
         mixed and parsed.attributes and all(a.guess or a.cause for a in parsed.attributes)
     ):
         parsed.unknown = _without_look(glossed, mixed, bool(undone), [*reading.lacking, *normal.notes])
-    complete(parsed, vocabulary, reading.subject, reading.mentioned, scene.sky)
+    complete(parsed, reading.subject, reading.mentioned, scene.sky)
     if glossed.language:
         retelling.retell(parsed)
     if glossed.language and glossed.unknown:
