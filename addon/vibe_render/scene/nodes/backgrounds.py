@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from bpy.types import Scene, World
 from bpy_extras.object_utils import world_to_camera_view
@@ -13,7 +13,7 @@ from mathutils import Vector
 from ...core import compat, locks
 from ...core.journal import Journal
 from ...core.schema_import import labels, schema
-from ...core.value_slots import LazySlot, ValueSlot
+from ...core.value_slots import DerivedSlot, LazySlot, ValueSlot
 from . import owned, trails
 from .inputs import HORIZON, artists_origin, input_slot, own_groups
 from .layers import Layer, MixSide, behind
@@ -101,28 +101,6 @@ def _weighs(side: MixSide) -> bool:
     return not (source and source.node.type == "LIGHT_PATH" and source.name == "Is Camera Ray")
 
 
-@dataclass
-class _TurnSlot:
-    """Value slot: the angle by which the looked-up direction is turned, radians; part of a vector, or a number."""
-
-    inner: ValueSlot
-    sign: float  # -1 for a Mapping node of type Texture, which turns the other way round
-
-    @property
-    def locked(self) -> str:
-        return self.inner.locked
-
-    def get(self) -> float:
-        value = self.inner.get()
-        return self.sign * (value[2] if isinstance(value, tuple) else value)
-
-    def set(self, journal: Journal, raw: float) -> None:
-        value = self.inner.get()
-        self.inner.set(
-            journal, (*value[:2], self.sign * raw) if isinstance(value, tuple) else self.sign * raw
-        )
-
-
 def environment(world: World) -> NodeInGroups | None:
     """The environment texture of a world with a single Background; None without one."""
     background = single_background(world)
@@ -181,9 +159,16 @@ def rotation_slot(world: World) -> ValueSlot | None:
         return None if origin.source else turn
 
     def find() -> ValueSlot | None:
-        inner = input_slot(entry) if entry() else None
-        sign = -1.0 if inner and first().node.vector_type == "TEXTURE" else 1.0
-        return _TurnSlot(inner, sign) if inner else None
+        inner = input_slot(entry)
+        if inner is None:
+            return None
+        # A Mapping node of type Texture turns the other way round.
+        sign = -1.0 if first().node.vector_type == "TEXTURE" else 1.0
+        return DerivedSlot(
+            inner,
+            lambda turn: sign * (turn[2] if isinstance(turn, tuple) else turn),
+            lambda turn, raw: (*turn[:2], sign * raw) if isinstance(turn, tuple) else sign * raw,
+        )
 
     def make(journal: Journal) -> ValueSlot | None:
         own_groups(journal, first().inside)

@@ -220,21 +220,13 @@ def _from_output(tree: bpy.types.NodeTree | None, entry: str, kinds: tuple[str, 
 
 def _search(socket: NodeSocket, inside: tuple[Node, ...], kinds: tuple[str, ...]) -> NodeInGroups | None:
     """Depth first from an input against the links, into groups and out of them again."""
-    for link in active_links(socket):
-        node, exit_ = link.from_node, link.from_socket
-        if node.bl_idname in kinds:
-            return NodeInGroups(node, inside)
-        if node.type == "GROUP" and node.node_tree:
-            entry = same_socket(group_output(node), exit_)
-            match = entry and _search(entry, (*inside, node), kinds)
-        elif node.type == "GROUP_INPUT":
-            outer = same_socket(inside[-1].inputs, exit_) if inside else None
-            match = outer and _search(outer, inside[:-1], kinds)
-        else:
-            match = next(filter(None, (_search(s, inside, kinds) for s in node.inputs)), None)
-        if match:
-            return match
-    return None
+    given = source_output(socket, inside)
+    if given is None:
+        return None
+    node, around = given[0].node, given[1]
+    if node.bl_idname in kinds:
+        return NodeInGroups(node, around)
+    return next(filter(None, (_search(s, around, kinds) for s in node.inputs)), None)
 
 
 def foreign_nodes(material: Material) -> list[Node]:
