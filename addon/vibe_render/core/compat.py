@@ -58,10 +58,10 @@ def node_tree(block: Any) -> NodeTree | None:
     return block.node_tree if block.use_nodes else None
 
 
-def output_node(block: Any, target: str = "CYCLES") -> Node | None:
-    """The output that renders a material, world or light; None without a block, its nodes, or an output."""
+def output_node(block: Any) -> Node | None:
+    """The output that Cycles takes of a material, world or light; None without a block, its nodes, or an output."""
     tree = node_tree(block) if block else None
-    return tree.get_output_node(target) if tree else None
+    return tree.get_output_node("CYCLES") if tree else None
 
 
 def compositor(scene: Scene) -> NodeTree | None:

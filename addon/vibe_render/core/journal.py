@@ -114,17 +114,11 @@ class Journal:
         self.entries.append({**entry, "keys": keys_of(curve), "key": key, "was": was})
         mark_held(curve, True)
 
-    def held(self) -> list[tuple[JournalEntry, Any, FCurve]]:
-        """The entries of `hold`, the first one first, each with what its curve animates and the curve, if it is still there."""
-        entries = [e for e in self.entries if e["op"] == "held" and self.ids[e["id"]]]
+    def curves(self, op: str) -> list[tuple[JournalEntry, Any, FCurve]]:
+        """The entries of `hold` ("held") or `curve` ("curve") whose curves are still there, each with what that animates, and the curve."""
+        entries = [e for e in self.entries if e["op"] == op and self.ids[e["id"]]]
         blocks = ((entry, resolve(self.ids[entry["id"]], entry["path"])) for entry in entries)
         return [(entry, block, curve) for entry, block in blocks if (curve := _curve(block, entry))]
-
-    def curves(self) -> list[tuple[ID, FCurve]]:
-        """The curves that it has added and that are still there, each with what it animates."""
-        entries = ((self.ids[e["id"]], e) for e in self.entries if e["op"] == "curve")
-        blocks = ((resolve(block, entry["path"]), entry) for block, entry in entries if block)
-        return [(block, curve) for block, entry in blocks if (curve := _curve(block, entry))]
 
     def _place(self, struct: bpy_struct) -> JournalEntry:
         block, path = address(struct)

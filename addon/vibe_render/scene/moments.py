@@ -21,7 +21,7 @@ from ..core.schema_import import labels, schema
 from ..core.value_slots import PropertySlot
 from . import bindings, keyframes, snapshot, steps
 from .keyframes import Track
-from .nodes import backgrounds, owned
+from .nodes import owned
 
 ByKey = dict[str, list[float]]
 VERSION = 1
@@ -59,9 +59,8 @@ def of(scene: Scene) -> list[Moment]:
         for moment in found:
             if not moment.values.keys() <= moment.base.keys():
                 raise ValueError("no base")
-            for key, value in (*moment.values.items(), *moment.base.items()):
-                if len(value) != labels.parameter(key).components or not all(map(math.isfinite, value)):
-                    raise ValueError(key)
+            steps.check_values(moment.values)
+            steps.check_values(moment.base)
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise schema.VibeError("The moments in this file are damaged.", "Revert, and start again.") from error
     return found
@@ -109,15 +108,10 @@ def completed(moments: Sequence[Moment]) -> tuple[ByKey, list[ByKey]]:
             known = moment.base | moment.values
             if schema.light_links.link_of(key):  # no curve can link a light: it is linked at all frames
                 known = near.values | known
-            value = next((known[origin] for origin in origins(key) if origin in known), near.base[key])
+            value = next((known[origin] for origin in steps.origins(key) if origin in known), near.base[key])
             look[key] = last = _short_way(key, last, value)
         base[key] = having[0].base[key]
     return base, looks
-
-
-def origins(key: str) -> tuple[str, ...]:
-    """The keys of the values that one may have without a look: a copy of a material its original's, a backdrop the world's."""
-    return key, schema.material_copies.copied_key(key), backgrounds.WORLD_OF_BACKDROP.get(key, key)
 
 
 def _short_way(key: str, last: list[float] | None, value: list[float]) -> list[float]:

@@ -62,7 +62,9 @@ def release(scene: Scene) -> None:
     if not are_held(scene):
         return
     newest = {
-        (e["id"], e["path"], held_name(c)): (e, b, c) for e, b, c in snapshot.load(scene).held() if c.mute
+        (e["id"], e["path"], held_name(c)): (e, b, c)
+        for e, b, c in snapshot.load(scene).curves("held")
+        if c.mute
     }
     for entry, block, curve in newest.values():
         with suppress(ValueError, AttributeError):  # the artist has removed what it animates
@@ -94,7 +96,7 @@ def _moved(keys: Keys, parameter: schema.Parameter, was: float, now: float) -> K
 def as_before(scene: Scene) -> Iterator[None]:
     """The artist's own curves, as they were before a look has moved them, for the duration of the block."""
     moved = []
-    for entry, _, curve in reversed(snapshot.load(scene).held()):
+    for entry, _, curve in reversed(snapshot.load(scene).curves("held")):
         moved.append((curve, keys_of(curve)))
         set_keys(curve, entry["keys"])
     scene.frame_set(scene.frame_current)

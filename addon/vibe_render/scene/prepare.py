@@ -17,7 +17,7 @@ from ..core.journal import Journal
 from ..core.schema_import import schema
 from . import scene_context, snapshot
 from .geometry.meshes import array
-from .light_types import light_type
+from .light_types import LIGHT_TYPES
 from .nodes import backgrounds, layers, owned
 from .nodes.trails import active_links
 from .orbits import orbit_matrix
@@ -115,7 +115,7 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     hit, wall, *_ = scene.ray_cast(graph, start, toward, distance=max(distance - gap, 1e-3))
     if hit:
         distance = (wall - pivot).length - _CLEAR * (wall - start).length
-    kind = light_type(what.type)
+    kind = LIGHT_TYPES[what.type]
     setattr(data, kind.extent_property, size * distance if kind.has_position else radians(_SUN))
     data.energy = brightness * schema.radiometry.unit_energy(
         what.type, distance if kind.has_position else 1.0

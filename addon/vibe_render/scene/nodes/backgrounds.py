@@ -16,8 +16,8 @@ from ...core.schema_import import labels, schema
 from ...core.value_slots import DerivedSlot, LazySlot, ValueSlot
 from . import owned, trails
 from .inputs import HORIZON, artists_origin, input_slot, own_groups
-from .layers import Layer, MixSide, behind
-from .trails import NodeEntry, NodeInGroups, active_links, depends_on_rays, first_background, resolve
+from .layers import BACKGROUND, Layer, MixSide, behind
+from .trails import NodeEntry, NodeInGroups, active_links, resolve, search
 
 LIGHT, BACKDROP = "light", "backdrop"
 _ROTATION = "Vibe Rotation"
@@ -49,10 +49,8 @@ def mixed_backgrounds(world: World, part: str = LIGHT) -> list[Layer]:
 
 def single_background(world: World, part: str = LIGHT) -> NodeInGroups | None:
     """The only Background of a part of a world; None where it is mixed, or where there is none."""
-    if part == BACKDROP or has_backdrop(world):
-        found = _layers_of_part(world, part)
-        return found[0].shader if len(found) == 1 and not mixed_backgrounds(world, part) else None
-    return None if mixed_backgrounds(world) else first_background(world)
+    found = [] if mixed_backgrounds(world, part) else _layers_of_part(world, part)
+    return next((layer.shader for layer in found if layer.kind == BACKGROUND), None)
 
 
 def mixed_entries(world: World, part: str, name: str) -> list[NodeEntry]:
@@ -74,11 +72,15 @@ def _is_mix(layer: Layer) -> bool:
     """True if a Background is more than a color and a strength."""
     color, strength = layer.shader.entry("Color"), layer.shader.entry("Strength")
     computed = strength is not None and artists_origin(strength).source is not None
-    return computed or (color is not None and depends_on_rays(color)) or any(map(_weighs, layer.sides))
+    return (
+        computed
+        or (color is not None and search(color, "ShaderNodeLightPath") is not None)
+        or any(map(_weighs, layer.sides))
+    )
 
 
 def _world_layers(world: World) -> list[Layer]:
-    output = compat.output_node(world, "ALL")
+    output = compat.output_node(world)
     return list(behind(output.inputs["Surface"])) if output else []
 
 
@@ -105,7 +107,7 @@ def environment(world: World) -> NodeInGroups | None:
     """The environment texture of a world with a single Background; None without one."""
     background = single_background(world)
     color = background.entry("Color") if background else None
-    return trails.environment_texture(color) if color else None
+    return search(color, "ShaderNodeTexEnvironment") if color else None
 
 
 def is_only_turned(world: World) -> bool:
@@ -220,7 +222,8 @@ def _add_backdrop(journal: Journal, world: World) -> None:
     tree = compat.node_tree(world)
     assert single
     assert tree
-    output = tree.get_output_node("ALL")
+    output = compat.output_node(world)
+    assert output
     surface = output.inputs["Surface"]
     lighting = active_links(surface)[0].from_socket
     mix = journal.node(tree, "ShaderNodeMixShader", "Vibe Backdrop")
@@ -250,7 +253,7 @@ def offered_backdrop(
     world: World | None, instances: Mapping[str, schema.Instance]
 ) -> dict[str, schema.Instance]:
     """The parameters that a backdrop would have; none where the world cannot have one, or is partly locked."""
-    output = compat.output_node(world, "ALL")
+    output = compat.output_node(world)
     single = single_background(world) if world else None
     # It has to be one plain Background, in its own tree, that both lights and is seen.
     if output is None or single is None or has_backdrop(world):
