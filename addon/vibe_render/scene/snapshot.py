@@ -32,8 +32,9 @@ def exists(scene: Scene) -> bool:
 
 
 def forget(scene: Scene) -> None:
-    """Keeps the scene as it is now, with its keyframes, for good."""
-    scene.pop(KEY, None)
+    """Keeps the scene as it is now, with its keyframes, for good; the list of steps goes."""
+    for key in (KEY, steps.KEY):
+        scene.pop(key, None)
     keyframes.forget(scene)
 
 
@@ -46,7 +47,6 @@ def revert(scene: Scene) -> list[str]:
     journal = load(scene)
     lost = keyframes.take_away(scene)
     forget(scene)  # first: it counts as a user of what is to be removed
-    steps.forget(scene)
     forget_subject(scene)
     lost += journal.undo()
     rendered.layer(scene).update()

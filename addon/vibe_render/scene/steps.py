@@ -228,11 +228,6 @@ class Steps:
         }
 
 
-def forget(scene: Scene) -> None:
-    """Drops the list; the values stay."""
-    scene.pop(KEY, None)
-
-
 def same(key: str, first: Sequence[float], other: Sequence[float]) -> bool:
     """True if two values read the same; a light that has been turned once around stands where it was."""
     if labels.parameter(key).kind == "angle":

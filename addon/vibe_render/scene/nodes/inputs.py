@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from bpy.types import Node, NodeSocket, NodeTree
@@ -117,15 +118,13 @@ class Inset:
             node = self.of(origin().source)
             return NodeEntry(node.inputs[name], origin().inside) if node else None
 
-        def there() -> ValueSlot | None:
-            return input_slot(own) if self.of(origin().source) else None
-
         def make(journal: Journal) -> ValueSlot:
             own_groups(journal, first.inside)
             node = self.of(origin().source) or self._insert(journal, origin(), settings or {})
             return socket_slot(node.inputs[name])
 
-        return LazySlot(there, make, self.inputs[name][0], locks.of_socket(first.socket, None, first.inside))
+        locked = locks.of_socket(first.socket, None, first.inside)
+        return LazySlot(partial(input_slot, own), make, self.inputs[name][0], locked)
 
     def of(self, source: NodeSocket | None) -> Node | None:
         """The inset that an output belongs to, if it is one of this kind."""
