@@ -8,6 +8,7 @@ their place in `ids`, so that an artist may rename them, and undoing is replayin
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass, field
 from typing import Any
 
 import bpy
@@ -23,13 +24,13 @@ _GONE = (LookupError, ValueError, AttributeError, ReferenceError)
 """Errors of Blender where something is not as it was."""
 
 
+@dataclass
 class Journal:
     """Recorded changes. What is in a tree that no data-block owns is a LookupError."""
 
-    def __init__(self, entries: list[JournalEntry] | None = None, ids: list[ID | None] | None = None) -> None:
-        self.entries: list[JournalEntry] = entries if entries is not None else []  # in their order
-        # the data-blocks that the entries speak of; None where one has been deleted since
-        self.ids: list[ID | None] = ids if ids is not None else []
+    entries: list[JournalEntry] = field(default_factory=list)  # in their order
+    # the data-blocks that the entries speak of; None where one has been deleted since
+    ids: list[ID | None] = field(default_factory=list)
 
     def refer(self, block: ID) -> int:
         """The index of a data-block in `ids`."""
