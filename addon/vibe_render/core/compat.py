@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 from bpy.types import ID, Node, NodeSocket, NodeTree, Scene
 
-from .journal import Journal
+from .journal import Journal, resolve
 
 COMPOSITOR_IS_GROUP = "compositing_node_group" in Scene.bl_rna.properties  # 5.0 and later
 RELATIVE_PATHS = (  # 5.0 and later want to be told that a path may begin with "//"
@@ -158,7 +158,7 @@ def set_to_curve(block: ID, curve: bpy.types.FCurve, frame: float) -> None:
         return
     path, _, name = curve.data_path.rpartition(".")
     with suppress(ValueError, AttributeError, TypeError):
-        owner = block.path_resolve(path) if path else block
+        owner = resolve(block, path)
         value = getattr(owner, name)
         if hasattr(value, "__len__"):
             value[curve.array_index] = curve.evaluate(frame)

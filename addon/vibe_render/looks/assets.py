@@ -29,18 +29,9 @@ from ..scene.stage import area_light, framing_camera, plain_world
 from . import thumbnail
 
 CATALOG_FILE = "blender_assets.cats.txt"
+_VERSION = "VERSION 1"
 _SPACE = uuid.UUID("5b1f2a86-6f0c-4f6e-9a43-2f5d8b0c7e11")
 """Our namespace: a catalog of ours has the same id in every library."""
-_HEAD = """# This is an Asset Catalog Definition file for Blender.
-#
-# Empty lines and lines starting with `#` will be ignored.
-# The first non-ignored line should be the version indicator.
-# Other lines are of the format "UUID:catalog/path/for/assets:simple catalog name"
-
-VERSION 1
-
-"""
-
 _BALL_SAMPLES = 48
 _TOP = "Vibe Render"
 
@@ -64,9 +55,9 @@ def add_catalogs(place: Path, paths: Iterable[str]) -> None:
     """Adds catalogs ("Vibe Render/Materials") to the file in a folder; a VibeError if it is unusable."""
     file = place / CATALOG_FILE
     try:
-        text = file.read_text(encoding="utf-8") if file.exists() else _HEAD
+        text = file.read_text(encoding="utf-8") if file.exists() else _VERSION
         lines = [line.strip() for line in text.splitlines()]
-        if "VERSION 1" not in lines:
+        if _VERSION not in lines:
             raise schema.VibeError(f"{file} is of another version.", "Choose another folder.")
         present = {line.partition(":")[0] for line in lines}
         rows = [f"{catalog_identifier(path)}:{path}:{path.replace('/', '-')}" for path in paths]

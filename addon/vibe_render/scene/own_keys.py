@@ -12,7 +12,7 @@ from bpy.types import ID, FCurve, NodeSocket, Scene
 from mathutils import Vector
 
 from ..core import compat, locks
-from ..core.journal import HELD, Journal, Keys, held_name, keys_of, mark_held, set_keys
+from ..core.journal import HELD, Journal, Keys, held_name, keys_of, mark_held, resolve, set_keys
 from ..core.schema_import import labels, schema
 from ..core.value_slots import PropertySlot, same
 from . import bindings, keyframes, scene_context, snapshot
@@ -78,7 +78,7 @@ def release(scene: Scene) -> None:
 def _present(block: Any, curve: FCurve) -> float:
     """The present value of what a muted curve animates."""
     path, _, name = curve.data_path.rpartition(".")
-    value = getattr(block.path_resolve(path) if path else block, name)
+    value = getattr(resolve(block, path), name)
     return float(value[curve.array_index] if hasattr(value, "__len__") else value)
 
 

@@ -164,12 +164,10 @@ def added_light_distance(low: Vector, high: Vector) -> float:
 def _is_lit(scene: Scene) -> bool:
     """True if the world lights the scene."""
     world = rendered.world(scene)
-    if world is None:
-        return False
-    single = backgrounds.single_background(world)
-    mixed = [each.shader for each in backgrounds.mixed_backgrounds(world)]
-    for background in mixed or ([single] if single else []):
-        color, strength = background.node.inputs["Color"], background.node.inputs["Strength"]
+    for layer in backgrounds.layers_of_part(world, backgrounds.LIGHT) if world else ():
+        color, strength = layer.shader.input("Color"), layer.shader.input("Strength")
+        if color is None or strength is None:
+            continue
         if active_links(color) or active_links(strength):
             return True
         if max(color.default_value[:3]) * strength.default_value > _LEAST_LIGHT:

@@ -40,16 +40,15 @@ def has_backdrop(world: World) -> bool:
 def mixed_backgrounds(world: World, part: str = LIGHT) -> list[Layer]:
     """The Backgrounds that a part of a world's surface is mixed of; none where it is a single, plain one.
 
-    One whose strength nodes compute, or whose color depends on the kind of ray, counts as a mix. Without a
-    backdrop of its own, everything is LIGHT.
+    One whose strength nodes compute, or whose color depends on the kind of ray, counts as a mix.
     """
-    found = _layers_of_part(world, part)
+    found = layers_of_part(world, part)
     return found if len(found) > 1 or any(_is_mix(layer) for layer in found) else []
 
 
 def single_background(world: World, part: str = LIGHT) -> NodeInGroups | None:
     """The only Background of a part of a world; None where it is mixed, or where there is none."""
-    found = [] if mixed_backgrounds(world, part) else _layers_of_part(world, part)
+    found = [] if mixed_backgrounds(world, part) else layers_of_part(world, part)
     return next((layer.shader for layer in found if layer.kind == BACKGROUND), None)
 
 
@@ -84,7 +83,8 @@ def _world_layers(world: World) -> list[Layer]:
     return list(behind(output.inputs["Surface"])) if output else []
 
 
-def _layers_of_part(world: World, part: str) -> list[Layer]:
+def layers_of_part(world: World, part: str) -> list[Layer]:
+    """All shaders of a part of a world's surface; without a backdrop of its own, everything is LIGHT."""
     layers = _world_layers(world)
     if not has_backdrop(world):
         return layers if part == LIGHT else []
