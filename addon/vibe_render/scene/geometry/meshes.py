@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import Any
 
@@ -28,8 +28,6 @@ _CORNERS = np.array([(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 
 """Of a unit box."""
 _NORMALS = np.array([(-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1)], np.float32)
 """Of the sides."""
-_Extent = tuple[tuple[float, ...], ...]
-"""The least and the greatest corner of a box."""
 
 
 def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[list[PlacedMesh], list[str]]:
@@ -54,7 +52,7 @@ def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[lis
             if note := rendered.surface_note(top, of):
                 warnings[note] = None
             slots = rendered.worn(thing, of)
-            names = tuple(m.name_full if m else DEFAULT_MATERIAL for m in slots)
+            names = _names(slots)
             source = thing.data.as_pointer(), *names  # the same mesh with the same materials is read once
             mesh = meshes.get(source) or meshes.setdefault(source, _read_mesh(thing.data, slots, uv_of))
             owner = thing.original.name_full, ""
@@ -66,6 +64,10 @@ def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[lis
         matrix, owner = np.array(instance.matrix_world), (shown.owner[0], parent)
         placed.append(PlacedMesh(shown.mesh, shown.materials, matrix, owner, shown.hidden | hidden[parent]))
     return placed, list(warnings)
+
+
+def _names(slots: list[bpy.types.Material | None]) -> tuple[str, ...]:
+    return tuple(material.name_full if material else DEFAULT_MATERIAL for material in slots)
 
 
 def _read_mesh(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: UvLookup) -> SourceMesh:
@@ -131,60 +133,41 @@ def box_geometry(
         owner = thing.original.name_full, instancer.name_full if instancer else ""
         key = thing.original.as_pointer(), thing.data.as_pointer()
         if key not in known:
-            boxes = list(_material_boxes(thing, of))
-            mesh, names = _box_mesh([extent for extent, _ in boxes]), tuple(name for _, name in boxes)
-            known[key] = PlacedMesh(mesh, names, np.eye(4), owner, rendered.hidden_from(thing, of))
+            slots = rendered.worn(thing, of)
+            mesh, hidden = _box_mesh(thing, slots), rendered.hidden_from(thing, of)
+            known[key] = PlacedMesh(mesh, _names(slots), np.eye(4), owner, hidden)
         box = known[key]
         placed.append(PlacedMesh(box.mesh, box.materials, np.array(matrix), owner, box.hidden))
     return _far_sides(assembled(placed, []), camera)
 
 
-def _material_boxes(thing: bpy.types.Object, of: bpy.types.ViewLayer) -> Iterator[tuple[_Extent, str]]:
-    """The box of an object, cut along its longest side into a part for each material that its faces have."""
-    box, slots = thing.bound_box, rendered.worn(thing, of)
-    low, high = box[0][:], box[6][:]
-    areas = {slots[0]: 1.0} if len(slots) == 1 else _face_ratios(thing.data, slots)
-    areas = {material: area for material, area in areas.items() if rendered.has_surface(material)}
-    if len(areas) == 1:
-        (material,) = areas
-        yield (low, high), material.name_full if material else DEFAULT_MATERIAL
-        return
-    axis = max(range(3), key=lambda n: high[n] - low[n])
-    start = end = low[axis]
-    for material, area in areas.items():
-        start, end = end, end + area / sum(areas.values()) * (high[axis] - low[axis])
-        part = tuple((*each[:axis], cut, *each[axis + 1 :]) for each, cut in ((low, start), (high, end)))
-        yield part, material.name_full if material else DEFAULT_MATERIAL
-
-
-def _face_ratios(
-    mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None]
-) -> dict[bpy.types.Material | None, float]:
-    """The ratio of a mesh's faces that have each material."""
-    index = mesh.attributes.get("material_index")
-    faces = array(index.data, "value", (len(index.data),), np.int32) if index else np.zeros(1, np.int32)
-    counts = np.bincount(np.clip(faces, 0, len(slots) - 1), minlength=len(slots))
-    ratios: dict[bpy.types.Material | None, float] = {}
-    for material, count in zip(slots, counts / max(len(faces), 1), strict=True):
-        if count:
-            ratios[material] = ratios.get(material, 0.0) + float(count)
-    return ratios
-
-
-def _box_mesh(extents: list[_Extent]) -> SourceMesh:
-    """The sides of boxes, each with a slot of its own."""
-    low, high = np.array(extents, np.float32).reshape(-1, 2, 1, 3).swapaxes(0, 1)
-    corners = np.array(_SIDES) + 8 * np.arange(len(extents))[:, None, None]  # (B, 6, 4)
+def _box_mesh(thing: bpy.types.Object, slots: list[bpy.types.Material | None]) -> SourceMesh:
+    """The bounding box of an object, cut along its longest side into parts: one for each slot, as its ratio of the faces."""
+    ratios = _face_ratios(thing.data, len(slots))
+    whole = np.array([thing.bound_box[0], thing.bound_box[6]])
+    axis = np.ptp(whole, axis=0).argmax()
+    cuts = whole[0, axis] + np.cumsum([0.0, *ratios]) * np.ptp(whole[:, axis])
+    parts = np.tile(whole, (len(slots), 1, 1))
+    parts[:, :, axis] = np.stack([cuts[:-1], cuts[1:]], axis=1)
+    low, high = parts[:, None].astype(np.float32).transpose(2, 0, 1, 3)  # (S, 1, 3) each
+    corners = np.array(_SIDES) + 8 * np.arange(len(slots))[:, None, None]  # (S, 6, 4)
     quads = np.arange(corners.size).reshape(-1, 4)
     return SourceMesh(
         vertices=(low + _CORNERS * (high - low)).reshape(-1, 3),
         corners=corners.ravel(),
-        normals=np.tile(np.repeat(_NORMALS, 4, axis=0), (len(extents), 1)),
+        normals=np.tile(np.repeat(_NORMALS, 4, axis=0), (len(slots), 1)),
         triangles=np.concatenate([quads[:, (0, 1, 2)], quads[:, (0, 2, 3)]]),
-        slot=np.tile(np.repeat(np.arange(len(extents)), 6), 2),
-        solid=np.ones(len(extents), bool),
+        slot=np.tile(np.repeat(np.arange(len(slots)), 6), 2),
+        solid=np.array([rendered.has_surface(material) for material in slots]) & (ratios > 0.0),
         uvs=[],
     )
+
+
+def _face_ratios(mesh: bpy.types.Mesh, count: int) -> np.ndarray:
+    """(count,): the ratio of a mesh's faces that have each slot."""
+    index = mesh.attributes.get("material_index") if count > 1 else None
+    faces = array(index.data, "value", (len(index.data),), np.int32) if index else np.zeros(1, np.int32)
+    return np.bincount(np.clip(faces, 0, count - 1), minlength=count) / max(len(faces), 1)
 
 
 def _far_sides(geometry: SceneGeometry, camera: RayCamera) -> SceneGeometry:
