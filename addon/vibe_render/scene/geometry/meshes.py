@@ -154,7 +154,7 @@ def _box_mesh(thing: bpy.types.Object, slots: list[bpy.types.Material | None]) -
     quads = np.arange(corners.size).reshape(-1, 4)
     return SourceMesh(
         vertices=(low + _CORNERS * (high - low)).reshape(-1, 3),
-        corners=corners.ravel(),
+        corners=corners.ravel().astype(np.int32),
         normals=np.tile(np.repeat(_NORMALS, 4, axis=0), (len(slots), 1)),
         triangles=np.concatenate([quads[:, (0, 1, 2)], quads[:, (0, 2, 3)]]),
         slot=np.tile(np.repeat(np.arange(len(slots)), 6), 2),
