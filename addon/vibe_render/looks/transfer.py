@@ -19,7 +19,7 @@ from ..export import reading
 from ..export.analysis import SceneAnalysis
 from ..export.job_folder import SceneJob
 from ..run import result
-from ..scene import bindings, prepare, scene_context
+from ..scene import bindings, prepare, scene_context, snapshot
 from ..scene.light_types import EXTENTS, LIGHT_TYPES, type_of
 from ..scene.nodes import grade, owned
 from ..scene.subject import SubjectChoice, remember_subject
@@ -241,7 +241,7 @@ def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectCho
     if another:
         settings.show_original = True
     try:
-        with reading.rollback_on_failure(scene):
+        with snapshot.rollback_on_failure(scene):
             scene_reading = reading.prepare_and_read(scene, choice)
             subject, pivot = scene_reading.analysis.objects, scene_reading.analysis.pivot
             fitted = fit_look(look, scene_reading)

@@ -75,17 +75,13 @@ def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
     moments = sorted(moments, key=lambda moment: moment.frame)
     keyframes.take_away(scene)
     base, looks = completed(moments)
-    start = snapshot.mark(scene)
     left: dict[str, str] = {}
-    try:
+    with snapshot.rollback_on_failure(scene):
         for moment, look in zip(moments, looks, strict=True):
             subject = [scene.objects[name] for name in moment.subject if name in scene.objects]
             left |= bindings.write(scene, look, subject, moment.pivot)
         tracks = _tracks(scene, moments, base, looks) + _cards(scene, moments, looks)
         notes = keyframes.add(scene, tracks)
-    except BaseException:
-        snapshot.rollback(scene, start)
-        raise
     rows = [asdict(moment) for moment in moments]
     scene[keyframes.MOMENTS] = json.dumps({"version": VERSION, "moments": rows}, ensure_ascii=False)
     scene.frame_set(scene.frame_current)

@@ -70,6 +70,19 @@ def rollback(scene: Scene, first: int | None) -> None:
 
 
 @contextmanager
+def rollback_on_failure(scene: Scene) -> Iterator[None]:
+    """Undoes what was recorded inside the block if that ends in an exception."""
+    start, keyed = mark(scene), keyframes.are_shown(scene)
+    try:
+        yield
+    except BaseException:
+        if keyed:
+            keyframes.bring_back(scene)
+        rollback(scene, start)
+        raise
+
+
+@contextmanager
 def transaction(scene: Scene) -> Iterator[Journal]:
     """A journal for changes inside the block: kept in the snapshot, or undone after an exception.
 
