@@ -23,7 +23,7 @@ from ..render import final_render
 from ..run.notes import words_of
 from ..scene import bindings, fog, moments, scene_context
 from ..scene.moments import Moment
-from ..scene.steps import Steps
+from ..scene.steps import Steps, origins
 from .arguments import Reporter
 from .scenes import open_scene, save_blend
 from .shots import Framing, RequestedShot
@@ -82,7 +82,7 @@ def _write(args: argparse.Namespace, reporter: Reporter, out: Outputs, found: li
         framing.show(RequestedShot(args.scene, camera, frame))
         rendered.layer(scene).update()
 
-    eyes, named = [], {each for moment in found for key in moment.values for each in moments.origins(key)}
+    eyes, named = [], {each for moment in found for key in moment.values for each in origins(key)}
     for moment in found:
         show(moment.frame)
         eyes.append(scene.camera.matrix_world.translation.copy())

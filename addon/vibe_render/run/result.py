@@ -165,7 +165,6 @@ def keep(scene: bpy.types.Scene) -> None:
         settings.show_original = False
     own_keys.release(scene)
     snapshot.forget(scene)
-    step_list.forget(scene)
     before_image.forget(scene)
     forget(scene)
 
