@@ -90,7 +90,7 @@ def read_words(
     pairs = reading(text, scene, vocabulary, foreign)
     phrases = light_phrases(pairs.passage, vocabulary, rig_table())
     each = zip(likeliest_row(pairs, weights), pairs.pairs, strict=True)
-    row = [_where_it_stands(pair, others, pairs, phrases, vocabulary) for pair, others in each]
+    row = [_where_it_stands(pair, others, pairs, phrases, scene, vocabulary) for pair, others in each]
     chosen, unused = with_choices(row, targets or {}, english or {}, scene, vocabulary)
     for number, (pair, after) in enumerate(pairwise(chosen)):  # "a washed out green vase"
         is_one = pairs.passage.tinged(pair.look) == after.look and pair.target == after.target
@@ -123,15 +123,19 @@ def _where_it_stands(
     pairs: list[TargetPair],
     found: PromptPairs,
     phrases: Mapping[int, tuple[int, ...]],
+    scene: SceneDescription,
     vocabulary: Vocabulary,
 ) -> TargetPair:
     """A word with the target that its place leaves no doubt of.
 
-    In the description of a light words are said of light, unless it names what they are said of: "a pink one at the left". A color
-    right before fog or smoke is that of the air: "greenish ground fog".
+    In the description of a light words are said of light, unless it names what they are said of: "a pink one at the left". A sun is
+    no lamp: "sun through the window". A color right before fog or smoke is that of the air: "greenish ground fog".
     """
     target, look, items, kind = pair.target, pair.look, found.passage.items, ""
-    if numbers := phrases.get(look.index):
+    lamps = [scene.lights[n].type for n in target.names if n in scene.lights]
+    if lamps and _is_a_sun(pair) and not {"SUN", ""}.intersection(lamps):
+        kind = "light"
+    elif numbers := phrases.get(look.index):
         noun = found.mentions[target.mention] if target.mention >= 0 else None
         here = noun and phrases.get(noun.start) == numbers and (noun.named or noun.role)
         of_light = look.token.color or look.token.adjective
@@ -142,6 +146,11 @@ def _where_it_stands(
         is_air = after.noun == "fog" or vocabulary.slot(after.entry) == "atmosphere"
         kind = "air" if is_air and after.clause == items[look.index].clause else ""
     return next((other for other in pairs if other.target.kind == kind), pair)
+
+
+def _is_a_sun(pair: TargetPair) -> bool:
+    rig = rig_table().rigs.get(pair.sense.entry)
+    return rig is not None and any(light.type == "SUN" for light in rig.lights[:1])
 
 
 def _find_absent(read: PromptReading, objects: AbsentObjects) -> None:
