@@ -14,10 +14,9 @@ from torch.nn import functional
 from ..scene import Material, SceneData
 from ..scene.values import Remembered, RenderValues, needs_gradient
 from ..schema import FAMILIES, VibeError
-from .cycles import Correction, CyclesPicture
+from .cycles import AnchorLayers, Correction, CyclesPicture
 from .film import Film
 from .geometry.camera import View, view_of
-from .layers import AnchorLayers
 from .lights.emitters import Emitters
 from .lights.environment import Environment, sky_of
 from .lights.light_source import LightSource

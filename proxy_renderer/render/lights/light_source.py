@@ -21,7 +21,7 @@ from ...color.tensors import blackbody
 from ...scene import Light, SceneData
 from ...scene.values import RenderValues, needs_gradient
 from ..geometry.camera import RaySegments, direction, frame
-from ..geometry.vectors import dot, tangents, within
+from ..geometry.vectors import PointSet, dot, tangents, within
 
 Vectors = Float[Tensor, "3 n"]
 Numbers = Float[Tensor, " n"]
@@ -29,7 +29,7 @@ POINT_RADIUS = 1e-3  # radians, least of a light: a true point would have no hig
 
 
 @dataclass(frozen=True)
-class DirectIrradiance:
+class DirectIrradiance(PointSet):
     """Light that reaches N points from one light, unshadowed, per unit of its color."""
 
     toward: Vectors  # (3, N) unit vectors to the light's center
@@ -37,11 +37,6 @@ class DirectIrradiance:
     irradiance: Numbers  # (N,) on the surface, cosine included
     frontal: Numbers  # (N,) on a surface that faces the light: radiance times solid angle
     solid_angle: Numbers  # (N,) that the light fills, steradians
-
-    def pick(self, index: Tensor) -> DirectIrradiance:
-        """The points at an index."""
-        fields = self.toward, self.distance, self.irradiance, self.frontal, self.solid_angle
-        return DirectIrradiance(*(field[..., index] for field in fields))
 
 
 @dataclass(frozen=True)
