@@ -2,71 +2,36 @@
 """The form of further sentences: those that speak of earlier steps, and what is left of others for a reader of prompts."""
 
 import re
+import tomllib
+from pathlib import Path
 from typing import Literal, NamedTuple
+
+_TABLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+
+
+def _rows(name: str) -> list[tuple[str, str]]:
+    """A table of sentences.toml, its parts put into the patterns."""
+    rows = []
+    for first, second in _TABLES[name]:
+        for part, pattern in reversed(_TABLES["parts"].items()):  # a part may have one from above it
+            first, second = (text.replace(f"{{{part}}}", pattern) for text in (first, second))
+        rows.append((first, second))
+    return rows
+
 
 _NUMBERS = {name: n for n, name in enumerate(("original", "first", "second", "third", "fourth", "fifth"))}
 _NUMBERS |= {"start": 0, "beginning": 0, "scene": 0}
 _LAST = ("last", "previous", "before", "earlier")  # names of the step before the one that is shown
-_STEP = r"(?:the )?(?:step )?(?P<step>\w+)(?: (?:one|look|step|version|result))?"
-_HALF = r"(?:50 ?[/-] ?50|half(?:way)?|half and half|mix(?:ed)?)"
 _FACTORS = {
     "half": 0.5, "halve": 0.5, "a half": 0.5, "a third": 1 / 3, "a quarter": 0.25, "twice": 2.0, "double": 2.0,
     "two times": 2.0, "three times": 3.0, "triple": 3.0,
 }  # fmt: skip
-_SHARE = r"(?P<share>half|a half|a third|a quarter|\d{1,3} ?(?:%|percent))"
-_REMOVE = "without|remove|lose|drop|ditch|no more|get rid of|take (?:away|out|off)"
-_AMOUNTS = "saturation|contrast|vignette|haze|fog|mist|bloom|glow|warmth"  # of air and grade; a lamp that is off is dark
-_NOT = "(?:but )?not(?: on)?(?: the)?(?! (?:that|so|as|too|quite) )"
-_FORMS = (
-    ("show", rf"(?:(?:go|take it|take me|return|revert) )?(?:back )?to {_STEP}"),
-    ("show", rf"{_STEP} (?:was|is) better(?:,? go back)?"),
-    (
-        "show",
-        r"(?:go back to )?the (?:one|look|version) (?P<step>before)|(?:the )?previous(?: \w+)?",
-    ),
-    ("show", r"undo(?: that| it| the last(?: step)?)?|go back|(?:go )?(?:one|a) step back"),
-    ("show", r"(?:go |take me |take it )?back to (?:the )?(?P<what>[^,]+)"),
-    (
-        "between",
-        rf"(?:go |meet )?(?:some(?:thing|where) )?(?:half ?way )?(?:in )?between (?:this|it|now)(?: one)? and {_STEP}",
-    ),
-    ("between", r"(?:some(?:thing|where) )?(?:in )?between (?:those|these|the) two"),
-    ("between", rf"half ?way back to {_STEP}"),
-    ("between", r"half ?way back to (?:the )?(?P<what>[^,]+)"),
-    ("between", rf"{_HALF}(?: this one| this| it)? (?:with|and) {_STEP}"),
-    ("strength", r"(?P<factor>half|twice|double)(?: as| the)? (?:strong|much|strength|that|of that)"),
-    (
-        "strength",
-        rf"(?:[^,]*\btoo\b[^,]*, )?(?:dial|tone|turn|bring|pull) (?:it|that|this)(?: down| back) (?:by |to )?{_SHARE}",
-    ),
-    (
-        "strength",
-        rf"(?:[^,]*\btoo\b[^,]*, )?(?:about |like |maybe )?{_SHARE} (?P<sign>less|weaker|more|stronger)",
-    ),
-    (
-        "without",
-        rf"(?:{_REMOVE}) (?:the |any |all )?(?P<what>[^,]+?)"
-        r"(?: completely| entirely| altogether)?(?:,? (?:but |and )?keep .+)?",
-    ),
-    ("without", rf"(?:the )?(?P<what>{_AMOUNTS}) (?:out|off)(?: again)?(?:, .+ stays?)?"),
-    ("instead", r"not the (?P<what>[^,.!]+), the (?P<new>[^,]+)"),
-    ("instead", rf"{_NOT} (?P<what>[^,.!]+)[,.!]+ ?(?:only|just) (?:the )?(?P<new>.+)"),
-    (
-        "except",
-        rf"(?:(?:but )?(?:leave|keep)(?: the)?(?! everything)|{_NOT}(?<=the)|except(?: for)?(?: the)?) (?P<what>[^,.!]+?)"
-        r"(?: alone| out| as it (?:is|was))?(?:, (?:that|it|this).*)?",
-    ),
-    (
-        "instead",
-        r"(?:no,? )?(?:i (?:meant|said|mean) )?(?:only |just )?(?:the )?(?P<new>[^,]+?)(?: only| alone)?(?:,? i (?:said|meant))?"
-        rf"(?:,|,? and|,? but)? {_NOT} (?P<what>[^,.!]+)(?:[,.!].*)?",
-    ),
-)
 # "The rim light not on the wall" is about no step: it says which objects a light lights.
 _LINKS = re.compile(
     r"\b\w*(?:light|lamp|spot|sun|key|fill|rim)s? (?:not on|(?:(?:does|do|should) not|\w+n't) \w+) ", re.I
 )
-_MATCHES = [(kind, re.compile(rf"(?:{form})[.!]*", re.I)) for kind, form in _FORMS]
+_MATCHES = [(kind, re.compile(rf"(?:{form})[.!]*", re.I)) for kind, form in _rows("forms")]
+_PLAINER = [(re.compile(pattern, re.I), word) for pattern, word in _rows("plainer")]
 
 _LEAD = re.compile(
     r"^(?:(?:no|nope|nah|and|now|then|ok|okay|please|(?:the )?same (?:mood|look|light|thing)|hm+|wait|sorry|actually|nice|good|better|but|too much|yes|yeah)\b[ ,.!]*)+",
@@ -119,37 +84,6 @@ _COUNTS = {"two": 2.0, "three": 3.0, "half a": 0.5, "1/2": 0.5, "2/3": 2 / 3} | 
     ("a third of a", "third of a", "1/3"), 1 / 3
 )
 _DOWN = ("darker", "down", "under", "less")
-_AMOUNT = rf"(?:(?:bring|turn|dial|pull|push|take) )?(?:the )?({_AMOUNTS})"
-_MOVE = "(?:bring|take|pull|push|knock|lift|move|swing|rotate|turn|put|shift)"
-_HOW_MUCH, _ALL_OVER = "(?:a bit |much )?", "(?: whole image| everywhere| in general)?"
-_PLAINER = (
-    (r"\ba (?:touch|tad|little bit|hint|shade|trifle)\b(?! of)|\bsomewhat\b|\bslightly\b", "a bit"),
-    (r"\ba lot\b|\b(?:way|far)(?= (?:\w+er|more|less)\b)", "much"),
-    (r"\b(?:even|still|yet) (?=(?:a bit |much )?(?:\w+er|more|less)\b)", ""),
-    (r"(?<=\bmore )glow\b|(?<=\bless )glow\b", "bloom"),
-    (r"\b(bring|put|get|give)\b(.*?) back\b", r"\1\2"),  # no light from the back
-    (r"\b(?:the )?(?:whole thing|whole lot|overall)\b", "whole image"),
-    (rf"^({_HOW_MUCH})(?:less (?:orange|yellow|amber)|more blue|bluer){_ALL_OVER}$", r"\1cooler"),
-    (rf"^({_HOW_MUCH})(?:less (?:blue|cyan|teal)|more (?:orange|yellow|amber)){_ALL_OVER}$", r"\1warmer"),
-    (r"\bsat\b", "saturation"),
-    (r"\bnot (?:that|so|quite so|as) (\w+)$", r"less \1"),
-    (r",? (?:but|and) not (?:on )?(?=the\b)", ", but leave "),
-    (rf"\b{_AMOUNT} up\b", r"more \1"),
-    (rf"\b{_AMOUNT} down\b", r"less \1"),
-    (rf"\b{_MOVE} (?:(?:it|this|that) )?((?:the [^,;.]+? )?)(?:up|down) (?=brighter|darker)", r"\1"),
-    (rf"\b{_MOVE} (?:(?:it|this|that) )?((?:the [^,;.]+? )?)up\b", r"\1brighter"),
-    (rf"\b{_MOVE} (?:(?:it|this|that) )?((?:the [^,;.]+? )?)down\b", r"\1darker"),
-    (
-        rf"\b{_MOVE} (?:the )?([\w ]+?) (?:a?round |over |more |further )*(?:to|on|towards?|from) the (left|right|back|front)\b",
-        r"\1 from the \2",
-    ),
-    (rf"\b{_MOVE} (the [\w ]+?) (?:more |further )?towards? (?=\w+$)", r"\1 more "),
-    (r" down$", " darker"),
-    (r"\b(brighter|darker) (a bit|much)\b", r"\2 \1"),
-    (r"\badd (?:some|a bit of|a little) ", "add "),
-    (r"(\bno \w+) (?:at all|whatsoever)\b", r"\1"),
-    (r",? (?:without|but not) (?:touching|changing|affecting|moving) ", ", but leave "),
-)
 
 
 class AboutSteps(NamedTuple):
@@ -245,7 +179,7 @@ def plain(sentence: str) -> tuple[str, float]:
         factor = _FACTORS[found["factor"].lower()]
         text = text.replace(found[0], "more " if factor > 1.0 else "less ")
     for pattern, word in _PLAINER:
-        text = re.sub(pattern, word, text, flags=re.I)
+        text = pattern.sub(word, text)
     return text.strip(), factor
 
 

@@ -122,7 +122,7 @@ class GatherPoints:
 
 @dataclass(frozen=True)
 class _Places(PointSet):
-    """PointSet of an interpolation: place (2, N) in cells, surface, and size (N,) in meters of a cell there."""
+    """Points of an interpolation: place (2, N) in cells, surface, and size (N,) in meters of a cell there."""
 
     place: Tensor
     surface: Surface

@@ -408,7 +408,7 @@ def sphere_points(count: int, copies: int, generator: torch.Generator) -> Tensor
 
 
 def shared_points(count: int, turn: Tensor, generator: torch.Generator) -> Tensor:
-    """PointSet in [0, 1)^2 that copies share: (2, copies, count), all shifted by the same random step.
+    """Points in [0, 1)^2 that copies share: (2, copies, count), all shifted by the same random step.
 
     Every turn (copies,), from 0 on, takes the next `count` points of the sequence of `sphere_points`, so that copies of
     different turns add up to one set that spreads as well. Where neighbors are averaged, little noise is left.

@@ -14,7 +14,6 @@ from torch import Tensor
 
 from ...scene import Light, SceneData
 from ...scene.values import Remembered, RenderValues, needs_gradient
-from ...schema import VibeError
 from ..geometry.camera import RaySegments
 from ..geometry.vectors import cross, dot, length, unit, within
 from .light_source import (
@@ -289,21 +288,13 @@ LIGHT_TYPES: dict[str, type[LightSource]] = {
 """Blender's name of a light type to its class."""
 
 
-def light_type(name: str) -> type[LightSource]:
-    """The class of a light type; raises VibeError if the renderer has no such type."""
-    if name not in LIGHT_TYPES:
-        remedy = f"Use one of {', '.join(sorted(LIGHT_TYPES))}."
-        raise VibeError(f'Lights of type "{name}" cannot be rendered.', remedy)
-    return LIGHT_TYPES[name]
-
-
 def light_sources(
     scene: SceneData, values: RenderValues, made: Remembered | None = None
 ) -> list[LightSource]:
-    """All lights of the scene at the render's values, some made before; raises VibeError if one has an unknown type."""
+    """All lights of the scene at the render's values, some made before."""
     kept = made or Remembered()
     found = []
     for number, light in enumerate(scene.lights):  # instances of a lamp have its name
-        make = partial(light_type(light.type).of, light, scene, values)
+        make = partial(LIGHT_TYPES[light.type].of, light, scene, values)
         found.append(kept.of(f"light/{light.name}", values, make, number))
     return found
