@@ -225,7 +225,7 @@ class Proxy:
                 self._cache = kept.with_mirrors(metals)
                 return self._cache
         smooth = torch.stack([surfaces.sharp(p) & self.fine for p in shading_inputs])
-        shape = metals, smooth, lamps, self.emitters.materials, self.emitters.glowing
+        shape = metals, smooth, lamps, self.emitters
         self._cache = ViewCache(self.scene, self.geometry, view, *shape, self.seed)
         return self._cache
 

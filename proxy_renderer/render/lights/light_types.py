@@ -13,7 +13,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from ...scene import Light, SceneData
-from ...scene.values import Remembered, RenderValues, needs_gradient
+from ...scene.values import Remembered, RenderValues
 from ..geometry.camera import RaySegments
 from ..geometry.vectors import cross, dot, length, unit, within
 from .light_source import (
@@ -103,17 +103,9 @@ class SpotLight(PointLight):
         return replace(super().of(light, scene, values), cone=torch.deg2rad(opening))
 
     @property
-    def moving(self) -> bool:
-        """True if gradients with respect to its place, direction, size or cone are wanted."""
-        return super().moving or needs_gradient(self.cone)
-
-    def signature(self) -> tuple[float, ...]:
-        """See `LightSource.signature`."""
-        return (*super().signature(), float(self.cone.detach()))
-
-    def detached(self) -> SpotLight:
-        """See `LightSource.detached`."""
-        return replace(super().detached(), cone=self.cone.detach())
+    def placement(self) -> dict[str, Tensor]:
+        """See `LightSource.placement`."""
+        return {**super().placement, "cone": self.cone}
 
     def directivity(self, toward: Vectors, radius: Numbers | None = None) -> Numbers:
         """Blender's smoothstep between the cone's rim and its blend.

@@ -18,6 +18,7 @@ from ..geometry.gather_points import SparseWeights
 from ..geometry.samples import pixel_centers, take
 from ..geometry.vectors import dot, unit
 from ..geometry.visibility import RayGeometry, Surface, facing
+from ..lights.emitters import Emitters
 from ..lights.environment import GLOSSY, SATIN, Sky
 from ..lights.light_source import LightSource
 from ..lights.shadows import LightClusters
@@ -67,8 +68,6 @@ class ViewCache:
         metals: (M,) weight of mirror reflection of each material, 0 for what is no metal.
         smooth: (M,) bool: materials of which every pixel gets several samples.
         lamps: The lights, the suns of the world and glowing surfaces included.
-        emissive: Indices of materials whose light comes from lamps.
-        glowing: Indices of all materials that glow.
     """
 
     def __init__(
@@ -79,8 +78,7 @@ class ViewCache:
         metals: Tensor,
         smooth: Tensor,
         lamps: Sequence[LightSource],
-        emissive: Sequence[int],
-        glowing: Sequence[int],
+        emitters: Emitters,
         seed: int,
     ) -> None:
         self.scene, self.geometry, self.metals = scene, geometry, metals
@@ -98,7 +96,7 @@ class ViewCache:
             self._direct = DirectLights(geometry, samples, self._view_samples, self.clusters)
             self._view = view.detached()
             generator = torch.Generator().manual_seed(seed)
-            shape = metals, len(self.clusters), emissive, glowing, self._maps, generator
+            shape = metals, len(self.clusters), emitters, self._maps, generator
             self.indirect = FinalGather(geometry, samples, surface, self._view, *shape)
             # (3,) average of every material's linked base color; 1 where none is linked
             plain = np.ones(3, np.float32)
