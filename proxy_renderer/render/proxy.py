@@ -278,6 +278,6 @@ def _resolve(frame: RenderState, radiance: Tensor) -> tuple[Tensor, Tensor]:
     view, cache = frame.view, frame.cache
     picture, mask = cache.samples.resolve(radiance), cache.mask
     if view.moving:
-        term = cache.outlines().term(view, torch.cat((radiance, cache.inside)), picture.shape[1])
+        term = cache.outlines.term(view, torch.cat((radiance, cache.inside)), picture.shape[1])
         picture, mask = picture + term[:-1], mask + term[-1].view(mask.shape)
     return (cache.defocus(picture) if cache.defocus else picture), mask

@@ -139,17 +139,14 @@ class LightPaths:
     start: _Vectors
     toward: _Vectors
     distance: _Numbers
-    _measured: dict[tuple[float, ...], Tensor] = field(default_factory=dict, repr=False, compare=False)
+    _measured: Recent = field(default_factory=Recent, init=False, repr=False, compare=False)
 
     def transmittance(self, fog: FogMedium) -> Float[Tensor, "*n"]:
         """Share of light (…) that gets through."""
-        shape = fog.shape
-        if shape is None or needs_gradient(self.start, self.toward, self.distance):
-            return fog.transmittance(self.start, self.toward, self.distance)
-        if shape not in self._measured:
-            self._measured.clear()
-            self._measured[shape] = fog.thickness(self.start, self.toward, self.distance)
-        return torch.exp(-fog.density * self._measured[shape])
+        way = self.start, self.toward, self.distance
+        if fog.shape is None or needs_gradient(*way):
+            return fog.transmittance(*way)
+        return torch.exp(-fog.density * self._measured.of("", fog.shape, lambda: fog.thickness(*way)))
 
 
 def _lebedev() -> Tensor:
