@@ -6,7 +6,7 @@ import tomllib
 from pathlib import Path
 from typing import Literal, NamedTuple
 
-_TABLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+_TABLES = tomllib.loads(Path(__file__).with_name("sentences.toml").read_text(encoding="utf-8"))
 
 
 def _pattern(text: str) -> re.Pattern[str]:
