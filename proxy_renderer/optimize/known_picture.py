@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..render.cycles import CyclesPicture
-from ..render.layers import is_of_light
+from ..render.cycles import CyclesPicture, is_of_light
 from ..rigs.lighting import OFF
 from ..scene import Light, SceneData
 from ..schema import Values, split_key
