@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from ..schema import VibeError
-from .manifest import Job, Limits
-from .schedule import PER_GPU
+from .manifest import Job
+from .schedule import PER_GPU, fitting
 from .store import TOKEN, JobRow, Store, read_json
 from .worker import Interrupted, Setup, Worker
 
@@ -205,12 +205,3 @@ def cluster_pool(address: str, store: Store, setup: Setup, most: int = 0) -> Ray
         remedy = "Start one with `ray start --head`, and join it with `ray start --address HOST:6379`."
         raise VibeError(f"There is no Ray cluster at {address}.", remedy) from error
     return RayPool(ray, store, setup, most)
-
-
-def fitting(resources: dict[str, float], limits: Limits) -> int:
-    """Number of workers that a node holds; 0 if it is too small."""
-    fits = [int(resources.get("CPU", 0) // limits.cores)]
-    fits.append(int(resources.get("memory", 0) / 1e9 // limits.memory_gb))
-    if cards := resources.get("GPU"):
-        fits.append(int(cards * PER_GPU))
-    return min(fits)

@@ -18,7 +18,7 @@ from ..schema import VibeError
 from ..words.lexicon.user_words import VARIABLE
 from . import manifest, schedule
 from .manifest import BatchPlan, Job, Jobs
-from .schedule import Pool, fitting, local_pool
+from .schedule import Pool, fitting, local_pool, machine
 from .store import DONE, FAILED, Finals, JobRow, Sheet, Store, read_json, write_bytes
 from .worker import Setup
 
@@ -161,7 +161,7 @@ def run(a: argparse.Namespace) -> int:
     if a.final and not re.fullmatch(r"\d+(-\d+)?", a.final):
         raise VibeError(f"--final {a.final} names no frames.", "Write them as in --final 1-24.")
     if a.dry_run:
-        workers = a.workers or fitting(content.limits)
+        workers = a.workers or fitting(machine(), content.limits) or 1
         print(account(plan, a.out, 0 if a.ray else workers))
         return 0
     with Store(a.out) as store, handling(signal.default_int_handler, signal.SIGTERM):

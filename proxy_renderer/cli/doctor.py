@@ -94,9 +94,8 @@ def _torch() -> str:
 
 
 def _rays() -> str:
-    remedy = "pip install embreex trimesh dracopy"
-    _imported("What reads meshes", remedy, "DracoPy", "embreex", "trimesh")
-    return ", ".join(f"{name} {metadata.version(name)}" for name in ("embreex", "trimesh", "dracopy"))
+    _imported("What reads meshes", "pip install embreex dracopy", "DracoPy", "embreex")
+    return ", ".join(f"{name} {metadata.version(name)}" for name in ("embreex", "dracopy"))
 
 
 def _ocio(config: list[str]) -> str:
