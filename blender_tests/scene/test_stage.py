@@ -131,7 +131,6 @@ NEW = '{"asset": {"version": "2.0"}, "extensionsUsed": ["ADOBE_new_one"], "exten
         ("a.stl", "hello\n", "a.stl"),
         ("a.fbx", "hello\n", "is not a mesh that can be staged"),
         ("point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n", "no size"),
-        ("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n", "no size"),
         ("short.gltf", "{}", "short.gltf cannot be read"),
         ("new.gltf", NEW, "ADOBE_new_one"),
     ],

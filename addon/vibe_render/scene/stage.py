@@ -308,7 +308,7 @@ def _normalize(meshes: list[bpy.types.Object], path: Path) -> np.ndarray:
     points = np.concatenate([_vertices(o) for o in meshes])
     low, high = points.min(0), points.max(0)
     radius = float(np.linalg.norm(high - low)) / 2
-    if not 0 < radius < math.inf:
+    if radius <= 0:
         raise schema.VibeError(f"The mesh in {path.name} has no size.", "Check that it is a model.")
     foot = Vector(((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]))
     place = Matrix.Scale(1 / radius, 4) @ Matrix.Translation(-foot)
