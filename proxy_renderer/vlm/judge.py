@@ -2,6 +2,7 @@
 """The paper's blind judge (section 4.1): a model says which of two rows of pictures follows its prompts better."""
 
 import re
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -33,6 +34,7 @@ ROWS = ("Ours", "CLIP-only")
 BEFORE_AFTER = ("After", "Before")
 
 _CELL, _MARGIN, _LINE = 384, 16, 24
+_LETTERS = 44  # that fit under a column
 _PAPER_COLOR, _INK, _FAINT = (250, 250, 248), (32, 32, 36), (120, 120, 126)
 _NUMBERS = ("zero", "one", "two", "three", "four", "five", "six")
 
@@ -101,7 +103,7 @@ def read_verdict(text: str, rows: tuple[str, str] = ROWS) -> Verdict:
 def figure(columns: Sequence[Column], rows: tuple[str, str] = ROWS) -> Image.Image:
     """The comparison figure: two rows of pictures, a column for each object, its prompt under it."""
     font, small = ImageFont.load_default(20), ImageFont.load_default(17)
-    lines = [_wrapped(f"{c.name}: {c.prompt}", small) for c in columns]
+    lines = [textwrap.wrap(clean(f"{c.name}: {c.prompt}", 1000), _LETTERS)[:8] for c in columns]
     left, top = 110, _MARGIN
     width = left + len(columns) * (_CELL + _MARGIN)
     height = top + 2 * (_CELL + _MARGIN) + _LINE * max(map(len, lines)) + _MARGIN
@@ -121,15 +123,3 @@ def figure(columns: Sequence[Column], rows: tuple[str, str] = ROWS) -> Image.Ima
             below = top + 2 * (_CELL + _MARGIN) + (number + 0.5) * _LINE
             draw.text((middle, below), line, _INK, small, anchor="mm")
     return sheet
-
-
-def _wrapped(text: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont) -> list[str]:
-    """Lines that fit under a column; at most eight."""
-    lines = [""]
-    for word in clean(text, 1000).split():
-        longer = f"{lines[-1]} {word}".strip()
-        if font.getlength(longer) <= _CELL or not lines[-1]:
-            lines[-1] = longer
-        else:
-            lines.append(word)
-    return lines[:8]

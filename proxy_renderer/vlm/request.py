@@ -58,8 +58,6 @@ class AliasTable:
             head = ids.get((group, owner)) if owner else group
             if head:
                 self.rows[f"{head}/{instance.parameter.name}"] = instance
-        # key -> name in questions, the inverse of `rows`
-        self.names = {i.key: name for name, i in self.rows.items()}
 
     def shown(self, instance: Instance, values: Values) -> Values:
         """Values as a model sees them: colors as sRGB, light directions relative to the camera, -180 up to 180 degrees."""
@@ -218,11 +216,11 @@ def _row(name: str, table: AliasTable, context: SceneDescription, plan: Plan) ->
     instance = table.rows[name]
     now = table.shown(instance, context.values.get(instance.key, instance.value))
     low, high = table.bounds(instance)
-    row: dict[str, Any] = {"now": _numbers(now), "min": _number(low), "max": _number(high)}
+    row: dict[str, Any] = {"now": [_number(v) for v in now], "min": _number(low), "max": _number(high)}
     entry = plan.get(instance.key)
     if entry is not None and entry.priority is not None:
-        ends = (_numbers(table.shown(instance, end)) for end in (entry.lower, entry.upper))
-        row["draft"] = {"range": list(ends), "priority": entry.priority, "why": clean(entry.reason, 120)}
+        ends = [[_number(v) for v in table.shown(instance, end)] for end in (entry.lower, entry.upper)]
+        row["draft"] = {"range": ends, "priority": entry.priority, "why": clean(entry.reason, 120)}
     return row
 
 
@@ -236,10 +234,6 @@ def _measured(context: SceneDescription) -> dict[str, Any]:
         names = ("darkest_5_percent", "median", "brightest_5_percent")
         figures |= {f"lightness_{n}": round(v) for n, v in zip(names, percentiles, strict=True)}
     return figures
-
-
-def _numbers(values: tuple[float, ...]) -> list[float]:
-    return [_number(v) for v in values]
 
 
 def _number(value: float) -> float:

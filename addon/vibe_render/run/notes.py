@@ -55,9 +55,6 @@ def model_lines(report: Mapping[str, Any], judge: Mapping[str, Any]) -> list[str
             f"{model['model']} was asked {model['calls']} times ({model['cached']} more from the cache; "
             f"{tokens['read']} tokens read, {tokens['written']} written{cost})."
         )
-        kinds = ("clipped", "mended", "dropped", "missing")
-        if unfit := [f"{model[kind]} {kind}" for kind in kinds if model[kind]]:
-            lines.append(f"Its answers did not fit everywhere: {', '.join(unfit)}.")
     if note := failure_note(report):
         lines.append(f"Note: {note}")
     if "winner" in judge:
