@@ -57,7 +57,6 @@ class Station:
 
 
 _LOOK = 2.0  # seconds between two looks at the cluster's nodes
-_KEPT = 8  # scenes that are kept in the object store
 _PATIENCE = 5  # looks at a head that does not answer
 _FAREWELL = 10.0  # seconds that workers get to end their processes
 
@@ -186,8 +185,6 @@ class RayPool:
     def _scene(self, source: Path) -> Any:
         """A scene in the object store, where the nodes find it."""
         if source not in self._scenes:
-            while len(self._scenes) >= _KEPT:
-                del self._scenes[next(iter(self._scenes))]
             self._scenes[source] = self._ray.put(source.read_bytes())
         return self._scenes[source]
 

@@ -11,7 +11,8 @@ import signal
 import time
 from collections import Counter
 from pathlib import Path
-from typing import TextIO
+
+from rich.progress import BarColumn, TimeElapsedColumn
 
 from ..blender.launch import TerminalBar, blender_side, handling
 from ..schema import VibeError
@@ -26,47 +27,37 @@ from .worker import Setup
 class BatchProgress(TerminalBar):
     """Counts jobs and shows them: `counts` by "done", "failed" and "running"."""
 
-    def __init__(self, total: int, done: int, stream: TextIO | None = None) -> None:
-        super().__init__(stream)
+    def __init__(self, total: int, done: int) -> None:
         self._total, self._before = total, done
         self.counts = {"done": done, "failed": 0, "running": 0}
-
-    def __enter__(self) -> BatchProgress:
-        if self._stream.isatty():
-            from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
-
-            columns = (
-                TextColumn("{task.completed:.0f}/{task.total:.0f} jobs"),
-                BarColumn(bar_width=32),
-                TextColumn("{task.description}"),
-                TimeElapsedColumn(),
-            )
-            self._open(columns, self._state(), total=self._total, completed=self._before)
-        return self
+        jobs, bar = "{task.completed:.0f}/{task.total:.0f} jobs", BarColumn(bar_width=32)
+        columns = (jobs, bar, "{task.description}", TimeElapsedColumn())
+        super().__init__(columns, None, False, description="", total=total, completed=done)
 
     def tell(self, what: str, job: Job, row: JobRow) -> None:
         """Counts and shows a job that is "started", "done", "failed", "again" (tried again) or "lost"."""
         self.counts["running"] += 1 if what == "started" else -1
         if what in ("done", "failed"):
             self.counts[what] += 1
-        if self._bar is not None:
-            ended = self.counts["done"] + self.counts["failed"]
-            self._bar.update(self._task, description=self._state(), completed=ended)
-        if what == "failed" or (what != "started" and self._bar is None):
+        self._bar.update(self._task, description=self._state(), completed=self._ended)
+        if what == "failed" or (what != "started" and self._plain):
             self.note(self._line(what, job, row))
 
     def summary(self) -> str:
         """The outcome in one line."""
         seconds = time.monotonic() - self._start
         new = self.counts["done"] - self._before
-        waiting = self._total - self.counts["done"] - self.counts["failed"]
+        waiting = self._total - self._ended
         parts = [f"{self.counts['done']} of {self._total} jobs are done ({new} now, in {duration(seconds)})"]
         parts += [f"{self.counts['failed']} failed"] if self.counts["failed"] else []
         parts += [f"{waiting} wait"] if waiting else []
         return ", ".join(parts) + "."
 
+    @property
+    def _ended(self) -> int:
+        return self.counts["done"] + self.counts["failed"]
+
     def _line(self, what: str, job: Job, row: JobRow) -> str:
-        ended = self.counts["done"] + self.counts["failed"]
         who = f"{job.scene} · {job.prompt} · {job.seed}"
         if what == "done" and job.frames is not None:
             how = f"{row['seconds']:.0f} s, {row['frames']} frames"
@@ -76,7 +67,7 @@ class BatchProgress(TerminalBar):
             how = "its machine is lost; it will be done elsewhere"
         else:
             how = f"{row['error']}{' It will be tried again.' if what == 'again' else ''}"
-        return f"[{ended}/{self._total}] {what:6} {who}: {how}   {self._left()}".rstrip()
+        return f"[{self._ended}/{self._total}] {what:6} {who}: {how}   {self._left()}".rstrip()
 
     def _state(self) -> str:
         failed = f", {self.counts['failed']} failed" if self.counts["failed"] else ""
@@ -84,11 +75,10 @@ class BatchProgress(TerminalBar):
 
     def _left(self) -> str:
         """Rate and time left, by the jobs that have ended since the start."""
-        ended = self.counts["done"] + self.counts["failed"]
-        if ended == self._before:
+        if self._ended == self._before:
             return ""
-        pace = (time.monotonic() - self._start) / (ended - self._before)
-        return f"{3600 / pace:.0f} jobs/h, {duration(pace * (self._total - ended))} left"
+        pace = (time.monotonic() - self._start) / (self._ended - self._before)
+        return f"{3600 / pace:.0f} jobs/h, {duration(pace * (self._total - self._ended))} left"
 
 
 def duration(seconds: float) -> str:

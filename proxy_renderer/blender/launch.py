@@ -21,9 +21,11 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, Self, TextIO
 
 import psutil
+from rich.console import Console
+from rich.progress import BarColumn, Progress, SpinnerColumn, TimeElapsedColumn
 
 from ..schema import VibeError, atomic, errors
 
@@ -31,55 +33,38 @@ from ..schema import VibeError, atomic, errors
 class TerminalBar:
     """A bar in a terminal, plain lines elsewhere. Use it as a context manager; standard output if there is no stream."""
 
-    def __init__(self, stream: TextIO | None = None) -> None:
+    def __init__(self, columns: Sequence[Any], stream: TextIO | None, transient: bool, **task: Any) -> None:
         self._stream = stream or sys.stdout
         self._start = time.monotonic()
-        self._bar: Any = None
-        self._task: Any = None
+        self._plain = not self._stream.isatty()
+        console = Console(file=self._stream)
+        self._bar = Progress(*columns, transient=transient, console=console, disable=self._plain)
+        self._task = self._bar.add_task(**task)
 
-    def _open(self, columns: Sequence[Any], description: str, **task: Any) -> None:
-        from rich.console import Console
-        from rich.progress import Progress
-
-        transient = task.pop("transient", False)
-        self._bar = Progress(*columns, transient=transient, console=Console(file=self._stream))
-        self._task = self._bar.add_task(description, **task)
+    def __enter__(self) -> Self:
         self._bar.start()
+        return self
 
     def __exit__(self, *_: object) -> None:
-        if self._bar is not None:
-            self._bar.stop()
-            self._bar = None
+        self._bar.stop()
 
     def note(self, text: str) -> None:
         """A line that stays."""
-        if self._bar is not None:
-            self._bar.console.print(text, markup=False, highlight=False)
-        else:
+        if self._plain:
             print(text, file=self._stream, flush=True)
+        else:
+            self._bar.console.print(text, markup=False, highlight=False, emoji=False)
 
 
 class VibeProgress(TerminalBar):
     """Shows events as they come."""
 
     def __init__(self, stream: TextIO | None = None) -> None:
-        super().__init__(stream)
+        bar = BarColumn(bar_width=32)
+        columns = (SpinnerColumn(), "{task.description}", bar, "{task.fields[detail]}", TimeElapsedColumn())
+        super().__init__(columns, stream, True, description="", total=None, detail="")
         self._round = 0
         self._result: dict[str, Any] = {}
-
-    def __enter__(self) -> VibeProgress:
-        if self._stream.isatty():
-            from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
-
-            columns = (
-                SpinnerColumn(),
-                TextColumn("{task.description}"),
-                BarColumn(bar_width=32),
-                TextColumn("{task.fields[detail]}"),
-                TimeElapsedColumn(),
-            )
-            self._open(columns, "starting Blender", total=None, detail="", transient=True)
-        return self
 
     def show(self, event: dict[str, Any]) -> None:
         """Shows one event."""
@@ -95,9 +80,8 @@ class VibeProgress(TerminalBar):
 
     def stage(self, name: str) -> None:
         """Shows that a new stage begins."""
-        if self._bar is not None:
-            self._bar.update(self._task, description=name, total=None, detail="")
-        else:
+        self._bar.update(self._task, description=name, total=None, detail="")
+        if self._plain:
             self.note(f"{time.monotonic() - self._start:5.1f} s  {name}")
 
     def end(self, out: Path) -> None:
@@ -115,16 +99,15 @@ class VibeProgress(TerminalBar):
     def _progress(self, event: dict[str, Any]) -> None:
         number, rounds, steps = event["round"], event["rounds"], event["steps"]
         left = int(event["seconds_left"])
-        detail = f"loss {event['loss']:.3f}   {left // 60}:{left % 60:02d} left"
-        if self._bar is not None:
-            done = (number - 1) * steps + event["step"]
-            title = f"round {number} of {rounds}"
-            self._bar.update(
-                self._task, description=title, total=rounds * steps, completed=done, detail=detail
-            )
-        elif number != self._round:
+        title, detail = (
+            f"round {number} of {rounds}",
+            f"loss {event['loss']:.3f}   {left // 60}:{left % 60:02d} left",
+        )
+        done = (number - 1) * steps + event["step"]
+        self._bar.update(self._task, description=title, total=rounds * steps, completed=done, detail=detail)
+        if self._plain and number != self._round:
             self._round = number
-            self.stage(f"round {number} of {rounds}: {detail}")
+            self.stage(f"{title}: {detail}")
 
 
 _TRACE = re.compile(

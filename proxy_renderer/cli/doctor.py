@@ -8,10 +8,8 @@ import json
 import platform
 import subprocess
 import sys
-import tempfile
 from collections.abc import Callable
 from importlib import metadata
-from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -40,7 +38,6 @@ def examine() -> int:
         ("rays", _rays),
         ("color", lambda: _ocio(config)),
         ("encoder", _encoder),
-        ("folders", _folders),
         ("model", _model),
     ]
     broken = 0
@@ -147,14 +144,3 @@ def try_model(endpoint: Endpoint) -> str:
         f"{endpoint.model} at {endpoint.place} answers {color!r} to a red square in {client.usage.seconds:.1f} s: "
         f"{eyesight}; {_FORMATS[client.dialect.format]}"
     )
-
-
-def _folders() -> str:
-    for folder in (Path(tempfile.gettempdir()), Path.cwd()):
-        try:
-            with tempfile.TemporaryFile(dir=folder):
-                pass
-        except OSError as error:
-            remedy = "Change to a folder of yours, or set TMPDIR."
-            raise VibeError(f"{folder} cannot be written ({error.strerror}).", remedy) from error
-    return "the temporary and the current folder can be written"

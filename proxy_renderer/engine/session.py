@@ -2,7 +2,7 @@
 """One vibe in the engine: from job folders to values, and the measure of what Cycles made of them."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
@@ -61,8 +61,8 @@ class EngineSession:
     ) -> None:
         self.shots, self.prompt, self.options, self._observer = shots, prompt, options, observer
         self._method = load_method()
-        self._encoder: Encoder | None = None
-        self._outcome: pipeline.Outcome | None = None
+        self._encoder: Encoder  # these two of the last `run`
+        self._outcome: pipeline.Outcome
         endpoint = find_endpoint(options, vlm_key)
         self._model = Client(endpoint, observer.stopped) if endpoint else None
         self._predicted: list[tuple[list[str], Image.Image]] = []  # of each shot, see `pictures.predict`
@@ -97,7 +97,7 @@ class EngineSession:
         views = [ShotInput(s, b if options.anchor else None, shot.file) for s, b, shot in rows_of_shots]
         search = Search(views, stage, options, encoder, observer, advisor, self._method)
         outcome = self._outcome = pipeline.run(search)
-        clock.lap("loop", {"wait for Blender": sum(blender.waited for blender in blenders)})
+        clock.lap("loop", sum(blender.waited for blender in blenders))
 
         self._claims = report.claims_about(outcome)
         values = [report.changed_values(outcome, shot) for shot in outcome.shots]
@@ -123,15 +123,9 @@ class EngineSession:
         several = values if len(values) > 1 else []
         return messages.Result(values[0], rows, pictures.PREDICTION, outcome.stopped, variants, several)
 
-    def _last(self, verb: str) -> tuple[pipeline.Outcome, Encoder]:
-        """The outcome of the last `run`, and its encoder; raises VibeError if there was none."""
-        if self._outcome is None or self._encoder is None:
-            raise VibeError(f"There is nothing to {verb}.", "Send a vibe first.")
-        return self._outcome, self._encoder
-
     def draw(self) -> None:
-        """Draws the prediction and the variants of every shot; raises VibeError if there was no `run` before."""
-        outcome, encoder = self._last("draw")
+        """Draws the prediction and the variants of every shot, after `run`."""
+        outcome, encoder = self._outcome, self._encoder
         rows: list[list[tuple[str, Image.Image]]] = []  # a column for each variant
         for number, (shot, state) in enumerate(zip(self.shots, outcome.shots, strict=True)):
             longest = self.options.size if self.options.figures else min(self.options.size, _PREDICTED)
@@ -145,8 +139,8 @@ class EngineSession:
             pictures.save_image(sheet, Path(self.shots[0].job) / messages.VARIANTS)
 
     def finish(self, request: messages.Finish) -> messages.Finished:
-        """Measures and composes Cycles' pictures of a shot, in the order of shots; raises VibeError if there was no `run` before."""
-        outcome, encoder = self._last("finish")
+        """Measures and composes Cycles' pictures of a shot, in the order of shots, after `draw`."""
+        outcome, encoder = self._outcome, self._encoder
         before, after = (pictures.load_picture(p) for p in (request.before, request.after))
         shape, shot = (after.shape[1], after.shape[0]), self.shots[request.shot]
         names, mask = self._predicted[request.shot]
@@ -177,8 +171,8 @@ class EngineSession:
         )
 
     def check(self, request: messages.Check) -> messages.Checked:
-        """Measures Cycles' pictures of another frame by the words of this vibe; raises VibeError if there was no `run` before."""
-        outcome, encoder = self._last("check")
+        """Measures Cycles' pictures of another frame by the words of this vibe, after `run`."""
+        outcome, encoder = self._outcome, self._encoder
         scene = load_scene(Path(request.job))
         before, after = (torch.from_numpy(pictures.load_picture(p)) for p in (request.before, request.after))
         size = after.shape[1], after.shape[0]
@@ -219,9 +213,10 @@ class _Stopwatch:
         self.laps: dict[str, float] = {}
         self._last = time.monotonic()
 
-    def lap(self, name: str, within: Mapping[str, float] | None = None) -> None:
-        """Notes the seconds since the last lap; those that belong to others are noted as theirs."""
-        now, others = time.monotonic(), within or {}
-        self.laps |= {name: round(now - self._last - sum(others.values()), 3)}
-        self.laps |= {other: round(seconds, 3) for other, seconds in others.items()}
+    def lap(self, name: str, waited: float | None = None) -> None:
+        """Notes the seconds since the last lap; those in which Blender was waited for are noted as such."""
+        now = time.monotonic()
+        self.laps[name] = round(now - self._last - (waited or 0.0), 3)
+        if waited is not None:
+            self.laps["wait for Blender"] = round(waited, 3)
         self._last = now

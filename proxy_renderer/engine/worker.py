@@ -187,13 +187,11 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
 
                 glances = glances or Glances()
                 wire.send(_glance(wire, request, glances))
+            elif session is None:
+                raise VibeError("There is nothing to finish or to check.", "Send a vibe first.")
             elif isinstance(request, messages.Finish):
-                if session is None:
-                    raise VibeError("There is nothing to finish.", "Send a vibe first.")
                 wire.send(session.finish(request))
             elif isinstance(request, messages.Check):
-                if session is None:
-                    raise VibeError("There is nothing to check.", "Send a vibe first.")
                 wire.send(session.check(request))
         except VibeError as error:
             wire.send(messages.Error(error.message, error.remedy))
