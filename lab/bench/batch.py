@@ -169,16 +169,16 @@ def _real(out: Path, jobs: int, workers: int) -> JobRow:
     folder = Path(tempfile.mkdtemp(prefix=f"batch-{workers}-", dir=out))
     trimesh.creation.icosphere(4).export(folder / "ball.obj")
     (folder / "m.toml").write_text(_MANIFEST.format(seeds=list(range(-(-jobs // 4)))))
-    wanted = manifest.load(folder / "m.toml", folder / "out")
-    plan, ended = BatchPlan(wanted.groups), []
+    plan, limits = manifest.load(folder / "m.toml", folder / "out")
+    ended: list[tuple[str, float]] = []
     with Store(folder / "out") as store:
-        pool = local_pool(store.jobs, Setup(wanted.limits), workers)
+        pool = local_pool(store.jobs, Setup(limits), workers)
         try:
             schedule.run(
                 plan,
                 store,
                 pool,
-                wanted.limits,
+                limits,
                 lambda what, job, row: ended.append((what, time.monotonic())),
             )
         finally:

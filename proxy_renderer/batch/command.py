@@ -10,7 +10,9 @@ import re
 import signal
 import time
 from collections import Counter
+from itertools import islice
 from pathlib import Path
+from statistics import mean
 
 from rich.progress import BarColumn, TimeElapsedColumn
 
@@ -103,29 +105,23 @@ _FIXED, _ROUND, _STEP, _RENDERS = 5.0, 3.0, 0.14, 12.0
 
 def account(plan: BatchPlan, out: Path, workers: int) -> str:
     """The plan as text."""
-    scenes: Counter[str] = Counter()
-    seconds: list[float] = []
-    guessed, failed, to_do = 0.0, 0, 0
-    for job in plan:
-        folder = out / "jobs" / job.name
-        scenes[job.scene] += 1
-        if not (folder / DONE).is_file():
-            to_do += 1
-            guessed += guess(job)
-            failed += (folder / FAILED).is_file()
-        elif len(seconds) < _MEASURED:
-            seconds.append((read_json(folder / DONE) or {}).get("seconds", 0.0))
+    scenes = Counter(job.scene for job in plan)
+    folders = {job.name: out / "jobs" / job.name for job in plan}
+    to_do = [job for job in plan if not (folders[job.name] / DONE).is_file()]
+    failed = sum((folders[job.name] / FAILED).is_file() for job in to_do)
     before = f", of which {failed} had failed" if failed else ""
-    lines = [f"{len(plan)} jobs: {len(plan) - to_do} done, {to_do} to do{before}."]
+    lines = [f"{len(plan)} jobs: {len(plan) - len(to_do)} done, {len(to_do)} to do{before}."]
     lines += [f"  {count:5}  {scene}" for scene, count in list(scenes.items())[:_LISTED]]
     lines += [f"         ... and {len(scenes) - _LISTED} more scenes"] if len(scenes) > _LISTED else []
     if not to_do:
         return "\n".join(lines)
     # Jobs that are done tell the time of others; without any it is a guess.
-    each = sum(seconds) / len(seconds) if seconds else guessed / to_do
+    rows = filter(None, (read_json(folder / DONE) for folder in folders.values()))
+    seconds = [row["seconds"] for row in islice(rows, _MEASURED)]
+    each = mean(seconds or map(guess, to_do))
     basis = f"as the {len(seconds)} looked at took" if seconds else "a guess, until jobs have been measured"
     where = f"with {workers} worker{'s' * (workers != 1)}" if workers else "divided by the cluster's workers"
-    total = each * to_do / max(workers, 1)
+    total = each * len(to_do) / max(workers, 1)
     lines.append(f"About {duration(each)} a job ({basis}): {duration(total)} {where}.")
     return "\n".join(lines)
 
@@ -144,19 +140,18 @@ def guess(job: Job) -> float:
 
 def run(a: argparse.Namespace) -> int:
     """Carries out the command; returns 0, or 1 if jobs have failed. What is done stays, and the next run continues."""
-    content = manifest.load(a.manifest, a.out)
-    plan = BatchPlan(content.groups)
+    plan, limits = manifest.load(a.manifest, a.out)
     if a.workers < 0:
         raise VibeError(f"--workers {a.workers} is out of range.", "Use 1 or more, or leave it out.")
     if a.final and not re.fullmatch(r"\d+(-\d+)?", a.final):
         raise VibeError(f"--final {a.final} names no frames.", "Write them as in --final 1-24.")
     if a.dry_run:
-        workers = a.workers or fitting(machine(), content.limits) or 1
+        workers = a.workers or fitting(machine(), limits) or 1
         print(account(plan, a.out, 0 if a.ray else workers))
         return 0
     with Store(a.out) as store, handling(signal.default_int_handler, signal.SIGTERM):
-        store.check_space(content.limits.free_gb)
-        return _carry_out(a, plan, store, content.limits)
+        store.check_space(limits.free_gb)
+        return _carry_out(a, plan, store, limits)
 
 
 def _carry_out(a: argparse.Namespace, plan: BatchPlan, store: Store, limits: manifest.Limits) -> int:

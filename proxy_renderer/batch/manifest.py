@@ -4,6 +4,8 @@
 A mistake raises VibeError, which names its place in the file. docs/guide/batch.md has an example with all tables.
 """
 
+from __future__ import annotations
+
 import fnmatch
 import glob
 import hashlib
@@ -58,15 +60,7 @@ class SceneGroup:
     more: tuple[Path, ...] = ()  # where the other scenes are
 
 
-@dataclass(frozen=True)
-class Manifest:
-    """The scenes with their prompts and options, and the limits of jobs."""
-
-    groups: tuple[SceneGroup, ...]
-    limits: Limits
-
-
-def load(path: Path, out: Path) -> Manifest:
+def load(path: Path, out: Path) -> tuple[BatchPlan, Limits]:
     """Reads and checks a manifest; scenes that patterns match in the results folder are left out."""
     check.file(str(path), "manifest")
     return _Reader(TomlSource(path.expanduser()), out.expanduser().resolve()).manifest()
@@ -78,7 +72,7 @@ class _Reader:
         self._base, self._out = source.path.parent.resolve(), out
         self._options = OptionReader(source, self._base)
 
-    def manifest(self) -> Manifest:
+    def manifest(self) -> tuple[BatchPlan, Limits]:
         content = self._content
         for key in content:
             if key not in _KNOWN:
@@ -87,7 +81,7 @@ class _Reader:
         common = self._options.read(self._table(content, "options"), ("options",))
         everything = self._common_digest(content.get("files", []), common.get("vocabulary", ""))
         groups = [*self._single(common, everything), *self._together(common, everything)]
-        return Manifest(tuple(groups), limits)
+        return BatchPlan(groups), limits
 
     def _single(self, common: dict[str, Any], everything: str) -> Iterator[SceneGroup]:
         if self._content.get("scenes", []) == [] and "shots" in self._content:

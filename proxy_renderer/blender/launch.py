@@ -122,12 +122,6 @@ def temporary(folder: Path) -> dict[str, str]:
     return dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(folder))
 
 
-def tidy(out: Path, process: int) -> None:
-    """Removes what a process that has ended left unfinished in the folder of its outputs."""
-    for part in out.glob(f"{atomic.part_prefix(process)}*"):
-        part.unlink(missing_ok=True)
-
-
 def crash(code: int, doing: str, output: Sequence[str]) -> errors.UnexpectedError:
     """The error for a Blender that ended with an exit code, or a signal (negative); its output goes to a log."""
     log = errors.write_log(f"Blender ended while {doing}, exit code {code}\n\n" + "".join(output))
@@ -198,7 +192,8 @@ def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None
                 else:
                     progress.show(now)
             code = process.wait()
-    tidy(out if out.is_dir() else out.parent, process.pid)
+    for unfinished in (out if out.is_dir() else out.parent).glob(f"{atomic.part_prefix(process.pid)}*"):
+        unfinished.unlink(missing_ok=True)
     if failure:
         raise failure
     if len(presses) > 1:

@@ -135,8 +135,7 @@ class EngineSession:
             drawn = pictures.predict_variants(proxy, outcome, number, job)
             rows.append([(_label(str(place), shot), image) for place, image in enumerate(drawn, 1)])
         if outcome.variants:
-            sheet = pictures.compare(rows, self.prompt, Path(outcome.shots[0].scene.film.fonts))
-            pictures.save_image(sheet, Path(self.shots[0].job) / messages.VARIANTS)
+            pictures.save_image(self._sheet(rows), Path(self.shots[0].job) / messages.VARIANTS)
 
     def finish(self, request: messages.Finish) -> messages.Finished:
         """Measures and composes Cycles' pictures of a shot, in the order of shots, after `draw`."""
@@ -152,8 +151,7 @@ class EngineSession:
             panels.insert(1, (outcome.reference.name, outcome.reference.picture.display))
         row = [(_label(name, shot), pictures.as_image(torch.from_numpy(p))) for name, p in panels]
         self._rows = [*self._rows[: request.shot], row]
-        sheet = pictures.compare(self._rows, self.prompt, Path(outcome.shots[0].scene.film.fonts))
-        pictures.save_image(sheet, Path(request.compare_out))
+        pictures.save_image(self._sheet(self._rows), Path(request.compare_out))
 
         subject = np.asarray(mask, np.float32) / 255.0
         rendered = pictures.load_picture(request.after, mask.size)
@@ -180,15 +178,19 @@ class EngineSession:
         rows = ShotClaims(outcome.claims, seen, seen).verdicts(before, after, after)
         return messages.Checked(word_verdicts(outcome, rows, seen))
 
+    def _sheet(self, rows: Sequence[Sequence[tuple[str, Image.Image]]]) -> Image.Image:
+        fonts = Path(self._outcome.shots[0].scene.film.fonts)
+        return pictures.compare(rows, self.prompt, fonts)
+
     def _judge(self, before: Image.Image, after: Image.Image) -> dict[str, Any]:
         """The model's verdict on Cycles' two pictures, or why there is none."""
         if self._model is None or not self.prompt.strip():
             return {}
         self._observer.stage("asking the judge")
         model = Client(self._model.endpoint)
-        column = judge.Column("The scene", self.prompt, after, before)
+        figure = self._sheet([[("After", after)], [("Before", before)]])
         try:
-            verdict = asdict(judge.judge(model, [column], judge.BEFORE_AFTER))
+            verdict = asdict(judge.judge(model, figure, ["The scene"], judge.BEFORE_AFTER))
         except VibeError as error:
             verdict = {"error": str(error)}
         return {"model": model.endpoint.model, **verdict, **model.usage.account()}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Asks a model: time limits, cache, what the server cannot do, what it costs."""
+"""Asks a model: time limits, cache, what the server cannot do."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import contextlib
 import hashlib
 import io
 import json
-import os
 import re
 import time
 from collections.abc import Callable
@@ -128,9 +127,6 @@ class Dialect:
         return bool(complaint) and any(p.search(complaint) for p in (_TEMPERATURE, _LIMIT, _FORMAT, _PICTURE))
 
 
-_MOST = 500  # answers that are kept; the ones used longest ago go first
-
-
 class Cache:
     """One small JSON file for each answer. A file that cannot be read or written counts as missing."""
 
@@ -150,9 +146,7 @@ class Cache:
         """An answer, or None."""
         path = self.folder / f"{key}.json"
         try:
-            answer = json.loads(path.read_text(encoding="utf-8"))["answer"]
-            os.utime(path)
-            return answer
+            return json.loads(path.read_text(encoding="utf-8"))["answer"]
         except (OSError, ValueError, KeyError, TypeError, RecursionError):
             return None
 
@@ -163,9 +157,6 @@ class Cache:
             with atomic.replacing(self.folder / f"{key}.json") as part:
                 part.touch(mode=0o600)
                 part.write_text(json.dumps({"answer": answer}), encoding="utf-8")
-            files = sorted(self.folder.glob("*.json"), key=lambda p: p.stat().st_mtime)
-            for path in files[:-_MOST]:
-                path.unlink(missing_ok=True)
 
 
 _VERSION = 1  # of the questions and what is made of answers; a new one forgets the cache
@@ -177,14 +168,13 @@ _AGAIN = (
 
 @dataclass
 class Usage:
-    """Requests, tokens and cost so far."""
+    """Requests and tokens so far."""
 
     calls: int = 0  # requests; one that the openai package repeats counts once
     cached: int = 0  # questions answered from the disk
     read: int = 0  # tokens of all questions, as the server counts them
     written: int = 0  # tokens of all answers
     seconds: float = 0.0  # time spent waiting
-    cost: float | None = None  # US dollars, where the server or VIBE_VLM_PRICE says what tokens cost
 
     def account(self) -> dict[str, Any]:
         """For report.json."""
@@ -193,7 +183,6 @@ class Usage:
             "cached": self.cached,
             "tokens": {"read": self.read, "written": self.written},
             "seconds": round(self.seconds, 2),
-            "cost_usd": None if self.cost is None else round(self.cost, 6),
         }
 
 
@@ -257,7 +246,8 @@ class Client:
             try:
                 self.usage.calls += 1
                 answer = self._transport.post(body, max(end - time.monotonic(), 0.1))
-                self._count(answer)
+                self.usage.read += answer.read
+                self.usage.written += answer.written
                 return answer
             except ModelError as error:
                 broken = error.broken and not self.dialect.about(error.complaint)
@@ -266,12 +256,3 @@ class Client:
                     raise
         remedy = "Use another model."
         raise ModelError(f"{self.endpoint.place} refuses everything that it is asked.", remedy, lasting=True)
-
-    def _count(self, answer: Completion) -> None:
-        use, prices = self.usage, self.endpoint.prices
-        use.read, use.written = use.read + answer.read, use.written + answer.written
-        cost = answer.cost
-        if cost is None and prices:
-            cost = (answer.read * prices[0] + answer.written * prices[1]) / 1e6
-        if cost is not None:
-            use.cost = (use.cost or 0.0) + cost

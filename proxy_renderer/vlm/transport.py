@@ -96,7 +96,6 @@ class Completion:
     cut: bool  # whether it ran out of tokens
     read: int = 0  # tokens of the question; 0 if the server does not say
     written: int = 0  # tokens of the answer
-    cost: float | None = None  # US dollars, where the server says so
 
 
 class Transport:
@@ -197,9 +196,7 @@ def read_completion(raw: bytes) -> Completion:
         if not isinstance(text, str):
             raise TypeError
         read, written = (_count(usage.get(n)) for n in ("prompt_tokens", "completion_tokens"))
-        cost = usage.get("cost")
-        cost = float(cost) if isinstance(cost, int | float) and 0 <= cost < 1e6 else None
-        return Completion(text, choice.get("finish_reason") == "length", read, written, cost)
+        return Completion(text, choice.get("finish_reason") == "length", read, written)
     except (ValueError, KeyError, IndexError, TypeError, AttributeError, RecursionError) as error:
         remedy = "Check the base URL: it usually ends in /v1."
         raise ModelError("The endpoint's answer is not a chat completion.", remedy) from error

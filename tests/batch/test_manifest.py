@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from proxy_renderer.batch.command import guess
-from proxy_renderer.batch.manifest import BatchPlan, load
+from proxy_renderer.batch.manifest import load
 from proxy_renderer.schema import VibeError
 
 ROOT = Path(__file__).parents[2]
@@ -42,7 +42,7 @@ def place(tmp_path):
 
 def read(place, text):
     (place / "m.toml").write_text(text)
-    return list(BatchPlan(load(place / "m.toml", place / "out").groups))
+    return list(load(place / "m.toml", place / "out")[0])
 
 
 def test_scenes_times_prompts_times_seeds(place):
@@ -296,7 +296,7 @@ def test_a_group_alone_needs_no_scenes_and_its_shots_take_their_time(place, scen
     times = []
     for cameras in ("", 'cameras = ["Wide", "Close"]\n'):
         (place / "m.toml").write_text(f'{scenes}prompts = ["noir"]\n{group}{cameras}')
-        (job,) = BatchPlan(load(place / "m.toml", place / "out").groups)
+        (job,) = load(place / "m.toml", place / "out")[0]
         assert job.scene == "g"
         times.append(guess(job))
     assert times[1] > 1.5 * times[0]

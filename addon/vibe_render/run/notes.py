@@ -46,14 +46,13 @@ def failure_note(report: Mapping[str, Any]) -> str:
 
 
 def model_lines(report: Mapping[str, Any], judge: Mapping[str, Any]) -> list[str]:
-    """The model's part in a vibe: calls, tokens, cost, failures, and its verdict, if it was asked for one."""
+    """The model's part in a vibe: calls, tokens, failures, and its verdict, if it was asked for one."""
     lines = []
     if model := report.get("vlm"):
         tokens = model["tokens"]
-        cost = "" if model["cost_usd"] is None else f", {model['cost_usd']:.4f} US dollars"
         lines.append(
             f"{model['model']} was asked {model['calls']} times ({model['cached']} more from the cache; "
-            f"{tokens['read']} tokens read, {tokens['written']} written{cost})."
+            f"{tokens['read']} tokens read, {tokens['written']} written)."
         )
     if note := failure_note(report):
         lines.append(f"Note: {note}")
