@@ -10,6 +10,7 @@ import re
 import signal
 import time
 from collections import Counter
+from datetime import timedelta
 from itertools import islice
 from pathlib import Path
 from statistics import mean
@@ -50,7 +51,7 @@ class BatchProgress(TerminalBar):
         seconds = time.monotonic() - self._start
         new = self.counts["done"] - self._before
         waiting = self._total - self._ended
-        parts = [f"{self.counts['done']} of {self._total} jobs are done ({new} now, in {duration(seconds)})"]
+        parts = [f"{self.counts['done']} of {self._total} jobs are done ({new} now, in {_clock(seconds)})"]
         parts += [f"{self.counts['failed']} failed"] if self.counts["failed"] else []
         parts += [f"{waiting} wait"] if waiting else []
         return ", ".join(parts) + "."
@@ -80,20 +81,11 @@ class BatchProgress(TerminalBar):
         if self._ended == self._before:
             return ""
         pace = (time.monotonic() - self._start) / (self._ended - self._before)
-        return f"{3600 / pace:.0f} jobs/h, {duration(pace * (self._total - self._ended))} left"
+        return f"{3600 / pace:.0f} jobs/h, {_clock(pace * (self._total - self._ended))} left"
 
 
-def duration(seconds: float) -> str:
-    """A time for people.
-
-    >>> duration(45), duration(200), duration(7500)
-    ('45 s', '3:20 min', '2:05 h')
-    """
-    if seconds < 60:
-        return f"{seconds:.0f} s"
-    if seconds < 3600:
-        return f"{int(seconds) // 60}:{int(seconds) % 60:02d} min"
-    return f"{int(seconds) // 3600}:{int(seconds) % 3600 // 60:02d} h"
+def _clock(seconds: float) -> timedelta:
+    return timedelta(seconds=round(seconds))
 
 
 _LISTED = 12
@@ -122,7 +114,7 @@ def account(plan: BatchPlan, out: Path, workers: int) -> str:
     basis = f"as the {len(seconds)} looked at took" if seconds else "a guess, until jobs have been measured"
     where = f"with {workers} worker{'s' * (workers != 1)}" if workers else "divided by the cluster's workers"
     total = each * len(to_do) / max(workers, 1)
-    lines.append(f"About {duration(each)} a job ({basis}): {duration(total)} {where}.")
+    lines.append(f"About {_clock(each)} a job ({basis}): {_clock(total)} {where}.")
     return "\n".join(lines)
 
 

@@ -42,9 +42,10 @@ def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
         _thumb(folder, name)
     write_bytes(folder / "details.js", _details(job, report))
     laps = report.get("timings", {})
+    words = [row for row in report["verdicts"] if row["word"]]  # in the first shot
     row = head(job) | {
         "status": "done",
-        **{state: _words(report, state) for state in WORDS},
+        **{state: [row["word"] for row in words if row["state"] == state] for state in WORDS},
         "delta_e": report["delta_e"],
         "seconds": round(seconds, 2),
         "seconds_loop": laps.get(_ENGINE, 0.0),
@@ -64,11 +65,6 @@ def leave_frames(job: Job, folder: Path, memory_gb: float, seconds: float) -> Jo
     row |= {"seconds": round(seconds, 2), "memory_gb": memory_gb}
     write_json(folder / FINAL, row)
     return row
-
-
-def _words(report: dict[str, Any], state: str) -> list[str]:
-    """The words of a state, in the first shot."""
-    return [row["word"] for row in report["verdicts"] if row["state"] == state and row["word"]]
 
 
 def _thumb(folder: Path, name: str) -> None:

@@ -45,10 +45,7 @@ def jpeg_of(picture: Tensor | Image.Image) -> bytes:
     return file.getvalue()
 
 
-_FORMATS = ("json_schema", "json_object", "text")
-_MOST_TOKENS = 8192  # a plan has one or two thousand; the rest is for models that think first
 _TEMPERATURE = re.compile(r"temperature", re.IGNORECASE)
-_LIMIT = re.compile(r"max_(completion_)?tokens", re.IGNORECASE)
 _FORMAT = re.compile(
     r"response_format|json_schema|json_object|schema|grammar|structured|json mode", re.IGNORECASE
 )
@@ -72,24 +69,20 @@ class Dialect:
     """The options of a request that the server has not refused so far."""
 
     def __init__(self) -> None:
-        self.format = _FORMATS[0]
+        self.format = "json_schema"  # or "text"
         self.pictures = True
         self._temperature = True
-        self._limit = "max_completion_tokens"
 
     def body(self, model: str, question: Question, earlier: list[dict[str, Any]]) -> dict[str, Any]:
         """The request; `earlier` is an answer that could not be read, and the complaint about it."""
         system = question.system
         body: dict[str, Any] = {"model": model}
-        if question.schema is not None:
-            if self.format == "json_schema":
-                strict = {"name": "reply", "strict": True, "schema": question.schema}
-                body["response_format"] = {"type": "json_schema", "json_schema": strict}
-            else:
-                schema = json.dumps(question.schema, separators=(",", ":"))
-                system += f"\n\nReply with one JSON object, and nothing else, by this JSON schema:\n{schema}"
-                if self.format == "json_object":
-                    body["response_format"] = {"type": "json_object"}
+        if question.schema is not None and self.format == "json_schema":
+            strict = {"name": "reply", "strict": True, "schema": question.schema}
+            body["response_format"] = {"type": "json_schema", "json_schema": strict}
+        elif question.schema is not None:
+            schema = json.dumps(question.schema, separators=(",", ":"))
+            system += f"\n\nReply with one JSON object, and nothing else, by this JSON schema:\n{schema}"
         content: Any = question.text
         if question.picture is not None and self.pictures:
             url = "data:image/jpeg;base64," + base64.b64encode(question.picture).decode()
@@ -97,8 +90,6 @@ class Dialect:
             content = [{"type": "text", "text": question.text}, image]
         if self._temperature:
             body["temperature"] = 0
-        if self._limit:
-            body[self._limit] = _MOST_TOKENS
         messages = [{"role": "system", "content": system}, {"role": "user", "content": content}, *earlier]
         return {**body, "messages": messages}
 
@@ -107,24 +98,20 @@ class Dialect:
         if _TEMPERATURE.search(complaint) and self._temperature:
             self._temperature = False
             return True
-        if _LIMIT.search(complaint) and self._limit:
-            self._limit = "max_tokens" if self._limit == "max_completion_tokens" else ""
-            return True
-        formats = question.schema is not None and self.format != "text"
+        strict = question.schema is not None and self.format == "json_schema"
         pictures = question.picture is not None and self.pictures
         of_picture = _PICTURE.search(complaint) and not _FORMAT.search(complaint)
-        if pictures and not question.must_see and (of_picture or not formats):
+        if pictures and not question.must_see and (of_picture or not strict):
             self.pictures = False
             return True
-        if formats:
-            self.format = _FORMATS[_FORMATS.index(self.format) + 1]
-            return True
-        return False
+        if strict:
+            self.format = "text"
+        return strict
 
     @staticmethod
     def about(complaint: str) -> bool:
         """True if a server error's words refuse a part of the request."""
-        return bool(complaint) and any(p.search(complaint) for p in (_TEMPERATURE, _LIMIT, _FORMAT, _PICTURE))
+        return bool(complaint) and any(p.search(complaint) for p in (_TEMPERATURE, _FORMAT, _PICTURE))
 
 
 class Cache:
