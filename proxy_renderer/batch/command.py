@@ -15,7 +15,7 @@ from itertools import islice
 from pathlib import Path
 from statistics import mean
 
-from rich.progress import BarColumn, TimeElapsedColumn
+from rich.progress import BarColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from ..blender.launch import TerminalBar, blender_side, handling
 from ..schema import VibeError
@@ -34,7 +34,7 @@ class BatchProgress(TerminalBar):
         self._total, self._before = total, done
         self.counts = {"done": done, "failed": 0, "running": 0}
         jobs, bar = "{task.completed:.0f}/{task.total:.0f} jobs", BarColumn(bar_width=32)
-        columns = (jobs, bar, "{task.description}", TimeElapsedColumn())
+        columns = (jobs, bar, "{task.description}", TimeElapsedColumn(), TimeRemainingColumn())
         super().__init__(columns, None, False, description="", total=total, completed=done)
 
     def tell(self, what: str, job: Job, row: JobRow) -> None:
@@ -70,18 +70,11 @@ class BatchProgress(TerminalBar):
             how = "its machine is lost; it will be done elsewhere"
         else:
             how = f"{row['error']}{' It will be tried again.' if what == 'again' else ''}"
-        return f"[{self._ended}/{self._total}] {what:6} {who}: {how}   {self._left()}".rstrip()
+        return f"[{self._ended}/{self._total}] {what:6} {who}: {how}"
 
     def _state(self) -> str:
         failed = f", {self.counts['failed']} failed" if self.counts["failed"] else ""
-        return f"{self.counts['running']} running{failed}   {self._left()}"
-
-    def _left(self) -> str:
-        """Rate and time left, by the jobs that have ended since the start."""
-        if self._ended == self._before:
-            return ""
-        pace = (time.monotonic() - self._start) / (self._ended - self._before)
-        return f"{3600 / pace:.0f} jobs/h, {_clock(pace * (self._total - self._ended))} left"
+        return f"{self.counts['running']} running{failed}"
 
 
 def _clock(seconds: float) -> timedelta:

@@ -99,8 +99,8 @@ class OptionReader:
     def prompt(self, prompt: str, options: dict[str, Any]) -> None:
         """Refuses a prompt that a vibe could not work with."""
         checks.prompt(prompt, options.get("like", ""), options.get("goals", ""))
-        if prompt.strip() and not check.model(argparse.Namespace(**self._defaults | options)):
-            check.words(prompt)
+        if prompt.strip():
+            check.words(prompt, argparse.Namespace(**self._defaults | options))
 
     def arguments(self, options: dict[str, Any], scenes: list[Path]) -> tuple[str, ...]:
         """A job's options as the command line of Blender's side, without prompt and seed."""

@@ -29,6 +29,8 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TimeElapsedColumn
 
 from ..schema import VibeError, atomic, errors
 
+_LONG = 3600.0  # seconds whose steps tell how long the rest takes
+
 
 class TerminalBar:
     """A bar in a terminal, plain lines elsewhere. Use it as a context manager; standard output if there is no stream."""
@@ -38,7 +40,13 @@ class TerminalBar:
         self._start = time.monotonic()
         self._plain = not self._stream.isatty()
         console = Console(file=self._stream)
-        self._bar = Progress(*columns, transient=transient, console=console, disable=self._plain)
+        self._bar = Progress(
+            *columns,
+            transient=transient,
+            console=console,
+            disable=self._plain,
+            speed_estimate_period=_LONG,
+        )
         self._task = self._bar.add_task(**task)
 
     def __enter__(self) -> Self:

@@ -75,7 +75,7 @@ def read_reply(raw: dict[str, Any], table: AliasTable) -> Reply:
 
 def _objects(raw: Any, table: AliasTable) -> list[PromptObject]:
     objects = []
-    names = {t.id: i.owner for t in table.aliases for n, i in table.rows.items() if n.startswith(f"{t.id}/")}
+    names = {alias.id: alias.name for alias in table.aliases}
     for item in _list(raw)[:_MOST_OBJECTS]:
         region = item.get("region") if isinstance(item, dict) else None
         if region not in REGIONS:

@@ -18,7 +18,6 @@ from .client import Question
 from .transport import clean
 
 _LIGHTS, _MATERIALS = 8, 10  # the most important ones; a question has to fit into small contexts
-_LONGEST_NAME = 60
 
 
 @dataclass(frozen=True)
@@ -52,7 +51,7 @@ class AliasTable:
                 ids[group, owner] = f"{group}{number}"
                 known = share.get(owner) if group == "material" else None
                 kind = context.light(owner).type if group == "light" else ""
-                self.aliases.append(Alias(ids[group, owner], owner[:_LONGEST_NAME], role, known, kind))
+                self.aliases.append(Alias(ids[group, owner], owner, role, known, kind))
         self.rows: dict[str, Instance] = {}  # name in questions and answers -> instance
         for instance in free:
             group, owner = instance.parameter.group, instance.owner

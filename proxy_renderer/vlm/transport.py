@@ -2,12 +2,13 @@
 """One request through the `openai` package, bounded in time, and what is read in its answer; every failure is a ModelError."""
 
 import json
-import queue
 import re
 import threading
 import time
 import unicodedata
 from collections.abc import Callable, Collection
+from concurrent.futures import Future
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -112,34 +113,27 @@ class Transport:
         a byte a minute, the time limit holds and Stop is heard.
         """
         client = self._connect()
-        box: queue.Queue[Completion | ModelError] = queue.Queue()
+        answer: Future[Completion] = Future()
 
         def act() -> None:
             try:
                 response = client.chat.completions.with_raw_response.create(**body, timeout=seconds)
-                box.put(read_completion(response.http_response.content))
+                answer.set_result(read_completion(response.http_response.content))
             except ModelError as error:
-                box.put(error)
+                answer.set_exception(error)
             except Exception as error:
-                box.put(self._explain(error))
+                answer.set_exception(self._explain(error))
 
         threading.Thread(target=act, daemon=True).start()
         # Look at the answer, at Stop and at the clock in turn.
         end = time.monotonic() + seconds
-        while True:
-            try:
-                outcome = box.get(timeout=_TICK)
-            except queue.Empty:
-                if self._stop():
-                    self.close()
-                    raise ModelError("You stopped it.", "", lasting=True) from None
-                if time.monotonic() > end:
-                    self.close()
-                    raise self._late(seconds) from None
-                continue
-            if isinstance(outcome, ModelError):
-                raise outcome
-            return outcome
+        while time.monotonic() < end and not self._stop():
+            with suppress(TimeoutError):
+                return answer.result(_TICK)
+        self.close()
+        if self._stop():
+            raise ModelError("You stopped it.", "", lasting=True)
+        raise self._late(seconds)
 
     def close(self) -> None:
         """Ends the connection; the next request makes a new one."""
