@@ -9,7 +9,6 @@ import json
 import os
 import queue
 import subprocess
-import sys
 import tempfile
 import threading
 import time
@@ -21,7 +20,6 @@ from typing import Any, TextIO
 from PIL import Image
 
 from ..blender import launch
-from ..blender.launch import blender_side, environment, temporary
 from ..blender.meshes import prepared
 from ..schema import VibeError, labels
 from .manifest import Job, Limits
@@ -115,7 +113,7 @@ class Setup:
 
     limits: Limits = field(default_factory=Limits)  # of each job
     variables: dict[str, str] = field(default_factory=dict)  # of the environment, besides those that it has
-    command: tuple[str, ...] = ()  # the program that carries out jobs; empty for Blender
+    command: tuple[str, ...] = ()  # the script that carries out jobs; empty for Blender
 
 
 class Interrupted(Exception):
@@ -193,15 +191,11 @@ class Worker:
         if self._closed:
             raise VibeError("The worker is closed.")
         self._scratch = tempfile.TemporaryDirectory(prefix="vibe-", ignore_cleanup_errors=True)
-        variables = environment() | temporary(Path(self._scratch.name)) | self._setup.variables
-        process = self._process = subprocess.Popen(
-            self._setup.command or (sys.executable, str(blender_side()), "--events", "serve"),
+        process = self._process = launch.start(
+            self._setup.command or (str(launch.blender_side()), "--events", "serve"),
+            Path(self._scratch.name),
+            self._setup.variables | {"OMP_NUM_THREADS": str(self._setup.limits.cores)},
             stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            encoding="utf-8",
-            errors="replace",
-            env=variables | {"OMP_NUM_THREADS": str(self._setup.limits.cores)},
             start_new_session=True,  # Ctrl-C is for the batch, which ends its workers itself
         )
         if self._cores and hasattr(os, "sched_setaffinity"):

@@ -19,10 +19,7 @@ from ..schema.options import checks
 from .launch import blender_side
 
 _LEFTOVERS = ("__pycache__", "*.pyc", "*.md")
-_OF_THE_COMMAND = (
-    *("cli", "batch", "blender"),
-    *("command_line.py", "explanation.py", "own_entry.py", "plain.py", "preset.py", "why.py"),
-)
+_OF_THE_COMMAND = ("cli", "batch", "blender", "command_line.py", "preset.py")
 """Folders and modules of the engine's package that the command `vibe` alone runs."""
 
 

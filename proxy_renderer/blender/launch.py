@@ -18,7 +18,7 @@ import sys
 import tempfile
 import time
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Self, TextIO
@@ -125,11 +125,6 @@ _TELLING = re.compile(r"error|exception|abort|fail|invalid|corrupt|not a ", re.I
 _LAST = 20  # lines in which the telling one is looked for
 
 
-def temporary(folder: Path) -> dict[str, str]:
-    """The environment variables of a process whose temporary files go to a folder."""
-    return dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(folder))
-
-
 def crash(code: int, doing: str, output: Sequence[str]) -> errors.UnexpectedError:
     """The error for a Blender that ended with an exit code, or a signal (negative); its output goes to a log."""
     log = errors.write_log(f"Blender ended while {doing}, exit code {code}\n\n" + "".join(output))
@@ -213,17 +208,22 @@ def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None
     return 0
 
 
-def start(arguments: Sequence[str], scratch: Path | None = None, **options: Any) -> subprocess.Popen[str]:
+def start(
+    arguments: Sequence[str],
+    scratch: Path | None = None,
+    variables: Mapping[str, str] | None = None,
+    **options: Any,
+) -> subprocess.Popen[str]:
     """Python with these arguments, as a Blender whose `events` can be read; its temporary files go to `scratch`."""
+    places = dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(scratch)) if scratch else {}
     return subprocess.Popen(
         [sys.executable, *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
-        stdin=subprocess.DEVNULL,
         encoding="utf-8",
         errors="replace",
-        env=environment() | (temporary(scratch) if scratch else {}),
-        **options,
+        env=environment() | places | dict(variables or {}),
+        **{"stdin": subprocess.DEVNULL, **options},
     )
 
 
