@@ -26,7 +26,7 @@ from .manifest import Job, Limits
 from .store import DONE, FINAL, FRAMES, LOG, WORDS, JobRow, head, read_json, tidy, write_bytes, write_json
 
 _THUMB = 480  # pixels, the longer side
-_PICTURES, _UNDERSTOOD = ("before", "after"), ("whole", "ignored", "guesses", "notes")
+_PICTURES, _UNDERSTOOD = ("before", "after"), ("ignored", "guesses", "notes")
 _ENGINE, _CYCLES = "engine: loop", ("render before", "render after")
 
 
@@ -88,8 +88,6 @@ def _details(job: Job, report: dict[str, Any]) -> bytes:
         "left": len(parameters) - len(rows),
         "warnings": report.get("warnings", []),
         "understood": {name: understood[name] for name in _UNDERSTOOD if understood.get(name)},
-        "timings": report.get("timings", {}),
-        "versions": report.get("versions", {}),
     }
     return f"vibeDetails({json.dumps(job.name)}, {json.dumps(content, ensure_ascii=False)});\n".encode()
 

@@ -24,10 +24,10 @@ from ..words.lexicon.quantities import quantities
 from ..words.parser import Understood, parse
 from ..words.types import Attribute, Parsed, PromptObject, SceneDescription
 from .client import Client, jpeg_of
-from .request import CAPTIONS, REGIONS, SLOTS, AliasTable, make_question
+from .request import CAPTIONS, REGIONS, AliasTable, make_question
 from .transport import ModelError, clean
 
-_MOST_OBJECTS, _MOST_TEXTS, _MOST_ENTRIES = 12, 8, 200
+_MOST_TEXTS, _MOST_ENTRIES = 8, 200
 _CAPTION, _WORD, _REASON = 160, 60, 160
 _LAST = 99  # greatest priority
 _NARROWEST = 0.04  # of the perceptual scale: a plan says where, the gradient where exactly
@@ -39,7 +39,6 @@ _NEGATION = re.compile(r"\b(no|not|never|without|n't)\b", re.IGNORECASE)
 class Reply:
     """A model's proposals; fields are empty where its answer had nothing usable."""
 
-    objects: list[PromptObject] = field(default_factory=list)  # what the look describes
     prompts: Prompts = field(default_factory=lambda: Prompts("", "", ""))  # captions; "" and () for none
     targets: dict[str, str] = field(default_factory=dict)  # quantity -> class
     colors: dict[Region, Values] = field(default_factory=dict)  # region -> sRGB that it should show
@@ -63,7 +62,6 @@ def read_reply(raw: dict[str, Any], table: AliasTable) -> Reply:
             entries.setdefault(*made)
     kept = [n for n in _list(raw.get("keep"))[:_MOST_ENTRIES] if isinstance(n, str) and n in table.rows]
     return Reply(
-        objects=_objects(raw.get("objects"), table),
         prompts=_prompts(raw.get("prompts")),
         targets=_usable(raw.get("targets"), lambda name, text: text in classes.get(name, ())),
         colors={region: srgb_from_hex(text) for region, text in colors.items()},  # type: ignore[misc]
@@ -71,21 +69,6 @@ def read_reply(raw: dict[str, Any], table: AliasTable) -> Reply:
         entries=entries,
         keep={table.rows[name].key for name in kept} - set(entries),
     )
-
-
-def _objects(raw: Any, table: AliasTable) -> list[PromptObject]:
-    objects = []
-    names = {alias.id: alias.name for alias in table.aliases}
-    for item in _list(raw)[:_MOST_OBJECTS]:
-        region = item.get("region") if isinstance(item, dict) else None
-        if region not in REGIONS:
-            continue
-        given, worn = item.get("attributes"), _list(item.get("materials"))
-        given = given if isinstance(given, dict) else {}
-        attributes = {slot: words for slot in SLOTS if (words := clean(given.get(slot), _CAPTION))}
-        owners = tuple(names[m] for m in worn if isinstance(m, str) and m in names)
-        objects.append(PromptObject(clean(item.get("name"), _WORD) or region, region, attributes, owners))
-    return objects
 
 
 def _prompts(raw: Any) -> Prompts:
@@ -246,10 +229,7 @@ class ModelAdvisor:
     ) -> Advice:
         """The model's words where it has some, the draft's elsewhere; its ranges over the drafted ones."""
         read = draft.goals if draft else goals_of(self._read(reply.prompts.whole))
-        subject = [PromptObject(self._words.subject or "subject", "subject")]
-        objects = reply.objects or read.parsed.objects or subject
-        ignored = reply.ignored if draft is None else read.parsed.ignored
-        parsed = replace(read.parsed, objects=objects, ignored=ignored)
+        parsed = read.parsed if draft else replace(read.parsed, ignored=reply.ignored)
         # The prompt's own words come first, the model's wishes are implied.
         goals = resolved(parsed, [*read.wishes, *(each.wish for each in read.lost), *_wishes(reply)])
         composed = compose(read.parsed, read.overruled)

@@ -95,8 +95,6 @@ def _is_direction(instance: Instance) -> bool:
     return instance.parameter.family == "light/azimuth"
 
 
-SLOTS = ("color", "material", "lighting", "style", "mood", "shape")  # of an object (the paper's section 3.5)
-
 REGIONS = ("subject", "surroundings")
 CAPTIONS = (*REGIONS, "whole")
 _DIGITS = 4
@@ -132,8 +130,6 @@ def make_question(
 def answer_schema(table: AliasTable) -> dict[str, Any]:
     """The JSON schema of an answer; only what strict modes of all servers have: no bounds, no patterns."""
     names = list(table.rows)
-    materials = [a.id for a in table.aliases if a.id.startswith("material")]
-    region = {"type": "string", "enum": list(REGIONS)}
     text = {"type": "string"}
     texts = {"type": "array", "items": text}
     key = {"type": "string", "enum": names}
@@ -144,16 +140,9 @@ def answer_schema(table: AliasTable) -> dict[str, Any]:
         for name, quantity in quantities().by_name.items()
         if quantity.classes
     }
-    thing = json_object(
-        name=text,
-        region=region,
-        materials={"type": "array", "items": {"type": "string", "enum": materials} if materials else text},
-        attributes=json_object(**dict.fromkeys(SLOTS, text)),
-    )
     number = {"type": "integer"}
     entry = json_object(parameter=key, lower=numbers, upper=numbers, priority=number, reason=text)
     return json_object(
-        objects={"type": "array", "items": thing},
         prompts=json_object(**captions, **{f"{name}_negatives": texts for name in captions}),
         targets=json_object(**targets),
         colors=json_object(**dict.fromkeys(REGIONS, text)),

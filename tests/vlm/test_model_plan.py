@@ -163,8 +163,6 @@ class TestReply:
     def test_a_good_one(self, table):
         body = {"messages": [{}, {"content": told(table).text}]}
         reply = read_reply(plan_for(body), table)
-        assert reply.objects[0].materials == ("Ball",)
-        assert reply.objects[0].attributes == {"color": "teal", "material": "glossy", "shape": "round"}
         assert reply.targets == {"color": "teal", "finish": "glossy"}
         assert reply.prompts.subject == "a glossy teal ball"
         assert reply.entries["material/Ball/roughness"].priority == 2
@@ -248,8 +246,6 @@ class TestReply:
                     "subject_negatives": ["not teal", "white"] * 99,
                 },
                 "plan": [entry("film/contrast", [1.2], [1.4], reason="<script>\n" * 999, priority=-5)],
-                "objects": [{"name": "x" * 999, "region": "subject", "attributes": "all"}, {"region": "moon"}]
-                * 50,
                 "ignored": ["w" * 999, 7, None],
             },
             table,
@@ -261,7 +257,6 @@ class TestReply:
         made = reply.entries["film/contrast"]
         assert (made.priority, "\n" in made.reason) == (1, False)
         assert len(made.reason) < 200
-        assert len(reply.objects) <= 12
         assert len(reply.ignored[0]) <= 60
 
     def test_whatever_it_says(self, table):
