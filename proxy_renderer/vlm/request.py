@@ -3,7 +3,6 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,17 +19,6 @@ from .transport import clean
 _LIGHTS, _MATERIALS = 8, 10  # the most important ones; a question has to fit into small contexts
 
 
-@dataclass(frozen=True)
-class Alias:
-    """A short name for a light or material, which a model may use."""
-
-    id: str  # "light1"
-    name: str  # the artist's
-    role: str  # as in `schema.Instance`
-    share: float | None = None  # fraction of its region's pixels, for materials; None if unknown
-    kind: str = ""  # type of light; "" for materials
-
-
 class AliasTable:
     """The parameters that a model may plan, by short names."""
 
@@ -44,14 +32,19 @@ class AliasTable:
         share = context.material_share
         materials = sorted(owners["material"], key=lambda o: (o[1] != "subject", -share.get(o[0], 0.0), o))
         lights = sorted(owners["light"], key=lambda o: (o[1] != "key", o))
-        self.aliases: list[Alias] = []  # lights and materials that have a row
+        self.scene: list[
+            dict[str, Any]
+        ] = []  # lights and materials that have a row, as a model is told of them
         ids: dict[tuple[str, str], str] = {}
         for group, chosen in (("material", materials[:_MATERIALS]), ("light", lights[:_LIGHTS])):
             for number, (owner, role) in enumerate(chosen, 1):
                 ids[group, owner] = f"{group}{number}"
-                known = share.get(owner) if group == "material" else None
-                kind = context.light(owner).type if group == "light" else ""
-                self.aliases.append(Alias(ids[group, owner], owner, role, known, kind))
+                row: dict[str, Any] = {"id": ids[group, owner], "name": clean(owner, 60), "role": role}
+                if group == "material" and owner in share:
+                    row["part_of_region"] = round(share[owner], 2)
+                elif group == "light" and (kind := context.light(owner).type):
+                    row["type"] = kind
+                self.scene.append(row)
         self.rows: dict[str, Instance] = {}  # name in questions and answers -> instance
         for instance in free:
             group, owner = instance.parameter.group, instance.owner
@@ -108,12 +101,7 @@ def make_question(
     """The question of a round, with the offline planner's draft for the model to improve on."""
     document = {
         "look": look,
-        "scene": [
-            {"id": a.id, "name": clean(a.name, 60), "role": a.role}
-            | ({"part_of_region": round(a.share, 2)} if a.share is not None else {})
-            | ({"type": a.kind} if a.kind else {})
-            for a in table.aliases
-        ],
+        "scene": table.scene,
         "measured": _measured(context),
         "draft": {
             "captions": {name: getattr(draft.prompts, name) for name in CAPTIONS},

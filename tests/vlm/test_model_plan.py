@@ -121,7 +121,7 @@ class TestQuestion:
         many |= {i.key: i for i in (instance("material/roughness", "Hero", role="subject"),)}
         table = AliasTable(many, SceneDescription(material_share={"M7": 0.9}))
         assert len(table.rows) == 10
-        assert [t.name for t in table.aliases[:2]] == ["Hero", "M7"]
+        assert [row["name"] for row in table.scene[:2]] == ["Hero", "M7"]
 
     def test_names_and_look_are_data(self, scene):
         """A name can neither leave its string nor become the name of a parameter."""
