@@ -31,7 +31,7 @@ class AnchorLayers:
     def serve(self, values: Mapping[str, Tensor], scene: SceneData) -> bool:
         """True if other values differ from these only in powers and colors of lights, or in what the film does."""
         keys = (key for key in values.keys() | self.values.keys() if not key.startswith("film/"))
-        return all(_is_of_light(key, scene) or self._stays(key, values, scene) for key in keys)
+        return all(is_of_light(key, scene) or self._stays(key, values, scene) for key in keys)
 
     def _stays(self, key: str, values: Mapping[str, Tensor], scene: SceneData) -> bool:
         own = torch.tensor(scene.value(key), dtype=torch.float32)
@@ -51,7 +51,7 @@ class AnchorLayers:
         return whole
 
 
-def _is_of_light(key: str, scene: SceneData) -> bool:
+def is_of_light(key: str, scene: SceneData) -> bool:
     """True if a picture is linear in a parameter, or in the color of light that follows from it."""
     group, _, name = split_key(key)
     if group == "light":

@@ -39,7 +39,7 @@ class RigLight:
     mirrored: bool = True  # whether the other side does as well
     distance: float = 0.0
     size: float = 0.0
-    kelvin: float = 0.0  # 0 where `color` is given
+    kelvin: float = 0.0  # 0 where `color` is given, or the light of the scene keeps its own
     color: str = ""  # "#rrggbb"; "" where `kelvin` is given
     stops: float = 0.0
     reach: str = "subject"
