@@ -15,7 +15,7 @@ from proxy_renderer.batch.store import Sheet, Store
 from proxy_renderer.batch.worker import Setup, Worker
 from proxy_renderer.schema import VibeError
 
-COMMAND = (sys.executable, str(Path(__file__).with_name("simulated_blender.py")))
+COMMAND = (str(Path(__file__).with_name("simulated_blender.py")),)
 SMALL = Limits(free_gb=0.0, cores=1, memory_gb=0.1, retries=0)
 OPTIONS = ("--rounds=1", "--steps=2", "--size=48", "--samples=2")
 

@@ -137,5 +137,5 @@ def test_blender_refuses_a_bad_manifest(tmp_path):
 
 def test_unwritable_folder_is_one_clear_line(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(VibeError, match="Cannot write"):
+    with pytest.raises(VibeError, match="cannot be written"):
         extension.build(tmp_path / "file" / "out")

@@ -119,6 +119,9 @@ def test_the_mask_shows_the_subject_alone(tmp_path):
     assert ((mask > 0.02) & (mask < 0.98)).any()  # antialiased
 
 
+NEW = '{"asset": {"version": "2.0"}, "extensionsUsed": ["ADOBE_new_one"], "extensionsRequired": ["ADOBE_new_one"]}'
+
+
 @pytest.mark.parametrize(
     ("name", "content", "said"),
     [
@@ -128,6 +131,8 @@ def test_the_mask_shows_the_subject_alone(tmp_path):
         ("a.stl", "hello\n", "a.stl"),
         ("a.fbx", "hello\n", "is not a mesh that can be staged"),
         ("point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n", "no size"),
+        ("short.gltf", "{}", "short.gltf cannot be read"),
+        ("new.gltf", NEW, "ADOBE_new_one"),
     ],
 )
 def test_broken_files(tmp_path, name, content, said):

@@ -21,7 +21,7 @@ from proxy_renderer.batch import manifest, schedule
 from proxy_renderer.batch.manifest import BatchPlan, Job, Limits, SceneGroup
 from proxy_renderer.batch.schedule import LocalPool, local_pool
 from proxy_renderer.batch.store import DONE, JobRow, Sheet, Store, head, read_json, tidy, write_json
-from proxy_renderer.batch.worker import Setup
+from proxy_renderer.batch.worker import Setup, Worker
 from proxy_renderer.schema import VibeError
 
 _MANIFEST = """
@@ -111,7 +111,7 @@ def _numbers(text: str) -> Sequence[int]:
     return [int(part) for part in text.split(",") if part.strip()]
 
 
-class _Simulated:
+class _Simulated(Worker):
     """A worker whose vibes take no time; it writes only the row of a finished job."""
 
     def run(self, job: Job, folder: Path) -> JobRow:
@@ -142,7 +142,7 @@ def _simulated(count: int) -> JobRow:
         began[0] = began[0] or time.monotonic() - start
 
     def carry_out(store: Store) -> float:
-        first, pool = time.monotonic(), LocalPool(store.jobs, [_Simulated() for _ in range(_HANDS)])
+        first, pool = time.monotonic(), LocalPool(store.jobs, [_Simulated(Setup()) for _ in range(_HANDS)])
         schedule.run(plan, store, pool, Limits(free_gb=0.1), tell)
         pool.close()
         return round(time.monotonic() - first, 3)
@@ -169,16 +169,16 @@ def _real(out: Path, jobs: int, workers: int) -> JobRow:
     folder = Path(tempfile.mkdtemp(prefix=f"batch-{workers}-", dir=out))
     trimesh.creation.icosphere(4).export(folder / "ball.obj")
     (folder / "m.toml").write_text(_MANIFEST.format(seeds=list(range(-(-jobs // 4)))))
-    wanted = manifest.load(folder / "m.toml", folder / "out")
-    plan, ended = BatchPlan(wanted.groups), []
+    plan, limits = manifest.load(folder / "m.toml", folder / "out")
+    ended: list[tuple[str, float]] = []
     with Store(folder / "out") as store:
-        pool = local_pool(store.jobs, Setup(wanted.limits), workers)
+        pool = local_pool(store.jobs, Setup(limits), workers)
         try:
             schedule.run(
                 plan,
                 store,
                 pool,
-                wanted.limits,
+                limits,
                 lambda what, job, row: ended.append((what, time.monotonic())),
             )
         finally:

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from ..schema import VibeError
-from .manifest import Job, Limits
-from .schedule import PER_GPU
+from .manifest import Job
+from .schedule import PER_GPU, fitting
 from .store import TOKEN, JobRow, Store, read_json
 from .worker import Interrupted, Setup, Worker
 
@@ -57,7 +57,6 @@ class Station:
 
 
 _LOOK = 2.0  # seconds between two looks at the cluster's nodes
-_KEPT = 8  # scenes that are kept in the object store
 _PATIENCE = 5  # looks at a head that does not answer
 _FAREWELL = 10.0  # seconds that workers get to end their processes
 
@@ -186,8 +185,6 @@ class RayPool:
     def _scene(self, source: Path) -> Any:
         """A scene in the object store, where the nodes find it."""
         if source not in self._scenes:
-            while len(self._scenes) >= _KEPT:
-                del self._scenes[next(iter(self._scenes))]
             self._scenes[source] = self._ray.put(source.read_bytes())
         return self._scenes[source]
 
@@ -205,12 +202,3 @@ def cluster_pool(address: str, store: Store, setup: Setup, most: int = 0) -> Ray
         remedy = "Start one with `ray start --head`, and join it with `ray start --address HOST:6379`."
         raise VibeError(f"There is no Ray cluster at {address}.", remedy) from error
     return RayPool(ray, store, setup, most)
-
-
-def fitting(resources: dict[str, float], limits: Limits) -> int:
-    """Number of workers that a node holds; 0 if it is too small."""
-    fits = [int(resources.get("CPU", 0) // limits.cores)]
-    fits.append(int(resources.get("memory", 0) / 1e9 // limits.memory_gb))
-    if cards := resources.get("GPU"):
-        fits.append(int(cards * PER_GPU))
-    return min(fits)

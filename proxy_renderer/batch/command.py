@@ -10,15 +10,19 @@ import re
 import signal
 import time
 from collections import Counter
+from datetime import timedelta
+from itertools import islice
 from pathlib import Path
-from typing import TextIO
+from statistics import mean
+
+from rich.progress import BarColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from ..blender.launch import TerminalBar, blender_side, handling
 from ..schema import VibeError
 from ..words.lexicon.user_words import VARIABLE
 from . import manifest, schedule
 from .manifest import BatchPlan, Job, Jobs
-from .schedule import Pool, fitting, local_pool
+from .schedule import Pool, fitting, local_pool, machine
 from .store import DONE, FAILED, Finals, JobRow, Sheet, Store, read_json, write_bytes
 from .worker import Setup
 
@@ -26,47 +30,37 @@ from .worker import Setup
 class BatchProgress(TerminalBar):
     """Counts jobs and shows them: `counts` by "done", "failed" and "running"."""
 
-    def __init__(self, total: int, done: int, stream: TextIO | None = None) -> None:
-        super().__init__(stream)
+    def __init__(self, total: int, done: int) -> None:
         self._total, self._before = total, done
         self.counts = {"done": done, "failed": 0, "running": 0}
-
-    def __enter__(self) -> BatchProgress:
-        if self._stream.isatty():
-            from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
-
-            columns = (
-                TextColumn("{task.completed:.0f}/{task.total:.0f} jobs"),
-                BarColumn(bar_width=32),
-                TextColumn("{task.description}"),
-                TimeElapsedColumn(),
-            )
-            self._open(columns, self._state(), total=self._total, completed=self._before)
-        return self
+        jobs, bar = "{task.completed:.0f}/{task.total:.0f} jobs", BarColumn(bar_width=32)
+        columns = (jobs, bar, "{task.description}", TimeElapsedColumn(), TimeRemainingColumn())
+        super().__init__(columns, None, False, description="", total=total, completed=done)
 
     def tell(self, what: str, job: Job, row: JobRow) -> None:
         """Counts and shows a job that is "started", "done", "failed", "again" (tried again) or "lost"."""
         self.counts["running"] += 1 if what == "started" else -1
         if what in ("done", "failed"):
             self.counts[what] += 1
-        if self._bar is not None:
-            ended = self.counts["done"] + self.counts["failed"]
-            self._bar.update(self._task, description=self._state(), completed=ended)
-        if what == "failed" or (what != "started" and self._bar is None):
+        self._bar.update(self._task, description=self._state(), completed=self._ended)
+        if what == "failed" or (what != "started" and self._plain):
             self.note(self._line(what, job, row))
 
     def summary(self) -> str:
         """The outcome in one line."""
         seconds = time.monotonic() - self._start
         new = self.counts["done"] - self._before
-        waiting = self._total - self.counts["done"] - self.counts["failed"]
-        parts = [f"{self.counts['done']} of {self._total} jobs are done ({new} now, in {duration(seconds)})"]
+        waiting = self._total - self._ended
+        parts = [f"{self.counts['done']} of {self._total} jobs are done ({new} now, in {_clock(seconds)})"]
         parts += [f"{self.counts['failed']} failed"] if self.counts["failed"] else []
         parts += [f"{waiting} wait"] if waiting else []
         return ", ".join(parts) + "."
 
+    @property
+    def _ended(self) -> int:
+        return self.counts["done"] + self.counts["failed"]
+
     def _line(self, what: str, job: Job, row: JobRow) -> str:
-        ended = self.counts["done"] + self.counts["failed"]
         who = f"{job.scene} · {job.prompt} · {job.seed}"
         if what == "done" and job.frames is not None:
             how = f"{row['seconds']:.0f} s, {row['frames']} frames"
@@ -76,32 +70,15 @@ class BatchProgress(TerminalBar):
             how = "its machine is lost; it will be done elsewhere"
         else:
             how = f"{row['error']}{' It will be tried again.' if what == 'again' else ''}"
-        return f"[{ended}/{self._total}] {what:6} {who}: {how}   {self._left()}".rstrip()
+        return f"[{self._ended}/{self._total}] {what:6} {who}: {how}"
 
     def _state(self) -> str:
         failed = f", {self.counts['failed']} failed" if self.counts["failed"] else ""
-        return f"{self.counts['running']} running{failed}   {self._left()}"
-
-    def _left(self) -> str:
-        """Rate and time left, by the jobs that have ended since the start."""
-        ended = self.counts["done"] + self.counts["failed"]
-        if ended == self._before:
-            return ""
-        pace = (time.monotonic() - self._start) / (ended - self._before)
-        return f"{3600 / pace:.0f} jobs/h, {duration(pace * (self._total - ended))} left"
+        return f"{self.counts['running']} running{failed}"
 
 
-def duration(seconds: float) -> str:
-    """A time for people.
-
-    >>> duration(45), duration(200), duration(7500)
-    ('45 s', '3:20 min', '2:05 h')
-    """
-    if seconds < 60:
-        return f"{seconds:.0f} s"
-    if seconds < 3600:
-        return f"{int(seconds) // 60}:{int(seconds) % 60:02d} min"
-    return f"{int(seconds) // 3600}:{int(seconds) % 3600 // 60:02d} h"
+def _clock(seconds: float) -> timedelta:
+    return timedelta(seconds=round(seconds))
 
 
 _LISTED = 12
@@ -113,30 +90,24 @@ _FIXED, _ROUND, _STEP, _RENDERS = 5.0, 3.0, 0.14, 12.0
 
 def account(plan: BatchPlan, out: Path, workers: int) -> str:
     """The plan as text."""
-    scenes: Counter[str] = Counter()
-    seconds: list[float] = []
-    guessed, failed, to_do = 0.0, 0, 0
-    for job in plan:
-        folder = out / "jobs" / job.name
-        scenes[job.scene] += 1
-        if not (folder / DONE).is_file():
-            to_do += 1
-            guessed += guess(job)
-            failed += (folder / FAILED).is_file()
-        elif len(seconds) < _MEASURED:
-            seconds.append((read_json(folder / DONE) or {}).get("seconds", 0.0))
+    scenes = Counter(job.scene for job in plan)
+    folders = {job.name: out / "jobs" / job.name for job in plan}
+    to_do = [job for job in plan if not (folders[job.name] / DONE).is_file()]
+    failed = sum((folders[job.name] / FAILED).is_file() for job in to_do)
     before = f", of which {failed} had failed" if failed else ""
-    lines = [f"{len(plan)} jobs: {len(plan) - to_do} done, {to_do} to do{before}."]
+    lines = [f"{len(plan)} jobs: {len(plan) - len(to_do)} done, {len(to_do)} to do{before}."]
     lines += [f"  {count:5}  {scene}" for scene, count in list(scenes.items())[:_LISTED]]
     lines += [f"         ... and {len(scenes) - _LISTED} more scenes"] if len(scenes) > _LISTED else []
     if not to_do:
         return "\n".join(lines)
     # Jobs that are done tell the time of others; without any it is a guess.
-    each = sum(seconds) / len(seconds) if seconds else guessed / to_do
+    rows = filter(None, (read_json(folder / DONE) for folder in folders.values()))
+    seconds = [row["seconds"] for row in islice(rows, _MEASURED)]
+    each = mean(seconds or map(guess, to_do))
     basis = f"as the {len(seconds)} looked at took" if seconds else "a guess, until jobs have been measured"
     where = f"with {workers} worker{'s' * (workers != 1)}" if workers else "divided by the cluster's workers"
-    total = each * to_do / max(workers, 1)
-    lines.append(f"About {duration(each)} a job ({basis}): {duration(total)} {where}.")
+    total = each * len(to_do) / max(workers, 1)
+    lines.append(f"About {_clock(each)} a job ({basis}): {_clock(total)} {where}.")
     return "\n".join(lines)
 
 
@@ -154,19 +125,18 @@ def guess(job: Job) -> float:
 
 def run(a: argparse.Namespace) -> int:
     """Carries out the command; returns 0, or 1 if jobs have failed. What is done stays, and the next run continues."""
-    content = manifest.load(a.manifest, a.out)
-    plan = BatchPlan(content.groups)
+    plan, limits = manifest.load(a.manifest, a.out)
     if a.workers < 0:
         raise VibeError(f"--workers {a.workers} is out of range.", "Use 1 or more, or leave it out.")
     if a.final and not re.fullmatch(r"\d+(-\d+)?", a.final):
         raise VibeError(f"--final {a.final} names no frames.", "Write them as in --final 1-24.")
     if a.dry_run:
-        workers = a.workers or fitting(content.limits)
+        workers = a.workers or fitting(machine(), limits) or 1
         print(account(plan, a.out, 0 if a.ray else workers))
         return 0
     with Store(a.out) as store, handling(signal.default_int_handler, signal.SIGTERM):
-        store.check_space(content.limits.free_gb)
-        return _carry_out(a, plan, store, content.limits)
+        store.check_space(limits.free_gb)
+        return _carry_out(a, plan, store, limits)
 
 
 def _carry_out(a: argparse.Namespace, plan: BatchPlan, store: Store, limits: manifest.Limits) -> int:

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The manifest of `vibe batch`, checked to its last key before anything starts, and the jobs that it makes.
 
-A mistake raises VibeError, which names its line. docs/guide/batch.md has an example with all tables.
+A mistake raises VibeError, which names its place in the file. docs/guide/batch.md has an example with all tables.
 """
+
+from __future__ import annotations
 
 import fnmatch
 import glob
@@ -58,15 +60,7 @@ class SceneGroup:
     more: tuple[Path, ...] = ()  # where the other scenes are
 
 
-@dataclass(frozen=True)
-class Manifest:
-    """The scenes with their prompts and options, and the limits of jobs."""
-
-    groups: tuple[SceneGroup, ...]
-    limits: Limits
-
-
-def load(path: Path, out: Path) -> Manifest:
+def load(path: Path, out: Path) -> tuple[BatchPlan, Limits]:
     """Reads and checks a manifest; scenes that patterns match in the results folder are left out."""
     check.file(str(path), "manifest")
     return _Reader(TomlSource(path.expanduser()), out.expanduser().resolve()).manifest()
@@ -78,7 +72,7 @@ class _Reader:
         self._base, self._out = source.path.parent.resolve(), out
         self._options = OptionReader(source, self._base)
 
-    def manifest(self) -> Manifest:
+    def manifest(self) -> tuple[BatchPlan, Limits]:
         content = self._content
         for key in content:
             if key not in _KNOWN:
@@ -87,7 +81,7 @@ class _Reader:
         common = self._options.read(self._table(content, "options"), ("options",))
         everything = self._common_digest(content.get("files", []), common.get("vocabulary", ""))
         groups = [*self._single(common, everything), *self._together(common, everything)]
-        return Manifest(tuple(groups), limits)
+        return BatchPlan(groups), limits
 
     def _single(self, common: dict[str, Any], everything: str) -> Iterator[SceneGroup]:
         if self._content.get("scenes", []) == [] and "shots" in self._content:
@@ -108,7 +102,7 @@ class _Reader:
     def _together(self, common: dict[str, Any], everything: str) -> Iterator[SceneGroup]:
         """The groups of shots that share a look."""
         names: set[str] = set()
-        for number, table in enumerate(self._content.get("shots", [])):
+        for number, table in enumerate(self._content.get("shots", []), 1):
             keys = ("shots", str(number))
             name = table.get("name") if isinstance(table, dict) else None
             if not isinstance(name, str) or not name.strip() or name in names:
@@ -150,7 +144,7 @@ class _Reader:
             remedy = 'Write prompts = ["noir", "misty"], or prompts = "prompts.txt".'
             raise self._problem("There are no prompts.", remedy, *keys)
         for prompt in given:
-            with self._source.at(*keys, quoted=prompt):
+            with self._source.at(*keys, prompt):
                 self._options.prompt(prompt, options)
         return tuple(dict.fromkeys(given))
 
@@ -212,9 +206,9 @@ class _Reader:
             places = [p for p in places if not (self._base / p).resolve().is_relative_to(self._out)]
             if not places:
                 remedy = f"It is looked for from {self._base}; scenes are {' '.join(check.SCENES)} files."
-                raise self._problem(f"No scene matches {pattern!r}.", remedy, *keys, quoted=pattern)
+                raise self._problem(f"No scene matches {pattern!r}.", remedy, *keys, pattern)
             for place in places:
-                with self._source.at(*keys, quoted=pattern):
+                with self._source.at(*keys, pattern):
                     scene = check.scene(str(self._base / place))
                 yield Path(os.path.relpath(self._base / place, self._base)).as_posix(), scene
 
@@ -228,7 +222,7 @@ class _Reader:
             linked += [p for p in matches if (self._base / p).is_file()]
             if not matches:
                 remedy = f"It is looked for from {self._base}."
-                raise self._problem(f"No file matches {pattern!r}.", remedy, "files", quoted=pattern)
+                raise self._problem(f"No file matches {pattern!r}.", remedy, "files", pattern)
         if vocabulary:
             self._named(vocabulary, "vocabulary", "options", "vocabulary")
         words = user_file()

@@ -1,13 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Options in a manifest, those of `vibe run`, and the TOML file that knows the line of each key.
-
-A mistake raises VibeError, which names its line.
-"""
+"""Options in a manifest, those of `vibe run`. A mistake raises VibeError, which names its place in the file."""
 
 import argparse
-import re
 import tomllib
-from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,9 +13,6 @@ from ..schema import VibeError, frame_numbers
 from ..schema.options import checks, command_line
 from ..schema.options.table import TABLE, Option
 
-_KEY = re.compile(r"\s*([^=#\[\]{},]+?)\s*=")
-_TABLE = re.compile(r"\s*\[.*\]\s*(#.*)?$")
-
 
 class TomlSource:
     """A TOML file, with its `path` as it was named and its `content`."""
@@ -28,63 +20,23 @@ class TomlSource:
     def __init__(self, path: Path) -> None:
         self.path = path
         try:
-            text = path.read_text("utf-8")
-            self.content: dict[str, Any] = tomllib.loads(text)
+            self.content: dict[str, Any] = tomllib.loads(path.read_text("utf-8"))
+        except tomllib.TOMLDecodeError as error:
+            raise VibeError(f"{path} is not TOML: {error}.", "Mend that line.") from error
         except (OSError, UnicodeDecodeError) as error:
             raise VibeError(f"{path} cannot be read: {error}.", "Save it as UTF-8 text.") from error
-        except tomllib.TOMLDecodeError as error:
-            line = re.search(r"line (\d+)", str(error))
-            where = f"line {line.group(1)}" if line else "its last line"
-            reason = re.sub(r" \(at .*\)$", "", str(error))
-            raise VibeError(f"{path}, {where}: this is not TOML ({reason}).", "Mend that line.") from error
-        self._lines = text.splitlines()
 
-    def line(self, *keys: str, quoted: str = "") -> int:
-        """The number, from 1, of the line of a key, outermost table first, or of a text after it; [[shots]] are counted: "shots", "0"."""
-        table: tuple[str, ...] = ()
-        counts: Counter[tuple[str, ...]] = Counter()
-        for number, line in enumerate(self._lines):
-            if _TABLE.match(line):
-                table = place = _names(line)
-                if line.lstrip().startswith("[["):
-                    table = place = (*table, str(counts[table]))
-                    counts[table[:-1]] += 1
-            elif key := _KEY.match(line):
-                place = table + _names(f"{key.group(1)} = 0")
-            else:
-                continue
-            if place[: len(keys)] == keys:
-                # from here on, the first line that has the text in quotes
-                texts = (f'"{quoted}"', f"'{quoted}'")
-                rest = enumerate(self._lines[number:], number + 1)
-                return next((n for n, later in rest if quoted and any(t in later for t in texts)), number + 1)
-        return 1
-
-    def problem(self, what: str, remedy: str, *keys: str, quoted: str = "") -> VibeError:
-        """An error that names the file and the line of a key, or of a text in its value; the caller raises it."""
-        return VibeError(f"{self.path}, line {self.line(*keys, quoted=quoted)}: {what}", remedy)
+    def problem(self, what: str, remedy: str, *place: str) -> VibeError:
+        """An error that names the file and a place in it: keys, outermost first, and a value; the caller raises it."""
+        return VibeError(f"{' > '.join(filter(None, (str(self.path), *place)))}: {what}", remedy)
 
     @contextmanager
-    def at(self, *keys: str, quoted: str = "") -> Iterator[None]:
-        """Errors inside the block name the line of a key."""
+    def at(self, *place: str) -> Iterator[None]:
+        """Errors inside the block name their place."""
         try:
             yield
         except VibeError as error:
-            raise self.problem(error.message, error.remedy, *keys, quoted=quoted) from error
-
-
-def _names(line: str) -> tuple[str, ...]:
-    """The names in a table's head, or in a key; none if it is something else after all."""
-    try:
-        content = tomllib.loads(line)
-    except tomllib.TOMLDecodeError:
-        return ()
-    names = []
-    while isinstance(content, dict) and content:
-        names.append(next(iter(content)))
-        content = content[names[-1]]
-        content = content[0] if isinstance(content, list) and content else content
-    return tuple(names)
+            raise self.problem(error.message, error.remedy, *place) from error
 
 
 IN_FILES = ("like", "goals")  # options that name files in the place of a prompt, or next to one
@@ -147,8 +99,8 @@ class OptionReader:
     def prompt(self, prompt: str, options: dict[str, Any]) -> None:
         """Refuses a prompt that a vibe could not work with."""
         checks.prompt(prompt, options.get("like", ""), options.get("goals", ""))
-        if prompt.strip() and not check.model(argparse.Namespace(**self._defaults | options)):
-            check.words(prompt)
+        if prompt.strip():
+            check.words(prompt, argparse.Namespace(**self._defaults | options))
 
     def arguments(self, options: dict[str, Any], scenes: list[Path]) -> tuple[str, ...]:
         """A job's options as the command line of Blender's side, without prompt and seed."""

@@ -6,7 +6,7 @@ import queue
 import shutil
 import subprocess
 from collections import Counter, deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Protocol
@@ -36,22 +36,12 @@ class Pool(Protocol):
         """Ends all workers now."""
 
 
-class Carrier(Protocol):
-    """Carries out jobs: a `Worker`, or a stand-in in measurements."""
-
-    def run(self, job: Job, folder: Path) -> JobRow:
-        """Carries out a job, and leaves its files in the folder. Raises Interrupted if it was closed meanwhile."""
-
-    def close(self) -> None:
-        """Ends a job that runs, and takes no other."""
-
-
 class LocalPool:
     """A thread for each worker."""
 
-    def __init__(self, jobs: Path, workers: list[Carrier]) -> None:
+    def __init__(self, jobs: Path, workers: list[Worker]) -> None:
         self._jobs, self._workers = jobs, workers
-        self._idle: queue.SimpleQueue[Carrier] = queue.SimpleQueue()
+        self._idle: queue.SimpleQueue[Worker] = queue.SimpleQueue()
         for worker in workers:
             self._idle.put(worker)
         self._threads = ThreadPoolExecutor(len(workers))
@@ -88,7 +78,7 @@ class LocalPool:
 
 def local_pool(jobs: Path, setup: Setup, count: int = 0) -> LocalPool:
     """Workers for this machine, each on cores of its own; graphics cards are dealt out in turn."""
-    count = count or fitting(setup.limits)
+    count = count or fitting(machine(), setup.limits) or 1
     cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
     cards = graphics_cards()
 
@@ -101,14 +91,19 @@ def local_pool(jobs: Path, setup: Setup, count: int = 0) -> LocalPool:
     return LocalPool(jobs, [worker(number) for number in range(count)])
 
 
-def fitting(limits: Limits, cards: Callable[[], int] | None = None) -> int:
-    """Number of workers that this machine holds; at least one."""
+def fitting(resources: Mapping[str, float], limits: Limits) -> int:
+    """Number of workers that a machine holds, by its "CPU" cores, "memory" in bytes and "GPU" cards; 0 if it is too small."""
+    fits = [int(resources.get("CPU", 0) // limits.cores)]
+    fits.append(int(resources.get("memory", 0) / 1e9 // limits.memory_gb))
+    if cards := resources.get("GPU"):
+        fits.append(int(cards * PER_GPU))
+    return min(fits)
+
+
+def machine() -> dict[str, float]:
+    """The resources of this machine, named as Ray names them."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    memory = psutil.virtual_memory().total / 1e9
-    fits = [cores // limits.cores, int(memory // limits.memory_gb)]
-    if card_count := (cards or graphics_cards)():
-        fits.append(card_count * PER_GPU)
-    return max(1, min(fits))
+    return {"CPU": cores, "memory": psutil.virtual_memory().total, "GPU": graphics_cards()}
 
 
 def graphics_cards() -> int:

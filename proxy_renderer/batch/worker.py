@@ -9,7 +9,6 @@ import json
 import os
 import queue
 import subprocess
-import sys
 import tempfile
 import threading
 import time
@@ -21,14 +20,13 @@ from typing import Any, TextIO
 from PIL import Image
 
 from ..blender import launch
-from ..blender.launch import blender_side, environment, temporary
 from ..blender.meshes import prepared
 from ..schema import VibeError, labels
 from .manifest import Job, Limits
 from .store import DONE, FINAL, FRAMES, LOG, WORDS, JobRow, head, read_json, tidy, write_bytes, write_json
 
 _THUMB = 480  # pixels, the longer side
-_PICTURES, _UNDERSTOOD = ("before", "after"), ("whole", "ignored", "guesses", "notes")
+_PICTURES, _UNDERSTOOD = ("before", "after"), ("ignored", "guesses", "notes")
 _ENGINE, _CYCLES = "engine: loop", ("render before", "render after")
 
 
@@ -42,9 +40,10 @@ def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
         _thumb(folder, name)
     write_bytes(folder / "details.js", _details(job, report))
     laps = report.get("timings", {})
+    words = [row for row in report["verdicts"] if row["word"]]  # in the first shot
     row = head(job) | {
         "status": "done",
-        **{state: _words(report, state) for state in WORDS},
+        **{state: [row["word"] for row in words if row["state"] == state] for state in WORDS},
         "delta_e": report["delta_e"],
         "seconds": round(seconds, 2),
         "seconds_loop": laps.get(_ENGINE, 0.0),
@@ -64,11 +63,6 @@ def leave_frames(job: Job, folder: Path, memory_gb: float, seconds: float) -> Jo
     row |= {"seconds": round(seconds, 2), "memory_gb": memory_gb}
     write_json(folder / FINAL, row)
     return row
-
-
-def _words(report: dict[str, Any], state: str) -> list[str]:
-    """The words of a state, in the first shot."""
-    return [row["word"] for row in report["verdicts"] if row["state"] == state and row["word"]]
 
 
 def _thumb(folder: Path, name: str) -> None:
@@ -94,8 +88,6 @@ def _details(job: Job, report: dict[str, Any]) -> bytes:
         "left": len(parameters) - len(rows),
         "warnings": report.get("warnings", []),
         "understood": {name: understood[name] for name in _UNDERSTOOD if understood.get(name)},
-        "timings": report.get("timings", {}),
-        "versions": report.get("versions", {}),
     }
     return f"vibeDetails({json.dumps(job.name)}, {json.dumps(content, ensure_ascii=False)});\n".encode()
 
@@ -119,7 +111,7 @@ class Setup:
 
     limits: Limits = field(default_factory=Limits)  # of each job
     variables: dict[str, str] = field(default_factory=dict)  # of the environment, besides those that it has
-    command: tuple[str, ...] = ()  # the program that carries out jobs; empty for Blender
+    command: tuple[str, ...] = ()  # the script that carries out jobs; empty for Blender
 
 
 class Interrupted(Exception):
@@ -197,15 +189,11 @@ class Worker:
         if self._closed:
             raise VibeError("The worker is closed.")
         self._scratch = tempfile.TemporaryDirectory(prefix="vibe-", ignore_cleanup_errors=True)
-        variables = environment() | temporary(Path(self._scratch.name)) | self._setup.variables
-        process = self._process = subprocess.Popen(
-            self._setup.command or (sys.executable, str(blender_side()), "--events", "serve"),
+        process = self._process = launch.start(
+            self._setup.command or (str(launch.blender_side()), "--events", "serve"),
+            Path(self._scratch.name),
+            self._setup.variables | {"OMP_NUM_THREADS": str(self._setup.limits.cores)},
             stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            encoding="utf-8",
-            errors="replace",
-            env=variables | {"OMP_NUM_THREADS": str(self._setup.limits.cores)},
             start_new_session=True,  # Ctrl-C is for the batch, which ends its workers itself
         )
         if self._cores and hasattr(os, "sched_setaffinity"):

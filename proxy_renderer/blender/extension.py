@@ -15,13 +15,11 @@ from importlib import metadata
 from pathlib import Path
 
 from ..schema import VibeError, atomic
+from ..schema.options import checks
 from .launch import blender_side
 
 _LEFTOVERS = ("__pycache__", "*.pyc", "*.md")
-_OF_THE_COMMAND = (
-    *("cli", "batch", "blender"),
-    *("command_line.py", "explanation.py", "own_entry.py", "plain.py", "preset.py", "why.py"),
-)
+_OF_THE_COMMAND = ("cli", "batch", "blender", "command_line.py", "preset.py")
 """Folders and modules of the engine's package that the command `vibe` alone runs."""
 
 
@@ -34,7 +32,10 @@ def build(out: Path) -> Path:
         _ask(tool, "validate", str(package))
         _ask(tool, "build", "--source-dir", str(package), "--output-dir", scratch)
         _ask(tool, "validate", str(archive := next(Path(scratch).glob("*.zip"))))
-        return _deliver(archive, out)
+        target = checks.folder(out) / archive.name
+        with atomic.replacing(target) as part:  # a broken one is never found there
+            shutil.copyfile(archive, part)
+        return target
 
 
 def repository(out: Path) -> Path:
@@ -117,15 +118,3 @@ def _ask(tool: Path, *arguments: str) -> None:
         complaint = (done.stderr or done.stdout).strip().rpartition("\n")[2]
         problem = f"Blender's tool refused to {arguments[0]} the extension: {complaint}"
         raise VibeError(problem, "Report this as a bug.")
-
-
-def _deliver(archive: Path, out: Path) -> Path:
-    """Moves the zip into place in one step, so that a broken one is never found there."""
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        with atomic.replacing(out / archive.name) as part:
-            shutil.copyfile(archive, part)
-    except OSError as error:
-        remedy = "Choose another folder with --out."
-        raise VibeError(f"Cannot write to {out}: {error.strerror}.", remedy) from error
-    return out / archive.name

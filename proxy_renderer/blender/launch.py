@@ -18,68 +18,61 @@ import sys
 import tempfile
 import time
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, Self, TextIO
 
 import psutil
+from rich.console import Console
+from rich.progress import BarColumn, Progress, SpinnerColumn, TimeElapsedColumn
 
 from ..schema import VibeError, atomic, errors
+
+_LONG = 3600.0  # seconds whose steps tell how long the rest takes
 
 
 class TerminalBar:
     """A bar in a terminal, plain lines elsewhere. Use it as a context manager; standard output if there is no stream."""
 
-    def __init__(self, stream: TextIO | None = None) -> None:
+    def __init__(self, columns: Sequence[Any], stream: TextIO | None, transient: bool, **task: Any) -> None:
         self._stream = stream or sys.stdout
         self._start = time.monotonic()
-        self._bar: Any = None
-        self._task: Any = None
+        self._plain = not self._stream.isatty()
+        console = Console(file=self._stream)
+        self._bar = Progress(
+            *columns,
+            transient=transient,
+            console=console,
+            disable=self._plain,
+            speed_estimate_period=_LONG,
+        )
+        self._task = self._bar.add_task(**task)
 
-    def _open(self, columns: Sequence[Any], description: str, **task: Any) -> None:
-        from rich.console import Console
-        from rich.progress import Progress
-
-        transient = task.pop("transient", False)
-        self._bar = Progress(*columns, transient=transient, console=Console(file=self._stream))
-        self._task = self._bar.add_task(description, **task)
+    def __enter__(self) -> Self:
         self._bar.start()
+        return self
 
     def __exit__(self, *_: object) -> None:
-        if self._bar is not None:
-            self._bar.stop()
-            self._bar = None
+        self._bar.stop()
 
     def note(self, text: str) -> None:
         """A line that stays."""
-        if self._bar is not None:
-            self._bar.console.print(text, markup=False, highlight=False)
-        else:
+        if self._plain:
             print(text, file=self._stream, flush=True)
+        else:
+            self._bar.console.print(text, markup=False, highlight=False, emoji=False)
 
 
 class VibeProgress(TerminalBar):
     """Shows events as they come."""
 
     def __init__(self, stream: TextIO | None = None) -> None:
-        super().__init__(stream)
+        bar = BarColumn(bar_width=32)
+        columns = (SpinnerColumn(), "{task.description}", bar, "{task.fields[detail]}", TimeElapsedColumn())
+        super().__init__(columns, stream, True, description="", total=None, detail="")
         self._round = 0
         self._result: dict[str, Any] = {}
-
-    def __enter__(self) -> VibeProgress:
-        if self._stream.isatty():
-            from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
-
-            columns = (
-                SpinnerColumn(),
-                TextColumn("{task.description}"),
-                BarColumn(bar_width=32),
-                TextColumn("{task.fields[detail]}"),
-                TimeElapsedColumn(),
-            )
-            self._open(columns, "starting Blender", total=None, detail="", transient=True)
-        return self
 
     def show(self, event: dict[str, Any]) -> None:
         """Shows one event."""
@@ -95,9 +88,8 @@ class VibeProgress(TerminalBar):
 
     def stage(self, name: str) -> None:
         """Shows that a new stage begins."""
-        if self._bar is not None:
-            self._bar.update(self._task, description=name, total=None, detail="")
-        else:
+        self._bar.update(self._task, description=name, total=None, detail="")
+        if self._plain:
             self.note(f"{time.monotonic() - self._start:5.1f} s  {name}")
 
     def end(self, out: Path) -> None:
@@ -115,16 +107,15 @@ class VibeProgress(TerminalBar):
     def _progress(self, event: dict[str, Any]) -> None:
         number, rounds, steps = event["round"], event["rounds"], event["steps"]
         left = int(event["seconds_left"])
-        detail = f"loss {event['loss']:.3f}   {left // 60}:{left % 60:02d} left"
-        if self._bar is not None:
-            done = (number - 1) * steps + event["step"]
-            title = f"round {number} of {rounds}"
-            self._bar.update(
-                self._task, description=title, total=rounds * steps, completed=done, detail=detail
-            )
-        elif number != self._round:
+        title, detail = (
+            f"round {number} of {rounds}",
+            f"loss {event['loss']:.3f}   {left // 60}:{left % 60:02d} left",
+        )
+        done = (number - 1) * steps + event["step"]
+        self._bar.update(self._task, description=title, total=rounds * steps, completed=done, detail=detail)
+        if self._plain and number != self._round:
             self._round = number
-            self.stage(f"round {number} of {rounds}: {detail}")
+            self.stage(f"{title}: {detail}")
 
 
 _TRACE = re.compile(
@@ -132,17 +123,6 @@ _TRACE = re.compile(
 )
 _TELLING = re.compile(r"error|exception|abort|fail|invalid|corrupt|not a ", re.IGNORECASE)
 _LAST = 20  # lines in which the telling one is looked for
-
-
-def temporary(folder: Path) -> dict[str, str]:
-    """The environment variables of a process whose temporary files go to a folder."""
-    return dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(folder))
-
-
-def tidy(out: Path, process: int) -> None:
-    """Removes what a process that has ended left unfinished in the folder of its outputs."""
-    for part in out.glob(f"{atomic.part_prefix(process)}*"):
-        part.unlink(missing_ok=True)
 
 
 def crash(code: int, doing: str, output: Sequence[str]) -> errors.UnexpectedError:
@@ -215,7 +195,8 @@ def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None
                 else:
                     progress.show(now)
             code = process.wait()
-    tidy(out if out.is_dir() else out.parent, process.pid)
+    for unfinished in (out if out.is_dir() else out.parent).glob(f"{atomic.part_prefix(process.pid)}*"):
+        unfinished.unlink(missing_ok=True)
     if failure:
         raise failure
     if len(presses) > 1:
@@ -227,17 +208,22 @@ def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None
     return 0
 
 
-def start(arguments: Sequence[str], scratch: Path | None = None, **options: Any) -> subprocess.Popen[str]:
+def start(
+    arguments: Sequence[str],
+    scratch: Path | None = None,
+    variables: Mapping[str, str] | None = None,
+    **options: Any,
+) -> subprocess.Popen[str]:
     """Python with these arguments, as a Blender whose `events` can be read; its temporary files go to `scratch`."""
+    places = dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(scratch)) if scratch else {}
     return subprocess.Popen(
         [sys.executable, *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
-        stdin=subprocess.DEVNULL,
         encoding="utf-8",
         errors="replace",
-        env=environment() | (temporary(scratch) if scratch else {}),
-        **options,
+        env=environment() | places | dict(variables or {}),
+        **{"stdin": subprocess.DEVNULL, **options},
     )
 
 

@@ -3,11 +3,9 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 import sys
 import tempfile
-import threading
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -94,14 +92,8 @@ def _read(
     from ..blender.meshes import prepared
 
     with tempfile.TemporaryDirectory(prefix="vibe-explain-") as folder, prepared(scene) as place:
-        # The engine takes as long to import as Blender takes to read the scene: both at the same time.
-        engine = threading.Thread(target=importlib.import_module, args=("proxy_renderer.render.proxy",))
-        engine.start()
-        try:
-            arguments = ["export", str(place), f"--out={folder}", "--names-only", *subject]
-            launch(arguments, scene, VibeProgress(sys.stderr))
-        finally:  # torch must not be left half imported when this process ends
-            engine.join()
+        arguments = ["export", str(place), f"--out={folder}", "--names-only", *subject]
+        launch(arguments, scene, VibeProgress(sys.stderr))
         from ..optimize.scene_facts import described_now
         from ..optimize.shots import lock, picture_size
         from ..optimize.stage import set_stage

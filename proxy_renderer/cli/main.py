@@ -91,11 +91,11 @@ def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> 
         places = [str(stack.enter_context(prepared(scene))) for scene in scenes]
         check.vocabulary(a.vocabulary)  # after the meshes: it takes as long as they do
         a.goals = check.goals(a.goals)
-        for words in filter(str.strip, (*looks, a.prompt)) if not check.model(a) else ():
-            check.words(words)
+        for words in filter(str.strip, (*looks, a.prompt)):
+            check.words(words, a)
         for sentence in a.then:
-            if about_steps(sentence) is None and not check.model(a):
-                check.words(plain(sentence)[0])
+            if about_steps(sentence) is None:
+                check.words(plain(sentence)[0], a)
         out = checks.folder(a.out)  # last: a mistake leaves no folder
         return launch([what, *places, f"--out={out}", *command_line.to_arguments(a)], out)
 

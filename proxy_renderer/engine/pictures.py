@@ -13,7 +13,7 @@ from torch import Tensor
 from ..color.tensors import ciede2000, lab_from_srgb
 from ..optimize.pipeline import Outcome
 from ..optimize.shots import draw
-from ..render.proxy import Proxy, Render
+from ..render.proxy import Proxy
 from ..schema import atomic
 
 PREDICTION = "prediction.png"
@@ -41,6 +41,7 @@ def variant_file(number: int) -> str:
     return f"variant-{number}.png"
 
 
+@torch.no_grad()
 def predict(
     proxy: Proxy, outcome: Outcome, number: int, job: Path, figures: bool
 ) -> tuple[list[str], Image.Image]:
@@ -55,26 +56,20 @@ def predict(
         corrections |= {"before_last_anchor": anchor.earlier, "unanchored": None}
     for name, correction in corrections.items():
         proxy.correction = correction
-        picture = _drawn(proxy, outcome, number)
+        picture = draw(proxy, outcome.shots[number].vector, outcome.u)
         save_picture(picture.display, job / PICTURES[name])
     return list(corrections), as_image(picture.mask)
 
 
+@torch.no_grad()
 def predict_variants(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> list[Image.Image]:
     """Draws a shot of every variant, into its job folder, see `variant_file`. Arguments as for `predict`."""
     pictures = []
     for place, look in enumerate(outcome.variants, start=1):
         proxy.correction = look.shots[number].anchor.correction
-        path = job / variant_file(place)
-        save_picture(_drawn(proxy, look, number).display, path)
-        with Image.open(path) as file:
-            pictures.append(file.convert("RGB"))
+        pictures.append(as_image(draw(proxy, look.shots[number].vector, look.u).display))
+        save_image(pictures[-1], job / variant_file(place))
     return pictures
-
-
-def _drawn(proxy: Proxy, outcome: Outcome, number: int) -> Render:
-    with torch.no_grad():
-        return draw(proxy, outcome.shots[number].vector, outcome.u)
 
 
 def difference(predicted: np.ndarray, after: np.ndarray, subject: np.ndarray) -> dict[str, float]:

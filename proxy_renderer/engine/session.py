@@ -2,7 +2,7 @@
 """One vibe in the engine: from job folders to values, and the measure of what Cycles made of them."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
@@ -64,8 +64,8 @@ class EngineSession:
         self.shots, self.prompt, self.options, self._observer = shots, prompt, options, observer
         self._known = known  # the picture that the vibe before has ended with
         self._method = load_method()
-        self._encoder: Encoder | None = None
-        self._outcome: pipeline.Outcome | None = None
+        self._encoder: Encoder  # these two of the last `run`
+        self._outcome: pipeline.Outcome
         endpoint = find_endpoint(options, vlm_key)
         self._model = Client(endpoint, observer.stopped) if endpoint else None
         self._predicted: list[tuple[list[str], Image.Image]] = []  # of each shot, see `pictures.predict`
@@ -103,7 +103,7 @@ class EngineSession:
         ]
         search = Search(views, stage, options, encoder, observer, advisor, self._method)
         outcome = self._outcome = pipeline.run(search)
-        clock.lap("loop", {"wait for Blender": sum(blender.waited for blender in blenders)})
+        clock.lap("loop", sum(blender.waited for blender in blenders))
 
         self._claims = report.claims_about(outcome)
         values = [report.changed_values(outcome, shot) for shot in outcome.shots]
@@ -132,18 +132,12 @@ class EngineSession:
     @property
     def last_picture(self) -> KnownPicture | None:
         """The picture of Cycles that the vibe has ended with; None where there is none, or there are several shots."""
-        shots = self._outcome.shots if self._outcome else ()
+        shots = self._outcome.shots
         return shots[0].known_picture() if len(shots) == 1 else None
 
-    def _last(self, verb: str) -> tuple[pipeline.Outcome, Encoder]:
-        """The outcome of the last `run`, and its encoder; raises VibeError if there was none."""
-        if self._outcome is None or self._encoder is None:
-            raise VibeError(f"There is nothing to {verb}.", "Send a vibe first.")
-        return self._outcome, self._encoder
-
     def draw(self) -> None:
-        """Draws the prediction and the variants of every shot; raises VibeError if there was no `run` before."""
-        outcome, encoder = self._last("draw")
+        """Draws the prediction and the variants of every shot, after `run`."""
+        outcome, encoder = self._outcome, self._encoder
         rows: list[list[tuple[str, Image.Image]]] = []  # a column for each variant
         for number, (shot, state) in enumerate(zip(self.shots, outcome.shots, strict=True)):
             longest = self.options.size if self.options.figures else min(self.options.size, _PREDICTED)
@@ -153,12 +147,11 @@ class EngineSession:
             drawn = pictures.predict_variants(proxy, outcome, number, job)
             rows.append([(_label(str(place), shot), image) for place, image in enumerate(drawn, 1)])
         if outcome.variants:
-            sheet = pictures.compare(rows, self.prompt, Path(outcome.shots[0].scene.film.fonts))
-            pictures.save_image(sheet, Path(self.shots[0].job) / messages.VARIANTS)
+            pictures.save_image(self._sheet(rows), Path(self.shots[0].job) / messages.VARIANTS)
 
     def finish(self, request: messages.Finish) -> messages.Finished:
-        """Measures and composes Cycles' pictures of a shot, in the order of shots; raises VibeError if there was no `run` before."""
-        outcome, encoder = self._last("finish")
+        """Measures and composes Cycles' pictures of a shot, in the order of shots, after `draw`."""
+        outcome, encoder = self._outcome, self._encoder
         before, after = (pictures.load_picture(p) for p in (request.before, request.after))
         shape, shot = (after.shape[1], after.shape[0]), self.shots[request.shot]
         names, mask = self._predicted[request.shot]
@@ -170,8 +163,7 @@ class EngineSession:
             panels.insert(1, (outcome.reference.name, outcome.reference.picture.display))
         row = [(_label(name, shot), pictures.as_image(torch.from_numpy(p))) for name, p in panels]
         self._rows = [*self._rows[: request.shot], row]
-        sheet = pictures.compare(self._rows, self.prompt, Path(outcome.shots[0].scene.film.fonts))
-        pictures.save_image(sheet, Path(request.compare_out))
+        pictures.save_image(self._sheet(self._rows), Path(request.compare_out))
 
         subject = np.asarray(mask, np.float32) / 255.0
         rendered = pictures.load_picture(request.after, mask.size)
@@ -189,8 +181,8 @@ class EngineSession:
         )
 
     def check(self, request: messages.Check) -> messages.Checked:
-        """Measures Cycles' pictures of another frame by the words of this vibe; raises VibeError if there was no `run` before."""
-        outcome, encoder = self._last("check")
+        """Measures Cycles' pictures of another frame by the words of this vibe, after `run`."""
+        outcome, encoder = self._outcome, self._encoder
         scene = load_scene(Path(request.job))
         before, after = (torch.from_numpy(pictures.load_picture(p)) for p in (request.before, request.after))
         size = after.shape[1], after.shape[0]
@@ -198,15 +190,19 @@ class EngineSession:
         rows = ShotClaims(outcome.claims, seen, seen).verdicts(before, after, after)
         return messages.Checked(word_verdicts(outcome, rows, seen))
 
+    def _sheet(self, rows: Sequence[Sequence[tuple[str, Image.Image]]]) -> Image.Image:
+        fonts = Path(self._outcome.shots[0].scene.film.fonts)
+        return pictures.compare(rows, self.prompt, fonts)
+
     def _judge(self, before: Image.Image, after: Image.Image) -> dict[str, Any]:
         """The model's verdict on Cycles' two pictures, or why there is none."""
         if self._model is None or not self.prompt.strip():
             return {}
         self._observer.stage("asking the judge")
         model = Client(self._model.endpoint)
-        column = judge.Column("The scene", self.prompt, after, before)
+        figure = self._sheet([[("After", after)], [("Before", before)]])
         try:
-            verdict = asdict(judge.judge(model, [column], judge.BEFORE_AFTER))
+            verdict = asdict(judge.judge(model, figure, ["The scene"], judge.BEFORE_AFTER))
         except VibeError as error:
             verdict = {"error": str(error)}
         return {"model": model.endpoint.model, **verdict, **model.usage.account()}
@@ -231,9 +227,10 @@ class _Stopwatch:
         self.laps: dict[str, float] = {}
         self._last = time.monotonic()
 
-    def lap(self, name: str, within: Mapping[str, float] | None = None) -> None:
-        """Notes the seconds since the last lap; those that belong to others are noted as theirs."""
-        now, others = time.monotonic(), within or {}
-        self.laps |= {name: round(now - self._last - sum(others.values()), 3)}
-        self.laps |= {other: round(seconds, 3) for other, seconds in others.items()}
+    def lap(self, name: str, waited: float | None = None) -> None:
+        """Notes the seconds since the last lap; those in which Blender was waited for are noted as such."""
+        now = time.monotonic()
+        self.laps[name] = round(now - self._last - (waited or 0.0), 3)
+        if waited is not None:
+            self.laps["wait for Blender"] = round(waited, 3)
         self._last = now

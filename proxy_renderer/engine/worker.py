@@ -8,7 +8,6 @@ then warms up while the other side exports the scene, and stays warm between vib
 from __future__ import annotations
 
 import ctypes
-import errno
 import os
 import queue
 import sys
@@ -22,7 +21,7 @@ from typing import TYPE_CHECKING, BinaryIO, TypeVar
 from .. import __version__
 from ..folders import cache_folder
 from ..optimize.progress import BEFORE, PREVIEW
-from ..schema import VibeError, errors, messages, schema_hash
+from ..schema import VibeError, atomic, errors, messages, schema_hash
 from ..schema.messages import check_schema, encode, read
 
 if TYPE_CHECKING:
@@ -190,13 +189,11 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
 
                 glances = glances or Glances()
                 wire.send(_glance(wire, request, glances))
+            elif session is None:
+                raise VibeError("There is nothing to finish or to check.", "Send a vibe first.")
             elif isinstance(request, messages.Finish):
-                if session is None:
-                    raise VibeError("There is nothing to finish.", "Send a vibe first.")
                 wire.send(session.finish(request))
             elif isinstance(request, messages.Check):
-                if session is None:
-                    raise VibeError("There is nothing to check.", "Send a vibe first.")
                 wire.send(session.check(request))
         except VibeError as error:
             wire.send(messages.Error(error.message, error.remedy))
@@ -215,10 +212,9 @@ def _fault(error: Exception) -> messages.Error:
 
 
 def _file_trouble(request: object, error: OSError) -> messages.Error:
-    if error.errno not in (errno.ENOSPC, errno.EDQUOT):
+    if not atomic.is_full(error):
         return _fault(error)
-    folder = Path(request.compare_out).parent if isinstance(request, messages.Finish) else "its folder"
-    folder = Path(request.job) if isinstance(request, messages.Vibe | messages.Glance) else folder
+    folder = getattr(request, "job", "") or Path(getattr(request, "compare_out", "")).parent
     return messages.Error(f"There is no room left on the disk, in {folder}.", "Make room there.")
 
 

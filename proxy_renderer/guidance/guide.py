@@ -12,7 +12,7 @@ from ..planning.advice import Prompts
 from . import regions
 from .encoder import Encoder
 
-_REGIONS = ("subject", "surroundings", "whole")
+_REGIONS = ("subject", "surroundings", "whole")  # fields of `Prompts`, `Weights` and `Views`
 _PLAIN = "a picture of an object"  # says nothing of its look
 
 
@@ -120,14 +120,8 @@ class PromptGuidance:
         views: regions.Views | None = None,
     ) -> None:
         self.encoder, self.weights, self.views = encoder, weights or Weights(), views or regions.Views()
-        self.positive = {
-            region: _texts(encoder, (text,))
-            for region, text in zip(
-                _REGIONS, (prompts.subject, prompts.surroundings, prompts.whole), strict=True
-            )
-        }
-        negatives = (prompts.subject_negatives, prompts.surroundings_negatives, prompts.whole_negatives)
-        self.negative = {r: _texts(encoder, texts) for r, texts in zip(_REGIONS, negatives, strict=True)}
+        self.positive = {r: _texts(encoder, (getattr(prompts, r),)) for r in _REGIONS}
+        self.negative = {r: _texts(encoder, getattr(prompts, f"{r}_negatives")) for r in _REGIONS}
         with torch.no_grad():
             features = self._features(*start, torch.Generator().manual_seed(0))
         self.plain = _texts(encoder, (_PLAIN,))
@@ -144,9 +138,9 @@ class PromptGuidance:
         w = self.weights
         terms: dict[str, Tensor] = {}
         features = self._features(display, mask, generator)
-        for region, weight in zip(_REGIONS, (w.subject, w.surroundings, w.whole), strict=True):
+        for region in _REGIONS:
             if len(self.positive[region]):
-                terms[region] = weight * positive_loss(features[region], self.positive[region])
+                terms[region] = getattr(w, region) * positive_loss(features[region], self.positive[region])
             if len(self.negative[region]):
                 loss = negative_loss(features[region], self.negative[region], self.margins[region])
                 terms[f"{region} negative"] = w.negative * loss

@@ -10,8 +10,6 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from . import regions
-
 _CORNERS = torch.tensor([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 _TRIES = 8
 _HELD = 0.7  # least share of a region in a crop
@@ -107,7 +105,7 @@ def subject_views(display: Tensor, mask: Tensor, count: int, generator: torch.Ge
     backgrounds = torch.rand(count, 3, generator=generator).to(display)
     backgrounds[::_EVERY_PLAIN] = mean(display, 1.0 - mask).detach()
     layers = torch.cat([display * mask[..., None], mask[..., None]], -1).permute(2, 0, 1)[None]
-    cut = regions.warp(layers, regions.keeping(mask, count, generator), size)
+    cut = warp(layers, keeping(mask, count, generator), size)
     return cut[:, :3] + (1.0 - cut[:, 3:]) * backgrounds[:, :, None, None]
 
 
@@ -117,17 +115,17 @@ def surroundings_views(
     """I ⊙ (1 − M), the hole filled with the mean color of what remains. Arguments as for `subject_views`."""
     rest = (1.0 - mask)[..., None]
     filled = display * rest + mask[..., None] * mean(display, 1.0 - mask)
-    corners = regions.keeping(1.0 - mask, count, generator)
-    return regions.warp(filled.permute(2, 0, 1)[None], corners, size)
+    corners = keeping(1.0 - mask, count, generator)
+    return warp(filled.permute(2, 0, 1)[None], corners, size)
 
 
 def whole_views(display: Tensor, count: int, generator: torch.Generator, size: int) -> Tensor:
     """The full frame of an image (H, W, 3) first, then count - 1 random large crops of it: (count, 3, size, size)."""
     picture = display.permute(2, 0, 1)[None]
-    full = regions.whole(picture, size)
+    full = whole(picture, size)
     if count == 1:
         return full
-    return torch.cat([full, regions.warp(picture, regions.quads(count - 1, generator), size)])
+    return torch.cat([full, warp(picture, quads(count - 1, generator), size)])
 
 
 def _frame(mask: Tensor, margin: float = 0.15) -> tuple[slice, slice]:

@@ -78,20 +78,14 @@ def goals(name: str) -> str:
     return str(path)
 
 
-def words(prompt: str) -> None:
-    """Refuses a prompt that says nothing in any scene; what its words describe is read in Blender's scene alone."""
-    from ..words.parser import refuse_without_look
-
-    refuse_without_look(prompt)
-
-
-def model(arguments: argparse.Namespace) -> bool:
-    """True if a vision-language model is configured: it knows more words than the vocabulary."""
+def words(prompt: str, arguments: argparse.Namespace) -> None:
+    """Refuses a prompt that says nothing in any scene, unless a model is configured, which knows more words."""
     from ..schema.messages import Options
     from ..vlm.endpoint import find_endpoint
+    from ..words.parser import refuse_without_look
 
-    options = Options(vlm_model=arguments.vlm_model, vlm_url=arguments.vlm_url)
-    return find_endpoint(options) is not None
+    if find_endpoint(Options(vlm_model=arguments.vlm_model, vlm_url=arguments.vlm_url)) is None:
+        refuse_without_look(prompt)
 
 
 def vocabulary(name: str) -> None:

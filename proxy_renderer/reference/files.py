@@ -5,7 +5,8 @@ import io
 import re
 import struct
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,16 +21,8 @@ from ..schema import VibeError
 
 LONGEST = 1024  # longer side in pixels beyond which a picture tells nothing more of a look
 
-
-@dataclass(frozen=True)
-class FileContents:
-    """The pixels of a file, at most `LONGEST` long."""
-
-    color: np.ndarray  # (H, W, 3) float32: sRGB in [0, 1], or linear Rec.709, finite and at least 0
-    alpha: np.ndarray | None  # (H, W) in [0, 1]; None if every pixel counts wholly
-    linear: bool  # whether the colors are linear light
-    panorama: bool  # whether the file itself says that it shows all directions
-    notes: tuple[str, ...]  # what was done to it, a sentence each
+Pixels = tuple[np.ndarray, np.ndarray, bool]
+"""Of a file: colors (H, W, 3), sRGB in [0, 1] or linear Rec.709 of at least 0, alpha (H, W) in [0, 1], and whether they are linear."""
 
 
 def small_size(width: int, height: int, longest: int = LONGEST) -> tuple[int, int]:
@@ -46,57 +39,30 @@ def shrunk_linear(color: np.ndarray, alpha: np.ndarray) -> tuple[np.ndarray, np.
     return sums / np.maximum(weight, 1e-6)[..., None], weight
 
 
-def counted(alpha: np.ndarray) -> np.ndarray | None:
-    """The alpha as it is kept: None where all pixels count."""
-    return None if alpha.min() >= 1.0 - 0.5 / 255 else alpha.astype(np.float32).clip(0.0, 1.0)
-
-
 def _mean(channel: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     picture = Image.fromarray(np.ascontiguousarray(channel, np.float32))
     return np.asarray(picture.resize(size, Image.Resampling.BOX))
 
 
-_FLAGS = ImageCms.Flags.BLACKPOINTCOMPENSATION
-
-
-def to_srgb(picture: Image.Image, icc: bytes) -> tuple[np.ndarray, np.ndarray | None, list[str]]:
-    """sRGB (H, W, 3) in [0, 1] of a small picture by its profile (b"" for none), alpha (H, W) or None, and notes in sentences."""
-    alpha = None
-    if picture.mode in ("LA", "RGBA", "La", "RGBa"):
-        straight = picture.convert("RGBA") if picture.mode in ("RGBA", "RGBa") else picture.convert("LA")
+def to_srgb(picture: Image.Image, icc: bytes) -> Pixels:
+    """The pixels of a small picture by its color profile, b"" for none."""
+    alpha: np.ndarray = np.ones((picture.height, picture.width), np.float32)
+    if picture.getbands()[-1] in ("A", "a"):
+        straight = picture.convert(picture.mode.upper())
         alpha = np.asarray(straight.getchannel("A"), np.float32) / 255
         picture = straight.convert(straight.mode[:-1])
-    rgb, notes = _converted(picture, icc)
-    if alpha is not None and counted(alpha) is not None:
-        notes.append("Its transparent pixels do not count.")
-    color = np.asarray(rgb, np.float32) / 255
-    return color, None if alpha is None else counted(alpha), notes
+    return np.asarray(_converted(picture, icc), np.float32) / 255, alpha, False
 
 
-def _converted(picture: Image.Image, icc: bytes) -> tuple[Image.Image, list[str]]:
-    if not icc and picture.mode == "CMYK":
-        return picture.convert("RGB"), ["Its inks have no color profile: their colors are guessed."]
-    if not icc:
-        return _plain(picture), []
-    try:
-        source = ImageCms.ImageCmsProfile(io.BytesIO(icc))
-        name = (ImageCms.getProfileDescription(source) or "its color profile").strip()
-        target = ImageCms.createProfile("sRGB")
-        intent = ImageCms.Intent.RELATIVE_COLORIMETRIC
-        made = ImageCms.profileToProfile(picture, source, target, intent, outputMode="RGB", flags=_FLAGS)
-    except (ImageCms.PyCMSError, OSError, ValueError):
-        return _plain(picture), ["Its color profile cannot be used: it was taken for sRGB."]
-    assert made is not None
-    return made, [] if "srgb" in name.lower() else [f"Its colors were brought from {name} to sRGB."]
-
-
-def _plain(picture: Image.Image) -> Image.Image:
-    """RGB of a picture without a profile, as Pillow has it."""
-    if picture.mode == "LAB":
-        lab, srgb = ImageCms.createProfile("LAB"), ImageCms.createProfile("sRGB")
-        made = ImageCms.profileToProfile(picture, ImageCms.ImageCmsProfile(lab), srgb, outputMode="RGB")
-        assert made is not None
-        return made
+def _converted(picture: Image.Image, icc: bytes) -> Image.Image:
+    """A picture in sRGB. One without a profile that can be used is taken for sRGB, and inks as Pillow has them."""
+    if icc:
+        with suppress(ImageCms.PyCMSError, OSError, ValueError):
+            source, target = ImageCms.ImageCmsProfile(io.BytesIO(icc)), ImageCms.createProfile("sRGB")
+            intent, flags = ImageCms.Intent.RELATIVE_COLORIMETRIC, ImageCms.Flags.BLACKPOINTCOMPENSATION
+            made = ImageCms.profileToProfile(picture, source, target, intent, outputMode="RGB", flags=flags)
+            assert made is not None
+            return made
     return picture.convert("RGB")
 
 
@@ -106,17 +72,18 @@ FORMATS = ("JPEG", "PNG", "WEBP", "TIFF", "BMP", "GIF", "AVIF", "JPEG2000", "PPM
 _RAW = re.compile(r"\.(3fr|arw|cr[23w]|dng|erf|iiq|kdc|nef|nrw|orf|pef|raf|raw|rw2|srw|x3f)")
 _FAULTS = (OSError, SyntaxError, ValueError, TypeError, KeyError, IndexError, EOFError, OverflowError)
 """Errors that Pillow raises for broken files."""
-_PANORAMA = re.compile(rb"ProjectionType\W{1,3}equirectangular")
 
 
-def read_encoded(path: Path) -> FileContents:
+def read_encoded(path: Path) -> Pixels:
     """Reads a picture; of several frames or pages the first. Raises VibeError if it is none, damaged or too large."""
-    _refuse_unread_kinds(path)
+    if _RAW.fullmatch(path.suffix.lower()):  # such a file is a TIFF with a thumbnail in it
+        remedy = "Develop it, and save it as JPEG or TIFF."
+        raise VibeError(f"{path.name} is a camera's raw picture, which has no look yet.", remedy)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a hundred megapixels are welcome, odd metadata is no matter
         try:
             with Image.open(path, formats=FORMATS) as picture:
-                return _contents(picture, path)
+                return _pixels(picture)
         except UnidentifiedImageError as error:
             remedy = "Save it as PNG, JPEG, TIFF or EXR."
             raise VibeError(f"{path.name} is not a picture that can be read.", remedy) from error
@@ -128,36 +95,16 @@ def read_encoded(path: Path) -> FileContents:
             raise VibeError(f"{path.name} is damaged or ends too early ({error}).", remedy) from error
 
 
-def _refuse_unread_kinds(path: Path) -> None:
-    with path.open("rb") as file:
-        head = file.read(12)
-    if head[4:8] == b"ftyp" and head[8:12] in (b"heic", b"heix", b"hevc", b"heim", b"heis", b"mif1", b"msf1"):
-        raise VibeError(f"{path.name} is a HEIC picture, which is not read.", "Export it as JPEG or PNG.")
-    if _RAW.fullmatch(path.suffix.lower()):
-        remedy = "Develop it, and save it as JPEG or TIFF."
-        raise VibeError(f"{path.name} is a camera's raw picture, which has no look yet.", remedy)
-
-
-def _contents(picture: Image.Image, path: Path) -> FileContents:
-    notes = []
-    if (count := getattr(picture, "n_frames", 1)) > 1 and picture.format != "MPO":
-        notes.append(f"The first of its {count} frames or pages was read.")
-    packet = picture.info.get("xmp") or picture.info.get("XML:com.adobe.xmp") or b""  # of XMP
-    panorama = bool(_PANORAMA.search(packet.encode() if isinstance(packet, str) else packet))
+def _pixels(picture: Image.Image) -> Pixels:
     icc = picture.info.get("icc_profile", b"")
-    full = picture.size
     picture.draft(None, (LONGEST, LONGEST))  # a JPEG is decoded at an eighth, if that is large enough
-    turned = picture.getexif().get(0x0112, 1) != 1  # Pillow turns a TIFF itself, and then says nothing of it
-    picture.load()
     upright = ImageOps.exif_transpose(picture)
-    if turned:
-        notes.append("It was turned upright, as its EXIF data say.")
-    if max(full) > LONGEST:
-        notes.append(f"It was reduced from {full[0]} × {full[1]} pixels.")
-    if upright.mode == "F":
-        return _floats(upright, panorama, notes)
-    color, alpha, more = to_srgb(_small(upright), icc)
-    return FileContents(color, alpha, linear=False, panorama=panorama, notes=(*notes, *more))
+    if upright.mode == "F":  # gray floating-point numbers
+        gray = np.asarray(upright, np.float32)
+        good = np.isfinite(gray)
+        color = np.repeat(np.where(good, gray, 0.0).clip(0.0)[..., None], 3, -1)
+        return *shrunk_linear(color, good.astype(np.float32)), True
+    return to_srgb(_small(upright), icc)
 
 
 def _small(picture: Image.Image) -> Image.Image:
@@ -166,8 +113,7 @@ def _small(picture: Image.Image) -> Image.Image:
         values = np.asarray(picture).astype(np.float32) / 257.0
         picture = Image.fromarray(values.round().clip(0.0, 255.0).astype(np.uint8))
     elif picture.mode in ("P", "PA"):
-        clear = picture.mode == "PA" or "transparency" in picture.info
-        picture = picture.convert("RGBA" if clear else "RGB")
+        picture = picture.convert("RGBA")
     elif picture.mode == "1":
         picture = picture.convert("L")
     elif picture.mode in ("L", "RGB") and "transparency" in picture.info:
@@ -175,30 +121,17 @@ def _small(picture: Image.Image) -> Image.Image:
     return picture.resize(small_size(*picture.size), Image.Resampling.BOX)
 
 
-def _floats(picture: Image.Image, panorama: bool, notes: list[str]) -> FileContents:
-    """A gray picture of floating-point numbers, which are linear light."""
-    gray = np.asarray(picture, np.float32)
-    good = np.isfinite(gray)
-    color = np.repeat(np.where(good, gray, 0.0).clip(0.0)[..., None], 3, -1)
-    small, alpha = shrunk_linear(color, good.astype(np.float32))
-    return FileContents(small, counted(alpha), linear=True, panorama=panorama, notes=tuple(notes))
-
-
-_LARGEST = 3 * 10**9  # bytes of all channels, above which a file is not opened
 _REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 _BRADFORD = np.array(((0.8951, 0.2664, -0.1614), (-0.7502, 1.7135, 0.0367), (0.0389, -0.0685, 1.0296)))
 """Cones from XYZ, for adaptation to another white (Lindbloom, "Chromatic Adaptation")."""
 
 
-def read_exr(path: Path) -> FileContents:
-    """Reads an EXR's only layer, or Blender's Combined. Raises VibeError if it is damaged or too large."""
-    layer, pixels, header = _picture(path)
+def read_exr(path: Path) -> Pixels:
+    """Reads an EXR's only layer, or Blender's Combined. Raises VibeError if it is damaged or has no colors."""
+    pixels, header = _layer(path)
     if pixels.ndim == 2:
         pixels = np.repeat(pixels[..., None], 3, -1)
-    notes = [] if layer in ("RGB", "RGBA", "Y") else [f"Its layer {layer} was read."]
     good = np.isfinite(pixels).all(-1)
-    if not good.all():
-        notes.append(f"{np.count_nonzero(~good)} of its pixels are no numbers, and do not count.")
     pixels = np.where(good[..., None], pixels, 0.0).astype(np.float32)
     color, alpha = pixels[..., :3], good.astype(np.float32)
     if pixels.shape[2] == 4:  # EXR holds colors that are multiplied by alpha
@@ -207,11 +140,7 @@ def read_exr(path: Path) -> FileContents:
     primaries = header.get("chromaticities")
     if primaries is not None and not np.allclose(primaries, _REC709, atol=2e-3):
         color = color @ rec709_from(primaries).T.astype(np.float32)
-        notes.append("Its colors were brought to Rec.709.")
-    if max(color.shape[:2]) > LONGEST:
-        notes.append(f"It was reduced from {color.shape[1]} × {color.shape[0]} pixels.")
-    small, alpha = shrunk_linear(color.clip(0.0), alpha)
-    return FileContents(small, counted(alpha), linear=True, panorama="envmap" in header, notes=tuple(notes))
+    return *shrunk_linear(color.clip(0.0), alpha), True
 
 
 def rec709_from(chromaticities: Sequence[float]) -> np.ndarray:
@@ -229,13 +158,11 @@ def rec709_from(chromaticities: Sequence[float]) -> np.ndarray:
     return np.array(c.REC709_FROM_XYZ) @ adapted @ xyz(chromaticities)
 
 
-def _picture(path: Path) -> tuple[str, np.ndarray, Mapping[str, Any]]:
-    """The layer's name, its pixels (H, W) or (H, W, 3 or 4), and the header of its part."""
+def _layer(path: Path) -> tuple[np.ndarray, Mapping[str, Any]]:
+    """The pixels (H, W) or (H, W, 3 or 4) of the layer that is the picture, and the header of its part."""
     import OpenEXR
 
     try:
-        with OpenEXR.File(str(path), header_only=True) as file:
-            _refuse_large(path, [part.header for part in file.parts])
         with OpenEXR.File(str(path)) as file:
             layers = {
                 name: (np.asarray(channel.pixels), dict(part.header))
@@ -249,17 +176,7 @@ def _picture(path: Path) -> tuple[str, np.ndarray, Mapping[str, Any]]:
     if name is None:
         remedy = "Save the render itself, the layer Combined."
         raise VibeError(f"{path.name} holds no layer with colors.", remedy)
-    return name, *layers[name]
-
-
-def _refuse_large(path: Path, headers: Sequence[Mapping[str, Any]]) -> None:
-    size = 0
-    for header in headers:
-        low, high = header["dataWindow"]
-        size += 4 * len(header["channels"]) * int(high[0] - low[0] + 1) * int(high[1] - low[1] + 1)
-    if size > _LARGEST:
-        remedy = "Save only its layer Combined, or a smaller picture."
-        raise VibeError(f"{path.name} would fill {size / 1e9:.0f} GB of memory.", remedy)
+    return layers[name]
 
 
 def _best(layers: Mapping[str, tuple[np.ndarray, Mapping[str, Any]]]) -> str | None:
@@ -272,39 +189,30 @@ def _best(layers: Mapping[str, tuple[np.ndarray, Mapping[str, Any]]]) -> str | N
     return next(iter(ranked), colors[0] if len(colors) == 1 else None)
 
 
-_SIZE = re.compile(rb"\n([-+])Y (\d+) ([-+])X (\d+)\n")
-_MOST = 2 * 10**8
+_SIZE = re.compile(rb"\n-Y (\d+) \+X (\d+)\n")
 
 
-def read_radiance(path: Path) -> FileContents:
-    """Reads an RGBE picture, run-length encoded or not. Raises VibeError if it is damaged, too large, XYZ or turned."""
+def read_radiance(path: Path) -> Pixels:
+    """Reads an RGBE picture, run-length encoded or not. Raises VibeError if it is damaged, XYZ or turned."""
     data = path.read_bytes()
     size = _SIZE.search(data)
     if size is None or b"32-bit_rle_xyze" in data[: size.start()]:
         raise VibeError(f"{path.name} is an odd Radiance picture.", "Save it as EXR.")
-    height, width = int(size[2]), int(size[4])
-    if not 0 < height * width <= _MOST:
-        raise VibeError(f"{path.name} says that it has {width} × {height} pixels.", "Save a smaller one.")
+    height, width = int(size[1]), int(size[2])
     try:
         bytes_ = _scanlines(data[size.end() :], width, height)
-    except (IndexError, ValueError) as error:
+    except (IndexError, ValueError, MemoryError) as error:
         raise VibeError(f"{path.name} is damaged or ends too early.", "Download it again.") from error
-    bytes_ = bytes_[:: 1 if size[1] == b"-" else -1, :: 1 if size[3] == b"+" else -1]
     exponent = bytes_[..., 3:].astype(np.int32)
     color = np.where(exponent > 0, np.ldexp(bytes_[..., :3] + np.float32(0.5), exponent - 136), 0.0)
-    notes = () if max(width, height) <= LONGEST else (f"It was reduced from {width} × {height} pixels.",)
-    small, _ = shrunk_linear(color.astype(np.float32), np.ones((height, width), np.float32))
-    return FileContents(small, None, linear=True, panorama=False, notes=notes)
+    return *shrunk_linear(color.astype(np.float32), np.ones((height, width), np.float32)), True
 
 
 def _scanlines(data: bytes, width: int, height: int) -> np.ndarray:
     """Mantissas and exponents, uint8 (H, W, 4)."""
     start = bytes((2, 2, width >> 8, width & 255)) if 8 <= width < 1 << 15 else b""
     if not start or not data.startswith(start):
-        flat = np.frombuffer(data, np.uint8, 4 * width * height).reshape(height, width, 4)
-        if (flat[..., :3] == 1).all(-1).any():
-            raise ValueError("run lengths of before 1991")
-        return flat
+        return np.frombuffer(data, np.uint8, 4 * width * height).reshape(height, width, 4)
     lines, at = np.empty((height, 4, width), np.uint8), 0
     for line in lines:
         if data[at : at + 4] != start:
@@ -316,20 +224,16 @@ def _scanlines(data: bytes, width: int, height: int) -> np.ndarray:
 def _decode(data: bytes, at: int, line: np.ndarray) -> int:
     """Fills the four channels of one scanline (4, W) from their runs; returns where the next one begins."""
     for channel in line:
-        filled = 0
-        while filled < len(channel):
+        runs = bytearray()
+        while len(runs) < len(channel):
             count = data[at]
             if count > 128:
-                count -= 128
-                run = np.frombuffer(data, np.uint8, 1, at + 1)
+                runs += data[at + 1 : at + 2] * (count - 128)
                 at += 2
             else:
-                run = np.frombuffer(data, np.uint8, count, at + 1)
+                runs += data[at + 1 : at + 1 + count]
                 at += 1 + count
-            if count == 0 or filled + count > len(channel):
-                raise ValueError("a run is too long")
-            channel[filled : filled + count] = run
-            filled += count
+        channel[:] = np.frombuffer(runs, np.uint8)  # raises ValueError for a run that is too long
     return at
 
 
@@ -348,23 +252,23 @@ class ReferencePicture:
     linear: np.ndarray | None = None  # (H, W, 3) float32 linear Rec.709, at least 0; None for display colors
     alpha: np.ndarray | None = None  # (H, W) in [0, 1], how much each pixel counts; None if all count
     panorama: bool = False  # whether it shows all directions, the longitude from left to right
-    note: str = ""  # what was done to it, in sentences; "" if nothing
 
 
 def read_reference(path: Path | str) -> ReferencePicture:
     """Reads a picture, at most 1024 pixels long. Raises VibeError if there is none, or it cannot be read."""
     found = check.file(str(path), "picture")
-    contents = _reader(found)(found)
-    if contents.alpha is not None and contents.alpha.max() < 1 / 255:
+    color, alpha, is_linear = _reader(found)(found)
+    if alpha.max() < 1 / 255:
         remedy = "Use another picture."
         raise VibeError(f"Nothing is to be seen in {found.name}: all of it is transparent.", remedy)
-    linear = contents.color if contents.linear else None
-    display = contents.color if linear is None else srgb_from_linear(linear).clip(0.0, 1.0)
-    panorama, note = contents.panorama or _wraps(display), " ".join(contents.notes)
-    return ReferencePicture(display.astype(np.float32), linear, contents.alpha, panorama, note)
+    display = srgb_from_linear(color).clip(0.0, 1.0) if is_linear else color
+    display = display.astype(np.float32)
+    opaque = alpha.min() >= 1.0 - 0.5 / 255
+    counts = None if opaque else alpha.astype(np.float32).clip(0.0, 1.0)
+    return ReferencePicture(display, color if is_linear else None, counts, _wraps(display))
 
 
-def _reader(path: Path):
+def _reader(path: Path) -> Callable[[Path], Pixels]:
     """The reader of a file, by its first bytes: names lie."""
     with path.open("rb") as file:
         head = file.read(10)

@@ -17,7 +17,7 @@ import pytest
 from batch_parts import carry_out, contents, plan_of
 
 from proxy_renderer.batch.manifest import BatchPlan, Limits, SceneGroup, Take
-from proxy_renderer.batch.schedule import fitting
+from proxy_renderer.batch.schedule import fitting, machine
 from proxy_renderer.batch.store import Finals, Store, takes
 from proxy_renderer.schema import VibeError
 
@@ -227,6 +227,9 @@ def test_the_tables_have_a_row_for_each_job(tmp_path):
 
 
 def test_workers_fit_cores_and_memory_and_cards():
-    assert fitting(Limits(cores=1000)) == 1
-    assert fitting(Limits(cores=1, memory_gb=1e6)) == 1
-    assert fitting(Limits(cores=1, memory_gb=0.001), cards=lambda: 0) == len(os.sched_getaffinity(0))
+    small = Limits(cores=2, memory_gb=8.0)
+    assert fitting({"CPU": 16, "memory": 33e9}, small) == 4
+    assert fitting({"CPU": 7, "memory": 33e9}, small) == 3
+    assert fitting({"CPU": 64, "memory": 640e9, "GPU": 2}, small) == 8
+    assert fitting({"CPU": 1, "memory": 33e9}, small) == 0
+    assert machine()["CPU"] == len(os.sched_getaffinity(0))

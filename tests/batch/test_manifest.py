@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Manifests: what they mean, and that a mistake in one is found, with its line, before anything starts."""
+"""Manifests: what they mean, and that a mistake in one is found, with its place, before anything starts."""
 
 import os
 import shutil
@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from proxy_renderer.batch.command import guess
-from proxy_renderer.batch.manifest import BatchPlan, load
+from proxy_renderer.batch.manifest import load
 from proxy_renderer.schema import VibeError
 
 ROOT = Path(__file__).parents[2]
@@ -42,7 +42,7 @@ def place(tmp_path):
 
 def read(place, text):
     (place / "m.toml").write_text(text)
-    return list(BatchPlan(load(place / "m.toml", place / "out").groups))
+    return list(load(place / "m.toml", place / "out")[0])
 
 
 def test_scenes_times_prompts_times_seeds(place):
@@ -189,63 +189,78 @@ def test_the_name_of_a_job_depends_on_its_goals(place, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "line", "words"),
+    ("old", "new", "at", "words"),
     [
-        ('name = "hall"', "", 7, ["a name of their own"]),
-        ('name = "hall"', 'name = "cup"', 7, ["a name of their own"]),
-        ("[1, 50]", '["x"]', 10, ["'x' names no frames"]),
-        ("[1, 50]", "1.5", 10, ["frames = [1, 50, 100]"]),
-        ("size = 128", "sice = 128", 12, ["'sice'", "cameras"]),
-        ("size = 128", 'groups = "camera"', 7, ["keep their cameras"]),
-        ("shots/*.blend", "cup.obj", 7, ["Only .blends"]),
-        ("shots/*.blend", "hall/*.blend", 9, ["'hall/*.blend'"]),
+        ('name = "hall"', "", " > shots > 2", ["a name of their own"]),
+        ('name = "hall"', 'name = "cup"', " > shots > 2", ["a name of their own"]),
+        ("[1, 50]", '["x"]', " > shots > 2 > frames", ["'x' names no frames"]),
+        ("[1, 50]", "1.5", " > shots > 2 > frames", ["frames = [1, 50, 100]"]),
+        ("size = 128", "sice = 128", " > shots > 2 > sice", ["'sice'", "cameras"]),
+        ("size = 128", 'groups = "camera"', " > shots > 2", ["keep their cameras"]),
+        ("shots/*.blend", "cup.obj", " > shots > 2", ["Only .blends"]),
+        ("shots/*.blend", "hall/*.blend", " > shots > 2 > scenes > hall/*.blend", ["'hall/*.blend'"]),
     ],
 )
-def test_mistakes_in_shots_are_found_with_their_line(place, old, new, line, words):
+def test_mistakes_in_shots_are_found_with_their_place(place, old, new, at, words):
     assert old in TOGETHER
     with pytest.raises(VibeError) as caught:
         read(place, TOGETHER.replace(old, new))
-    assert f"m.toml, line {line}:" in caught.value.message, caught.value.message
+    assert f"m.toml{at}: " in caught.value.message, caught.value.message
     assert all(word in str(caught.value) for word in words), str(caught.value)
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "line", "words"),
+    ("old", "new", "at", "words"),
     [
-        ("seeds = [0, 7]", "seeds = [0, 7", 9, ["not TOML"]),
-        ("seeds", "sedes", 7, ["'sedes'", "scenes, prompts, seeds"]),
-        ("[0, 7]", "[0, -7]", 7, ["seeds = [0, 1]"]),
-        ("cup.obj", "mug.obj", 2, ["'mug.obj'"]),
-        ("shots/*.blend", "shot/*.blend", 2, ["'shot/*.blend'"]),
-        ("misty, cool blue fog", "qwrtz xkcd", 5, ["Nothing in the prompt", "teal"]),
-        ("misty, cool blue fog", " ", 5, ["The prompt is empty"]),
-        ("size = 256", "sice = 256", 10, ["'sice'", "size"]),
-        ("size = 256", 'size = "256"', 10, ["size cannot be '256'", "size = 512"]),
-        ("size = 256", "size = 7", 10, ["out of range", "32 to 8192"]),
-        ("size = 256", "seed = 7", 10, ["'seed'", "at the top"]),
-        ("size = 256", 'groups = ["lights"]', 10, ["'lights'", "material"]),
-        ("size = 256", 'vocabulary = "mine.toml"', 10, ["mine.toml", "Check the path"]),
-        ("size = 256", 'like = "still.jpg"', 10, ["no picture", "still.jpg", "Check the path"]),
-        ("size = 256", 'goals = "dusk.json"', 10, ["no list of goals", "dusk.json", "Check the path"]),
-        ("size = 256", 'goals = "cup.obj"', 10, ["no JSON", "vibe explain"]),
-        ("size = 256", "goals = 3", 10, ["goals cannot be 3"]),
-        ("size = 256", "like = 3", 10, ["like cannot be 3"]),
-        ("size = 256", 'like-only = "mood"', 10, ["'mood'", "light, grade"]),
-        ("shots/b*", "shots/c*", 12, ["'shots/c*'", "shots/a.blend"]),
-        ('lock = "material/*"', 'lock = "stuff/*"', 14, ["'stuff/*'"]),
-        ('lock = "material/*"', "lock = 3", 14, ["lock cannot be 3"]),
-        ('lock = "material/*"', 'vocabulary = "x"', 12, ["[options]"]),
-        ("[options]", "[limits]\nminutes = 0\n[options]", 10, ["minutes cannot be 0"]),
-        ("[options]", "[limits]\nhours = 1\n[options]", 10, ["'hours'", "minutes"]),
-        ("[options]", "[limits]\ncores = 1.5\n[options]", 10, ["whole number"]),
+        ("seeds = [0, 7]", "seeds = [0, 7", " is not TOML", ["line 9"]),
+        ("seeds", "sedes", " > sedes", ["'sedes'", "scenes, prompts, seeds"]),
+        ("[0, 7]", "[0, -7]", " > seeds", ["seeds = [0, 1]"]),
+        ("cup.obj", "mug.obj", " > scenes > mug.obj", ["'mug.obj'"]),
+        ("shots/*.blend", "shot/*.blend", " > scenes > shot/*.blend", ["'shot/*.blend'"]),
+        ("misty, cool blue fog", "qwrtz xkcd", " > prompts > qwrtz xkcd", ["Nothing in the prompt", "teal"]),
+        ("misty, cool blue fog", " ", " > prompts >  ", ["The prompt is empty"]),
+        ("size = 256", "sice = 256", " > options > sice", ["'sice'", "size"]),
+        ("size = 256", 'size = "256"', " > options > size", ["size cannot be '256'", "size = 512"]),
+        ("size = 256", "size = 7", " > options > size", ["out of range", "32 to 8192"]),
+        ("size = 256", "seed = 7", " > options > seed", ["'seed'", "at the top"]),
+        ("size = 256", 'groups = ["lights"]', " > options > groups", ["'lights'", "material"]),
+        (
+            "size = 256",
+            'vocabulary = "mine.toml"',
+            " > options > vocabulary",
+            ["mine.toml", "Check the path"],
+        ),
+        (
+            "size = 256",
+            'like = "still.jpg"',
+            " > options > like",
+            ["no picture", "still.jpg", "Check the path"],
+        ),
+        (
+            "size = 256",
+            'goals = "dusk.json"',
+            " > options > goals",
+            ["no list of goals", "dusk.json", "Check the path"],
+        ),
+        ("size = 256", 'goals = "cup.obj"', " > options > goals", ["no JSON", "vibe explain"]),
+        ("size = 256", "goals = 3", " > options > goals", ["goals cannot be 3"]),
+        ("size = 256", "like = 3", " > options > like", ["like cannot be 3"]),
+        ("size = 256", 'like-only = "mood"', " > options > like-only", ["'mood'", "light, grade"]),
+        ("shots/b*", "shots/c*", " > scene > shots/c*", ["'shots/c*'", "shots/a.blend"]),
+        ('lock = "material/*"', 'lock = "stuff/*"', " > scene > shots/b* > lock", ["'stuff/*'"]),
+        ('lock = "material/*"', "lock = 3", " > scene > shots/b* > lock", ["lock cannot be 3"]),
+        ('lock = "material/*"', 'vocabulary = "x"', " > scene > shots/b*", ["[options]"]),
+        ("[options]", "[limits]\nminutes = 0\n[options]", " > limits > minutes", ["minutes cannot be 0"]),
+        ("[options]", "[limits]\nhours = 1\n[options]", " > limits > hours", ["'hours'", "minutes"]),
+        ("[options]", "[limits]\ncores = 1.5\n[options]", " > limits > cores", ["whole number"]),
     ],
 )
-def test_mistakes_are_found_with_their_line(place, old, new, line, words):
+def test_mistakes_are_found_with_their_place(place, old, new, at, words):
     assert old in GOOD
     with pytest.raises(VibeError) as caught:
         read(place, GOOD.replace(old, new))
     error = caught.value
-    assert f"m.toml, line {line}:" in error.message
+    assert f"m.toml{at}: " in error.message
     assert error.remedy
     assert all(word in str(error) for word in words), str(error)
 
@@ -260,7 +275,7 @@ def test_the_command_says_it_in_one_line_and_leaves_nothing(place):
     (place / "m.toml").write_text(GOOD.replace("noir", "qwrtz"))
     done = batch(place, "--out", "out")
     assert done.returncode == 2
-    assert done.stderr.startswith("vibe: m.toml, line 4: ")
+    assert done.stderr.startswith("vibe: m.toml > prompts > qwrtz: ")
     assert len(done.stderr.splitlines()) == 1
     assert not (place / "out").exists()
 
@@ -281,7 +296,7 @@ def test_a_group_alone_needs_no_scenes_and_its_shots_take_their_time(place, scen
     times = []
     for cameras in ("", 'cameras = ["Wide", "Close"]\n'):
         (place / "m.toml").write_text(f'{scenes}prompts = ["noir"]\n{group}{cameras}')
-        (job,) = BatchPlan(load(place / "m.toml", place / "out").groups)
+        (job,) = load(place / "m.toml", place / "out")[0]
         assert job.scene == "g"
         times.append(guess(job))
     assert times[1] > 1.5 * times[0]

@@ -39,7 +39,6 @@ def test_of_many_layers_the_combined_one(tmp_path):
     }
     found = read_reference(exr(tmp_path / "a.exr", layers))
     assert np.allclose(found.linear, COLOR, rtol=1e-3)
-    assert "Combined" in found.note
 
 
 def test_of_many_parts_the_combined_one(tmp_path):
@@ -72,7 +71,6 @@ def test_pixels_that_are_no_numbers_do_not_count(tmp_path):
     assert np.isfinite(found.linear).all()
     assert (found.linear >= 0).all()
     assert (found.alpha[:, 0] == 0).all()
-    assert "8 of its pixels" in found.note
     nothing = exr(tmp_path / "none.exr", {"RGB": np.full((4, 4, 3), np.nan, np.float32)})
     refused(nothing, "none.exr")
 
@@ -90,7 +88,6 @@ def test_other_primaries_become_rec709(tmp_path):
     assert np.allclose(rec709_from(aces), known, atol=2e-3)
     found = read_reference(exr(tmp_path / "a.exr", {"RGB": flat((0.3, 0.4, 0.5))}, chromaticities=aces))
     assert np.allclose(found.linear[0, 0], np.array(known) @ (0.3, 0.4, 0.5), atol=2e-3)
-    assert "Rec.709" in found.note
 
 
 def test_damaged_exrs(tmp_path):
@@ -100,10 +97,6 @@ def test_damaged_exrs(tmp_path):
     for length in (8, 200, len(whole) // 2):
         (tmp_path / "cut.exr").write_bytes(whole[:length])
         refused(tmp_path / "cut.exr", "cut.exr")
-
-
-def test_an_exr_says_that_it_shows_all_directions(tmp_path):
-    assert read_reference(exr(tmp_path / "a.exr", {"RGB": flat()}, envmap=OpenEXR.ENVMAP_LATLONG)).panorama
 
 
 def test_a_tiff_of_floating_point_numbers_is_linear(tmp_path):
@@ -151,4 +144,4 @@ def test_odd_radiance(tmp_path):
     refused(
         hdr(tmp_path / "xyz.hdr", rgbe(COLOR) * 16, head=b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n"), "EXR"
     )
-    refused(hdr(tmp_path / "large.hdr", b"", width=10**6, height=10**6), "pixels")
+    refused(hdr(tmp_path / "large.hdr", b"", width=10**6, height=10**6), "large.hdr")

@@ -57,7 +57,6 @@ def test_ordinary_files(tmp_path, name, tolerance):
     assert found.linear is None
     assert found.alpha is None
     assert not found.panorama
-    assert found.note == ""
 
 
 def test_a_files_first_bytes_count_and_not_its_name(tmp_path):
@@ -92,7 +91,6 @@ def test_a_palette_and_its_transparent_color(tmp_path):
     found = read_reference(tmp_path / "holes.png")
     assert found.alpha[0, 0] == 0.0
     assert found.alpha[0, -1] == 1.0
-    assert "transparent" in found.note
 
 
 def test_what_is_transparent_does_not_color_what_is_reduced(tmp_path):
@@ -123,7 +121,6 @@ def test_wide_colors_are_brought_to_srgb(tmp_path, icc, name, red, green):
     found = read_reference(
         saved(tmp_path / "wide.jpg", color=inside, icc_profile=icc, quality=100, subsampling=0)
     )
-    assert name in found.note
     linear = (np.array(inside) / 255) ** 2.2
     matrices = {
         "Display P3": ((1.2249, -0.2247, 0.0), (-0.0420, 1.0419, 0.0), (-0.0197, -0.0786, 1.0979)),
@@ -147,20 +144,17 @@ def test_a_profile_with_alpha(tmp_path):
     assert found.display[0, 0, 0] > 150 / 255 + 0.01
 
 
-def test_a_broken_profile_is_said(tmp_path):
+def test_a_broken_profile_is_taken_for_srgb(tmp_path):
     found = read_reference(saved(tmp_path / "a.png", icc_profile=b"no profile"))
     assert np.allclose(found.display, np.array(ORANGE) / 255)
-    assert "taken for sRGB" in found.note
 
 
 def test_inks_with_and_without_a_profile(tmp_path):
     plain = read_reference(saved(tmp_path / "inks.jpg", "CMYK", (0, 255, 255, 0), quality=100))
     assert np.allclose(plain.display[0, 0], (1, 0, 0), atol=0.02)
-    assert "guessed" in plain.note
     found = read_reference(saved(tmp_path / "inks.tif", "CMYK", (0, 255, 255, 0), icc_profile=inks()))
     assert np.ptp(found.display[0, 0]) < 0.02  # half of all ink: L 50, a middle gray
     assert found.display[0, 0, 0] == pytest.approx(0.466, abs=0.02)
-    assert "Gray inks" in found.note
 
 
 def test_what_is_transparent_in_an_animation_does_not_count(tmp_path):
@@ -180,7 +174,6 @@ def test_16_bits_with_a_profile_and_alpha(tmp_path):
     found = read_reference(png(tmp_path / "a.png", 2, 1, 16, 6, [pixel * 2], (b"iCCP", profile)))
     assert found.display[0, 0, 0] > 150 / 255 + 0.01
     assert found.alpha[0, 0] == pytest.approx(0.5, abs=0.01)
-    assert "Display P3" in found.note
 
 
 @pytest.mark.parametrize("name", ["a.gif", "a.webp", "a.png"])
@@ -189,7 +182,6 @@ def test_of_animations_the_first_frame(tmp_path, name):
     frames[0].save(tmp_path / name, save_all=True, append_images=frames[1:])
     found = read_reference(tmp_path / name)
     assert np.allclose(found.display[10, 10], (1, 0, 0), atol=0.03)
-    assert "first of its 3 frames" in found.note
 
 
 @pytest.mark.parametrize("name", ["phone.jpg", "phone.png", "phone.webp", "phone.tif"])
@@ -201,7 +193,6 @@ def test_exif_turns_it_upright(tmp_path, name):
     assert found.display.shape == (40, 30, 3)
     assert found.display[2, 15, 0] > 0.9
     assert found.display[-3, 15, 2] > 0.9
-    assert "upright" in found.note
 
 
 @pytest.mark.parametrize("name", ["large.jpg", pytest.param("large.png", marks=pytest.mark.slow)])
@@ -212,7 +203,6 @@ def test_a_hundred_megapixels(tmp_path, name):
         found = read_reference(tmp_path / name)
     assert found.display.shape[:2] == (655, 1024)
     assert found.display[300, 100, 0] > 0.97
-    assert "12500 × 8000" in found.note
 
 
 def test_a_bomb_is_refused(tmp_path):
@@ -246,12 +236,12 @@ def test_truncated_files(tmp_path, name):
 
 def test_pictures_of_phones_and_cameras_are_told_what_to_become(tmp_path):
     (tmp_path / "phone.heic").write_bytes(b"\0\0\0\x18ftypheic\0\0\0\0mif1heic")
-    refused(tmp_path / "phone.heic", "HEIC", "JPEG")
+    refused(tmp_path / "phone.heic", "phone.heic is not a picture", "JPEG")
     saved(tmp_path / "camera.nef", format="TIFF")  # such a file is a TIFF with a thumbnail in it
     refused(tmp_path / "camera.nef", "raw", "Develop")
 
 
-def test_every_direction_is_told_by_the_file_or_by_its_seam(tmp_path):
+def test_every_direction_is_told_by_the_seam(tmp_path):
     x = np.linspace(0, 2 * np.pi, 400, endpoint=False)
     y = np.linspace(-1, 1, 200)[:, None]
     around = 0.5 + 0.4 * np.sin(x) * (1 - y**2) + 0.1 * y
@@ -261,6 +251,3 @@ def test_every_direction_is_told_by_the_file_or_by_its_seam(tmp_path):
     half = (255 * np.repeat((0.5 + 0.4 * np.sin(x / 2) + 0 * y)[..., None], 3, -1)).astype(np.uint8)
     Image.fromarray(half).save(tmp_path / "wide.png")
     assert not read_reference(tmp_path / "wide.png").panorama
-    told = b'<x:xmpmeta xmlns:x="adobe:ns:meta/"><rdf GPano:ProjectionType="equirectangular"/></x:xmpmeta>'
-    Image.fromarray(half).save(tmp_path / "told.jpg", xmp=told)
-    assert read_reference(tmp_path / "told.jpg").panorama

@@ -62,7 +62,7 @@ def test_a_manifest_has_it(tmp_path):
     for wrong, words in (("much", "sparkle = 3"), (10, "Use 1 to 9")):
         with pytest.raises(VibeError, match=words) as caught:
             reader.read({"sparkle": wrong}, ("options",))
-        assert "line 2" in caught.value.message
+        assert "m.toml > options > sparkle: " in caught.value.message
     with pytest.raises(VibeError, match="Unknown option 'sparkle'"):
         OptionReader(source, tmp_path).read({"sparkle": 4}, ("options",))
 

@@ -189,7 +189,8 @@ def _model(planned: Sequence[Run]) -> dict[str, Any]:
 
     def word_on(rows: Sequence[tuple[Pair, Path, Path]]) -> dict[str, str]:
         try:
-            return asdict(ask_model(client, figures.columns(rows)))
+            columns = figures.columns(rows)
+            return asdict(ask_model(client, figures.figure(columns), [each.name for each in columns]))
         except VibeError as error:
             return {"error": str(error)}
 

@@ -40,7 +40,7 @@ def read_folder(folder: Path) -> list[LabeledSentence]:
     """All sentences of a folder, in the order of its files.
 
     Raises:
-        VibeError: A file is missing, or not of the format; names its line.
+        VibeError: A file is missing, or not of the format; names the place.
     """
     places = (folder / SCENES, folder.parent / _SHARED / SCENES)
     known = next((path for path in places if path.is_file()), None)
@@ -63,7 +63,7 @@ def read_scenes(path: Path) -> dict[str, LabeledScene]:
     """The scenes of a file by name.
 
     Raises:
-        VibeError: It cannot be read, or is not of the format; names the line.
+        VibeError: It cannot be read, or is not of the format; names the place.
     """
     scenes: dict[str, LabeledScene] = {}
     for row in CheckedTable.listed(TomlSource(path), "scene", _SCENE):

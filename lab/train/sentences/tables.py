@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tables of a TOML file whose values are checked as they are read: a mistake names file, line and remedy."""
+"""Tables of a TOML file whose values are checked as they are read: a mistake names file, place and remedy."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class CheckedTable:
 
     Attributes:
         source: The file.
-        keys: The way to the table in the file, for its line.
+        keys: The way to the table in the file.
         content: What it says.
     """
 
@@ -34,18 +34,14 @@ class CheckedTable:
         rows = source.content.get(name, [])
         if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
             raise source.problem(f"'{name}' is no list of tables.", f"Write [[{name}]].", name)
-        for number, row in enumerate(rows):
+        for number, row in enumerate(rows, 1):
             table = CheckedTable(source, (name, str(number)), row)
             table.check_keys(known)
             yield table
 
-    def problem(self, what: str, remedy: str, quoted: str = "") -> VibeError:
-        """An error in this table; the caller raises it.
-
-        Args:
-            quoted: A text whose line is meant.
-        """
-        return self.source.problem(what, remedy, *self.keys, quoted=quoted)
+    def problem(self, what: str, remedy: str, *place: str) -> VibeError:
+        """An error at a place in this table; the caller raises it."""
+        return self.source.problem(what, remedy, *self.keys, *place)
 
     def check_keys(self, known: Collection[str]) -> None:
         """Raises VibeError where a key is not known."""
