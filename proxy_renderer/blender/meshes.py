@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Unpacks Draco-compressed glTF, which the bpy package does not read."""
+"""Checks bare meshes before Blender is started, and unpacks Draco. Blender's side checks again what it imports."""
 
 import base64
 import json
@@ -16,17 +16,28 @@ import numpy as np
 from ..schema import VibeError
 
 MAGIC, JSON, BIN = b"glTF", 0x4E4F534A, 0x004E4942
-_NAME = "KHR_draco_mesh_compression"
-_NUMBERS = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
-"""glTF's `componentType` -> type of a component."""
-_INDICES = 5125
-
-
-@contextmanager
-def prepared(scene: Path) -> Iterator[Path]:
-    """The file for Blender: the scene, or an unpacked copy that lives as long as the block."""
-    with tempfile.TemporaryDirectory(prefix="vibe-mesh-") as folder:
-        yield unpacked(scene, Path(folder)) if is_packed(scene) else scene
+_MATERIALS = (
+    "anisotropy clearcoat dispersion emissive_strength ior iridescence pbrSpecularGlossiness sheen specular "
+    "transmission unlit variants volume"
+)
+_READ = {f"KHR_materials_{name}" for name in _MATERIALS.split()} | {
+    "KHR_animation_pointer",
+    "KHR_draco_mesh_compression",
+    "KHR_lights_punctual",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+    "KHR_xmp_json_ld",
+    "EXT_mesh_gpu_instancing",
+    "EXT_texture_webp",
+}
+"""Extensions that Blender 4.5 and 5 read, or pass over without harm; Draco is unpacked here."""
+_BASISU = "KHR_texture_basisu"
+_UNCOMPRESSED = "Export it again without compression."
+_REMEDIES = {
+    _BASISU: "Export it again with PNG or JPEG textures.",
+    "EXT_meshopt_compression": _UNCOMPRESSED,
+    "KHR_meshopt_compression": _UNCOMPRESSED,
+}
 
 
 def read_gltf(path: Path) -> tuple[dict[str, Any], bytes]:
@@ -44,6 +55,27 @@ def read_gltf(path: Path) -> tuple[dict[str, Any], bytes]:
             binary = chunk
         start += 8 + length
     return document, binary
+
+
+def refuse_unread_extensions(path: Path) -> None:
+    """Refuses a glTF file that requires what Blender's importer cannot do; a broken one is left to others."""
+    try:
+        document, _ = read_gltf(path)
+        required = set(document.get("extensionsRequired", ()))
+        textures = [dict(texture) for texture in document.get("textures", ())]
+    except (ValueError, OSError, struct.error, AttributeError, TypeError):
+        return
+    if any(_BASISU in t.get("extensions", {}) and "source" not in t for t in textures):
+        required.add(_BASISU)
+    for name in sorted(required - _READ):
+        remedy = _REMEDIES.get(name, "Export it again without this extension.")
+        raise VibeError(f"{path.name} needs the glTF extension {name}, which Blender cannot read.", remedy)
+
+
+_NAME = "KHR_draco_mesh_compression"
+_NUMBERS = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
+"""glTF's `componentType` -> type of a component."""
+_INDICES = 5125
 
 
 def is_packed(path: Path) -> bool:
@@ -139,3 +171,46 @@ def _write(path: Path, document: dict[str, Any], data: bytearray) -> None:
     head = struct.pack("<4sII", MAGIC, 2, 12 + 8 + len(text) + 8 + len(data))
     chunks = struct.pack("<II", len(text), JSON) + text + struct.pack("<II", len(data), BIN) + data
     path.write_bytes(head + chunks)
+
+
+_LONGEST_TEXT = 16_000_000  # bytes; reading more of a text format would take longer than Blender's start
+
+
+@contextmanager
+def prepared(scene: Path) -> Iterator[Path]:
+    """The file for Blender: the scene, or an unpacked copy that lives as long as the block. Refuses bad meshes."""
+    if scene.suffix.lower() == ".blend":
+        yield scene
+        return
+    if scene.suffix.lower() in (".glb", ".gltf"):
+        refuse_unread_extensions(scene)
+    with tempfile.TemporaryDirectory(prefix="vibe-mesh-") as folder:
+        path = unpacked(scene, Path(folder)) if is_packed(scene) else scene
+        check(path)
+        yield path
+
+
+def check(path: Path) -> None:
+    """Refuses a mesh without faces or size, with infinite coordinates, or that is broken; long texts go unchecked."""
+    with path.open("rb") as file:
+        is_text = b"\0" not in file.read(1024)
+    if is_text and path.stat().st_size > _LONGEST_TEXT:
+        return
+    import trimesh
+
+    try:
+        # Whatever a broken file holds: numpy warns of it before trimesh or we refuse it.
+        with np.errstate(all="ignore"):
+            scene = trimesh.load_scene(path, process=False, skip_materials=True)
+    except (ImportError, NotImplementedError):
+        return  # a variant of the format that trimesh does not know; Blender may
+    except Exception as error:
+        reason = (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
+        raise VibeError(f"{path.name} cannot be read: {reason[:120]}.", "Export it again.") from error
+    meshes = [m for m in scene.geometry.values() if isinstance(m, trimesh.Trimesh) and len(m.faces)]
+    if not meshes:
+        raise VibeError(f"There is no mesh with faces in {path.name}.", "Check that it is a model.")
+    if not all(np.isfinite(m.vertices).all() for m in meshes):
+        raise VibeError(f"{path.name} has coordinates that are not finite numbers.", "Export it again.")
+    if not np.ptp(np.stack([b for m in meshes for b in m.bounds]), axis=0).any():
+        raise VibeError(f"The mesh in {path.name} has no size.", "Check that it is a model.")

@@ -4,11 +4,14 @@
 from __future__ import annotations
 
 import importlib
+import json
 import platform
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable
 from importlib import metadata
+from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -18,20 +21,26 @@ from ..schema import VibeError
 if TYPE_CHECKING:
     from ..vlm.endpoint import Endpoint
 
-_BLENDER = "import bpy; print('BLENDER', bpy.app.version_string)"
+_BLENDER = (
+    "import bpy, json, os; print('BLENDER ' + json.dumps([bpy.app.version_string, "
+    "os.path.join(bpy.utils.system_resource('DATAFILES'), 'colormanagement', 'config.ocio')]))"
+)
+_FORMATS = {"json_schema": "strict JSON", "text": "JSON in plain text"}
 _AGAIN = "Install it again: `pip install .` in a clone of Vibe Render."
 
 
 def examine() -> int:
     """Runs every check, prints a line each, and returns 0 if a vibe can be run, otherwise 2."""
     print(f"vibe-render {__version__}", flush=True)
+    config: list[str] = []
     checks: list[tuple[str, Callable[[], str]]] = [
         ("Python", _python),
-        ("Blender", _blender),
+        ("Blender", lambda: _blender(config)),
         ("torch", _torch),
         ("rays", _rays),
-        ("color", _ocio),
+        ("color", lambda: _ocio(config)),
         ("encoder", _encoder),
+        ("folders", _folders),
         ("model", _model),
     ]
     broken = 0
@@ -53,8 +62,8 @@ def _python() -> str:
     return f"{platform.python_version()}, {platform.system()} {platform.machine()}"
 
 
-def _blender() -> str:
-    """Blender runs in a process of its own here too."""
+def _blender(config: list[str]) -> str:
+    """Blender runs in a process of its own here too; it tells where its color configuration is."""
     try:
         done = subprocess.run([sys.executable, "-c", _BLENDER], capture_output=True, text=True, timeout=120)
     except subprocess.TimeoutExpired as error:
@@ -64,7 +73,9 @@ def _blender() -> str:
         reason = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
         remedy = f"If a lib*.so is missing, install it with your system's package manager; otherwise {_AGAIN}"
         raise VibeError(f"Blender's module does not start: {reason[:150]}", remedy)
-    return f"{lines[0].removeprefix('BLENDER ')} (the bpy module)"
+    version, path = json.loads(lines[0].removeprefix("BLENDER "))
+    config.append(path)
+    return f"{version} (the bpy module)"
 
 
 def _imported(what: str, remedy: str, *names: str) -> ModuleType:
@@ -83,12 +94,17 @@ def _torch() -> str:
 
 
 def _rays() -> str:
-    _imported("What reads meshes", "pip install embreex dracopy", "DracoPy", "embreex")
-    return ", ".join(f"{name} {metadata.version(name)}" for name in ("embreex", "dracopy"))
+    remedy = "pip install embreex trimesh dracopy"
+    _imported("What reads meshes", remedy, "DracoPy", "embreex", "trimesh")
+    return ", ".join(f"{name} {metadata.version(name)}" for name in ("embreex", "trimesh", "dracopy"))
 
 
-def _ocio() -> str:
-    return f"OpenColorIO {_imported('OpenColorIO', 'pip install opencolorio', 'PyOpenColorIO').__version__}"
+def _ocio(config: list[str]) -> str:
+    ocio = _imported("OpenColorIO", "pip install opencolorio", "PyOpenColorIO")
+    if not config:
+        return f"OpenColorIO {ocio.__version__}"
+    views = list(ocio.Config.CreateFromFile(config[0]).getViews("sRGB"))
+    return f"OpenColorIO {ocio.__version__} reads Blender's {len(views)} views"
 
 
 def _encoder() -> str:
@@ -126,10 +142,20 @@ def try_model(endpoint: Endpoint) -> str:
         Question(system, "What color is it?", square, json_object(color={"type": "string"})), fresh=True
     )
     color = clean(answer.get("color"), 40)
-    replies = "strict JSON" if client.dialect.format == "json_schema" else "JSON in plain text"
     sees = "red" in color.lower() and client.dialect.pictures
     eyesight = "sees pictures" if sees else "does NOT see pictures: it plans from numbers, and cannot judge"
     return (
         f"{endpoint.model} at {endpoint.place} answers {color!r} to a red square in {client.usage.seconds:.1f} s: "
-        f"{eyesight}; {replies}"
+        f"{eyesight}; {_FORMATS[client.dialect.format]}"
     )
+
+
+def _folders() -> str:
+    for folder in (Path(tempfile.gettempdir()), Path.cwd()):
+        try:
+            with tempfile.TemporaryFile(dir=folder):
+                pass
+        except OSError as error:
+            remedy = "Change to a folder of yours, or set TMPDIR."
+            raise VibeError(f"{folder} cannot be written ({error.strerror}).", remedy) from error
+    return "the temporary and the current folder can be written"

@@ -157,8 +157,8 @@ class Encoder:
 def load_encoder(spec: str | None = None, device: str | torch.device = "cpu") -> Encoder:
     """Loads an encoder, the shipped one for None or "embedded"; raises VibeError if it is unknown, incomplete, or cannot be had.
 
-    Others are "MODEL/PRETRAINED", an open_clip hub tag that is downloaded once, or a folder with ``open_clip_config.json``
-    and weights.
+    Others are "MODEL/PRETRAINED", an open_clip hub tag that is downloaded once, "hf-hub:OWNER/NAME", or a folder with
+    ``open_clip_config.json`` and weights.
     """
     import open_clip  # slow to import: only when an encoder is wanted
 
@@ -172,6 +172,9 @@ def load_encoder(spec: str | None = None, device: str | torch.device = "cpu") ->
             source, pretrained = f"local-dir:{place}", None
             if not (place / "open_clip_config.json").is_file():
                 raise VibeError(f"The encoder folder {str(place)!r} has no open_clip_config.json.", _REMEDY)
+        elif name.startswith("hf-hub:"):
+            source, pretrained = name, None
+            _check_reachable(name, name.removeprefix("hf-hub:"))
         else:
             source, _, pretrained = name.partition("/")
             if pretrained not in open_clip.list_pretrained_tags_by_model(source):

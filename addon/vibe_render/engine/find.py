@@ -21,7 +21,7 @@ CARRIED = _ADDON / "carried"
 """The engine's code in a built extension: its environment then holds only the packages that it needs."""
 
 _CLONE = _ADDON.parents[1]
-_NEEDED = ("torch", "open_clip", "PyOpenColorIO", "proxy_renderer")
+_NEEDED = ("torch", "open_clip", "trimesh", "PyOpenColorIO", "proxy_renderer")
 _PROBE = f"import sys, importlib.util as u; sys.exit(not all(map(u.find_spec, {_NEEDED})))"
 _HELP = (
     "Press Set Up Engine in the add-on's preferences; or run `pip install .` in a clone of Vibe Render (in a "
