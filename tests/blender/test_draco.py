@@ -66,10 +66,3 @@ def test_bytes_that_are_no_draco(plain):
     meshes._write(packed, document, broken)
     done = vibe("run", packed, "--prompt=teal", "--out=out", cwd=packed.parent)
     assert_refused(done, "packed.glb cannot be decoded", "without compression")
-
-
-@pytest.mark.parametrize("name", ["ball.obj", "ball.ply", "ball.stl", "ball.glb", "ball.gltf", "shot.blend"])
-def test_everything_else_is_left_to_blender(tmp_path, name):
-    (tmp_path / name).write_text("whatever it is")
-    with prepared(tmp_path / name) as place:
-        assert place == tmp_path / name
