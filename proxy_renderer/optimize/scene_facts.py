@@ -2,9 +2,7 @@
 """Facts of a scene that plans need: what it looks like, what the camera sees of it, and how much room its lights have."""
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 import torch
@@ -13,26 +11,20 @@ from torch import Tensor
 from ..color import arrays
 from ..color.tensors import lab_from_srgb
 from ..guidance import regions
-from ..planning.ranges import clip
-from ..planning.types import PlanEntry
 from ..render.geometry.camera import view_of
 from ..render.geometry.samples import pixel_centers
-from ..render.geometry.visibility import Hits, RayGeometry
+from ..render.geometry.visibility import RayGeometry
 from ..render.lights.light_source import LightSource
 from ..render.lights.light_types import AreaLight, light_sources, light_type
 from ..render.proxy import Proxy, Render
 from ..scene import Light, SceneData
 from ..scene.values import RenderValues
-from ..schema import Instance, Values, orbit
+from ..schema import Values
 from ..schema.parameters import Region
 from ..words.types import LightDescription, PictureStats, SceneDescription
 
 _GRID = 64  # rays along each side of the picture
 _KEPT = 0.8  # share of the way to a floor, a ceiling or a wall that a light may go: it has a size
-_WALL = "a wall stands where the words want the lamp"
-_PLACE = ("azimuth", "elevation", "distance", "power")
-_NEAREST = 0.3  # share of its distance to the subject that a light keeps at least, see `schema.parameters`
-_PARTS = 16  # surfaces of the subject that a ray from its middle passes, at most
 _FLAT = 1e-12  # twice the area, seen from above, below which a triangle is a wall
 
 
@@ -134,65 +126,6 @@ def light_sizes(scene: SceneData, geometry: RayGeometry) -> dict[str, float]:
         growth = max(float((_KEPT * free / length).min()), 1.0)
         widest[key] = min(widest.get(key, math.inf), growth * scene.value(key)[0])
     return widest
-
-
-def nearer_lights(
-    scene: SceneData, geometry: RayGeometry, plan: Mapping[str, PlanEntry]
-) -> dict[str, PlanEntry]:
-    """Other entries for lights that a wall would hide where words want them: nearer and weaker, or without room as they stand."""
-    found: dict[str, PlanEntry] = {}
-    for light in (light for light in scene.lights if not light.fixed):
-        azimuth, elevation, distance, power = keys = [f"light/{light.name}/{name}" for name in _PLACE]
-        if not plan.keys() >= {*keys} or not plan[azimuth].is_named:
-            continue
-        turn, tilt, off = (scene.value(key)[0] for key in keys[:3])
-        turns, tilts = _ends(plan[azimuth], turn), _ends(plan[elevation], tilt)
-        asked = [*product(turns, tilts), (sum(turns) / 2, sum(tilts) / 2)]
-        here, *there = _free(scene, geometry, [(turn, tilt), *asked])
-        share = min(there) / off
-        if here <= _KEPT * off or share >= 1.0:
-            continue
-        if share < _NEAREST or scene.instances[distance].locked:
-            found |= {azimuth: _held(turn, _WALL), elevation: _held(tilt, _WALL)}
-            continue
-        found[distance] = _held(share * off, f"nearer: {_WALL}")
-        if not scene.instances[power].locked:
-            found[power] = _dimmed(plan[power], scene.instances[power], share**2)
-    return found
-
-
-def _ends(entry: PlanEntry, artist: float) -> tuple[float, float]:
-    """The range that words name; twice the artist's value where they name none."""
-    return (entry.lower[0], entry.upper[0]) if entry.is_named else (artist, artist)
-
-
-def _held(value: float, reason: str) -> PlanEntry:
-    return PlanEntry((value,), (value,), None, reason)
-
-
-def _dimmed(entry: PlanEntry, power: Instance, share: float) -> PlanEntry:
-    """A range of powers, times a share; of a power that no word touches, that share of the artist's."""
-    was = _held(power.value[0], f"dimmer, for it comes nearer: {_WALL}") if entry.priority is None else entry
-    lower, upper = clip((share * was.lower[0],), (share * was.upper[0],), power)
-    return replace(was, lower=lower, upper=upper)
-
-
-def _free(scene: SceneData, geometry: RayGeometry, angles: Sequence[tuple[float, float]]) -> list[float]:
-    """Meters in each direction (azimuth, elevation) up to which a light lights the subject: infinite in the open, 0 in a wall."""
-    toward = torch.tensor([orbit.direction(*each) for each in angles], device=geometry.device).T
-    origin = torch.tensor(scene.pivot, device=geometry.device)[:, None].expand_as(toward)
-    mine = torch.tensor([o.subject for o in scene.objects], device=geometry.device)[geometry.object]
-    hits = geometry.nearest(origin, toward, "shadow")
-    skin = torch.zeros_like(hits.distance)
-    for _ in range(_PARTS):
-        own = hits.hit & mine[hits.triangle]
-        if not own.any():
-            break
-        skin = torch.where(own, hits.distance, skin)
-        further = geometry.onward(hits, origin, toward, "shadow").parts
-        hits = Hits(*(torch.where(own, new, old) for new, old in zip(further, hits.parts, strict=True)))
-    free = _KEPT * hits.distance
-    return torch.where(free > skin, free, 0.0).tolist()
 
 
 def _arms(source: LightSource) -> Tensor:

@@ -169,14 +169,9 @@ _AS_NAMED = (
 
 def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
     """The range that an effect asks for, clipped to the instance's hard bounds (never empty)."""
-    if attribute.shades and effect.name in OWN_COLOR and not (effect.color or effect.mode):
-        low, high = (
-            linear_from_srgb(shaded(srgb_from_linear(_spread(v, instance)), attribute))
-            for v in (effect.lower, effect.upper)
-        )
-    elif effect.color:
+    if effect.color:
         low, high = color_range(effect, attribute, instance, sources)
-    elif effect.name == "temperature" and instance.parameter.kind == "color":
+    elif effect.name == "temperature" and instance.parameter.kind == "color" and not effect.mode:
         own = _computed_glow(instance, sources)
         shown = tuple(a * b for a, b in zip(instance.value, own, strict=True))
         low, high = _glow_color(effect, attribute.strength, shown)
@@ -189,7 +184,7 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
     if effect.name == "elevation":
         bottom, top = sources.scene.light(instance.owner).elevations
         low, high = ((min(max(v[0], bottom), top),) for v in (low, high))
-    if instance.parameter.name == "emission_color" and effect.family.startswith("light/"):
+    if instance.parameter.name == "emission_color" and effect.family.startswith("light/") and not effect.mode:
         low, high = _over_glow(low, high, _computed_glow(instance, sources))
     if effect.family == "material/emission" and not effect.mode and instance.owner in sources.scene.emitters:
         computed = max(sources.scene.emitters[instance.owner].strength, 1e-3)

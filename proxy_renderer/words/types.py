@@ -40,7 +40,7 @@ class MaterialLook:
     share: float = 0.0  # of the image's pixels
     worn: Mapping[str, float] = field(default_factory=dict)  # object -> its share of the image with it
     # what it clearly is by its shape: "ground", "support" (the subject stands on it), "wall", "roof", "ceiling";
-    # of a room that stands on a ground "floor", and of several walls "walls"
+    # of several walls "walls"
     structures: frozenset[str] = frozenset()
 
 
