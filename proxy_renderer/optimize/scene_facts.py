@@ -15,9 +15,9 @@ from ..render.geometry.camera import view_of
 from ..render.geometry.samples import pixel_centers
 from ..render.geometry.visibility import RayGeometry
 from ..render.lights.light_source import LightSource
-from ..render.lights.light_types import AreaLight, light_sources, light_type
+from ..render.lights.light_types import AreaLight, light_sources
 from ..render.proxy import Proxy, Render
-from ..scene import Light, SceneData
+from ..scene import SceneData
 from ..scene.values import RenderValues
 from ..schema import Values
 from ..schema.parameters import Region
@@ -25,7 +25,6 @@ from ..words.types import LightDescription, PictureStats, SceneDescription
 
 _GRID = 64  # rays along each side of the picture
 _KEPT = 0.8  # share of the way to a floor, a ceiling or a wall that a light may go: it has a size
-_FLAT = 1e-12  # twice the area, seen from above, below which a triangle is a wall
 
 
 def described_now(
@@ -49,17 +48,12 @@ def described_now(
 
 def light_descriptions(scene: SceneData, added: bool) -> dict[str, LightDescription]:
     """The lights of a scene that the words have added, or its own."""
-    lights = [light for light in scene.lights if light.added == added]
-    limits = light_elevations(scene) if lights else {}
     found = {}
-    for light in lights:
+    for light in (light for light in scene.lights if light.added == added):
         orbit, camera = f"light/{light.name}/azimuth", "camera/azimuth"
         known = orbit in scene.instances and camera in scene.instances
         turn = scene.value(orbit)[0] - scene.value(camera)[0] if known else None
-        ends = limits.get(light.name, (-90.0, 90.0))
-        found[light.name] = LightDescription(
-            light.type, light.role, turn, stops=light.exposure, elevations=ends
-        )
+        found[light.name] = LightDescription(light.type, light.role, turn, stops=light.exposure)
     return found
 
 
@@ -100,17 +94,6 @@ def _coverage(proxy: Proxy, values: dict[str, Values]) -> tuple[float | None, di
     return (float((material < 0).sum()) / around if around else None), shares
 
 
-def light_elevations(scene: SceneData) -> dict[str, tuple[float, float]]:
-    """Light -> lowest and highest elevation in degrees; none for a light that is beyond already, which the artist has placed."""
-    below, above = _heights(scene)
-    ranges = {}
-    for light in (light for light in scene.lights if not light.fixed):
-        limits = _limits(light, scene.pivot, below, above)
-        if limits != (-90.0, 90.0):
-            ranges[light.name] = limits
-    return ranges
-
-
 @torch.no_grad()
 def light_sizes(scene: SceneData, geometry: RayGeometry) -> dict[str, float]:
     """Key of a light's size -> the size in meters at which it meets a surface where it stands; no less than it has."""
@@ -136,42 +119,3 @@ def _arms(source: LightSource) -> Tensor:
     else:
         half = torch.eye(3, device=source.position.device) * source.size
     return torch.cat((half, -half), 1)
-
-
-def _limits(
-    light: Light, pivot: tuple[float, float, float], below: float, above: float
-) -> tuple[float, float]:
-    offset = np.subtract(light.position, pivot)
-    distance = float(np.linalg.norm(offset))
-    if light_type(light.type).at_infinity:
-        return (0.0 if math.isfinite(below) else -90.0), 90.0
-    if distance == 0:
-        return -90.0, 90.0
-    low, high = (math.degrees(math.asin(min(_KEPT * h / distance, 1.0))) for h in (below, above))
-    return -low if -below < offset[2] else -90.0, high if offset[2] < above else 90.0
-
-
-_ALL_SIDES = 0b11110000
-
-
-def _heights(scene: SceneData) -> tuple[float, float]:
-    """Distances from the pivot straight down and up to the surroundings; infinite where there are none."""
-    mesh, pivot = scene.mesh, np.array(scene.pivot)
-    # Triangles that may lie above or below it: some of their corners are on either side, along both axes
-    side = mesh.vertices[:, :2] <= pivot[:2].astype(np.float32)
-    sides = np.packbits(np.concatenate([side, ~side], 1), axis=1)[:, 0]
-    a, b, c = sides[mesh.faces].T
-    around = ~np.array([o.subject for o in scene.objects])[mesh.object] & (a | b | c == _ALL_SIDES)
-    corners = mesh.vertices[mesh.faces[around]].astype(float) - pivot
-    a, b, c = corners[:, :, :2].transpose(1, 0, 2)
-    areas = np.stack([_cross(b, c), _cross(c, a), _cross(a, b)], 1)
-    total = areas.sum(1, keepdims=True)
-    hit = (np.abs(total[:, 0]) > _FLAT) & ((areas * np.sign(total)).min(1) >= 0)
-    heights = (areas[hit] / total[hit] * corners[hit, :, 2]).sum(1)
-    below, above = -heights[heights < 0], heights[heights > 0]
-    return float(below.min(initial=math.inf)), float(above.min(initial=math.inf))
-
-
-def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Twice the signed area of triangles (0, a, b) in the plane."""
-    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
