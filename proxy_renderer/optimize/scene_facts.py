@@ -24,7 +24,7 @@ from ..schema.parameters import Region
 from ..words.types import LightDescription, PictureStats, SceneDescription
 
 _GRID = 64  # rays along each side of the picture
-_KEPT = 0.8  # share of the way to a floor, a ceiling or a wall that a light may go: it has a size
+_KEPT = 0.8  # share of the way to a surface up to which a light may grow
 
 
 def described_now(
