@@ -40,11 +40,11 @@ class Silent:
 
 def any_round(search, ends):
     """Another round from the last end, however near it is to the words, in the place of `next_round`."""
-    last = ends[-1]
+    last, here = ends[-1], ends[-1].confined.here
     if len(ends) == search.rounds:
         return None
-    start = replace(last.start.start, u=last.u, shots=last.shots, first=last.start.number + 1)
-    return replace(RoundStart.at(start), earlier=last.confined.plan, start=last.start.start)
+    start = replace(here.start, u=last.u, shots=last.shots, first=here.number + 1)
+    return replace(RoundStart.at(start), earlier=last.confined.plan, start=here.start)
 
 
 def read_stage(scenes, prompt):

@@ -36,8 +36,6 @@ _CAST = (6.0, 24.0)  # of the darks or lights, at least and at most
 _BLACK, _WHITE = 35.0, 85.0
 _BLACK_AIR, _WHITE_AIR = 35.0, 74.0
 
-_DIM, _DIMMEST = 45.0, 0.5  # L* from where an image is dark; least share of a color's lightness left in it
-
 # Gray materials
 _DARKER = 0.65  # share of its lightness, as white has shades
 _LIGHTER = 22.0  # L* beyond it, as black has highlights
@@ -155,20 +153,3 @@ def _colors(color: Attribute, material: Attribute) -> bool:
     owners = {*color.owners}, {*material.owners}
     same = not all(owners) or not owners[0].isdisjoint(owners[1])
     return color.color is not None and not color.negated and color.region == material.region and same
-
-
-def darkened(claim: Claim, darkest: float) -> Claim:
-    """A claim about an object's color or lightness, eased for an image of at most L* `darkest`: blue nights are no light blue."""
-    if darkest >= _DIM:
-        return claim
-    if claim.measure == "lightness" and claim.part != "picture":
-        return replace(claim, lower=(max(darkest / _DIM, _DIMMEST) * claim.lower[0],))
-    if claim.measure != "color" or claim.is_of_thing:
-        return claim
-    middle = (claim.lower[0] + claim.upper[0]) / 2
-    level = 100 * oklab_from_srgb(srgb_from_lab((darkest, 0.0, 0.0)))[0]
-    share = min(max(level / middle, _DIMMEST), 1.0)
-    shares = share, math.sqrt(share), math.sqrt(share)
-    lower = tuple(min(end, part * end) for end, part in zip(claim.lower, shares, strict=True))
-    upper = tuple(max(end, part * end) for end, part in zip(claim.upper, shares, strict=True))
-    return replace(claim, lower=lower, upper=upper)

@@ -16,11 +16,10 @@ from ..words.lexicon.quantities import ClaimText, quantities
 from ..words.lexicon.vocabulary import Vocabulary
 from ..words.types import Attribute, Part
 from .claim import Claim
-from .colors import as_accent, darkened, of_color, of_material
+from .colors import as_accent, of_color, of_material
 
 _OF_MOODS = 0.5  # weight of what a mood stands for
 _OPPOSED = 0.5  # cosine between a tint and the other direction, from where an image cannot have both
-_MUTED = 0.7  # share of a named color's chroma that an image keeps in which colors are muted
 _LIT = 44.0  # least L* of an image in colored light
 _LIT_SHARE = 0.7  # of the color's lightness, which is enough
 
@@ -60,18 +59,16 @@ def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
     claims: list[Claim] = []
     for wish, row in rows:
         for claim in row:
-            claim = _allowing_colors(claim, wish.usual > 0, colors)
             if all(_narrows(claim, wish.usual > 0, first) for first in claims):
                 claims.append(claim)
     claims += _least_lightness(colors, claims)
 
-    # Objects are measured as they look in the light that is asked for, and light on what has no color of its own.
-    darkest = min((c.upper[0] for c in claims if _is_brightness(c)), default=math.inf)
+    # Light is measured on what has no color of its own.
     colored = [c for c in claims if c.measure == "color"]
     colored += [c for wish, row in rows for c in row if _is_painted(c, wish.attribute)]
     shown = []
     for claim in claims:
-        claim = _without_colored(claim, colored) if _is_light(claim) else darkened(claim, darkest)
+        claim = _without_colored(claim, colored) if _is_light(claim) else claim
         if (claim.part, claim.measure) == ("picture", "chroma") and claim.lower[0] > 0.0:
             # vivid objects: a gray world behind them has no color, and lights them
             claim = replace(claim, apart=(("sky", ()),))
@@ -157,20 +154,6 @@ def _with_accents(rows: list[tuple[Wish, list[Claim]]]) -> list[tuple[Wish, list
 
 def _cosine(first: Claim, second: Claim) -> float:
     return sum(a * b for a, b in zip(first.direction, second.direction, strict=True))
-
-
-def _allowing_colors(claim: Claim, usual: bool, colors: Sequence[Claim]) -> Claim:
-    """A claim about the whole image, eased for the named colors of what fills it: muted colors are still colors."""
-    named = [lab_from_srgb(c.color) for c in colors if c.measure == "color" and c.color and not c.materials]
-    if claim.part != "picture" or not named:
-        return claim
-    if claim.measure == "chroma":
-        kept = _MUTED * max(map(chroma, named))
-        return replace(claim, upper=(max(claim.upper[0], kept),))
-    if claim.measure == "lightness" and usual:
-        light = [lab[0] for lab in named]
-        return replace(claim, lower=(min(claim.lower[0], *light),), upper=(max(claim.upper[0], *light),))
-    return claim
 
 
 def _narrows(claim: Claim, usual: bool, first: Claim) -> bool:

@@ -36,7 +36,6 @@ _CLEAR = 2.0  # how many times larger than the second a structure has to be
 _ALONE = 0.9  # share of the level surfaces around the subject that are its only ground
 _NEAR = 0.08  # of the scene's height: two levels within it are one
 _WALL = 0.4  # least share of a wall among several, of the largest one's
-_STEP, _NEAR_GROUND = 0.02, 0.25  # of the scene's height: a floor lies so far above its ground
 _TALL, _HIGH = 0.4, 0.6  # of the scene's height: least height of walls, and where roofs begin
 
 
@@ -98,7 +97,6 @@ class _Rays:
     object: np.ndarray
     height: np.ndarray
     slope: np.ndarray  # z of the normal that faces the camera
-    place: np.ndarray  # (2, N) x and y
 
 
 _met: weakref.WeakKeyDictionary[SceneMesh, tuple[Path, _Rays]] = weakref.WeakKeyDictionary()
@@ -108,7 +106,7 @@ _met: weakref.WeakKeyDictionary[SceneMesh, tuple[Path, _Rays]] = weakref.WeakKey
 def present_looks(scene: SceneData) -> dict[str, MaterialLook]:
     """The present look of every material."""
     rays = _rays(scene)
-    parts = [*_structures(scene, rays).items(), *_room(rays)]
+    parts = [*_structures(scene, rays).items(), *(("walls", wall) for wall in _walls(rays))]
     looks = {}
     for number, material in enumerate(scene.materials):
         on = rays.object[rays.material == number]
@@ -140,13 +138,13 @@ def _traced(scene: SceneData) -> _Rays:
     hits = geometry_of(scene, torch.device("cpu")).first_hits(origin, toward, "camera")
     met = hits.hit.numpy()
     triangle = hits.triangle.numpy()[met]
-    *place, height = (origin + toward * hits.distance).numpy()[:, met]
+    height = (origin + toward * hits.distance).numpy()[2, met]
     corners = mesh.vertices[mesh.faces[triangle]].astype(float)
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True) + 1e-20
     away = np.sign((normal * toward.numpy().T[met]).sum(1))
     owner = mesh.material[triangle], mesh.object[triangle]
-    return _Rays(_SIDE**2, *owner, height, -away * normal[:, 2], np.stack(place))
+    return _Rays(_SIDE**2, *owner, height, -away * normal[:, 2])
 
 
 def _glow(scene: SceneData, material: Material) -> Values | None:
@@ -201,37 +199,19 @@ def _structures(scene: SceneData, rays: _Rays) -> dict[str, int]:
     return clear
 
 
-def _room(rays: _Rays) -> Iterator[tuple[str, int]]:
-    """The materials of several walls, and that of a floor between walls which is not the ground that the room stands on."""
+def _walls(rays: _Rays) -> list[int]:
+    """The materials of several walls."""
     if not len(rays.height):
-        return
+        return []
     low, tall = _extent(rays.height)
-    shares, levels = dict[int, int](), dict[int, np.ndarray]()  # of walls, and where level surfaces are
+    shares = {}
     for number in np.unique(rays.material).tolist():
         own = rays.material == number
-        if own.sum() < _LEAST * rays.count:
-            continue
-        if "wall" in _parts(rays.height[own], rays.slope[own], (low, tall, low)):
+        large = own.sum() >= _LEAST * rays.count
+        if large and "wall" in _parts(rays.height[own], rays.slope[own], (low, tall, low)):
             shares[number] = int(own.sum())
-        level = own & (rays.slope > _LEVEL)
-        if level.sum() > _SOME * own.sum():
-            levels[number] = level
     walls = [number for number, share in shares.items() if share > _WALL * max(shares.values())]
-    yield from (("walls", number) for number in walls if len(walls) > 1)
-    if walls and len(levels) > 1 and (floor := _floor(rays, walls, levels, tall)) is not None:
-        yield "floor", floor
-
-
-def _floor(rays: _Rays, walls: list[int], levels: dict[int, np.ndarray], tall: float) -> int | None:
-    """The lowest of the level materials but one, if it lies between the walls and a step above that one, which is around them."""
-    ends = rays.place[:, np.isin(rays.material, walls)]
-    inside = ((rays.place > ends.min(1)[:, None]) & (rays.place < ends.max(1)[:, None])).all(0)
-    heights = {number: float(np.median(rays.height[level])) for number, level in levels.items()}
-    ground, floor, *_ = sorted(heights, key=lambda number: heights[number])
-    rise = (heights[floor] - heights[ground]) / tall
-    around = 1.0 - inside[levels[ground]].mean()
-    between = inside[levels[floor]].mean()
-    return floor if _STEP < rise < _NEAR_GROUND and min(around, between) > _MOST else None
+    return walls if len(walls) > 1 else []
 
 
 def _extent(height: np.ndarray) -> tuple[float, float]:

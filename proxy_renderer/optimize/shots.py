@@ -145,9 +145,11 @@ class ShotState:
     # proxy had predicted and what it says with the picture
     records: list[dict[str, Any]] = field(default_factory=list)
     guidance: Guidance | None = None  # judges images by the round's advice; calibrated on the artist's image
-    claims: ClaimSet | None = None  # what the words say that its images look like; None before the loop
-    seen: GBuffer | None = None  # what its camera sees where the claims are measured
-    before: MeasuredPicture | None = None  # the artist's image, and what its camera saw
+    before: MeasuredPicture | None = None  # the artist's image, and what its camera saw; None before the loop
+    claims: ClaimSet | None = None  # what the words say that its images look like, likewise
+    # Of the place where the claims are measured, by values and anchor: the point (N,), and what the camera sees there
+    seen: GBuffer | None = None
+    _seen_at: Tensor | None = None
     _last: tuple[Tensor, Render] | None = None  # where the last image was drawn, and it
 
     @property
@@ -184,12 +186,11 @@ class ShotState:
             return self
         picture = self.source({k: list(v) for k, v in self.vector.changes(u).items()}, self.proxy.size)
         if picture is None:
-            return self if distance <= _NEAR else replace(self, anchor=AnchorState(), _last=None)
+            return self if distance <= _NEAR else self._with(AnchorState())
         with torch.no_grad():
             predicted = self.draw(u).display
             correction = self.proxy.anchor(values, picture)
-            anchor = AnchorState(correction, u.clone(), self.anchor.correction, picture)
-            shot = replace(self, anchor=anchor, _last=None)
+            shot = self._with(AnchorState(correction, u.clone(), self.anchor.correction, picture))
             difference = float(mean_difference(predicted, shot.draw(u).display))
         self.records.append({"round": number + 1, "delta_e": round(difference, 3)})
         return shot
@@ -201,7 +202,7 @@ class ShotState:
             return self
         u = self.vector.encode(values)
         correction = self.proxy.anchor(chosen_values(self.vector, u, self.proxy.device), known.picture)
-        return replace(self, anchor=AnchorState(correction, u, picture=known.picture))
+        return self._with(AnchorState(correction, u, picture=known.picture))
 
     def known_picture(self) -> KnownPicture | None:
         """The picture that corrects the proxy, for a vibe that follows; None where there is none."""
@@ -209,16 +210,33 @@ class ShotState:
             return None
         return KnownPicture(self.scene, self.vector.values(self.anchor.u), self.anchor.picture)
 
+    def _with(self, anchor: AnchorState, vector: ParameterVector | None = None) -> ShotState:
+        """The shot with another anchor or vector, for which nothing is drawn yet."""
+        return replace(self, anchor=anchor, vector=vector or self.vector, _last=None, _seen_at=None)
+
     def gbuffer(self, u: Tensor) -> GBuffer:
         """The camera's view at u (N,)."""
         return self.proxy.gbuffer(chosen_values(self.vector, u, self.proxy.device))
 
     def viewed(self, u: Tensor) -> ShotState:
         """The shot with its claims measured where their objects are in the image of u (N,): the camera may have moved."""
-        if self.claims is None:
+        if self.claims is None or (self._seen_at is not None and torch.equal(self._seen_at, u)):
             return self
         seen = self.gbuffer(u)
-        return replace(self, seen=seen, claims=self.claims.in_view(seen))
+        return replace(self, seen=seen, claims=self.claims.in_view(seen), _seen_at=u.detach().clone())
+
+    def judged(self, claims: tuple[Claim, ...], image: Render, u: Tensor) -> ShotState:
+        """The shot with claims about its images, of which this is the artist's, at u (N,); the same if it has claims."""
+        if self.claims is not None:
+            return self
+        before = MeasuredPicture(image.display.detach(), self.gbuffer(u))
+        return replace(self, before=before, claims=ClaimSet.about(claims, before), seen=before.seen)
+
+    @torch.no_grad()
+    def missed(self, u: Tensor) -> list[Tensor]:
+        """Distance of its image at u (N,) from each claim: (n,) in noticeable steps, measured where its objects are there."""
+        viewed = self.viewed(u)
+        return viewed.residuals(viewed.draw(u))
 
     def residuals(self, picture: Render) -> list[Tensor]:
         """Distance of an image from each claim: (n,) in noticeable steps, differentiable in it."""
@@ -244,8 +262,7 @@ class ShotState:
         if named <= self.vector.taken:
             return self
         # The last picture shows other values than u now says: another one is due.
-        anchor = replace(self.anchor, u=None)
-        return replace(self, vector=self.vector.taking(named), anchor=anchor, _last=None)
+        return self._with(replace(self.anchor, u=None), self.vector.taking(named))
 
 
 def draw(

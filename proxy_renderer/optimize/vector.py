@@ -99,17 +99,12 @@ class ParameterVector:
 
     def values(self, u: Tensor) -> dict[str, Values]:
         """Key -> values of u (N,) in schema units, to six digits; values where the artist had them keep the same float."""
-        original = self.encode({})
-        moved = (u.detach() - original).abs() > 1e-9
-        raw = self.plain(u)
+        moved, raw = (u.detach() - self._home).abs() > 1e-9, self.plain(u)
         out: dict[str, Values] = {}
         for key, part in self.slices.items():
             instance = self.instances[key]
-            limits = zip(instance.lower, instance.upper, strict=True)
-            new = [
-                min(max(float(f"{v:.6g}"), low), high)
-                for v, (low, high) in zip(raw[key], limits, strict=True)
-            ]
+            limits = raw[key], instance.lower, instance.upper
+            new = [min(max(float(f"{v:.6g}"), low), high) for v, low, high in zip(*limits, strict=True)]
             components = zip(new, instance.value, moved[part].tolist(), strict=True)
             out[key] = tuple(v if m else old for v, old, m in components)
         return out

@@ -1,22 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """The effects of wishes that act in a scene: on what, in which order, and those that a rig leaves."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 from ..color.floats import lab_from_srgb
-from ..color.shades import hue_apart
 from ..goals.resolve import Goals, Lost, contradicts
 from ..goals.wish import Wish
 from ..words.lexicon.entries import Effect
 from ..words.lexicon.quantities import quantities
 from ..words.lexicon.vocabulary import Vocabulary
-from ..words.types import Attribute
 from .owners import Owners
 from .types import LightPlan
 
 _PALE, _WHITE = 80.0, 93.0  # L* of pale and of white surroundings
-_HIDDEN = 60.0  # degrees of hue between a thing and its light from which neither looks as named
 _MAIN = 1  # priority of what a word is mainly about
 _LIT = ("direction", "hardness", "light_color", "key_to_rest", "brightness")  # of light: a rig gives them
 _SHEDS = ("light/", "world/", "volume/", "film/vignette", "film/exposure")  # families that a rig sets itself
@@ -27,12 +24,7 @@ Act = tuple[Wish, Effect]  # an effect, with the wish that it serves and with wh
 
 def acts(goals: Goals, vocabulary: Vocabulary, owners: Owners) -> list[Act]:
     """The effects of all wishes, in the order of the prompt."""
-    described = _redirected(goals, owners)
-    wishes = (
-        replace(w, attribute=described.get(id(w.attribute), w.attribute))
-        for w in goals.wishes
-        if not w.of_picture
-    )
+    wishes = (wish for wish in goals.wishes if not wish.of_picture)
     return [(wish, effect) for wish in wishes for effect in _effects(wish, vocabulary, owners)]
 
 
@@ -44,28 +36,6 @@ def _effects(wish: Wish, vocabulary: Vocabulary, owners: Owners) -> tuple[Effect
         hidden = "hidden_white" if light > _WHITE else "hidden_pale" if light > _PALE else "hidden"
         return vocabulary.painted[hidden]
     return vocabulary.painted[kind] if color and wish.effects and kind == "world" else wish.effects
-
-
-def _redirected(goals: Goals, owners: Owners) -> dict[int, Attribute]:
-    """A color of light that would hide a named color, said of the other lights instead."""
-    said = list({id(wish.attribute): wish.attribute for wish in goals.wishes}.values())
-    gels = [a for a in said if a.color and a.kind == "light" and not a.role and not a.cause]
-    if gels and _would_hide(gels[0], goals.wishes, owners):
-        return {id(gels[0]): replace(gels[0], role="others")}
-    return {}
-
-
-def _would_hide(gel: Attribute, wishes: Sequence[Wish], owners: Owners) -> bool:
-    """True if a color of light, without a direction, leaves nothing of the subject's: "orange pumpkin, purple light"."""
-    effects = (e for wish in wishes if not wish.implied for e in wish.effects)
-    directed = any(e.owner in ("light", "key") and e.name == "azimuth" for e in effects)
-    said = (wish.attribute for wish in wishes)
-    colors = [a.color for a in said if a.color and a.kind == "subject" and not a.negated]
-    one_light = len(owners.lights.every) <= len(owners.lights.key)
-    if directed or not colors or one_light:
-        return False
-    assert gel.color
-    return all(c and hue_apart(c, gel.color) > _HIDDEN for c in colors)
 
 
 def goals_without_rig(goals: Goals, light: LightPlan) -> Goals:

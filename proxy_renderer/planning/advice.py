@@ -161,7 +161,6 @@ class Advice:
     unmeasured: Prompts = NO_PROMPTS  # captions and negatives of the words alone that no measure covers
     # who gave it: "offline planner", or the model; with the reason if it was not the one asked for
     source: str = "offline planner"
-    placed: frozenset[str] = frozenset()  # keys of what a rig has placed already
 
 
 class Advisor(Protocol):
@@ -184,8 +183,7 @@ class OfflineAdvisor:
         prompts = compose(self.goals.parsed, self.goals.overruled)
         decided = plan(self.goals, dict(instances), scene, light=self.light)
         served = self.light.served if self.light else ()
-        placed = frozenset(self.light.entries if self.light else ())
-        return Advice(self.goals, prompts, decided, unmeasured(self.goals, served), placed=placed)
+        return Advice(self.goals, prompts, decided, unmeasured(self.goals, served))
 
 
 def unmeasured(goals: Goals, served: Collection[Attribute] = ()) -> Prompts:

@@ -6,18 +6,14 @@ from dataclasses import replace
 
 from ..goals.wish import Wish
 from ..schema import Instance, Values
-from ..words.attributes import fixture
 from ..words.lexicon.entries import OWNERS, Effect
-from ..words.lexicon.vocabulary import Vocabulary
-from ..words.names import is_detail, kind_of, plain_name
+from ..words.names import is_detail, kind_of
 from ..words.types import GLOW, Attribute, Parsed, SceneDescription
 from .light_levels import facing_radiance
 
 _SHARE = 0.15  # of the light on the subject from which a glow counts as a light of the scene
 _OF_GLOWS = {"power": "emission", "color": "emission_color", "temperature": "emission_color"}
 """Parameters of lights -> those of glowing materials, which have neither place nor size to change."""
-_PLACES = ("azimuth", "elevation", "distance", "size", "angle")
-_NAMED = ("light", "subject", "surroundings")  # kinds of things by whose name a prompt may call a light
 _BEHIND = 180.0
 
 
@@ -32,10 +28,8 @@ class SceneLights:
         glows: Glowing materials that light the scene as lights do, as "material/NAME"; they may be key and fill too.
     """
 
-    def __init__(
-        self, instances: dict[str, Instance], scene: SceneDescription, vocabulary: Vocabulary
-    ) -> None:
-        self._instances, self._scene, self._vocabulary = instances, scene, vocabulary
+    def __init__(self, instances: dict[str, Instance], scene: SceneDescription) -> None:
+        self._instances, self._scene = instances, scene
         self.lamps = list(dict.fromkeys(i.owner for i in instances.values() if i.parameter.group == "light"))
         # Materials that light the subject with a share of all light that is seen; dials and diodes do not.
         least = _SHARE * max(self._radiance(), 1e-6)
@@ -68,10 +62,8 @@ class SceneLights:
     def targets(self, effect: Effect, attribute: Attribute) -> list[str]:
         """The lights and glows on which an effect of a word acts."""
         owner, role = effect.owner, attribute.role
-        if effect.name in _PLACES and not set(self.key) & set(self.lamps):
-            return [] if role or owner in ("rim", "fill", "others") else self._brightest(self.lamps)
-        own = self._spoken_of(attribute)
-        if own is not None and owner not in ("rim", "fill"):
+        own = list(attribute.lights)
+        if own and owner not in ("rim", "fill"):
             if owner == "others":
                 return self._but(own)
             turned = owner != "lights" and effect.name in ("azimuth", "elevation")
@@ -90,26 +82,6 @@ class SceneLights:
 
     def _but(self, names: list[str]) -> list[str]:
         return [name for name in self.every if name not in names]
-
-    def _spoken_of(self, attribute: Attribute) -> list[str] | None:
-        """The lights that a word is said of, where the prompt calls them by their names; the key first."""
-        if attribute.lights:
-            return list(attribute.lights)
-        if attribute.role or attribute.cause or attribute.kind not in _NAMED:
-            return None
-        words = fixture(attribute.thing, self._vocabulary)
-        lights = sorted(self.every, key=lambda name: name not in self.key)
-        return [name for name in lights if self._is_called(name, words)] or None
-
-    def _is_called(self, light: str, words: frozenset[str]) -> bool:
-        """True if words name a light: "window", or "moonlight" a Moon; a sun is one by its type, a glow by what shows it."""
-        names: tuple[str, ...] = (light, self._scene.light(light).type)
-        if light in self.glows:
-            material = light.removeprefix(GLOW)
-            names = (material, *self._scene.emitters[material].objects)
-        theirs = {_singular(word) for name in names for word in plain_name(name).split()}
-        spoken = {_singular(word) for word in words}
-        return bool(theirs & (spoken | {word.removesuffix("light") for word in spoken}))
 
     def _key(self) -> list[str]:
         lamps = self.of_role("key")
@@ -135,10 +107,6 @@ class SceneLights:
     def _radiance(self, *lights: str) -> float:
         """Radiance of a white surface that faces some lights, or all."""
         return facing_radiance(self._instances, self._scene, lambda i: i.value, lights or None)
-
-
-def _singular(word: str) -> str:
-    return word.removesuffix("s")
 
 
 _PART = 0.12  # materials on less of their region are parts: tyres, eyes, screws
@@ -210,12 +178,10 @@ SLIVER = 0.05  # of the surroundings: so little world counts as none
 class Owners:
     """The instances that an effect of a word acts on."""
 
-    def __init__(
-        self, parsed: Parsed, instances: dict[str, Instance], scene: SceneDescription, vocabulary: Vocabulary
-    ) -> None:
+    def __init__(self, parsed: Parsed, instances: dict[str, Instance], scene: SceneDescription) -> None:
         self._parsed, self._instances, self._world_share = parsed, instances, scene.world_share
         self.materials = SceneMaterials(instances, scene.material_share)
-        self.lights = SceneLights(instances, scene, vocabulary)
+        self.lights = SceneLights(instances, scene)
 
     def of(self, effect: Effect, attribute: Attribute) -> list[Instance]:
         """The instances of an effect's family that an attribute means; may be empty."""

@@ -15,7 +15,7 @@ from ..words.lexicon.vocabulary import Vocabulary
 from ..words.types import GLOW, Attribute, SceneDescription
 from .acting import STAGES, acts, goals_without_rig, grade_of, is_usual, stage_of
 from .light_levels import Sources, WorldLook, facing_radiance
-from .owners import BACKDROP, SEEN, Owners, protected
+from .owners import BACKDROP, Owners, protected
 from .picture_ranges import plan_with_picture
 from .ranges import clip, effect_range, named_color, painted, within
 from .support import added_power, supports
@@ -34,7 +34,6 @@ class WishedRange:
     weak: bool  # a default, which gives way silently
     priority: int
     usual: bool = False  # what a place usually has: it counts only where no other word is about the parameter
-    aside: bool = False  # words for what is seen of the world come first for this parameter
     start: Values | None = None  # as in `PlanEntry`
     any_hue: bool = False  # likewise
 
@@ -42,7 +41,7 @@ class WishedRange:
     def rank(self) -> tuple[bool | int, ...]:
         """As `Wish.rank`, with what counts of this parameter alone."""
         _, _, usual, implied, general, paint, vague, _, _ = self.wish.rank
-        return self.weak, usual, implied, paint, self.priority, general, vague or self.aside
+        return self.weak, usual, implied, paint, self.priority, general, vague
 
     @property
     def is_plain(self) -> bool:
@@ -183,7 +182,7 @@ class _Planner:
         parsed = self.parsed = goals.parsed
         self.vocabulary = vocabulary
         self.instances = {key: protected(i, parsed) for key, i in instances.items()}
-        self.owners = Owners(parsed, self.instances, scene, vocabulary)
+        self.owners = Owners(parsed, self.instances, scene)
         stops = [i.value[0] for i in instances.values() if i.parameter.name in ("exposure", "grade_exposure")]
         self.sources = Sources(scene, exposure=sum(stops))
         self.notes = [*parsed.notes, *goals.notes()]
@@ -248,10 +247,8 @@ class _Planner:
         attribute = replace(wish.attribute, strength=wish.strength)
         shown = self.vocabulary.entries.get(attribute.entry)
         sources = replace(self.sources, own_color=self._own_color(instance.owner))
-        aside = False
         if instance.parameter.name.startswith("backdrop"):
             sources = replace(sources, world=self.sources.backdrop)
-            aside = attribute.kind not in SEEN  # words for what is seen come first there
         lower, upper = effect_range(effect, attribute, instance, sources)
         glows = effect.family == "material/emission" and not effect.mode and effect.lower[0] > 0
         if glows and wish.strength >= 1 and self._glow(instance.owner) > lower[0]:
@@ -265,7 +262,6 @@ class _Planner:
             effect.weak,
             self._priority(wish, effect, instance),
             is_usual(wish, effect),
-            aside,
             start=named_color(effect, attribute, instance, sources) if effect.color else None,
             # From faint to strong: no box whose corners are other hues. Light gets warmer, a wall only darker.
             any_hue=effect.mode == "cast" or (effect.mode == "near" and OWNERS[effect.owner] != "material"),

@@ -158,7 +158,6 @@ def _shown_strength(srgb: Values, instance: Instance, sources: Sources) -> Range
 _MIDDLE = 45.0  # L* that neither brightens nor darkens; "slightly" moves towards it
 _IN_PLACE_OF_KEY = Effect("world", "strength", "lightness", (62.0,), (88.0,))
 _NEUTRAL, _KELVIN, _WARM_TO_COOL = 6500.0, (1200.0, 16000.0), (2700.0, 11000.0)
-_LEAST_COMPONENT = 0.25  # of a glow's greatest: what lacks a color cannot be tinted to have it
 _OFF_WHITE = 50.0  # degrees of hue from warm and from cool light
 _AS_NAMED = (
     "azimuth", "elevation", "rotation", "ior", "base_color", "color", "specular_tint", "tint", "backdrop_color",
@@ -176,21 +175,12 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
         )
     elif effect.color:
         low, high = color_range(effect, attribute, instance, sources)
-    elif effect.name == "temperature" and instance.parameter.kind == "color":
-        own = _computed_glow(instance, sources)
-        shown = tuple(a * b for a, b in zip(instance.value, own, strict=True))
-        low, high = _glow_color(effect, attribute.strength, shown)
-    elif effect.name == "azimuth" and effect.mode in ("camera", "sides"):
-        low, high = _azimuth(effect, instance, sources.scene.camera_azimuth)
+    elif effect.name == "temperature" and instance.parameter.kind == "color" and not effect.mode:
+        low, high = _glow_color(effect, attribute.strength, instance, sources)
     else:
         low, high = _MODES.get(effect.mode, _plain)(effect, attribute.strength, instance, sources)
     if attribute.shades and effect.name in OWN_COLOR:
         low, high = beyond_present(low, high, attribute, instance)
-    if effect.name == "elevation":
-        bottom, top = sources.scene.light(instance.owner).elevations
-        low, high = ((min(max(v[0], bottom), top),) for v in (low, high))
-    if instance.parameter.name == "emission_color" and effect.family.startswith("light/"):
-        low, high = _over_glow(low, high, _computed_glow(instance, sources))
     if effect.family == "material/emission" and not effect.mode and instance.owner in sources.scene.emitters:
         computed = max(sources.scene.emitters[instance.owner].strength, 1e-3)
         low, high = (low[0] / computed,), (high[0] / computed,)
@@ -200,24 +190,6 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
 def within(values: Values, lower: Values, upper: Values) -> Values:
     """Values, projected into a range."""
     return tuple(min(max(v, a), b) for v, a, b in zip(values, lower, upper, strict=True))
-
-
-def _computed_glow(instance: Instance, sources: Sources) -> Values:
-    glow = sources.scene.emitters.get(instance.owner)
-    return glow.color if glow else (1.0, 1.0, 1.0)
-
-
-def _over_glow(low: Values, high: Values, own: Values) -> Range:
-    """The tints that turn the mean color of a computed glow into those of a range, as far as its components allow."""
-    if max(own) - min(own) < 1e-3:
-        return low, high
-    least = _LEAST_COMPONENT * max(*own, 1e-6)
-    tints = [
-        tuple(w / max(v, least) for w, v in zip(wanted * (3 // len(wanted)), own, strict=True))
-        for wanted in (low, high)
-    ]
-    top = max(tints[1])
-    return tuple(v / top for v in tints[0]), tuple(v / top for v in tints[1])
 
 
 def clip(low: Values, high: Values, instance: Instance) -> Range:
@@ -244,8 +216,10 @@ def _spread(values: Values, instance: Instance) -> Values:
     return values * instance.parameter.components if len(values) == 1 else values
 
 
-def _glow_color(effect: Effect, strength: float, color: Values) -> Range:
+def _glow_color(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
     """Colors of a glow between two temperatures; one of a color that no temperature has keeps it."""
+    glow = sources.scene.emitters.get(instance.owner)
+    color = tuple(a * b for a, b in zip(instance.value, glow.color, strict=True)) if glow else instance.value
     own = srgb_from_linear(tuple(v / max(*color, 1e-6) for v in color))
     vivid = all(hue_apart(own, srgb_from_linear(kelvin_color(k))) > _OFF_WHITE for k in _WARM_TO_COOL)
     ends = scaled(effect.lower[0], effect.upper[0], _NEUTRAL, strength, _KELVIN)
@@ -345,9 +319,9 @@ def _fade(goal: float, light: float) -> float:
     return min(1.0, goal / max(light, 10.0))
 
 
-def _azimuth(effect: Effect, instance: Instance, camera: float) -> Range:
+def _azimuth(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
     """The range nearest to the artist's value among those that mean the same direction."""
-    low, high = effect.lower[0], effect.upper[0]
+    low, high, camera = effect.lower[0], effect.upper[0], sources.scene.camera_azimuth
     sides = [(low, high)] if effect.mode == "camera" else [(low, high), (-high, -low)]
     turns = [(camera + a + 360 * k, camera + b + 360 * k) for a, b in sides for k in (-2, -1, 0, 1, 2)]
     legal = [t for t in turns if instance.lower[0] <= t[0] and t[1] <= instance.upper[0]] or turns
@@ -358,4 +332,5 @@ def _azimuth(effect: Effect, instance: Instance, camera: float) -> Range:
 
 _MODES = {
     "times": _times, "plus": _plus, "near": _near, "shade": _shade, "lightness": _lightness, "share": _share,
+    "camera": _azimuth, "sides": _azimuth,
 }  # fmt: skip

@@ -135,7 +135,7 @@ def missing_lights(
     vocabulary: Vocabulary,
 ) -> list[str]:
     """The lights on standby, given with their roles, that the words ask for."""
-    owners, roles = Owners(goals.parsed, instances, scene, vocabulary), list[str]()
+    owners, roles = Owners(goals.parsed, instances, scene), list[str]()
     for wish, effect in acts(goals, vocabulary, owners):
         role = _asked(effect, wish.attribute, owners)
         roles += [role] if role and role not in roles else []
@@ -153,7 +153,7 @@ def _asked(effect: Effect, attribute: Attribute, owners: Owners) -> str:
         return "" if owners.lights.of_role(owner) else owner
     if owner == "others":
         return "" if owners.of(effect, attribute) else "fill"
-    return "key" if effect.name in ("azimuth", "elevation") and not owners.lights.lamps else ""
+    return ""
 
 
 _VIVID = 20.0  # chroma from which a world tints what it lights
@@ -167,7 +167,7 @@ def asks_for_backdrop(
     A white or pale background is a light too, as in a photographer's studio, if no other word wants less light. What a
     place usually has is no such wish: the sky of a garden at night is the night's.
     """
-    owners = Owners(goals.parsed, instances, scene, vocabulary)
+    owners = Owners(goals.parsed, instances, scene)
     of_world = [
         (wish, effect)
         for wish, effect in acts(goals, vocabulary, owners)

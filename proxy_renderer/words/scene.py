@@ -232,7 +232,7 @@ class LookIndex:
         words = {noun, noun.rpartition(" ")[2]}
         kinds = {kind for kind in STRUCTURES if words & self._vocabulary.words[kind]}
         there = frozenset[str]().union(*(look.structures for look in self._looks.values()))
-        kinds = next(({kind} for kind in ("floor", "walls") if kind in kinds & there), kinds)
+        kinds = {"walls"} if "walls" in kinds & there else kinds
         return frozenset(name for name, look in self._looks.items() if kinds & look.structures)
 
     def _of_color(self, color: Values | None, names: Iterable[str]) -> frozenset[str]:

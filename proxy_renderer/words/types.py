@@ -28,7 +28,6 @@ class LightDescription:
     turn: float | None = None  # azimuth from the camera, degrees: 0 behind it, 90 on its right; None: unknown
     objects: tuple[str, ...] = ()  # names of those that it mainly lights; none where that is unknown
     stops: float = 0.0  # added to its power by Blender (its `exposure`)
-    elevations: tuple[float, float] = (-90.0, 90.0)  # that floor and ceiling leave it, degrees
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,7 @@ class MaterialLook:
     share: float = 0.0  # of the image's pixels
     worn: Mapping[str, float] = field(default_factory=dict)  # object -> its share of the image with it
     # what it clearly is by its shape: "ground", "support" (the subject stands on it), "wall", "roof", "ceiling";
-    # of a room that stands on a ground "floor", and of several walls "walls"
+    # of several walls "walls"
     structures: frozenset[str] = frozenset()
 
 

@@ -10,10 +10,9 @@ from tiny_job import write_job
 
 from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.engine.report import claims_about, foreseen
-from proxy_renderer.optimize import stage
+from proxy_renderer.optimize import pipeline, stage
 from proxy_renderer.optimize.least_squares import fixed_views
 from proxy_renderer.optimize.pipeline import refine
-from proxy_renderer.optimize.rounds import refinement
 from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
 from proxy_renderer.optimize.rounds.search import Missed, Search
 from proxy_renderer.optimize.shots import ShotInput
@@ -58,18 +57,18 @@ def test_the_best_round_is_the_result_and_others_are_not_waited_for_long(search,
         return shots, Missed(float(len(ends)), 1)  # each round is farther from the words than the one before
 
     monkeypatch.setattr(Search, "seen", seen)
-    monkeypatch.setattr(refinement, "CONVERGED", -1.0)
+    monkeypatch.setattr(pipeline, "CONVERGED", -1.0)
     outcome = refined(begun)
     assert torch.equal(outcome.u, ends[0])
-    assert len(outcome.rounds) == 1 + refinement.PATIENCE
+    assert len(outcome.rounds) == 1 + pipeline.PATIENCE
 
 
 def test_a_round_that_comes_hardly_nearer_is_the_last(search, monkeypatch):
     begun = search(PROMPT, rounds=5, steps=2)
     misses = iter([Missed(4.0, 2), Missed(3.9, 1), Missed(3.0, 1), Missed(2.95, 1)])
     monkeypatch.setattr(Search, "seen", lambda self, shots, u, number: (shots, next(misses)))
-    monkeypatch.setattr(refinement, "CONVERGED", -1.0)
-    monkeypatch.setattr(refinement, "eased", lambda *given: None)
+    monkeypatch.setattr(pipeline, "CONVERGED", -1.0)
+    monkeypatch.setattr(pipeline, "eased", lambda *given: None)
     outcome = refined(begun)
     # the second satisfied another claim, the third came much nearer
     assert [record["missed"]["distance"] for record in outcome.rounds] == [4.0, 3.9, 3.0, 2.95]
@@ -88,8 +87,8 @@ def test_the_darks_of_a_picture_are_lifted_and_not_tinted(search, prompt, gray):
 def test_words_that_claim_nothing_do_not_end_the_rounds_early(search):
     begun = search("vhs", rounds=2, steps=2)
     now, _ = confined(begun)
-    assert not refinement.claims_words(now.shots)
-    assert not refinement.claims_words(search("dark").shots)  # before the artist's picture was seen
+    assert not pipeline.claims_words(now.shots)
+    assert not pipeline.claims_words(search("dark").shots)  # before the artist's picture was seen
 
 
 def test_a_missed_claim_pulls_the_picture_towards_it(search):
@@ -140,8 +139,8 @@ def test_a_round_that_made_it_worse_is_taken_back_first_with_narrower_ranges_the
 
     monkeypatch.setattr(Search, "confine", confined_at)
     monkeypatch.setattr(Search, "seen", seen)
-    monkeypatch.setattr(refinement, "CONVERGED", -1.0)
-    monkeypatch.setattr(refinement, "PATIENCE", 9)
+    monkeypatch.setattr(pipeline, "CONVERGED", -1.0)
+    monkeypatch.setattr(pipeline, "PATIENCE", 9)
     refined(begun)
     assert [share for _, share, _ in began] == [1.0, 1.0, 1.0, 0.5]
     assert [opening for _, _, opening in began] == [0.0, 0.5, 0.0, 0.5]  # a claim is missed all the time

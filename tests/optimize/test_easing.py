@@ -6,10 +6,9 @@ import torch
 from loop_parts import Silent, search_for
 from tiny_job import write_job
 
-from proxy_renderer.optimize.pipeline import refine
-from proxy_renderer.optimize.rounds import refinement
+from proxy_renderer.optimize import pipeline
+from proxy_renderer.optimize.pipeline import eased, refine
 from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
-from proxy_renderer.optimize.rounds.refinement import eased
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema.messages import Options
@@ -60,7 +59,7 @@ def test_less_change_than_without_it_and_all_claims_hold(scene, encoder, monkeyp
     ends = {}
     for easing in (True, False):
         if not easing:
-            monkeypatch.setattr(refinement, "eased", lambda *_: None)
+            monkeypatch.setattr(pipeline, "eased", lambda *_: None)
         search, home = begun(scene, encoder, "navy blue ball")
         outcome = refine(search, Start(home, search.shots))
         missed = search.seen(outcome.shots, outcome.u, 0)[1]

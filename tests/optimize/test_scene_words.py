@@ -9,7 +9,7 @@ import pytest
 
 from lab.bench.scenes import balls
 from proxy_renderer.color.shades import basic
-from proxy_renderer.optimize.scene_words import _parts, _Rays, _room, _structures, described, present_looks
+from proxy_renderer.optimize.scene_words import _parts, _Rays, _structures, _walls, described, present_looks
 
 SCENE = (0.0, 10.0, 0.0)  # from height 0, 10 tall, the subject stands at the bottom
 
@@ -66,7 +66,7 @@ def test_the_only_ground_is_the_table_that_people_say(shelf):
     """A ball that hovers a little over a plane; beside another level surface the plane is the ground alone."""
     number = np.repeat([0, 1, 2], [50, 20, shelf])
     height, slope = np.array([0.0, 5.0, 3.0])[number], np.array([1.0, 0.0, 1.0])[number]
-    rays = _Rays(100, number, number, height, slope, np.zeros((2, len(number))))
+    rays = _Rays(100, number, number, height, slope)
     objects = [SimpleNamespace(subject=n == 1) for n in range(3)]
     found = _structures(SimpleNamespace(objects=objects), rays)
     assert found["ground"] == 0
@@ -77,21 +77,13 @@ def test_a_hole_in_the_ground_is_not_the_ground():
     """Stairs that lead down, of which little is seen."""
     number = np.repeat([0, 1, 2], [75, 23, 2])
     height, slope = np.array([0.0, 5.0, -4.0])[number], np.array([1.0, 0.0, 1.0])[number]
-    rays = _Rays(100, number, number, height, slope, np.zeros((2, len(number))))
+    rays = _Rays(100, number, number, height, slope)
     objects = [SimpleNamespace(subject=n > 0) for n in range(3)]
     assert _structures(SimpleNamespace(objects=objects), rays)["ground"] == 0
 
 
-@pytest.mark.parametrize(("floor", "wide"), [(0.3, True), (0.3, False), (1.5, True)])
-def test_a_room_on_a_ground_has_walls_and_a_floor_of_its_own(floor, wide):
-    """A ground, the floor of a room on it, and two walls. In a room that fills the image all ground is within the walls."""
+def test_several_walls_are_told_from_the_floor_between_them():
     random = np.random.default_rng(0)
-    number = np.repeat([0, 1, 2, 3], 50)
-    x, y = random.uniform(-1, 1, (2, 200))
-    x, y = np.where(number == 2, -1.0, x), np.where(number == 3, 1.0, y)
-    aside = np.where(number == 0, 5.0 if wide else 0.8, 1.0)
-    height = np.where(number == 0, 0.0, np.where(number == 1, floor, random.uniform(0.3, 3.0, 200)))
-    slope = np.where(number < 2, 1.0, 0.0)
-    found = [*_room(_Rays(220, number, number, height, slope, np.stack((aside * x, aside * y))))]
-    assert {n for part, n in found if part == "walls"} == {2, 3}
-    assert [n for part, n in found if part == "floor"] == ([1] if wide and floor < 1.0 else [])
+    number = np.repeat([0, 1, 2], 50)
+    height = np.where(number == 0, 0.0, random.uniform(0.3, 3.0, 150))
+    assert _walls(_Rays(220, number, number, height, np.where(number < 1, 1.0, 0.0))) == [1, 2]

@@ -7,8 +7,11 @@ import pytest
 
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.glow import glowing
+from proxy_renderer.planning.light_levels import Sources
 from proxy_renderer.planning.planner import plan
+from proxy_renderer.planning.ranges import effect_range
 from proxy_renderer.schema import FAMILIES, Instance
+from proxy_renderer.words.lexicon.entries import parse_effect
 from proxy_renderer.words.parser import parse
 from proxy_renderer.words.types import SceneDescription
 
@@ -62,6 +65,15 @@ def test_what_glows_is_not_made_dark(prompt):
     """How bright a glow is, its strength says; a dark color of it would be no glow."""
     found = entry(prompt, (0.0, 0.0, 0.0), 0.0)
     assert max(found.lower) > 0.3
+
+
+def test_a_glow_stays_about_as_it_is_where_a_further_sentence_only_compares():
+    """ "Warmer" moves a light's temperature by shares of its range, which are no kelvins of a glow."""
+    color = Instance(FAMILIES["material/emission_color"], "Body", (1.0, 0.4, 0.1), 1.0, "subject")
+    (attribute,) = parse("warm light", SceneDescription()).attributes
+    given = parse_effect("lights/temperature near -0.07..0.07"), attribute, color
+    lower, upper = effect_range(*given, Sources(SceneDescription()))
+    assert all(0.0 < b - a < 0.3 and a <= v <= b for a, v, b in zip(lower, color.value, upper, strict=True))
 
 
 def test_only_materials_that_some_face_has_are_lights():

@@ -28,18 +28,16 @@ def instances(brighter: str) -> dict[str, Instance]:
 @pytest.mark.parametrize("brighter", TYPES)
 def test_the_brightest_light_is_the_key(brighter):
     context = SceneDescription(lights={kind.title(): LightDescription(kind) for kind in TYPES})
-    assert Owners(
-        parse("noir", SceneDescription()), instances(brighter), context, default_vocabulary()
-    ).lights.key == [brighter.title()]
+    assert Owners(parse("noir", SceneDescription()), instances(brighter), context).lights.key == [
+        brighter.title()
+    ]
 
 
 def test_a_lights_own_exposure_counts():
     context = SceneDescription(
         lights={k.title(): LightDescription(k, stops=float(k == "SPOT")) for k in TYPES}
     )
-    assert Owners(
-        parse("noir", SceneDescription()), instances("SUN"), context, default_vocabulary()
-    ).lights.key == ["Spot"]
+    assert Owners(parse("noir", SceneDescription()), instances("SUN"), context).lights.key == ["Spot"]
 
 
 def test_of_many_small_things_all_that_are_about_as_large_are_meant():
@@ -59,7 +57,7 @@ def test_of_many_small_things_all_that_are_about_as_large_are_meant():
     family = FAMILIES["material/base_color"]
     books = {i.key: i for i in (Instance(family, name, (0.5,) * 3, 1.0, "subject") for name in shares)}
     parsed = parse("emerald green", SceneDescription(materials=dict.fromkeys(shares, "subject")))
-    owners = Owners(parsed, books, SceneDescription(material_share=shares), default_vocabulary())
+    owners = Owners(parsed, books, SceneDescription(material_share=shares))
     (effect,) = (e for e in default_vocabulary().painted["subject"] if e.name == "base_color")
     painted = {i.owner for i in owners.of(effect, parsed.attributes[0])}
     assert painted == shares.keys() - {"Screws"}

@@ -105,7 +105,7 @@ class _Binding:
 
     def __init__(self, parsed: Parsed, scene: SceneStandIn, vocabulary: Vocabulary) -> None:
         self.vocabulary = vocabulary
-        self.owners = Owners(parsed, scene.instances, scene.scene, vocabulary)
+        self.owners = Owners(parsed, scene.instances, scene.scene)
 
     def reach(self, attribute: Attribute) -> Reach:
         """Parts that an attribute changes; negated words reach what they would change."""

@@ -15,7 +15,7 @@ from ...planning.advice import Advice, Advisor
 from ...planning.types import Plan, PlanEntry
 from ...schema import Instance, Values
 from ...words.types import SceneDescription
-from ..scene_facts import light_sizes, nearer_lights
+from ..scene_facts import light_sizes
 from ..shots import ShotState
 from ..vector import ParameterVector, around, feasible_ranges, opened, project
 
@@ -63,8 +63,7 @@ class Confined:
     upper: Tensor  # (N,) upper corner
     u: Tensor  # (N,) the point, projected into the box
     shots: Sequence[ShotState]  # they draw and judge; all of them are corrected near the point
-    number: int = 0  # of the round, over all starts
-    opening: float = 0.0  # by how much ranges are wider than the plan's; 0 in the first round
+    here: RoundStart  # the round before it was planned
 
 
 class Confiner:
@@ -93,9 +92,7 @@ class Confiner:
             if advice and all(key in entries for key in shot.names.values()):
                 continue
             own_advice = shot.advised(self.advisor, u, self._described)
-            unplaced = {key: e for key, e in own_advice.plan.items() if key not in own_advice.placed}
-            plan = own_advice.plan | nearer_lights(shot.scene, shot.proxy.geometry, unplaced)
-            entries = {shot.names[own]: entry for own, entry in plan.items()} | entries
+            entries = {shot.names[own]: entry for own, entry in own_advice.plan.items()} | entries
             advice = advice or own_advice
         assert advice is not None
         instances = self._vector.instances
@@ -114,7 +111,7 @@ class Confiner:
             lower, upper = torch.where(drawn, near[0], lower), torch.where(drawn, near[1], upper)
         lower, upper = around(u, lower, upper, here.share)
         u = project(u, lower, upper)
-        return Confined(advice, plan, ranges, lower, upper, u, shots, here.number, here.opening)
+        return Confined(advice, plan, ranges, lower, upper, u, shots, here)
 
     def _ranges(
         self, plan: Plan, u: Tensor, opening: float, claims: Sequence[Claim]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A vibe's scene, words and method, and the lines of Algorithm 1 that a round consists of."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
@@ -9,8 +9,8 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
-from ...claims.claim import HOLDS, Claim, ClaimSet
-from ...claims.measures.picture import MeasuredPicture, is_black
+from ...claims.claim import HOLDS, Claim
+from ...claims.measures.picture import is_black
 from ...goals.resolve import Goals
 from ...guidance.encoder import Encoder
 from ...guidance.guide import Guidance, claims_loss
@@ -37,53 +37,6 @@ _STRIDE, _FURTHER_STRIDE = 0.05, 0.25
 begins near where it ends, less often."""
 
 
-class ImageJudge:
-    """Says how near the images of all shots are to the words; the encoder is asked for all of them with `every_word`."""
-
-    def __init__(
-        self,
-        method: Method,
-        encoder: Encoder,
-        every_word: bool,
-        claims_of: Callable[[Goals], tuple[Claim, ...]],
-    ) -> None:
-        self._method, self._encoder, self._every_word = method, encoder, every_word
-        self._claims_of = claims_of
-        self.claims: tuple[Claim, ...] = ()  # of words and reference image; none before `begin`
-        # of each shot: the artist's image, as measured, its claims
-        self._artist: list[tuple[Render, MeasuredPicture, ClaimSet]] = []
-        self._asked: object = None
-        self._guidance: list[Guidance] = []
-
-    @property
-    def has_begun(self) -> bool:
-        """True if the claims are known."""
-        return bool(self._artist)
-
-    def begin(self, shots: Sequence[ShotState], u: Tensor, goals: Goals) -> None:
-        """Settles the claims, and keeps the artist's images, drawn at u (N,): changes and guidance are relative to them."""
-        self.claims = self._method.claims(self._claims_of(goals))
-        for shot in shots:
-            image = shot.draw(u)
-            before = MeasuredPicture(image.display.detach(), shot.gbuffer(u))
-            self._artist.append((image, before, ClaimSet.about(self.claims, before)))
-
-    def equipped(self, shots: Sequence[ShotState], advice: Advice) -> list[ShotState]:
-        """The shots with their claims, and with guidance by a round's advice."""
-        if self._asked != (asked := (advice.prompts, advice.unmeasured)):
-            self._asked = asked
-            self._guidance = [
-                self._method.guidance(self._encoder, advice, image, self._every_word)
-                for image, _, _ in self._artist
-            ]
-        found = []
-        for shot, guidance, (_, before, claims) in zip(shots, self._guidance, self._artist, strict=True):
-            if shot.claims is None:
-                shot = replace(shot, claims=claims, before=before, seen=before.seen)
-            found.append(replace(shot, guidance=guidance))
-        return found
-
-
 class Missed(NamedTuple):
     """Distance of images from the words' claims; the least is the best."""
 
@@ -94,7 +47,7 @@ class Missed(NamedTuple):
 
 
 class Search:
-    """One vibe. Nothing in it changes from round to round but the judge's guidance.
+    """One vibe. Its claims and the artist's images are settled in the first round; guidance follows the advice.
 
     Without an advisor the offline planner is asked; without a method it is the product's.
 
@@ -141,7 +94,13 @@ class Search:
         # Variants have the time of one vibe in common, as far as that goes.
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds
         self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, observer)
-        self.judge = ImageJudge(self.method, encoder, bool(options.encoder), stage.claims)
+        self._encoder = encoder
+        self.claims: tuple[Claim, ...] = ()  # of words and reference image; none before the first round
+        self._artist: list[
+            Render
+        ] = []  # each shot's image of the artist's values: guidance is relative to it
+        self._asked: object = None  # what the guidance is for
+        self._guidance: list[Guidance] = []  # of each shot
         alone = len(self.shots) == 1 and observer.wants_looks
         self.looks = Looks(self.shots[0], described) if alone else None
 
@@ -170,30 +129,40 @@ class Search:
     def show(self, shots: Sequence[ShotState], u: Tensor) -> None:
         """Shows the best look so far, at u (N,)."""
         if self.looks:
-            self.observer.look(self.looks.drawn(u, self.judge.claims, shots[0]))
+            self.observer.look(self.looks.drawn(u, self.claims, shots[0]))
 
     def confine(self, here: RoundStart) -> Confined:
         """Lines 2 to 5 and 7 of Algorithm 1: render, parse, compose, confine, project."""
-        u = here.u
+        u = artist = here.u
         shots = [shot.anchored(u, here.number) for shot in here.shots]
         advice = self.confiner.advise(shots, u, here.earlier)
-        begins, artist = not self.judge.has_begun, u
-        if begins:  # at the artist's own values
-            self.judge.begin(shots, u, advice.goals)
-        first, *others = self.judge.equipped(shots, advice)
+        if begins := not self._artist:
+            self.claims = self.method.claims(self._stage.claims(advice.goals))
+            self._artist = [shot.draw(u) for shot in shots]
+        first, *others = self._equipped(shots, u, advice)
         shots = [first, *(shot.planned(advice.plan) for shot in others)]
         if not here.earlier and here.start.drawn is None:
             u = start_point(self.vector, advice.plan, u)
-        now = self.confiner.confined(advice, u, here, shots, self.judge.claims)
+        now = self.confiner.confined(advice, u, here, shots, self.claims)
         if begins:
             image = shots[0].draw(artist).display
             with torch.no_grad():
                 self.observer.begin(image, not (is_black(image) and is_black(shots[0].draw(now.u).display)))
         return now
 
-    def placed(self, now: Confined, here: RoundStart) -> Confined:
+    def _equipped(self, shots: Sequence[ShotState], u: Tensor, advice: Advice) -> list[ShotState]:
+        """The shots at u (N,) with the claims, where they have none yet, and with guidance by a round's advice."""
+        if self._asked != (asked := (advice.prompts, advice.unmeasured)):
+            self._asked, every = asked, bool(self.options.encoder)
+            self._guidance = [
+                self.method.guidance(self._encoder, advice, image, every) for image in self._artist
+            ]
+        rows = zip(shots, self._artist, self._guidance, strict=True)
+        return [replace(shot.judged(self.claims, image, u), guidance=g) for shot, image, g in rows]
+
+    def placed(self, now: Confined) -> Confined:
         """The round at the point where its steps begin, with the proxies corrected there."""
-        u = now.u
+        u, here = now.u, now.here
         if not here.earlier and self.reference and self.reference.same:
             goal = self.reference.display
             u = with_key_turned(self.shots[0].scene, self.vector, u, now.lower, now.upper, goal)
@@ -208,13 +177,12 @@ class Search:
     def descend(self, now: Confined, chosen: Selection) -> Descent:
         """Lines 8 to 15 of Algorithm 1, from the round's point, where S_K was chosen."""
         movable = self.vector.mark(chosen.keys) & (now.upper > now.lower)
-        seed, follow = self.options.seed * 1000 + now.number, self.clock.follow(now.number)
+        seed, follow = self.options.seed * 1000 + now.here.number, self.clock.follow(now.here.number)
         return self.method.descend(now, chosen, movable, self.options.steps, seed, follow)
 
     def seen(self, shots: Sequence[ShotState], u: Tensor, number: int) -> tuple[list[ShotState], Missed]:
         """The shots as Cycles has them at u (N,), in a round of this number, and how far they are there from the claims."""
         shots = [shot.anchored(u, number).viewed(u) for shot in shots]
-        with torch.no_grad():
-            residuals = [r for shot in shots for r in shot.residuals(shot.draw(u))]
-            distance = float(claims_loss(residuals)) if residuals else 0.0
+        residuals = [r for shot in shots for r in shot.missed(u)]
+        distance = float(claims_loss(residuals)) if residuals else 0.0
         return shots, Missed(round(distance, 3), sum(float(r.norm()) > HOLDS for r in residuals))

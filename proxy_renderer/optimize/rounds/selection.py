@@ -87,7 +87,9 @@ def select(
         parts[key] = slice(end - int(wide[vector.slices[key]].sum()), end)
 
     candidates = needed(plan, model, parts, low, high)
-    keys, shared = choose(plan, options.top_k, model, candidates, low, high, _HALF + _MISSED * now.opening)
+    keys, shared = choose(
+        plan, options.top_k, model, candidates, low, high, _HALF + _MISSED * now.here.opening
+    )
     mine = torch.zeros(len(low), dtype=torch.bool)
     for key in keys:
         mine[parts[key]] = True

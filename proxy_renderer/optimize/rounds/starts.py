@@ -51,7 +51,7 @@ def find_starts(search: Search) -> list[Start]:
     tried = []
     for point in drawn:
         here = RoundStart.at(Start(point, now.shots, turned=turned(now.plan, search.vector, point)))
-        there = search.confiner.confined(now.advice, point, here, now.shots, search.judge.claims)
+        there = search.confiner.confined(now.advice, point, here, now.shots, search.claims)
         tried.append(_coarse_pass(search, point, there))
         if search.observer.stopped():
             break
@@ -74,7 +74,7 @@ def _coarse_pass(search: Search, point: Tensor, now: Confined) -> tuple[Tensor, 
         guidance = copy(shot.guidance)
         assert guidance is not None
         guidance.views = Views(1, 1, 1)
-        few.append(replace(shot, guidance=guidance))
+        few.append(replace(shot.viewed(point), guidance=guidance))
     chosen = search.select(now, point, few)
     movable = search.vector.mark(chosen.keys) & (now.upper > now.lower)
     here, seed = replace(now, u=point), search.options.seed
@@ -87,7 +87,7 @@ def _coarse_pass(search: Search, point: Tensor, now: Confined) -> tuple[Tensor, 
         for shot, image in zip(now.shots, images, strict=True):
             assert shot.guidance is not None
             terms = [*shot.guidance(image.display, image.mask, fixed_views()).values()]
-            if residuals := shot.residuals(image):
+            if residuals := shot.missed(u):
                 terms.append(search.method.weights.claims * claims_loss(residuals))
             losses.append(float(sum(terms)))
     return u, sum(losses) / len(losses), images[0].display
