@@ -157,6 +157,7 @@ def _shown_strength(srgb: Values, instance: Instance, sources: Sources) -> Range
 
 _MIDDLE = 45.0  # L* that neither brightens nor darkens; "slightly" moves towards it
 _IN_PLACE_OF_KEY = Effect("world", "strength", "lightness", (62.0,), (88.0,))
+_LEAST_COMPONENT = 0.25  # of a glow's greatest: what lacks a color cannot be tinted to have it
 _NEUTRAL, _KELVIN, _WARM_TO_COOL = 6500.0, (1200.0, 16000.0), (2700.0, 11000.0)
 _OFF_WHITE = 50.0  # degrees of hue from warm and from cool light
 _AS_NAMED = (
@@ -181,6 +182,8 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
         low, high = _MODES.get(effect.mode, _plain)(effect, attribute.strength, instance, sources)
     if attribute.shades and effect.name in OWN_COLOR:
         low, high = beyond_present(low, high, attribute, instance)
+    if instance.parameter.name == "emission_color" and effect.family.startswith("light/"):
+        low, high = _over_glow(low, high, _computed_glow(instance, sources))
     if effect.family == "material/emission" and not effect.mode and instance.owner in sources.scene.emitters:
         computed = max(sources.scene.emitters[instance.owner].strength, 1e-3)
         low, high = (low[0] / computed,), (high[0] / computed,)
@@ -216,10 +219,28 @@ def _spread(values: Values, instance: Instance) -> Values:
     return values * instance.parameter.components if len(values) == 1 else values
 
 
+def _computed_glow(instance: Instance, sources: Sources) -> Values:
+    glow = sources.scene.emitters.get(instance.owner)
+    return glow.color if glow else (1.0, 1.0, 1.0)
+
+
+def _over_glow(low: Values, high: Values, own: Values) -> Range:
+    """The tints that turn the mean color of a computed glow into those of a range, as far as its components allow."""
+    if max(own) - min(own) < 1e-3:
+        return low, high
+    least = _LEAST_COMPONENT * max(*own, 1e-6)
+    tints = [
+        tuple(w / max(v, least) for w, v in zip(wanted * (3 // len(wanted)), own, strict=True))
+        for wanted in (low, high)
+    ]
+    top = max(tints[1])
+    return tuple(v / top for v in tints[0]), tuple(v / top for v in tints[1])
+
+
 def _glow_color(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
     """Colors of a glow between two temperatures; one of a color that no temperature has keeps it."""
-    glow = sources.scene.emitters.get(instance.owner)
-    color = tuple(a * b for a, b in zip(instance.value, glow.color, strict=True)) if glow else instance.value
+    computed = _computed_glow(instance, sources)
+    color = tuple(a * b for a, b in zip(instance.value, computed, strict=True))
     own = srgb_from_linear(tuple(v / max(*color, 1e-6) for v in color))
     vivid = all(hue_apart(own, srgb_from_linear(kelvin_color(k))) > _OFF_WHITE for k in _WARM_TO_COOL)
     ends = scaled(effect.lower[0], effect.upper[0], _NEUTRAL, strength, _KELVIN)
