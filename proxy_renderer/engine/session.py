@@ -200,9 +200,9 @@ class EngineSession:
             return {}
         self._observer.stage("asking the judge")
         model = Client(self._model.endpoint)
-        figure = self._sheet([[("After", after)], [("Before", before)]])
+        column = judge.Column("The scene", self.prompt, after, before)
         try:
-            verdict = asdict(judge.judge(model, figure, ["The scene"], judge.BEFORE_AFTER))
+            verdict = asdict(judge.judge(model, [column], judge.BEFORE_AFTER))
         except VibeError as error:
             verdict = {"error": str(error)}
         return {"model": model.endpoint.model, **verdict, **model.usage.account()}

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The model as parser and confiner: it improves on the offline planner's draft, which stands in where it fails.
 
-A model's answer is checked field by field: what is right is used, what is not is mended or dropped. Nothing of it is ever run,
-opened or looked up: it is numbers, classes of ours, and short texts.
+A model's answer is checked field by field: what is right is used, what is not is mended or dropped, and counted. Nothing of it
+is ever run, opened or looked up: it is numbers, classes of ours, and short texts.
 """
 
 import math
@@ -24,10 +24,10 @@ from ..words.lexicon.quantities import quantities
 from ..words.parser import Understood, parse
 from ..words.types import Attribute, Parsed, PromptObject, SceneDescription
 from .client import Client, jpeg_of
-from .request import CAPTIONS, REGIONS, AliasTable, make_question
+from .request import CAPTIONS, REGIONS, SLOTS, AliasTable, make_question
 from .transport import ModelError, clean
 
-_MOST_TEXTS, _MOST_ENTRIES = 8, 200
+_MOST_OBJECTS, _MOST_TEXTS, _MOST_ENTRIES = 12, 8, 200
 _CAPTION, _WORD, _REASON = 160, 60, 160
 _LAST = 99  # greatest priority
 _NARROWEST = 0.04  # of the perceptual scale: a plan says where, the gradient where exactly
@@ -39,12 +39,17 @@ _NEGATION = re.compile(r"\b(no|not|never|without|n't)\b", re.IGNORECASE)
 class Reply:
     """A model's proposals; fields are empty where its answer had nothing usable."""
 
+    objects: list[PromptObject] = field(default_factory=list)  # what the look describes
     prompts: Prompts = field(default_factory=lambda: Prompts("", "", ""))  # captions; "" and () for none
     targets: dict[str, str] = field(default_factory=dict)  # quantity -> class
     colors: dict[Region, Values] = field(default_factory=dict)  # region -> sRGB that it should show
     ignored: list[str] = field(default_factory=list)  # words that no parameter can express
     entries: dict[str, PlanEntry] = field(default_factory=dict)  # key -> plan entry, within hard bounds
     keep: set[str] = field(default_factory=set)  # keys that should not move
+    clipped: int = 0  # ranges that lay outside of their bounds, in part or entirely
+    mended: int = 0  # ranges upside down or without width, and captions that the encoder would misread
+    dropped: int = 0  # fields and entries that were of no use
+    missing: int = 0  # fields that the schema has and the answer has not
 
     @property
     def useful(self) -> bool:
@@ -54,60 +59,95 @@ class Reply:
 
 def read_reply(raw: dict[str, Any], table: AliasTable) -> Reply:
     """Checks an answer."""
+    reply = Reply()
+    fields = ("objects", "prompts", "targets", "colors", "ignored", "plan", "keep")
+    reply.missing = sum(name not in raw for name in fields)
+    reply.dropped = len(set(raw) - set(fields))
+    reply.objects = _objects(raw.get("objects"), table, reply)
+    reply.prompts = _prompts(raw.get("prompts"), reply)
     classes = {name: quantity.classes for name, quantity in quantities().by_name.items()}
-    colors = _usable(raw.get("colors"), lambda name, text: name in REGIONS and is_hex(text))
-    entries: dict[str, PlanEntry] = {}
-    for item in _list(raw.get("plan"))[:_MOST_ENTRIES]:
-        if (made := _entry(item, table)) is not None:
-            entries.setdefault(*made)
-    kept = [n for n in _list(raw.get("keep"))[:_MOST_ENTRIES] if isinstance(n, str) and n in table.rows]
-    return Reply(
-        prompts=_prompts(raw.get("prompts")),
-        targets=_usable(raw.get("targets"), lambda name, text: text in classes.get(name, ())),
-        colors={region: srgb_from_hex(text) for region, text in colors.items()},  # type: ignore[misc]
-        ignored=_texts(raw.get("ignored"), _WORD),
-        entries=entries,
-        keep={table.rows[name].key for name in kept} - set(entries),
-    )
+    reply.targets = _usable(raw.get("targets"), lambda name, text: text in classes.get(name, ()), reply)
+    colors = _usable(raw.get("colors"), lambda name, text: name in REGIONS and is_hex(text), reply)
+    reply.colors = {region: srgb_from_hex(text) for region, text in colors.items()}  # type: ignore[misc]
+    reply.ignored = _texts(raw.get("ignored"), _WORD)
+    for item in _list(raw.get("plan"), reply)[:_MOST_ENTRIES]:
+        _add_entry(item, table, reply)
+    for name in _list(raw.get("keep"), reply)[:_MOST_ENTRIES]:
+        if isinstance(name, str) and name in table.rows:
+            reply.keep.add(table.rows[name].key)
+        else:
+            reply.dropped += 1
+    reply.keep -= set(reply.entries)
+    return reply
 
 
-def _prompts(raw: Any) -> Prompts:
+def _objects(raw: Any, table: AliasTable, reply: Reply) -> list[PromptObject]:
+    objects = []
+    names = {t.id: i.owner for t in table.aliases for n, i in table.rows.items() if n.startswith(f"{t.id}/")}
+    for item in _list(raw, reply)[:_MOST_OBJECTS]:
+        region = item.get("region") if isinstance(item, dict) else None
+        if region not in REGIONS:
+            reply.dropped += 1
+            continue
+        given, worn = item.get("attributes"), item.get("materials")
+        given = given if isinstance(given, dict) else {}
+        attributes = {slot: words for slot in SLOTS if (words := clean(given.get(slot), _CAPTION))}
+        worn = [m for m in worn if isinstance(m, str)] if isinstance(worn, list) else []
+        owners = tuple(names[m] for m in worn if m in names)
+        objects.append(PromptObject(clean(item.get("name"), _WORD) or region, region, attributes, owners))
+    return objects
+
+
+def _prompts(raw: Any, reply: Reply) -> Prompts:
     """Captions; one with a negation is no use to an encoder, which reads past the "no"."""
     given = raw if isinstance(raw, dict) else {}
 
     def usable(name: str) -> tuple[str, ...]:
         value = given.get(name)
         captions = _texts(value if isinstance(value, list) else [value], _CAPTION)
-        return tuple(t for t in captions if not _NEGATION.search(t))
+        fine = tuple(t for t in captions if not _NEGATION.search(t))
+        reply.mended += len(captions) - len(fine)
+        return fine
 
     subject, surroundings, whole = ("".join(usable(name)[:1]) for name in CAPTIONS)
     return Prompts(subject, surroundings, whole, *(usable(f"{name}_negatives") for name in CAPTIONS))
 
 
-def _usable(raw: Any, fits: Callable[[str, str], bool]) -> dict[str, str]:
-    """The texts in an object that fit their names."""
-    given = raw if isinstance(raw, dict) else {}
-    texts = {name: value.strip() for name, value in given.items() if isinstance(value, str)}
-    return {name: text for name, text in texts.items() if fits(name, text)}
+def _usable(raw: Any, fits: Callable[[str, str], bool], reply: Reply) -> dict[str, str]:
+    """The texts in an object that fit their names; others that are not empty are counted as dropped."""
+    found = {}
+    for name, value in (raw if isinstance(raw, dict) else {}).items():
+        if isinstance(value, str) and fits(name, value.strip()):
+            found[name] = value.strip()
+        elif value not in ("", None):
+            reply.dropped += 1
+    return found
 
 
-def _entry(item: Any, table: AliasTable) -> tuple[str, PlanEntry] | None:
-    """A parameter's key and its plan, in its own unit, within its bounds, and with some width; None where it is no plan."""
+def _add_entry(item: Any, table: AliasTable, reply: Reply) -> None:
+    """One entry of the plan, in the parameter's own unit, within its bounds, and with some width."""
     name = item.get("parameter") if isinstance(item, dict) else None
     instance = table.rows.get(name) if isinstance(name, str) else None
-    if instance is None:
-        return None
-    lower, upper = (_numbers(item.get(side), instance.parameter.components) for side in ("lower", "upper"))
+    if instance is None or instance.key in reply.entries:
+        reply.dropped += 1
+        return
+    count = instance.parameter.components
+    ends = [_numbers(item.get(side), count) for side in ("lower", "upper")]
+    lower, upper = (e if e is not None else o for e, o in zip(ends, reversed(ends), strict=True))
     if lower is None or upper is None:
-        return None
+        reply.dropped += 1
+        return
     least, most = table.bounds(instance)
     low, high = (tuple(min(max(v, least), most) for v in end) for end in (lower, upper))
-    planned = clip(*table.in_schema_units(instance, *table.ordered(instance, low, high)), instance)
-    priority = item.get("priority")
-    number = priority if type(priority) is int else 5
-    reason = clean(item.get("reason"), _REASON) or "part of the look"
+    reply.clipped += (low, high) != (lower, upper)
+    ordered = table.ordered(instance, low, high)
+    planned = clip(*table.in_schema_units(instance, *ordered), instance)
     wide = widened(instance, *planned)
-    return instance.key, PlanEntry(*wide, min(max(number, 1), _LAST), f"model: {reason}", prior=0.0)
+    reply.mended += None in ends or ordered != (low, high) or wide != planned
+    priority = item.get("priority")
+    number = priority if isinstance(priority, int) and not isinstance(priority, bool) else 5
+    reason = clean(item.get("reason"), _REASON) or "part of the look"
+    reply.entries[instance.key] = PlanEntry(*wide, min(max(number, 1), _LAST), f"model: {reason}", prior=0.0)
 
 
 def widened(instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
@@ -142,12 +182,15 @@ def _numbers(raw: Any, count: int) -> Values | None:
 
 
 def _texts(raw: Any, longest: int) -> list[str]:
-    cleaned = (clean(t, longest) for t in _list(raw))
+    cleaned = (clean(t, longest) for t in (raw if isinstance(raw, list) else []))
     return [t for t in dict.fromkeys(cleaned) if t][:_MOST_TEXTS]
 
 
-def _list(raw: Any) -> list[Any]:
-    return raw if isinstance(raw, list) else []
+def _list(raw: Any, reply: Reply) -> list[Any]:
+    if isinstance(raw, list):
+        return raw
+    reply.dropped += raw is not None
+    return []
 
 
 _MODEL = "the model"  # what stands in reports in the place of a word, where a model asks for something
@@ -170,12 +213,11 @@ class ModelAdvisor:
         self._prompt, self._words = understood.prompt, understood.scene
         self._client, self._tell = client, tell
         self._offline = OfflineAdvisor(goals, light)
-        self._last: Advice | None = (
-            None  # with the model's help, which stands in where the vocabulary knows no word
-        )
+        self._caption = ""  # the model's own words for the look: the vocabulary may know these at least
         self._failures: list[str] = []
         self._in_a_row = 0
         self._given_up = False
+        self._counts = {"clipped": 0, "mended": 0, "dropped": 0, "missing": 0}
 
     def advise(self, display: Any, instances: Mapping[str, Instance], context: SceneDescription) -> Advice:
         """The model's advice, else the offline planner's; raises VibeError if neither understands. The first display may be None."""
@@ -185,7 +227,7 @@ class ModelAdvisor:
         except VibeError as error:
             draft, unknown = None, error
         if self._given_up:
-            return self._alone(draft, unknown, self._failures[-1])
+            return self._alone(draft, unknown, instances, context, self._failures[-1])
         try:
             reply = self._ask(display, instances, context, draft)
         except ModelError as error:
@@ -194,13 +236,13 @@ class ModelAdvisor:
             self._given_up = error.lasting or self._in_a_row == _PATIENCE
             rest = "the rest is" if self._given_up else "this round is"
             self._tell(f"{error.message} So {rest} planned offline")
-            return self._alone(draft, unknown, str(error))
+            return self._alone(draft, unknown, instances, context, str(error))
         self._in_a_row = 0
-        self._last = self._combine(draft, reply, instances, context)
-        return self._last
+        self._caption = reply.prompts.whole or self._caption
+        return self._combine(draft, reply, instances, context)
 
     def account(self) -> dict[str, Any]:
-        """For report.json: the model, its cost and its failures."""
+        """For report.json: the model, its cost, its failures, and the parts of its answers that were not used."""
         return {
             "model": self._client.endpoint.model,
             "endpoint": self._client.endpoint.place,
@@ -208,6 +250,7 @@ class ModelAdvisor:
             "format": self._client.dialect.format,
             **self._client.usage.account(),
             "failures": self._failures,
+            **self._counts,
         }
 
     def _ask(
@@ -222,14 +265,20 @@ class ModelAdvisor:
             if not read_reply(raw, table).useful:
                 raise ModelError("The model's answer has nothing in it to go by.", "Use a larger model.")
 
-        return read_reply(self._client.ask(question, check), table)
+        reply = read_reply(self._client.ask(question, check), table)
+        for name in self._counts:
+            self._counts[name] += getattr(reply, name)
+        return reply
 
     def _combine(
         self, draft: Advice | None, reply: Reply, instances: Mapping[str, Instance], context: SceneDescription
     ) -> Advice:
         """The model's words where it has some, the draft's elsewhere; its ranges over the drafted ones."""
         read = draft.goals if draft else goals_of(self._read(reply.prompts.whole))
-        parsed = read.parsed if draft else replace(read.parsed, ignored=reply.ignored)
+        subject = [PromptObject(self._words.subject or "subject", "subject")]
+        objects = reply.objects or read.parsed.objects or subject
+        ignored = reply.ignored if draft is None else read.parsed.ignored
+        parsed = replace(read.parsed, objects=objects, ignored=ignored)
         # The prompt's own words come first, the model's wishes are implied.
         goals = resolved(parsed, [*read.wishes, *(each.wish for each in read.lost), *_wishes(reply)])
         composed = compose(read.parsed, read.overruled)
@@ -242,14 +291,26 @@ class ModelAdvisor:
         unmeasured = draft.unmeasured if draft else prompts
         return Advice(goals, prompts, plan, unmeasured, self._client.endpoint.model)
 
-    def _alone(self, draft: Advice | None, unknown: VibeError | None, why: str) -> Advice:
-        """The advice without the model: the draft, or the last one that the model helped with."""
-        advice = draft or self._last
-        if advice is None:
+    def _alone(
+        self,
+        draft: Advice | None,
+        unknown: VibeError | None,
+        instances: Mapping[str, Instance],
+        context: SceneDescription,
+        why: str,
+    ) -> Advice:
+        """The advice without the model: the draft, or the model's earlier caption as the vocabulary reads it."""
+        if draft is None and self._caption:
+            parsed = self._read(self._caption)
+            if parsed.attributes:
+                goals = goals_of(parsed)
+                prompts = compose(parsed, goals.overruled)
+                draft = Advice(goals, prompts, confine(goals, dict(instances), context))
+        if draft is None:
             assert unknown is not None
             problem = f"{unknown.message} And the model did not help: {why}"
             raise VibeError(problem, unknown.remedy) from unknown
-        return replace(advice, source=f"offline planner: {why}")
+        return replace(draft, source=f"offline planner: {why}")
 
     def _read(self, caption: str) -> Parsed:
         try:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Asks a model: time limits, cache, what the server cannot do."""
+"""Asks a model: time limits, cache, what the server cannot do, what it costs."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import contextlib
 import hashlib
 import io
 import json
+import os
 import re
 import time
 from collections.abc import Callable
@@ -45,7 +46,10 @@ def jpeg_of(picture: Tensor | Image.Image) -> bytes:
     return file.getvalue()
 
 
+_FORMATS = ("json_schema", "json_object", "text")
+_MOST_TOKENS = 8192  # a plan has one or two thousand; the rest is for models that think first
 _TEMPERATURE = re.compile(r"temperature", re.IGNORECASE)
+_LIMIT = re.compile(r"max_(completion_)?tokens", re.IGNORECASE)
 _FORMAT = re.compile(
     r"response_format|json_schema|json_object|schema|grammar|structured|json mode", re.IGNORECASE
 )
@@ -69,20 +73,24 @@ class Dialect:
     """The options of a request that the server has not refused so far."""
 
     def __init__(self) -> None:
-        self.format = "json_schema"  # or "text"
+        self.format = _FORMATS[0]
         self.pictures = True
         self._temperature = True
+        self._limit = "max_completion_tokens"
 
     def body(self, model: str, question: Question, earlier: list[dict[str, Any]]) -> dict[str, Any]:
         """The request; `earlier` is an answer that could not be read, and the complaint about it."""
         system = question.system
         body: dict[str, Any] = {"model": model}
-        if question.schema is not None and self.format == "json_schema":
-            strict = {"name": "reply", "strict": True, "schema": question.schema}
-            body["response_format"] = {"type": "json_schema", "json_schema": strict}
-        elif question.schema is not None:
-            schema = json.dumps(question.schema, separators=(",", ":"))
-            system += f"\n\nReply with one JSON object, and nothing else, by this JSON schema:\n{schema}"
+        if question.schema is not None:
+            if self.format == "json_schema":
+                strict = {"name": "reply", "strict": True, "schema": question.schema}
+                body["response_format"] = {"type": "json_schema", "json_schema": strict}
+            else:
+                schema = json.dumps(question.schema, separators=(",", ":"))
+                system += f"\n\nReply with one JSON object, and nothing else, by this JSON schema:\n{schema}"
+                if self.format == "json_object":
+                    body["response_format"] = {"type": "json_object"}
         content: Any = question.text
         if question.picture is not None and self.pictures:
             url = "data:image/jpeg;base64," + base64.b64encode(question.picture).decode()
@@ -90,6 +98,8 @@ class Dialect:
             content = [{"type": "text", "text": question.text}, image]
         if self._temperature:
             body["temperature"] = 0
+        if self._limit:
+            body[self._limit] = _MOST_TOKENS
         messages = [{"role": "system", "content": system}, {"role": "user", "content": content}, *earlier]
         return {**body, "messages": messages}
 
@@ -98,20 +108,27 @@ class Dialect:
         if _TEMPERATURE.search(complaint) and self._temperature:
             self._temperature = False
             return True
-        strict = question.schema is not None and self.format == "json_schema"
+        if _LIMIT.search(complaint) and self._limit:
+            self._limit = "max_tokens" if self._limit == "max_completion_tokens" else ""
+            return True
+        formats = question.schema is not None and self.format != "text"
         pictures = question.picture is not None and self.pictures
         of_picture = _PICTURE.search(complaint) and not _FORMAT.search(complaint)
-        if pictures and not question.must_see and (of_picture or not strict):
+        if pictures and not question.must_see and (of_picture or not formats):
             self.pictures = False
             return True
-        if strict:
-            self.format = "text"
-        return strict
+        if formats:
+            self.format = _FORMATS[_FORMATS.index(self.format) + 1]
+            return True
+        return False
 
     @staticmethod
     def about(complaint: str) -> bool:
         """True if a server error's words refuse a part of the request."""
-        return bool(complaint) and any(p.search(complaint) for p in (_TEMPERATURE, _FORMAT, _PICTURE))
+        return bool(complaint) and any(p.search(complaint) for p in (_TEMPERATURE, _LIMIT, _FORMAT, _PICTURE))
+
+
+_MOST = 500  # answers that are kept; the ones used longest ago go first
 
 
 class Cache:
@@ -133,7 +150,9 @@ class Cache:
         """An answer, or None."""
         path = self.folder / f"{key}.json"
         try:
-            return json.loads(path.read_text(encoding="utf-8"))["answer"]
+            answer = json.loads(path.read_text(encoding="utf-8"))["answer"]
+            os.utime(path)
+            return answer
         except (OSError, ValueError, KeyError, TypeError, RecursionError):
             return None
 
@@ -144,6 +163,9 @@ class Cache:
             with atomic.replacing(self.folder / f"{key}.json") as part:
                 part.touch(mode=0o600)
                 part.write_text(json.dumps({"answer": answer}), encoding="utf-8")
+            files = sorted(self.folder.glob("*.json"), key=lambda p: p.stat().st_mtime)
+            for path in files[:-_MOST]:
+                path.unlink(missing_ok=True)
 
 
 _VERSION = 1  # of the questions and what is made of answers; a new one forgets the cache
@@ -155,13 +177,14 @@ _AGAIN = (
 
 @dataclass
 class Usage:
-    """Requests and tokens so far."""
+    """Requests, tokens and cost so far."""
 
     calls: int = 0  # requests; one that the openai package repeats counts once
     cached: int = 0  # questions answered from the disk
     read: int = 0  # tokens of all questions, as the server counts them
     written: int = 0  # tokens of all answers
     seconds: float = 0.0  # time spent waiting
+    cost: float | None = None  # US dollars, where the server or VIBE_VLM_PRICE says what tokens cost
 
     def account(self) -> dict[str, Any]:
         """For report.json."""
@@ -170,6 +193,7 @@ class Usage:
             "cached": self.cached,
             "tokens": {"read": self.read, "written": self.written},
             "seconds": round(self.seconds, 2),
+            "cost_usd": None if self.cost is None else round(self.cost, 6),
         }
 
 
@@ -233,8 +257,7 @@ class Client:
             try:
                 self.usage.calls += 1
                 answer = self._transport.post(body, max(end - time.monotonic(), 0.1))
-                self.usage.read += answer.read
-                self.usage.written += answer.written
+                self._count(answer)
                 return answer
             except ModelError as error:
                 broken = error.broken and not self.dialect.about(error.complaint)
@@ -243,3 +266,12 @@ class Client:
                     raise
         remedy = "Use another model."
         raise ModelError(f"{self.endpoint.place} refuses everything that it is asked.", remedy, lasting=True)
+
+    def _count(self, answer: Completion) -> None:
+        use, prices = self.usage, self.endpoint.prices
+        use.read, use.written = use.read + answer.read, use.written + answer.written
+        cost = answer.cost
+        if cost is None and prices:
+            cost = (answer.read * prices[0] + answer.written * prices[1]) / 1e6
+        if cost is not None:
+            use.cost = (use.cost or 0.0) + cost

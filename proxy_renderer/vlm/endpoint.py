@@ -24,6 +24,7 @@ class Endpoint:
     url: str  # the base URL, without a slash at its end
     key: str = field(default="", repr=False)  # never written anywhere, not even by `repr`
     seconds: float = _SECONDS  # time limit of a question, repetitions included
+    prices: tuple[float, float] | None = None  # US dollars per million tokens, (read, written); None: unknown
 
     @property
     def local(self) -> bool:
@@ -48,7 +49,8 @@ def find_endpoint(
     """The model to ask, or None: no model is asked unless one is named.
 
     Options come before the environment: VIBE_VLM_MODEL, VIBE_VLM_URL (else OPENAI_BASE_URL, else
-    OpenAI's), VIBE_VLM_KEY and VIBE_VLM_TIMEOUT (seconds). OPENAI_API_KEY goes only where it belongs: to OPENAI_BASE_URL, or to
+    OpenAI's), VIBE_VLM_KEY, VIBE_VLM_TIMEOUT (seconds) and VIBE_VLM_PRICE ("2.5/10", US dollars per
+    million tokens read/written). OPENAI_API_KEY goes only where it belongs: to OPENAI_BASE_URL, or to
     OpenAI if that is not set. A `vlm_model` of "off" means none, whatever the environment says; the key is that of the
     add-on's preferences, "" for the environment's.
 
@@ -70,7 +72,7 @@ def find_endpoint(
     if not key.isascii() or not key.isprintable():
         remedy = "Copy it again, without quotes or line ends."
         raise VibeError("The model's key holds characters that no key has.", remedy)
-    endpoint = Endpoint(model, url, key, _seconds(env.get("VIBE_VLM_TIMEOUT", "")))
+    endpoint = Endpoint(model, url, key, _seconds(env.get("VIBE_VLM_TIMEOUT", "")), _prices(env))
     if not options.online and not endpoint.local:
         remedy = "Allow it in Preferences > System > Network, or use a model on this computer."
         problem = f"Blender's online access is off, and the model {model} is at {endpoint.place}."
@@ -100,3 +102,15 @@ def _seconds(text: str) -> float:
     if not 1.0 <= seconds <= 3600.0:
         raise VibeError(f"VIBE_VLM_TIMEOUT {text[:20]!r} is no time limit.", "Use 1 to 3600 seconds.")
     return seconds
+
+
+def _prices(env: Mapping[str, str]) -> tuple[float, float] | None:
+    text = env.get("VIBE_VLM_PRICE", "")
+    if not text:
+        return None
+    try:
+        read, written = (float(part) for part in text.split("/"))
+    except ValueError as error:
+        remedy = 'Use "2.5/10": US dollars per million tokens read and written.'
+        raise VibeError(f"VIBE_VLM_PRICE {text[:20]!r} is no price.", remedy) from error
+    return read, written

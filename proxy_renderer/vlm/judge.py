@@ -4,21 +4,47 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
-from PIL import Image
+from PIL import Image, ImageDraw, ImageFont, ImageOps
 
 from .client import Client, Question, jpeg_of
 from .transport import ModelError, clean
 
-INSTRUCTIONS = Path(__file__).with_name("judge.txt").read_text("utf-8").strip()
+INSTRUCTIONS = """\
+Unpaired Text-to-Appearance Evaluation Instructions
+Role: You are an evaluator for an unpaired text-to-appearance task.
+You will see ONE 2×3 comparison figure:
+• Top row = Ours
+• Bottom row = CLIP-only
+• Columns are three objects: Dolphin, Teapot, Tree.
+• Each column has its target prompt shown under the images.
+Task: Decide which method is better overall across the 3 objects.
+How to judge (only what is visible):
+• Prompt adherence: color, material (glossy/matte), lighting, fog/no-fog, vignette, background
+• Object visibility: object should be clearly visible (not too dark or washed out)
+• Attribute correctness matters more than aesthetics
+Output format (strict):
+WINNER = OURS or CLIP-ONLY or TIE
+REASON = one sentence summary"""
 """The paper's evaluation prompt, verbatim."""
 
 PAPER = ("Dolphin", "Teapot", "Tree")
 ROWS = ("Ours", "CLIP-only")
 BEFORE_AFTER = ("After", "Before")
 
+_CELL, _MARGIN, _LINE = 384, 16, 24
+_PAPER_COLOR, _INK, _FAINT = (250, 250, 248), (32, 32, 36), (120, 120, 126)
 _NUMBERS = ("zero", "one", "two", "three", "four", "five", "six")
+
+
+@dataclass(frozen=True)
+class Column:
+    """One object's two pictures."""
+
+    name: str  # of the object
+    prompt: str  # what both were asked for
+    top: Image.Image  # the first row's picture
+    bottom: Image.Image  # the second row's
 
 
 @dataclass(frozen=True)
@@ -30,17 +56,11 @@ class Verdict:
 
 
 def judge(
-    client: Client,
-    figure: Image.Image,
-    names: Sequence[str],
-    rows: tuple[str, str] = ROWS,
-    fresh: bool = False,
+    client: Client, columns: Sequence[Column], rows: tuple[str, str] = ROWS, fresh: bool = False
 ) -> Verdict:
-    """Asks a model which row of a figure is better, in the paper's words; raises ModelError if it gives no verdict.
-
-    The figure has a column for each of the named objects.
-    """
-    question = Question(instructions(names, rows), "The comparison figure:", jpeg_of(figure), must_see=True)
+    """Asks a model which row of a figure is better, in the paper's words. Raises ModelError if it gives no verdict."""
+    text = instructions([c.name for c in columns], rows)
+    question = Question(text, "The comparison figure:", jpeg_of(figure(columns, rows)), must_see=True)
     return read_verdict(client.ask(question, lambda reply: read_verdict(reply, rows), fresh), rows)
 
 
@@ -76,3 +96,40 @@ def read_verdict(text: str, rows: tuple[str, str] = ROWS) -> Verdict:
     if len({w.upper() for w in winners}) != 1:
         raise ModelError("The judge's answer names no winner.", "Use a larger model.")
     return Verdict(winners[0].upper(), clean(reasons[0], 400) if reasons else "")
+
+
+def figure(columns: Sequence[Column], rows: tuple[str, str] = ROWS) -> Image.Image:
+    """The comparison figure: two rows of pictures, a column for each object, its prompt under it."""
+    font, small = ImageFont.load_default(20), ImageFont.load_default(17)
+    lines = [_wrapped(f"{c.name}: {c.prompt}", small) for c in columns]
+    left, top = 110, _MARGIN
+    width = left + len(columns) * (_CELL + _MARGIN)
+    height = top + 2 * (_CELL + _MARGIN) + _LINE * max(map(len, lines)) + _MARGIN
+    sheet = Image.new("RGB", (width, height), _PAPER_COLOR)
+    draw = ImageDraw.Draw(sheet)
+    for row, name in enumerate(rows):
+        y = top + row * (_CELL + _MARGIN)
+        draw.text((left / 2, y + _CELL / 2), name, _FAINT, font, anchor="mm")
+        for index, column in enumerate(columns):
+            whole = (column.top, column.bottom)[row].convert("RGB")
+            picture = ImageOps.contain(whole, (_CELL, _CELL), Image.Resampling.LANCZOS)
+            x = left + index * (_CELL + _MARGIN)
+            sheet.paste(picture, (x + (_CELL - picture.width) // 2, y + (_CELL - picture.height) // 2))
+    for index, text in enumerate(lines):
+        middle = left + index * (_CELL + _MARGIN) + _CELL / 2
+        for number, line in enumerate(text):
+            below = top + 2 * (_CELL + _MARGIN) + (number + 0.5) * _LINE
+            draw.text((middle, below), line, _INK, small, anchor="mm")
+    return sheet
+
+
+def _wrapped(text: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont) -> list[str]:
+    """Lines that fit under a column; at most eight."""
+    lines = [""]
+    for word in clean(text, 1000).split():
+        longer = f"{lines[-1]} {word}".strip()
+        if font.getlength(longer) <= _CELL or not lines[-1]:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines[:8]

@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One request through the `openai` package, bounded in time, and what is read in its answer; every failure is a ModelError."""
+"""One request through the `openai` package, bounded in time and size, and what is read in its answer; every failure is a ModelError."""
 
 import json
+import queue
 import re
 import threading
 import time
 import unicodedata
 from collections.abc import Callable, Collection
-from concurrent.futures import Future
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -57,7 +56,9 @@ def clean(text: Any, longest: int) -> str:
 def scrub(value: Any, secret: str) -> Any:
     """A JSON value without a secret in any of its strings: a hostile server could send the key back.
 
-    A short secret, such as the "ollama" that local servers are given, is a word and stays.
+    Args:
+        value: Texts, lists and objects are searched, keys of objects too.
+        secret: The key. A short one, such as the "ollama" that local servers are given, is a word and stays.
 
     Example:
         >>> scrub({"error": "wrong key sk-0123456789abcdef"}, "sk-0123456789abcdef")
@@ -65,7 +66,13 @@ def scrub(value: Any, secret: str) -> Any:
     """
     if len(secret) < _SECRET:
         return value
-    return json.loads(json.dumps(value, ensure_ascii=False).replace(json.dumps(secret)[1:-1], "***"))
+    if isinstance(value, str):
+        return value.replace(secret, "***")
+    if isinstance(value, list):
+        return [scrub(v, secret) for v in value]
+    if isinstance(value, dict):
+        return {scrub(k, secret): scrub(v, secret) for k, v in value.items()}
+    return value
 
 
 def _no_number(name: str) -> float:
@@ -84,6 +91,7 @@ class ModelError(VibeError):
         self.complaint = complaint  # the server's words, which tell what it cannot do; "" for none
 
 
+LARGEST = 2_000_000  # bytes of an answer; a plan has a few thousand
 _RETRIES = 3  # of what fails for a moment: the openai package pauses before each, as long as the server says
 _TICK = 0.05
 _OVERFULL = re.compile(r"context[ _](length|size|window)|too many tokens|n_ctx", re.IGNORECASE)
@@ -97,6 +105,11 @@ class Completion:
     cut: bool  # whether it ran out of tokens
     read: int = 0  # tokens of the question; 0 if the server does not say
     written: int = 0  # tokens of the answer
+    cost: float | None = None  # US dollars, where the server says so
+
+
+class _TooLong(Exception):
+    pass
 
 
 class Transport:
@@ -113,27 +126,34 @@ class Transport:
         a byte a minute, the time limit holds and Stop is heard.
         """
         client = self._connect()
-        answer: Future[Completion] = Future()
+        box: queue.Queue[Completion | ModelError] = queue.Queue()
 
         def act() -> None:
             try:
                 response = client.chat.completions.with_raw_response.create(**body, timeout=seconds)
-                answer.set_result(read_completion(response.http_response.content))
+                box.put(read_completion(response.http_response.content))
             except ModelError as error:
-                answer.set_exception(error)
+                box.put(error)
             except Exception as error:
-                answer.set_exception(self._explain(error))
+                box.put(self._explain(error))
 
         threading.Thread(target=act, daemon=True).start()
         # Look at the answer, at Stop and at the clock in turn.
         end = time.monotonic() + seconds
-        while time.monotonic() < end and not self._stop():
-            with suppress(TimeoutError):
-                return answer.result(_TICK)
-        self.close()
-        if self._stop():
-            raise ModelError("You stopped it.", "", lasting=True)
-        raise self._late(seconds)
+        while True:
+            try:
+                outcome = box.get(timeout=_TICK)
+            except queue.Empty:
+                if self._stop():
+                    self.close()
+                    raise ModelError("You stopped it.", "", lasting=True) from None
+                if time.monotonic() > end:
+                    self.close()
+                    raise self._late(seconds) from None
+                continue
+            if isinstance(outcome, ModelError):
+                raise outcome
+            return outcome
 
     def close(self) -> None:
         """Ends the connection; the next request makes a new one."""
@@ -150,7 +170,7 @@ class Transport:
                 raise ModelError("The openai package cannot be imported.", remedy, lasting=True) from error
             point = self.endpoint
             # A redirect could take the picture elsewhere; a proxy has no business on this computer.
-            http = openai.DefaultHttpxClient(follow_redirects=False, trust_env=not point.local)
+            http = _bounded(openai.DefaultHttpxClient)(follow_redirects=False, trust_env=not point.local)
             self._client = openai.OpenAI(
                 base_url=point.url, api_key=point.key or "none", max_retries=_RETRIES, http_client=http
             )
@@ -172,6 +192,9 @@ class Transport:
         if isinstance(error, openai.APIStatusError):
             complaint = _complaint(error, point.key)
             return explain_status(error.status_code, complaint, error.response.headers, point)
+        if isinstance(error, _TooLong) or isinstance(error.__cause__, _TooLong):
+            remedy = "Check that it is the right endpoint."
+            return ModelError(f"{point.place} sent more than {LARGEST // 10**6} MB.", remedy)
         if isinstance(error, openai.APIConnectionError):
             why = scrub(" ".join(str(error.__cause__ or "").split())[:120], point.key)
             problem = f"{point.place} cannot be reached{f' ({why})' if why else ''}."
@@ -187,10 +210,14 @@ def read_completion(raw: bytes) -> Completion:
         choice = body["choices"][0]
         message, usage = choice["message"], body.get("usage") or {}
         text = message.get("content") or ""
+        if isinstance(text, list):  # parts
+            text = "".join(part.get("text") or "" for part in text)
         if not isinstance(text, str):
             raise TypeError
         read, written = (_count(usage.get(n)) for n in ("prompt_tokens", "completion_tokens"))
-        return Completion(text, choice.get("finish_reason") == "length", read, written)
+        cost = usage.get("cost")
+        cost = float(cost) if isinstance(cost, int | float) and 0 <= cost < 1e6 else None
+        return Completion(text, choice.get("finish_reason") == "length", read, written, cost)
     except (ValueError, KeyError, IndexError, TypeError, AttributeError, RecursionError) as error:
         remedy = "Check the base URL: it usually ends in /v1."
         raise ModelError("The endpoint's answer is not a chat completion.", remedy) from error
@@ -237,3 +264,25 @@ def _complaint(error: Any, key: str) -> str:
 
 def _count(value: Any) -> int:
     return value if isinstance(value, int) and 0 <= value < 10**9 else 0
+
+
+def _bounded(base: Any) -> Any:
+    """An HTTP client that reads no more than LARGEST bytes of any answer, errors included."""
+
+    class Bounded(base):
+        def send(self, request: Any, **how: Any) -> Any:
+            how["stream"] = True
+            response = super().send(request, **how)
+            body = bytearray()
+            try:
+                for chunk in response.iter_bytes():
+                    body += chunk
+                    if len(body) > LARGEST:
+                        raise _TooLong
+            finally:
+                response.close()
+            dropped = ("content-encoding", "content-length", "transfer-encoding")
+            headers = [(k, v) for k, v in response.headers.multi_items() if k.lower() not in dropped]
+            return type(response)(response.status_code, headers=headers, content=bytes(body), request=request)
+
+    return Bounded

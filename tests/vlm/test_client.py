@@ -15,7 +15,7 @@ from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.messages import Options
 from proxy_renderer.vlm.client import Cache, Client, Question
 from proxy_renderer.vlm.endpoint import OPENAI, Endpoint, find_endpoint
-from proxy_renderer.vlm.transport import ModelError
+from proxy_renderer.vlm.transport import LARGEST, ModelError
 
 SCHEMA = {
     "type": "object",
@@ -48,10 +48,10 @@ def failure(behave, question=QUESTION, seconds=5.0):
     return error, model
 
 
-def test_a_strict_answer_and_its_tokens(monkeypatch):
+def test_a_strict_answer_and_what_it_costs(monkeypatch):
     monkeypatch.setenv("OPENAI_ORG_ID", "org-mine")
     with serving(lambda body, n: says(RED)) as model:
-        client = asking(model)
+        client = Client(Endpoint(MODEL, model.url, KEY, 5.0, (2.0, 10.0)))
         assert client.ask(QUESTION) == RED
     body = model.asked[0]
     assert body["response_format"]["json_schema"]["strict"] is True
@@ -62,6 +62,7 @@ def test_a_strict_answer_and_its_tokens(monkeypatch):
     account = client.usage.account()
     assert (account["calls"], account["cached"]) == (1, 0)
     assert account["tokens"] == {"read": 100, "written": 20}
+    assert account["cost_usd"] == pytest.approx(0.0004)
 
 
 def test_what_a_server_refuses_is_left_out():
@@ -69,8 +70,12 @@ def test_what_a_server_refuses_is_left_out():
         kind = body.get("response_format", {}).get("type")
         if "temperature" in body:
             return refuses(400, "Unsupported value: 'temperature' does not support 0 with this model.")
+        if "max_completion_tokens" in body:
+            return refuses(400, "Unrecognized request argument supplied: max_completion_tokens")
         if kind == "json_schema":
             return refuses(400, "response_format json_schema is not supported")
+        if kind == "json_object":
+            return refuses(400, "'response_format.type' must be 'json_schema' or 'text'")
         if has_picture(body):
             return refuses(500, "image input is not supported - hint: you may need to provide the mmproj")
         assert json.dumps(SCHEMA, separators=(",", ":")) in body["messages"][0]["content"]
@@ -234,6 +239,23 @@ def test_stop_is_heard_while_waiting():
     assert time.monotonic() - start < 2.0
 
 
+@pytest.mark.parametrize("status", [200, 500])
+def test_a_huge_answer_is_not_read(status):
+    sent = []
+
+    def flood(handler):
+        handler.send_response(status)
+        handler.send_header("Transfer-Encoding", "chunked")
+        handler.end_headers()
+        for _ in range(20 * LARGEST // 65536):
+            handler.wfile.write(b"10000\r\n" + b" " * 65536 + b"\r\n")
+            sent.append(65536)
+
+    error, _ = failure(lambda body, n: flood)
+    assert "more than 2 MB" in error.message
+    assert sum(sent) < 10 * LARGEST
+
+
 def hang_up(handler):
     handler.send_response(200)
     handler.send_header("Content-Length", "1000")
@@ -278,6 +300,16 @@ def test_a_cache_that_cannot_be_written(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
     with serving(lambda body, n: says(RED)) as model:
         assert asking(model).ask(QUESTION) == RED
+
+
+def test_the_cache_is_pruned(tmp_path, monkeypatch):
+    monkeypatch.setattr("proxy_renderer.vlm.client._MOST", 3)
+    cache = Cache(tmp_path / "few")
+    for n in range(6):
+        cache.write(cache.key(n), n)
+        time.sleep(0.01)
+    assert [cache.read(cache.key(n)) for n in range(6)] == [None, None, None, 3, 4, 5]
+    assert len(list((tmp_path / "few").iterdir())) == 3
 
 
 def test_the_key_is_nowhere(tmp_path):
@@ -336,6 +368,7 @@ class TestEndpoint:
             {},
             {"OPENAI_API_KEY": KEY, "VIBE_VLM_TIMEOUT": "soon"},
             {"OPENAI_API_KEY": KEY, "VIBE_VLM_TIMEOUT": "0"},
+            {"OPENAI_API_KEY": KEY, "VIBE_VLM_PRICE": "cheap"},
             {"OPENAI_API_KEY": "sk-ключ"},
             {"OPENAI_API_KEY": "sk-a\nb"},
         ],

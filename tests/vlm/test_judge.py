@@ -9,14 +9,13 @@ import pytest
 from model_server import KEY, MODEL, refuses, says, serving
 from PIL import Image
 
-from lab.bench.paper.figures import Column, figure
 from proxy_renderer.vlm import judge
 from proxy_renderer.vlm.client import Client
 from proxy_renderer.vlm.endpoint import Endpoint
 from proxy_renderer.vlm.transport import ModelError
 
 RED, BLUE = (Image.new("RGB", (90, 60), c) for c in ("#cc2222", "#2222cc"))
-SHEET = figure([Column(name, f"a {name} prompt " * 9, RED, BLUE) for name in judge.PAPER])
+COLUMNS = [judge.Column(name, f"a {name} prompt " * 9, RED, BLUE) for name in judge.PAPER]
 WON = "WINNER = OURS\nREASON = It is red."
 
 
@@ -28,7 +27,7 @@ def own_cache(monkeypatch, tmp_path):
 def test_the_paper_s_figure_is_judged_by_the_paper_s_words():
     with serving(lambda body, n: says(WON)) as model:
         client = Client(Endpoint(MODEL, model.url, KEY, 5.0))
-        assert judge.judge(client, SHEET, judge.PAPER) == judge.Verdict("OURS", "It is red.")
+        assert judge.judge(client, COLUMNS) == judge.Verdict("OURS", "It is red.")
     system, user = model.asked[0]["messages"]
     assert system["content"] == judge.INSTRUCTIONS
     assert "response_format" not in model.asked[0]
@@ -81,15 +80,15 @@ def test_no_verdict(said):
 def test_a_loose_answer_is_asked_for_once_more_and_not_kept(tmp_path):
     with serving(lambda body, n: says("Ours, I think." if n != 2 else WON)) as model:
         client = Client(Endpoint(MODEL, model.url, KEY, 5.0))
-        assert judge.judge(client, SHEET, judge.PAPER).winner == "OURS"
-        assert judge.judge(client, SHEET, judge.PAPER).winner == "OURS"  # from the cache
+        assert judge.judge(client, COLUMNS).winner == "OURS"
+        assert judge.judge(client, COLUMNS).winner == "OURS"  # from the cache
         assert len(model.asked) == 2
         with pytest.raises(ModelError, match="no winner"):
-            judge.judge(client, SHEET, judge.PAPER, fresh=True)
+            judge.judge(client, COLUMNS, fresh=True)
 
 
 def test_a_model_that_does_not_see_does_not_judge():
     with serving(lambda body, n: refuses(400, "image input is not supported")) as model:
         with pytest.raises(ModelError, match="image"):
-            judge.judge(Client(Endpoint(MODEL, model.url, KEY, 5.0)), SHEET, judge.PAPER)
+            judge.judge(Client(Endpoint(MODEL, model.url, KEY, 5.0)), COLUMNS)
         assert len(model.asked) == 1

@@ -121,7 +121,7 @@ class TestQuestion:
         many |= {i.key: i for i in (instance("material/roughness", "Hero", role="subject"),)}
         table = AliasTable(many, SceneDescription(material_share={"M7": 0.9}))
         assert len(table.rows) == 10
-        assert [row["name"] for row in table.scene[:2]] == ["Hero", "M7"]
+        assert [t.name for t in table.aliases[:2]] == ["Hero", "M7"]
 
     def test_names_and_look_are_data(self, scene):
         """A name can neither leave its string nor become the name of a parameter."""
@@ -163,18 +163,21 @@ class TestReply:
     def test_a_good_one(self, table):
         body = {"messages": [{}, {"content": told(table).text}]}
         reply = read_reply(plan_for(body), table)
+        assert reply.objects[0].materials == ("Ball",)
+        assert reply.objects[0].attributes == {"color": "teal", "material": "glossy", "shape": "round"}
         assert reply.targets == {"color": "teal", "finish": "glossy"}
         assert reply.prompts.subject == "a glossy teal ball"
         assert reply.entries["material/Ball/roughness"].priority == 2
+        assert (reply.clipped, reply.mended, reply.dropped, reply.missing) == (0, 0, 0, 0)
 
     @pytest.mark.parametrize(
-        ("item", "what"),
+        ("item", "counter"),
         [
             (entry("material1/roughness", [-5], [0.3]), "clipped"),
             (entry("material1/roughness", [7], [9]), "clipped"),
             (entry("material1/roughness", [0.4], [0.1]), "mended"),
             (entry("material1/roughness", [0.4], [0.4]), "mended"),
-            (entry("material1/roughness", 0.2, None), "dropped"),
+            (entry("material1/roughness", 0.2, None), "mended"),
             (entry("material1/warp_drive", [0], [1]), "dropped"),
             (entry("material/Ball/roughness", [0], [1]), "dropped"),
             (entry("../../etc/passwd", [0], [1]), "dropped"),
@@ -189,13 +192,14 @@ class TestReply:
             ([[[]]], "dropped"),
         ],
     )
-    def test_entries_are_mended_or_dropped(self, table, item, what):
+    def test_entries_are_mended_or_dropped(self, table, item, counter):
         reply = read_reply({"plan": [item]}, table)
+        assert getattr(reply, counter) >= 1
         for key, e in reply.entries.items():
             i = next(i for i in table.rows.values() if i.key == key)
             for low, a, b, high in zip(i.lower, e.lower, e.upper, i.upper, strict=True):
                 assert low <= a < b <= high
-        assert bool(reply.entries) == (what != "dropped")
+        assert bool(reply.entries) == (counter != "dropped")
 
     def test_a_direction_from_behind(self):
         light = Instance(FAMILIES["light/azimuth"], "Rim", (170.0,))
@@ -216,6 +220,7 @@ class TestReply:
             AliasTable({free.key: free, locked.key: locked}, SceneDescription()),
         )
         assert set(reply.entries) == {"film/contrast"}
+        assert reply.dropped == 1
 
     @pytest.mark.parametrize(
         "raw",
@@ -246,6 +251,8 @@ class TestReply:
                     "subject_negatives": ["not teal", "white"] * 99,
                 },
                 "plan": [entry("film/contrast", [1.2], [1.4], reason="<script>\n" * 999, priority=-5)],
+                "objects": [{"name": "x" * 999, "region": "subject", "attributes": "all"}, {"region": "moon"}]
+                * 50,
                 "ignored": ["w" * 999, 7, None],
             },
             table,
@@ -257,6 +264,7 @@ class TestReply:
         made = reply.entries["film/contrast"]
         assert (made.priority, "\n" in made.reason) == (1, False)
         assert len(made.reason) < 200
+        assert len(reply.objects) <= 12
         assert len(reply.ignored[0]) <= 60
 
     def test_whatever_it_says(self, table):
@@ -291,7 +299,7 @@ class TestReply:
             }
             raw["plan"] = [entry(draw.choice(names), junk(2), junk(2), priority=junk(2)) for _ in range(3)]
             for key, e in read_reply(raw, table).entries.items():
-                i = next(i for i in table.rows.values() if i.key == key)
+                i = table.rows[table.names[key]]
                 assert all(
                     a <= b <= c <= d for a, b, c, d in zip(i.lower, e.lower, e.upper, i.upper, strict=True)
                 )

@@ -46,14 +46,18 @@ def failure_note(report: Mapping[str, Any]) -> str:
 
 
 def model_lines(report: Mapping[str, Any], judge: Mapping[str, Any]) -> list[str]:
-    """The model's part in a vibe: calls, tokens, failures, and its verdict, if it was asked for one."""
+    """The model's part in a vibe: calls, tokens, cost, failures, and its verdict, if it was asked for one."""
     lines = []
     if model := report.get("vlm"):
         tokens = model["tokens"]
+        cost = "" if model["cost_usd"] is None else f", {model['cost_usd']:.4f} US dollars"
         lines.append(
             f"{model['model']} was asked {model['calls']} times ({model['cached']} more from the cache; "
-            f"{tokens['read']} tokens read, {tokens['written']} written)."
+            f"{tokens['read']} tokens read, {tokens['written']} written{cost})."
         )
+        kinds = ("clipped", "mended", "dropped", "missing")
+        if unfit := [f"{model[kind]} {kind}" for kind in kinds if model[kind]]:
+            lines.append(f"Its answers did not fit everywhere: {', '.join(unfit)}.")
     if note := failure_note(report):
         lines.append(f"Note: {note}")
     if "winner" in judge:

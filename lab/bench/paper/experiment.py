@@ -189,8 +189,7 @@ def _model(planned: Sequence[Run]) -> dict[str, Any]:
 
     def word_on(rows: Sequence[tuple[Pair, Path, Path]]) -> dict[str, str]:
         try:
-            columns = figures.columns(rows)
-            return asdict(ask_model(client, figures.figure(columns), [each.name for each in columns]))
+            return asdict(ask_model(client, figures.columns(rows)))
         except VibeError as error:
             return {"error": str(error)}
 
