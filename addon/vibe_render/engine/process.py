@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import BinaryIO, TypeAlias, cast
 
 from ..core.schema_import import errors, messages, schema
-from .find import engine_environment, find_python, own_group
+from .setup import engine_environment, find_python, own_group
 
 _ABANDON_TIMEOUT = 10.0  # seconds that an engine may take to end a vibe that was given up
 

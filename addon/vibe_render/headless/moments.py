@@ -25,8 +25,7 @@ from ..scene import bindings, fog, moments, scene_context
 from ..scene.moments import Moment
 from ..scene.steps import Steps
 from .arguments import Reporter
-from .scenes import open_scene, save_blend
-from .shots import Framing, RequestedShot
+from .scenes import Framing, RequestedShot, open_scene, save_blend
 from .summary import numbered
 from .vibe import HeadlessVibe, run_one
 

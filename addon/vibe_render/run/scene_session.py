@@ -18,7 +18,7 @@ from ..engine.process import Engine
 from ..export import reading
 from ..render import reference
 from ..scene import keyframes, snapshot
-from . import before_image, preview
+from . import preview
 from .driver import Driver
 
 READING = "Reading the scene"
@@ -110,7 +110,7 @@ class SceneSession(Driver):
                 self._keyed |= keyframes.are_shown(scene)
                 captured = reading.prepare_and_capture(scene, self._choice)
                 # The camera may move before the picture comes.
-                self._before_path = before_image.path_of(scene)
+                self._before_path = preview.before_path(scene)
             visible_scene = yield from self._in_background(captured.visible_scene)
             scene = self._find_scene()
             with self._without_look(scene):

@@ -19,11 +19,10 @@ from ..scene.nodes import grade
 from ..scene.prepare import EVERYTHING, described_materials, separate_materials, shared_materials
 from ..scene.steps import Change, Steps
 from ..scene.subject import SubjectChoice, remember_subject
-from . import before_image, result
+from . import preview, result
 from .driver import ANCHORING
 from .notes import words_of
 from .scene_session import READING, SceneSession
-from .sequence import SequenceDriver
 
 PAUSING = (READING, ANCHORING)
 """Stages during which Blender is blocked: for long where the scene is large."""
@@ -31,7 +30,7 @@ _READ_WITHIN = 20.0  # seconds; a prompt that takes longer to read may describe 
 SILENT = 30.0  # seconds without a message from the engine, after which the panel says so
 
 
-class Session(SceneSession, SequenceDriver):
+class Session(SceneSession):
     """One vibe of the open scene, and then a check of its frames.
 
     Attributes:
@@ -197,7 +196,7 @@ class Session(SceneSession, SequenceDriver):
             scene = self._find_scene()
             if grade.cut_off(compat.compositor(scene)) or final_render.is_black(picture):
                 notes.check_shows(scene, self._filling, message.lit)
-            self.before = before_image.store(self._before_path, picture, not self._vibed)
+            self.before = preview.store_before(self._before_path, picture, not self._vibed)
 
     def _anchor(self, request: messages.Anchor) -> messages.Anchored:
         scene = self._find_scene()

@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 import time
-import uuid
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -33,8 +33,7 @@ class WordReadings:
         self.newest = messages.Readings("")  # the engine's last answer; of no words before that
         self._asked: _Words | None = None  # those whose readings the engine works on
         self._read: _Words = ("", ())
-        self._folder: Path | None = None  # of the sketch
-        self._is_sketched = False  # not where the scene cannot be exported
+        self._folder: Path | None = None  # of the sketch; None where the scene cannot be exported
         self._sketched: tuple[Any, ...] | None = None  # settings of the scene; None if the sketch is stale
         self._job = ""  # that the newest readings are of
         self._changed = 0.0  # time when the scene last changed
@@ -76,14 +75,12 @@ class WordReadings:
         """The folder of the sketch of the scene as it is now; None where it cannot be exported."""
         settings = _settings(scene)
         if self._sketched != settings:
-            self._folder = self._folder or Path(bpy.app.tempdir) / f"vibe-words-{uuid.uuid4().hex[:8]}"
-            try:
-                sketch_scene(scene, self._folder, scene.vibe.choice())
-                self._is_sketched = True
-            except Exception:  # a vibe says what is wrong; its words are marked all the same
-                self._is_sketched = False
-            self._sketched = settings
-        return self._folder if self._is_sketched else None
+            self._sketched, self._folder = settings, None
+            folder = Path(bpy.app.tempdir) / "vibe-words"
+            with suppress(Exception):  # a vibe says what is wrong; its words are marked all the same
+                sketch_scene(scene, folder, scene.vibe.choice())
+                self._folder = folder
+        return self._folder
 
 
 def _words(scene: bpy.types.Scene) -> _Words:

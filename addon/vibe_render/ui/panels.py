@@ -27,7 +27,6 @@ from . import (
     result,
     run,
     scope,
-    sequence,
     setup,
     steps,
     words,
@@ -98,7 +97,7 @@ def _classes(*modules: ModuleType) -> list[type]:
 
 CLASSES = [
     *_classes(setup, light_mix, properties, scope, run, live, words, picture, prompt_history),
-    *_classes(result, steps, sequence, presets, preset_files),
+    *_classes(result, steps, presets, preset_files),
     _panel("main", MainPanel),
     _panel("result", result.ResultPanel),
     _panel("mix", light_mix.MixPanel),
@@ -174,7 +173,6 @@ def register() -> None:
 def unregister() -> None:
     """Inverse of `register`; ends the engine."""
     live.unregister_keys()
-    setup.forget_warm_up()
     drawing.end_timers()
     for name, handler in _HANDLERS.items():
         getattr(bpy.app.handlers, name).remove(handler)
