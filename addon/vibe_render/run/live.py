@@ -14,7 +14,7 @@ import bpy
 from ..core.schema_import import messages, schema
 from ..engine.process import Engine
 from ..scene import snapshot
-from .scene_session import SceneSession, scene_settings
+from .session import SceneSession, scene_settings
 
 _PAUSE = 0.3  # seconds without a key, after which the words are looked at
 _SIZE = 96

@@ -15,7 +15,7 @@ from ..core import rendered
 from ..core.schema_import import messages, schema
 from ..engine.process import Engine
 from ..export.reading import sketch_scene
-from .scene_session import scene_settings
+from .session import scene_settings
 
 _QUIET = 0.5  # seconds without a change of the scene, after which its words are read anew
 _Words = tuple[str, tuple[str, ...]]

@@ -22,7 +22,6 @@ from . import (
     picture,
     preset_files,
     presets,
-    prompt_history,
     properties,
     result,
     run,
@@ -96,7 +95,7 @@ def _classes(*modules: ModuleType) -> list[type]:
 
 
 CLASSES = [
-    *_classes(setup, light_mix, properties, scope, run, live, words, picture, prompt_history),
+    *_classes(setup, light_mix, properties, scope, run, live, words, picture),
     *_classes(result, steps, presets, preset_files),
     _panel("main", MainPanel),
     _panel("result", result.ResultPanel),

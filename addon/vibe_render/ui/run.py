@@ -18,7 +18,7 @@ from ..run.driver import LOOKING
 from ..run.notes import failure_note
 from ..run.session import PAUSING, SILENT, Session
 from ..run.state import addon_state
-from . import bases, drawing, light_mix, live, prompt_history
+from . import bases, drawing, light_mix, live, words
 from .properties import SHARED
 
 _TICK = 0.02  # seconds between two steps of the session
@@ -133,8 +133,8 @@ class VIBE_OT_run(Vibing):
         if self.again and (settings.vibed_prompt or settings.vibed_like):
             settings.prompt = settings.vibed_prompt
             settings.seed += 1
-        if words := settings.prompt.strip():
-            prompt_history.remember(words, settings.target_pairs())
+        if prompt := settings.prompt.strip():
+            words.remember(prompt, settings.target_pairs())
         return addon_state.begin(context, ask)
 
 
