@@ -17,7 +17,7 @@ import bpy
 from ..core import compat, preferences
 from ..core.schema_import import atomic, messages, schema, targets
 from ..engine.process import Engine
-from ..export import notes, reading
+from ..export import analysis, notes, reading
 from ..render import anchors, final_render, reference
 from ..scene import bindings, keyframes, own_keys, snapshot
 from ..scene.nodes import grade
@@ -119,7 +119,8 @@ class SceneSession(Driver):
             scene = self._find_scene()
             with self._without_look(scene):
                 self._keyed |= keyframes.are_shown(scene)
-                captured = reading.prepare_and_capture(scene, self._choice)
+                reading.prepare_and_snapshot(scene, self._choice)
+                captured = analysis.capture(scene)
                 # The camera may move before the picture comes.
                 self._before_path = preview.before_path(scene)
             visible_scene = yield from self._in_background(captured.visible_scene)

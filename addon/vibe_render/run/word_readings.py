@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -46,11 +45,9 @@ class WordReadings:
         # Whether the newest readings are of another scene than that of now.
         return self._job != str(live) if live else self._sketched != _settings(scene)
 
-    def scene_changed(self, changed: Iterable[bpy.types.ID]) -> None:
-        """Takes the data-blocks that have changed in Blender."""
-        # Scenes change with every letter that is typed; see `scene_settings`.
-        if not all(isinstance(block, bpy.types.Scene) for block in changed):
-            self._sketched, self._changed = None, time.monotonic()
+    def scene_changed(self) -> None:
+        """Has the scene sketched anew."""
+        self._sketched, self._changed = None, time.monotonic()
 
     def step(self, engine: Engine, scene: bpy.types.Scene, live: Path | None = None) -> bool:
         """Takes what has arrived, and asks about the words of now; never waits. True if there is news."""
@@ -75,11 +72,12 @@ class WordReadings:
         """The folder of the sketch of the scene as it is now; None where it cannot be exported."""
         settings = _settings(scene)
         if self._sketched != settings:
-            self._sketched, self._folder = settings, None
+            self._folder = None
             folder = Path(bpy.app.tempdir) / "vibe-words"
             with suppress(Exception):  # a vibe says what is wrong; its words are marked all the same
                 sketch_scene(scene, folder, scene.vibe.choice())
                 self._folder = folder
+            self._sketched = settings  # last: sketching updates the scene, which counts as a change
         return self._folder
 
 

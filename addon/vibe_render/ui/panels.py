@@ -133,10 +133,11 @@ def _show_again(*_: object) -> None:
 
 @persistent
 def _after_change(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    changed = [update.id.original for update in depsgraph.updates]
-    addon_state.readings.scene_changed(changed)
-    if addon_state.live:
-        addon_state.live.scene_changed(changed)
+    # Scenes change with every letter that is typed; see `scene_settings`.
+    if not all(isinstance(update.id, bpy.types.Scene) for update in depsgraph.updates):
+        addon_state.readings.scene_changed()
+        if addon_state.live:
+            addon_state.live.scene_changed()
 
 
 _HANDLERS = {
