@@ -83,21 +83,24 @@ def image_pixels(image: bpy.types.Image) -> np.ndarray:
 def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.types.Material]:
     """A copy of a material (and of the groups on the way) that emits one of its outputs; removed after the block."""
     twin = material.copy()
-    tree = twin.node_tree
-    compat.drop_action(tree)
-    exit_, groups = exposed_output(tree, origin)
-    glow = tree.nodes.new("ShaderNodeEmission")
-    tree.links.new(exit_, glow.inputs["Color"])
-    for output in [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial"]:
-        for entry in output.inputs:
-            for link in list(entry.links):
-                tree.links.remove(link)
-        tree.links.new(glow.outputs["Emission"], output.inputs["Surface"])
-    with temporary(twin, *groups):
+    compat.drop_action(twin.node_tree)
+    with temporary(twin, *emit(twin.node_tree, origin, "Emission", "Material")):
         yield twin
 
 
-def exposed_output(
+def emit(tree: bpy.types.NodeTree, origin: ValueOrigin, shader: str, output: str) -> list[bpy.types.NodeTree]:
+    """Lets the tree of a copied material or world emit one of its outputs; returns the copies of groups made for it."""
+    exit_, groups = _exposed_output(tree, origin)
+    glow = tree.nodes.new(f"ShaderNode{shader}")
+    tree.links.new(exit_, glow.inputs["Color"])
+    for node in [n for n in tree.nodes if n.bl_idname == f"ShaderNodeOutput{output}"]:
+        for link in [link for entry in node.inputs for link in entry.links]:
+            tree.links.remove(link)
+        tree.links.new(glow.outputs[0], node.inputs["Surface"])
+    return groups
+
+
+def _exposed_output(
     tree: bpy.types.NodeTree, origin: ValueOrigin
 ) -> tuple[bpy.types.NodeSocket, list[bpy.types.NodeTree]]:
     """An output in a tree for the value of one inside its node groups, and the copies of groups made for it."""
