@@ -106,12 +106,8 @@ def _channels(scene: Scene, layers: Sequence[LightLayer]) -> list[MixChannel]:
 
 def _light_owners(scene: Scene, layer: LightLayer) -> set[tuple[str, str]]:
     """Groups and owners of the keys of a layer's lights. Of lights that share their data the first has the keys."""
-    first = {
-        m: name
-        for name, members in light_groups.sharing_data(light_groups.all_lights(scene)).items()
-        for m in members
-    }
-    return {("light", first[m]) for m in layer.members if m in first}
+    first = {light.data: light.name_full for light in reversed(light_groups.all_lights(scene))}
+    return {("light", first[m.data]) for m in layer.members if light_groups.is_light(m)}
 
 
 def _emitting(scene: Scene, layer: LightLayer) -> set[str]:

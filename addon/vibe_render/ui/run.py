@@ -31,7 +31,8 @@ class Vibing(bases.Operator):
     bl_options: ClassVar[set[str]] = {"UNDO"}  # no REGISTER: "Adjust Last Operation" would do it all again
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        self._session = self._begin(context, ask=True)
+        if done := self._start(context, ask=True):
+            return done
         self._drawn = "", 0.0
         manager = context.window_manager
         self._timer = manager.event_timer_add(_TICK, window=context.window)
@@ -42,10 +43,11 @@ class Vibing(bases.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Runs the whole vibe at once, for scripts without a window."""
-        session = self._begin(context)
+        if done := self._start(context):
+            return done
         failure = None
         while failure is None and addon_state.running:
-            failure = _advance(session)
+            failure = _advance(self._session)
             time.sleep(_TICK)  # the engine needs the core
         return self._done(failure, "ERROR")
 
@@ -77,7 +79,20 @@ class Vibing(bases.Operator):
             addon_state.cancel()
         self._clean_up(context)
 
-    def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
+    def _start(self, context: bpy.types.Context, ask: bool = False) -> set[str]:
+        """Begins; returns Blender's result where it is done already, or fails."""
+        try:
+            session = self._begin(context, ask)
+        except schema.VibeError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if session is None:
+            return self._done(None, "INFO")
+        self._session = session
+        return set()
+
+    def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session | None:
+        """Begins a session; None if there is nothing left to do."""
         raise NotImplementedError
 
     def _escape(self, context: bpy.types.Context) -> set[str]:
