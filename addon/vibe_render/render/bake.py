@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import struct
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -56,6 +57,60 @@ def _render_linear(scene: bpy.types.Scene, samples: int) -> np.ndarray:
         render_file(scene, path, LINEAR, layer=rendered.layer(scene).name)
         with temporary(bpy.data.images.load(str(path))) as image:
             return image_pixels(image)
+
+
+def render_passes(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
+    """Renders a scene; its first layer's passes by name: (H, W, RGBA or XYZW) float32, row 0 at the bottom."""
+    layer = rendered.layer(scene)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "passes.exr"
+        plain = {**LAYERS, "exr_codec": "NONE", "use_exr_interleave": True}
+        render_file(scene, path, plain, layer=layer.name)
+        channels = read_exr(path)
+    passes: dict[str, dict[str, np.ndarray]] = {}
+    for name, values in channels.items():
+        owner, _, letter = name.rpartition(".")
+        if owner.startswith(f"{layer.name}."):
+            passes.setdefault(owner[len(layer.name) + 1 :], {})[letter] = values
+    order = "RGBAXYZW"
+    return {
+        name: np.stack([letters[k] for k in sorted(letters, key=order.index)], -1)
+        for name, letters in passes.items()
+    }
+
+
+def read_exr(path: Path) -> dict[str, np.ndarray]:
+    """Channels (H, W) float32 of an OpenEXR file by their full names, row 0 at the bottom.
+
+    Blender's own Python can write such files, not read them. Only what Blender writes with the settings of `render_passes` is
+    understood: one part, scan lines, no compression, 32-bit floats (openexr.com/en/latest/OpenEXRFileLayout.html).
+    """
+    data = path.read_bytes()
+    if data[:4] != b"v/1\x01" or data[5] & 0b11010:  # tiles, deep data, several parts
+        raise ValueError(f"{path.name} is not a plain OpenEXR file")
+    header, at = {}, 8
+    while data[at]:
+        name_end = data.index(b"\0", at)
+        kind_end = data.index(b"\0", name_end + 1)
+        size = struct.unpack_from("<i", data, kind_end + 1)[0]
+        header[data[at:name_end].decode()] = data[kind_end + 5 : kind_end + 5 + size]
+        at = kind_end + 5 + size
+    if header["compression"] != b"\0":
+        raise ValueError(f"{path.name} is compressed")
+    left, low, right, high = struct.unpack("<4i", header["dataWindow"])
+    width, height = right - left + 1, high - low + 1
+    names, table, place = [], header["channels"], 0  # in the order of the lines' content
+    while table[place]:
+        end = table.index(b"\0", place)
+        if struct.unpack_from("<i", table, end + 1)[0] != 2:
+            raise ValueError("a channel does not hold 32-bit floats")
+        names.append(table[place:end].decode())
+        place = end + 17
+    line = 4 * width * len(names)
+    begin = at + 1 + 8 * height  # after the table of lines, which follow one another
+    rows = np.frombuffer(data, np.uint8, height * (line + 8), begin).reshape(height, line + 8)
+    values = np.ascontiguousarray(rows[:, 8:]).view("<f4").reshape(height, len(names), width)
+    return {name: values[::-1, i] for i, name in enumerate(names)}
 
 
 def image_channels(image: bpy.types.Image) -> np.ndarray:
