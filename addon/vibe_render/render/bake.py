@@ -190,7 +190,7 @@ def bake_view(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -
 
 def bake_uvs(material: bpy.types.Material, size: int) -> np.ndarray:
     """A (glowing) material over the unit square of its UVs: (size, size, 3) linear, row 0 at v = 0."""
-    with _empty_scene(size, size) as scene:
+    with empty_scene(size, size) as scene:
         mesh = bpy.data.meshes.new("Vibe Bake")
         mesh.from_pydata([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [], [(0, 1, 2, 3)])
         mesh.uv_layers.new().uv.foreach_set("vector", [0, 0, 1, 0, 1, 1, 0, 1])
@@ -205,7 +205,7 @@ def bake_uvs(material: bpy.types.Material, size: int) -> np.ndarray:
 
 def bake_world(world: bpy.types.World, height: int, samples: int) -> np.ndarray:
     """A world as an environment texture: (height, 2 * height, 3) linear, row 0 straight down."""
-    with _empty_scene(2 * height, height) as scene:
+    with empty_scene(2 * height, height) as scene:
         scene.world = world
         return _bake_panorama(scene, samples)
 
@@ -222,7 +222,7 @@ def _bake_panorama(scene: bpy.types.Scene, samples: int) -> np.ndarray:
 
 
 @contextmanager
-def _empty_scene(width: int, height: int) -> Iterator[bpy.types.Scene]:
+def empty_scene(width: int, height: int) -> Iterator[bpy.types.Scene]:
     """A new scene with nothing but a camera."""
     scene = bpy.data.scenes.new("Vibe Bake")
     data = bpy.data.cameras.new("Vibe Bake")
@@ -280,7 +280,7 @@ def _lit_ball(light: Object, radius: float) -> Iterator[tuple[Scene, Light]]:
     matrix = light.matrix_world.copy()
     matrix.translation = (0.0, 0.0, 0.0)
     lamp.matrix_world = matrix
-    with temporary(lamp, ball, data, mesh), _empty_scene(2 * _FACTOR_HEIGHT, _FACTOR_HEIGHT) as scene:
+    with temporary(lamp, ball, data, mesh), empty_scene(2 * _FACTOR_HEIGHT, _FACTOR_HEIGHT) as scene:
         for obj in (lamp, ball):
             scene.collection.objects.link(obj)
         yield scene, data

@@ -49,7 +49,7 @@ class RenderedMix:
 
     def __init__(self, scene: Scene) -> None:
         """Renders the scene with Cycles. Raises VibeError if there is nothing to mix, or no room on the disk."""
-        self._uid = scene.session_uid
+        self.uid = scene.session_uid
         self._folder = Path(bpy.app.tempdir) / f"vibe-mix-{uuid.uuid4().hex[:8]}"
         self._folder.mkdir()
         self.rendered, self.picture = self._folder / "rendered.png", self._folder / "mix.png"
@@ -66,10 +66,6 @@ class RenderedMix:
         except BaseException:
             self.discard()
             raise
-
-    def is_of(self, scene: Scene) -> bool:
-        """True if a scene was rendered."""
-        return scene.session_uid == self._uid
 
     def draw(self, scene: Scene, colors: Mapping[str, Color]) -> None:
         """Mixes the image anew; by layer, what its light is multiplied by."""
