@@ -27,7 +27,7 @@ from ..scene.steps import Steps
 from ..scene.subject import remember_subject
 from . import moments, summary
 from .arguments import Reporter, parse
-from .scenes import Framing, RequestedShot, open_blend, open_scene, save_blend
+from .scenes import Framing, open_blend, open_scene, save_blend
 from .vibe import HeadlessVibe, run_one
 
 _GRACE = 5.0
@@ -156,7 +156,7 @@ def frames(args: argparse.Namespace, reporter: Reporter) -> None:
     """
     args.out.mkdir(parents=True, exist_ok=True)
     scene, _, _ = open_scene(args, reporter)
-    Framing(scene).show(RequestedShot(args.scene, *args.cameras[:1]))
+    Framing(scene).show(*args.cameras[:1])
     for number in args.frames or range(scene.frame_start, scene.frame_end + 1):
         path = args.out / f"{number:04}.png"
         if not path.exists():

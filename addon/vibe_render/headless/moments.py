@@ -25,7 +25,7 @@ from ..scene import bindings, fog, moments, scene_context
 from ..scene.moments import Moment
 from ..scene.steps import Steps
 from .arguments import Reporter
-from .scenes import Framing, RequestedShot, open_scene, save_blend
+from .scenes import Framing, open_scene, save_blend
 from .summary import numbered
 from .vibe import HeadlessVibe, run_one
 
@@ -78,7 +78,7 @@ def _write(args: argparse.Namespace, reporter: Reporter, out: Outputs, found: li
     reading.prepare_and_snapshot(scene, choice)
 
     def show(frame: int) -> None:
-        framing.show(RequestedShot(args.scene, camera, frame))
+        framing.show(camera, frame)
         rendered.layer(scene).update()
 
     eyes, named = [], {each for moment in found for key in moment.values for each in moments.origins(key)}

@@ -137,22 +137,19 @@ class Framing:
         self._scene, self._camera, self._frame = scene, scene.camera, scene.frame_current
         self._markers = [(marker, marker.camera) for marker in scene.timeline_markers]
 
-    def show(self, shot: RequestedShot) -> None:
-        """Sets a shot's camera and frame; raises a VibeError if there is no such camera."""
-        scene = self._scene
-        if shot.camera:
-            camera = scene.objects.get(shot.camera)
-            if camera is None or camera.type != "CAMERA":
-                cameras = ", ".join(sorted(o.name for o in scene.objects if o.type == "CAMERA")) or "none"
-                raise schema.VibeError(
-                    f"There is no camera {shot.camera!r} in {Path(shot.scene).name}.",
-                    f"There are: {cameras}.",
-                )
+    def show(self, name: str = "", frame: int | None = None) -> None:
+        """Sets a shot's camera and frame, where it has them; raises a VibeError if there is no such camera."""
+        scene, camera = self._scene, self._scene.objects.get(name)
+        if name and (camera is None or camera.type != "CAMERA"):
+            cameras = ", ".join(sorted(o.name for o in scene.objects if o.type == "CAMERA")) or "none"
+            file = Path(bpy.data.filepath).name or "this scene"
+            raise schema.VibeError(f"There is no camera {name!r} in {file}.", f"There are: {cameras}.")
+        if name:
             for marker, _ in self._markers:  # markers would choose the camera at this frame
                 marker.camera = None
-        if shot.frame is not None:
-            scene.frame_set(shot.frame)
-        if shot.camera:
+        if frame is not None:
+            scene.frame_set(frame)
+        if name:
             scene.camera = camera
 
     def restore(self) -> None:
@@ -244,7 +241,7 @@ class ShotList:
             if self._change.values:
                 bindings.write(scene, self._change.values, (), self._change.steps.pivot)
         assert self._framing is not None
-        self._framing.show(shot)
+        self._framing.show(shot.camera, shot.frame)
         if opens and self._args.offset_keys:
             own_keys.hold(bpy.context.scene)
         return bpy.context.scene, self.choice
