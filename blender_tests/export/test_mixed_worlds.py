@@ -8,9 +8,11 @@ import pytest
 import small_scenes as scenes
 import torch
 from marks import few_of
+from vibe_render.core import compat
 from vibe_render.export import reading
 from vibe_render.render import anchors
 from vibe_render.scene import bindings, snapshot
+from vibe_render.scene.nodes import backgrounds
 from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.goals.resolve import goals_of
@@ -196,3 +198,17 @@ def test_strengths_keep_their_relation_and_come_back(studio, tmp_path):
     np.testing.assert_allclose(np.load(tmp_path / "again" / "world_image.npy"), was, atol=1e-3)
     snapshot.revert(studio)
     assert dump.difference(before, dump.contents()) == {}
+
+
+def test_a_world_is_read_through_the_output_that_cycles_takes(scene):
+    world = bpy.data.worlds.new("World")
+    tree = compat.enable_nodes(world)
+    tree.nodes.clear()
+    for target, color in (("EEVEE", RED), ("CYCLES", BLUE)):
+        output = tree.nodes.new("ShaderNodeOutputWorld")
+        output.target = target
+        tree.links.new(background(tree, color, 1.0), output.inputs["Surface"])
+    seen = backgrounds.single_background(world).node
+    assert seen.inputs["Color"].default_value[:3] == pytest.approx(BLUE)
+    seen.mute = True
+    assert backgrounds.single_background(world) is None

@@ -3,7 +3,7 @@
 
 import bpy
 import pytest
-from vibe_render.scene import steps as module
+from vibe_render.scene import snapshot
 from vibe_render.scene.steps import BY_HAND, KEY, Change, Steps
 
 from proxy_renderer.schema import VibeError
@@ -143,7 +143,7 @@ def test_steps_are_saved_with_the_file(scene, steps, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "a.blend"))
     assert Steps.of(bpy.context.scene) == steps
-    module.forget(bpy.context.scene)
+    snapshot.forget(bpy.context.scene)
     assert Steps.of(bpy.context.scene) == Steps()
 
 

@@ -56,9 +56,8 @@ def lab_from_srgb(display: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels
 _TINY = 1e-12
 
 
-def _length(*components: Tensor) -> Tensor:
-    """Euclidean length whose gradient at zero is zero, not NaN."""
-    squared = sum((c * c for c in components), torch.zeros_like(components[0]))
+def _root(squared: Tensor) -> Tensor:
+    """Square root whose gradient at zero is zero, not NaN."""
     return torch.where(squared > _TINY, squared.clamp_min(_TINY).sqrt(), torch.zeros_like(squared))
 
 
@@ -74,10 +73,10 @@ def ciede2000(
 ) -> Float[Tensor, "*#pixels"]:
     """Perceived difference (...) of two colors in Lab (..., 3): 1 is just visible (Sharma, Wu and Dalal 2005; kL = kC = kH = 1)."""
     (l1, a1, b1), (l2, a2, b2) = lab1.unbind(-1), lab2.unbind(-1)
-    c7 = ((_length(a1, b1) + _length(a2, b2)) / 2) ** 7
+    c7 = ((_root(a1 * a1 + b1 * b1) + _root(a2 * a2 + b2 * b2)) / 2) ** 7
     stretch = 1.5 - 0.5 * (c7 / (c7 + 25.0**7)).clamp_min(_TINY).sqrt()
     a1, a2 = a1 * stretch, a2 * stretch
-    c1, c2 = _length(a1, b1), _length(a2, b2)
+    c1, c2 = _root(a1 * a1 + b1 * b1), _root(a2 * a2 + b2 * b2)
     h1, h2 = _hue(b1, a1), _hue(b2, a2)
 
     # The shorter way round the hue circle; a neutral color has no hue, so it takes the other's.
@@ -87,8 +86,7 @@ def ciede2000(
     mean_h = torch.where(neutral, h1 + h2, h1 + dh / 2)
     delta_l, delta_c = l2 - l1, c2 - c1
     half_turn = torch.where(neutral, torch.zeros_like(dh), dh) / 2
-    both = torch.where(neutral, torch.zeros_like(c1), (c1 * c2).clamp_min(_TINY).sqrt())
-    delta_h = 2 * both * half_turn.sin()
+    delta_h = 2 * _root(c1 * c2) * half_turn.sin()
 
     mean_l, mean_c = (l1 + l2) / 2, (c1 + c2) / 2
     t = 1 - 0.17 * torch.cos(mean_h - math.radians(30)) + 0.24 * torch.cos(2 * mean_h)
@@ -101,8 +99,7 @@ def ciede2000(
     dl = delta_l / (1 + 0.015 * from_middle / (20 + from_middle).sqrt())
     dc = delta_c / (1 + 0.045 * mean_c)
     dh = delta_h / (1 + 0.015 * mean_c * t)
-    squared = dl * dl + dc * dc + dh * dh + twist * dc * dh
-    return torch.where(squared > _TINY, squared.clamp_min(_TINY).sqrt(), torch.zeros_like(squared))
+    return _root(dl * dl + dc * dc + dh * dh + twist * dc * dh)
 
 
 def mean_difference(

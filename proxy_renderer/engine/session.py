@@ -17,6 +17,7 @@ from ..goals.written import read
 from ..guidance import regions
 from ..guidance.encoder import Encoder, load_encoder
 from ..optimize import pipeline
+from ..optimize.known_picture import KnownPicture
 from ..optimize.progress import Observer
 from ..optimize.rounds.method import load_method
 from ..optimize.rounds.search import Search
@@ -58,8 +59,10 @@ class EngineSession:
         options: messages.Options,
         observer: Observer,
         vlm_key: str = "",
+        known: KnownPicture | None = None,
     ) -> None:
         self.shots, self.prompt, self.options, self._observer = shots, prompt, options, observer
+        self._known = known  # the picture that the vibe before has ended with
         self._method = load_method()
         self._encoder: Encoder | None = None
         self._outcome: pipeline.Outcome | None = None
@@ -94,7 +97,10 @@ class EngineSession:
         scenes = stage.scenes
         blenders = [BlenderPictures(s, observer.ask, options.seed, n) for n, s in enumerate(scenes)]
         rows_of_shots = zip(scenes, blenders, self.shots, strict=True)
-        views = [ShotInput(s, b if options.anchor else None, shot.file) for s, b, shot in rows_of_shots]
+        views = [
+            ShotInput(s, b if options.anchor else None, shot.file, self._known)
+            for s, b, shot in rows_of_shots
+        ]
         search = Search(views, stage, options, encoder, observer, advisor, self._method)
         outcome = self._outcome = pipeline.run(search)
         clock.lap("loop", {"wait for Blender": sum(blender.waited for blender in blenders)})
@@ -122,6 +128,12 @@ class EngineSession:
         rows |= {"claims": claims, "verdicts": verdicts, "timings": clock.laps}
         several = values if len(values) > 1 else []
         return messages.Result(values[0], rows, pictures.PREDICTION, outcome.stopped, variants, several)
+
+    @property
+    def last_picture(self) -> KnownPicture | None:
+        """The picture of Cycles that the vibe has ended with; None where there is none, or there are several shots."""
+        shots = self._outcome.shots if self._outcome else ()
+        return shots[0].known_picture() if len(shots) == 1 else None
 
     def _last(self, verb: str) -> tuple[pipeline.Outcome, Encoder]:
         """The outcome of the last `run`, and its encoder; raises VibeError if there was none."""

@@ -28,6 +28,7 @@ from ..schema.messages import check_schema, encode, read
 if TYPE_CHECKING:
     from torch import Tensor
 
+    from ..optimize.known_picture import KnownPicture
     from ..optimize.looks import EarlyLook
     from .live import Glances
     from .session import EngineSession
@@ -180,8 +181,10 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
             if isinstance(request, VibeError):
                 raise request
             if isinstance(request, messages.Vibe):
+                goes_on = request.options.get("goes_on", False)
+                known = session.last_picture if session and goes_on else None
                 session = None
-                session = _vibe(wire, request)
+                session = _vibe(wire, request, known)
             elif isinstance(request, messages.Glance):
                 from .live import Glances
 
@@ -219,8 +222,11 @@ def _file_trouble(request: object, error: OSError) -> messages.Error:
     return messages.Error(f"There is no room left on the disk, in {folder}.", "Make room there.")
 
 
-def _vibe(wire: Wire, request: messages.Vibe) -> EngineSession:
-    """Carries out one vibe and sends its result; its images are drawn before that if the panel waits for them."""
+def _vibe(wire: Wire, request: messages.Vibe, known: KnownPicture | None) -> EngineSession:
+    """Carries out one vibe and sends its result; its images are drawn before that if the panel waits for them.
+
+    A further sentence begins with the picture that is `known` from the vibe before.
+    """
     check_schema(request.schema, "add-on")
     options = messages.Options.from_dict(request.options)
     job = Path(request.job)
@@ -229,7 +235,7 @@ def _vibe(wire: Wire, request: messages.Vibe) -> EngineSession:
     from .session import EngineSession
 
     shots = request.shots or [messages.Shot(request.job, "", "")]
-    session = EngineSession(shots, request.prompt, options, observer, request.vlm_key)
+    session = EngineSession(shots, request.prompt, options, observer, request.vlm_key, known)
     result = session.run()
     if request.looks:
         observer.stage("drawing the prediction")

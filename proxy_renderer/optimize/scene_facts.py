@@ -19,7 +19,7 @@ from ..render.geometry.camera import view_of
 from ..render.geometry.samples import pixel_centers
 from ..render.geometry.visibility import Hits, RayGeometry
 from ..render.lights.light_source import LightSource
-from ..render.lights.light_types import AreaLight, light_sources, light_type
+from ..render.lights.light_types import LIGHT_TYPES, AreaLight, light_sources
 from ..render.proxy import Proxy, Render
 from ..scene import Light, SceneData
 from ..scene.values import RenderValues
@@ -210,7 +210,7 @@ def _limits(
 ) -> tuple[float, float]:
     offset = np.subtract(light.position, pivot)
     distance = float(np.linalg.norm(offset))
-    if light_type(light.type).at_infinity:
+    if LIGHT_TYPES[light.type].at_infinity:
         return (0.0 if math.isfinite(below) else -90.0), 90.0
     if distance == 0:
         return -90.0, 90.0

@@ -27,6 +27,7 @@ from ..scene import SceneData
 from ..schema import GROUPS, Instance, VibeError, labels, matches, material_copies, messages
 from ..schema.messages import Options
 from ..words.types import SceneDescription
+from .known_picture import KnownPicture
 from .scene_facts import described_now
 from .vector import ParameterVector
 
@@ -102,6 +103,7 @@ class AnchorState:
     # ones
     u: Tensor | None = None
     earlier: Correction | None = None  # the one before: what was a prediction worth without the last picture?
+    picture: CyclesPicture | None = None
 
     def distance(self, u: Tensor) -> float:
         """Distance of u (N,) from the picture, in its worst component's whole range; infinite without one."""
@@ -126,6 +128,7 @@ class ShotInput:
     scene: SceneData  # as its camera sees it at its frame
     source: PictureSource | None = None  # of Cycles' pictures of it; None for none
     file: str = ""  # names its .blend: what differs within one .blend is animated
+    known: KnownPicture | None = None  # the one that the vibe before has ended with
 
 
 @dataclass
@@ -185,11 +188,26 @@ class ShotState:
         with torch.no_grad():
             predicted = self.draw(u).display
             correction = self.proxy.anchor(values, picture)
-            anchor = AnchorState(correction, u.clone(), self.anchor.correction)
+            anchor = AnchorState(correction, u.clone(), self.anchor.correction, picture)
             shot = replace(self, anchor=anchor, _last=None)
             difference = float(mean_difference(predicted, shot.draw(u).display))
         self.records.append({"round": number + 1, "delta_e": round(difference, 3)})
         return shot
+
+    def reminded(self, known: KnownPicture) -> ShotState:
+        """The shot with its proxy corrected by a picture of an earlier vibe, where that shows the scene as it is now."""
+        values = known.values_in(self.scene) if known.picture.size == self.proxy.size else None
+        if values is None:
+            return self
+        u = self.vector.encode(values)
+        correction = self.proxy.anchor(chosen_values(self.vector, u, self.proxy.device), known.picture)
+        return replace(self, anchor=AnchorState(correction, u, picture=known.picture))
+
+    def known_picture(self) -> KnownPicture | None:
+        """The picture that corrects the proxy, for a vibe that follows; None where there is none."""
+        if self.anchor.picture is None or self.anchor.u is None:
+            return None
+        return KnownPicture(self.scene, self.vector.values(self.anchor.u), self.anchor.picture)
 
     def gbuffer(self, u: Tensor) -> GBuffer:
         """The camera's view at u (N,)."""
@@ -263,7 +281,8 @@ def gathered(
     for view, mine in zip(views, names, strict=True):
         own = vector.view(mine).taking(added_values(view.scene))
         own.links = tuple(view.scene.links)
-        shots.append(ShotState(view.scene, mine, own, proxy(view.scene), view.source))
+        shot = ShotState(view.scene, mine, own, proxy(view.scene), view.source)
+        shots.append(shot.reminded(view.known) if view.known else shot)
     return vector, shots
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from ..claims.claim import Claim
 from ..claims.from_goals import claims_of
-from ..goals.relative import further
+from ..goals.relative import compares, further
 from ..goals.resolve import Goals, goals_or_why
 from ..goals.written import WrittenGoals
 from ..planning.acting import goals_without_rig
@@ -28,6 +28,7 @@ from .scene_words import described
 
 _SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim", "kicker", "bounce")}
 """Lights that single words may need, as "rim light" does where no rig is asked for; the last two where such a light is there."""
+_ADDED = ("rim light", "fill light")  # targets of words about a light that a further sentence adds
 
 
 @dataclass(frozen=True)
@@ -70,13 +71,15 @@ def set_stage(
     the image as it is. Raises VibeError if a target, as "copper=Cup", names nothing in the scene.
     """
     prompt, factor = sentences.plain(prompt) if goes_on else (prompt, 0.0)
+    anew = goes_on and new_lights and sentences.adds_light(prompt)
     understood = Understood(prompt, described(*scenes), target)
+    if anew:
+        understood = Understood(prompt, described(*scenes), [*target, *_about_added(understood)])
     scenes = [scene.with_copies(understood.scene.copies) for scene in scenes]
     goals = written.within(understood.scene) if written else goals_or_why(understood)
     if isinstance(goals, VibeError):
         return StagedScenes(list(scenes), understood, goals)
     vocabulary = default_vocabulary()
-    anew = goes_on and new_lights and sentences.adds_light(prompt)
     if goes_on:
         goals = further(goals, vocabulary, factor)
     if chosen := chosen_rig(goals, rig_table(), vocabulary, anew):
@@ -96,6 +99,20 @@ def set_stage(
     if goes_on:  # the image that it goes on from has none of them
         scenes = [replace(scene, instances=_unlit(scene.instances, names)) for scene in scenes]
     return StagedScenes(list(scenes), understood, goals)
+
+
+def _about_added(understood: Understood) -> list[str]:
+    """Targets for colors of light that name nothing themselves: in "another rim light, warm" it is the added light that is warm."""
+    added = [word.target for word in understood.words if word.target in _ADDED]
+    if len(added) != 1:
+        return []
+    vocabulary = default_vocabulary()
+    tones = {
+        a.word
+        for a in understood.parsed.attributes
+        if a.kind == "tone" and not (a.cause or compares(a, (), vocabulary))
+    }
+    return [f"{w.key}={added[0]}" for w in understood.words if w.text in tones and not w.thing]
 
 
 def _unlit(instances: Mapping[str, Instance], names: Collection[str]) -> dict[str, Instance]:

@@ -9,6 +9,8 @@ picture P_g(θ₀) with g alone, and the color s_g(θ) of its light,
 R(θ₀) is A whatever c is; so is every R(θ) in which only colors and powers of lights differ from θ₀, because light
 adds up. Otherwise R has c times the proxy's own gradient. c and the residuals are constants to gradients.
 
+Of lights that do not move, the anchor keeps the proxy's own layers: a picture of other powers and colors is a sum of them.
+
 Smoothing and look-ups do not cross outlines: Kopf et al., "Joint Bilateral Upsampling", 2007, with names of surfaces in
 place of colors.
 """
@@ -24,10 +26,12 @@ import torch
 from torch import Tensor
 from torch.nn.functional import embedding_bag, max_pool2d
 
-from ..schema import VibeError
+from ..scene import SceneData
+from ..schema import VibeError, split_key
 from .geometry.camera import View
 from .geometry.vectors import overlap
 from .geometry.visibility import Hits, RayGeometry
+from .lights.environment import has_own_backdrop
 from .surface.view_cache import ViewCache
 
 REST = "rest"  # owner of the light that belongs to no light: glowing surfaces, and what cannot be grouped
@@ -35,6 +39,10 @@ _RATIO = 4.0
 _DARK = 0.02  # of the mean radiance: darker pixels are equally dark
 _FAINT = 2e-3  # of the mean radiance: ratios between darker pixels say nothing
 _BRIGHTER = 16.0  # a light that has become brighter than this times itself leaves its residual behind
+_LAYER_BRIGHTER = 8.0  # likewise, of a layer: that of a light that hardly shone at the anchor is noise
+_OFF = 1e-9  # radiance of a light that was off
+_OF_LIGHTS = ("power", "strength", "color", "temperature")
+_OF_WORLD = ("strength", "color", "tint")
 _LEAST = 0.05  # of the corrected proxy: what residuals must leave of a pixel
 _HAZY = 0.05  # of the mean: a part that the proxy takes for darker is smoothed as if even
 _FAR = 1e4  # sizes of the scene
@@ -125,9 +133,8 @@ class Correction:
         before, now = self.colors.get(owner), colors.get(owner)
         if before is None or now is None:
             return 1.0
-        off = before < 1e-9
-        growth = torch.where(off, torch.zeros_like(now), now / torch.where(off, 1.0, before))
-        return growth.clamp_max(_BRIGHTER)[:, None]
+        growth, off = _grown(before, now)
+        return torch.where(off, 0.0, growth).clamp_max(_BRIGHTER)[:, None]
 
     def _look_up(self, cache: ViewCache, view: View, before: Callable[[], Tensor]) -> Tensor:
         """The fields where the anchor saw what samples meet; neutral ones where it did not."""
@@ -138,6 +145,12 @@ class Correction:
         place = self.view.project(samples.origin + samples.toward * reach)
         bright = None if view.moving else (self.stops, _stops(before(), self.dark))
         return look_up(self.fields, self.guide, place, _names(samples.hits, geometry), neutral, bright)
+
+
+def _grown(before: Tensor, now: Tensor) -> tuple[Tensor, Tensor]:
+    """(3,) how many times as bright a light's color has become, 1 where it was off, and (3,) whether it was."""
+    off = before < _OFF
+    return torch.where(off, 1.0, now / torch.where(off, 1.0, before)), off
 
 
 def _stops(linear: Tensor, dark: float) -> Tensor:
@@ -228,6 +241,46 @@ def look_up(
         weights += weight.sum(0)
     covered = weights > _LEAST_WEIGHT
     return torch.where(covered, total.T / torch.where(covered, weights, 1.0), neutral[:, None])
+
+
+@dataclass(frozen=True)
+class AnchorLayers:
+    """The proxy's own picture at some values, by what sheds its light."""
+
+    values: Mapping[str, Tensor]  # key to (components,); missing ones are the scene's
+    colors: Mapping[str, Tensor]  # owner, as "light/NAME" or "world", to the color (3,) of its light
+    parts: Mapping[str, Tensor]  # the same owners to their light (3, P)
+    rest: Tensor  # (3, P) light that belongs to no owner: of what glows
+
+    def serve(self, values: Mapping[str, Tensor], scene: SceneData) -> bool:
+        """True if other values differ from these only in powers and colors of lights, or in what the film does."""
+        keys = (key for key in values.keys() | self.values.keys() if not key.startswith("film/"))
+        return all(is_of_light(key, scene) or self._stays(key, values, scene) for key in keys)
+
+    def _stays(self, key: str, values: Mapping[str, Tensor], scene: SceneData) -> bool:
+        own = torch.tensor(scene.value(key), dtype=torch.float32)
+        one, other = (each.get(key, own).detach().reshape(-1).cpu().float() for each in (values, self.values))
+        return torch.equal(one, other)
+
+    def picture(self, colors: Mapping[str, Tensor]) -> Tensor | None:
+        """The picture (3, P) with owners' light of other colors (3,); None where a layer says too little of that."""
+        whole = self.rest
+        for owner, part in self.parts.items():
+            before, now = self.colors[owner], colors[owner]
+            growth, off = _grown(before, now)
+            if bool((growth > _LAYER_BRIGHTER).any()) or bool((off & (now > _OFF)).any()):
+                return None
+            whole = whole + part * growth[:, None]
+        return whole
+
+
+def is_of_light(key: str, scene: SceneData) -> bool:
+    """True if a picture is linear in a parameter, or in the color of light that follows from it."""
+    group, _, name = split_key(key)
+    if group == "light":
+        return name in _OF_LIGHTS
+    # A backdrop of its own keeps its light when the world's changes.
+    return group == "world" and name in _OF_WORLD and not has_own_backdrop(scene)
 
 
 @dataclass(frozen=True)

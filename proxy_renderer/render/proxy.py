@@ -14,10 +14,9 @@ from torch.nn import functional
 from ..scene import Material, SceneData
 from ..scene.values import Remembered, RenderValues, needs_gradient
 from ..schema import FAMILIES, VibeError
-from .cycles import Correction, CyclesPicture
+from .cycles import AnchorLayers, Correction, CyclesPicture
 from .film import Film
 from .geometry.camera import View, view_of
-from .layers import AnchorLayers
 from .lights.emitters import Emitters
 from .lights.environment import Environment, sky_of
 from .lights.light_source import LightSource
@@ -226,7 +225,7 @@ class Proxy:
                 self._cache = kept.with_mirrors(metals)
                 return self._cache
         smooth = torch.stack([surfaces.sharp(p) & self.fine for p in shading_inputs])
-        shape = metals, smooth, lamps, self.emitters.materials, self.emitters.glowing
+        shape = metals, smooth, lamps, self.emitters
         self._cache = ViewCache(self.scene, self.geometry, view, *shape, self.seed)
         return self._cache
 
@@ -279,6 +278,6 @@ def _resolve(frame: RenderState, radiance: Tensor) -> tuple[Tensor, Tensor]:
     view, cache = frame.view, frame.cache
     picture, mask = cache.samples.resolve(radiance), cache.mask
     if view.moving:
-        term = cache.outlines().term(view, torch.cat((radiance, cache.inside)), picture.shape[1])
+        term = cache.outlines.term(view, torch.cat((radiance, cache.inside)), picture.shape[1])
         picture, mask = picture + term[:-1], mask + term[-1].view(mask.shape)
     return (cache.defocus(picture) if cache.defocus else picture), mask

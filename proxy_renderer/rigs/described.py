@@ -113,6 +113,8 @@ def composed(
     made = _placed(_template(light, base, key, table), light, table)
     if any((m := table.modifier(a.entry)) and m.kelvin and not a.negated for a in light.said):
         made = replace(made, color="")  # "cold backlight" where the rig has an orange one
+    if light.own and base in table.plain.lights and source_of(light.said, table) is None:
+        made = replace(made, color="", kelvin=0.0)  # it keeps its own, unless a word gives it one
     for attribute in light.said:
         modifier = table.modifier(attribute.entry)
         if attribute.negated:

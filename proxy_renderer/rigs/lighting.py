@@ -19,6 +19,7 @@ from ..scene import SceneData
 from ..schema import Instance, Values, orbit, radiometry
 from ..schema.added_lights import CARD, CARD_AWAY, card
 from ..words.lexicon.rigs import Rig
+from ..words.names import plain_name
 from ..words.types import GLOW, Attribute, Parsed
 from .chosen import ChosenRig, sky_color_of
 from .levels import GRAY, Exposing, Levels, measured
@@ -76,8 +77,13 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     if rig.sky_color and hazy:  # a sky behind haze is paler
         rig = replace(rig, sky_color=_veiled(rig.sky_color))
     playing = {each.name for each in lights} | {name for a in parsed.attributes for name in a.lights}
+    burning = _burning(scene, lights)
+    playing |= burning.keys()
     values = _balanced(scene, rig, lights, playing, values, levels)
     values |= _sky(scene, rig, hazy) | _air(scene, rig, parsed, chosen.served)
+    for name, lamp in burning.items():  # in the color of the light that is added
+        shape = {f"light/{name}/{key}": value for key, value in _shape(lamp, stage).items()}
+        values |= {key: value for key, value in shape.items() if key in scene.instances}
     values = {key: value for key, value in values.items() if not scene.instances[key].locked}
     parts = {x.name: x.light.part for x in lights}
     still = {each.name for each in lights if each.fixed or each.own}
@@ -127,7 +133,9 @@ def _with_cards(scene: SceneData, lights: Sequence[Placed]) -> SceneData:
 def _shape(each: Placed, stage: LightStage) -> dict[str, Values]:
     """Name of a parameter -> what a light has of it, its power apart."""
     light = each.light
-    found: dict[str, Values] = {"color": (1.0, 1.0, 1.0), "temperature": (light.kelvin or 6500.0,)}
+    found: dict[str, Values] = {}
+    if light.color or light.kelvin or not each.own:
+        found = {"color": (1.0, 1.0, 1.0), "temperature": (light.kelvin or 6500.0,)}
     if light.color:
         linear = linear_from_srgb(srgb_from_hex(light.color))
         pale = _GEL * min(linear)
@@ -243,7 +251,11 @@ def _ends_of_sky(rig: Rig, shown: Values, hazy: bool) -> tuple[Values, Values]:
 
 def _key_color(rig: Rig) -> str:
     key = next(iter(rig.lights), None)
-    return "" if key is None else key.color or hex_from_srgb(srgb_from_linear(kelvin_color(key.kelvin)))
+    return (
+        ""
+        if key is None
+        else key.color or hex_from_srgb(srgb_from_linear(kelvin_color(key.kelvin or 6500.0)))
+    )
 
 
 def _sky_color(rig: Rig) -> str:
@@ -312,6 +324,17 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
                 found[key] = (own * _LAMPS * white / shed,)
         elif shed > _GLOWS * white:
             found[key] = (own * 2.0 ** (rig.own * _OF_GLOWS),)
+    return found
+
+
+def _burning(scene: SceneData, lights: Sequence[Placed]) -> dict[str, Placed]:
+    """The scene's own lights in lamps of the kind at which the rig adds one, with that one: their shades stay lit."""
+    found: dict[str, Placed] = {}
+    for each in lights:
+        names = {word.removesuffix("s") for word in each.light.names}
+        if each.fixed and each.type == "POINT" and not each.own:
+            mine = (x.name for x in scene.lights if names.intersection(plain_name(x.name).split()))
+            found |= dict.fromkeys(mine, replace(each, own=True))
     return found
 
 

@@ -3,6 +3,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
 from ..goals.wish import Wish
@@ -20,6 +21,7 @@ _RATIO = 0.45  # share of the stops between key and fill that is left on a subje
 _LARGE = 3.0  # stops from which key and fill are told apart
 _NIGHT = 40.0  # most mean L* of a picture under a dark sky: a white room that a lamp fills is no night
 _COLD = 7400.0
+_FURTHER = 2.0  # noticeable steps by which another rim shows beside what is light already
 _GRAYISH = 12.0  # C* from which a light has a color
 
 
@@ -56,7 +58,8 @@ def _structure(
             yield "rest", ClaimText("picture", "lightness", upper=(_NIGHT,))
     for each in lights:
         if each.light.part in ("rim", "kicker") and each.light.stops > 0.0:
-            yield "rim", ClaimText("subject", "rim", (4.0,), change=5.0)
+            own = ClaimText("subject", "rim", (4.0,), change=5.0)
+            yield "rim", replace(own, lower=(_FURTHER,), change=None, by=True) if chosen.anew else own
         if each.light.color and each is not key:
             yield from (("color", claim) for claim in _accent(each.light))
 

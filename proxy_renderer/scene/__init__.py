@@ -17,16 +17,6 @@ from .data import (
 from .load import load_scene
 
 __all__ = [
-    "Camera",
-    "FilmSettings",
-    "FogBounds",
-    "Light",
-    "Material",
-    "MeshObject",
-    "SceneData",
-    "SceneMesh",
-    "Standby",
-    "Texture",
-    "WorldData",
-    "load_scene",
-]
+    "Camera", "FilmSettings", "FogBounds", "Light", "Material", "MeshObject", "SceneData", "SceneMesh", "Standby",
+    "Texture", "WorldData", "load_scene",
+]  # fmt: skip

@@ -183,9 +183,8 @@ class SceneData:
     bounces: int = 4  # how often surfaces scatter light on; only 0 makes a difference
     # the values of materials that the camera does not see, whose light it sees
     unseen: Mapping[str, Values] = field(default_factory=dict)
-    links: Mapping[str, str] = field(
-        default_factory=dict
-    )  # key of a light's link, see `LightLink` -> its words
+    # key of a light's link, see `LightLink` -> its words
+    links: Mapping[str, str] = field(default_factory=dict)
 
     def with_lights(self, names: Collection[str]) -> SceneData:
         """The scene with some of the lights on standby in it."""
@@ -195,14 +194,11 @@ class SceneData:
 
     def with_link(self, link: LightLink, said: str) -> SceneData:
         """The scene with a light linked to objects, as the words in quotes ask for."""
-        every = set(range(len(self.objects)))
-        named = {number for number in every if self.objects[number].name in link.objects}
-        lights = [
-            replace(x, unlit=tuple(sorted(every - named if link.only else {*x.unlit} | named)))
-            if x.name == link.light
-            else x
-            for x in self.lights
-        ]
+        named = {number for number, thing in enumerate(self.objects) if thing.name in link.objects}
+        others, lights = set(range(len(self.objects))) - named, []
+        for light in self.lights:
+            unlit = others if link.only else named.union(light.unlit)
+            lights.append(replace(light, unlit=tuple(sorted(unlit))) if light.name == link.light else light)
         return replace(self, lights=tuple(lights), links={**self.links, link.key: said})
 
     def with_copies(self, copies: Mapping[str, Collection[str]]) -> SceneData:
@@ -218,25 +214,18 @@ class SceneData:
             if wears.any():
                 worn[wears] = number[name] = len(number)
                 materials[name] = replace(materials[source], name=name)
-                theirs = [
-                    i for i in instances.values() if (i.parameter.group, i.owner) == ("material", source)
-                ]
-                instances |= {copy.key: copy for i in theirs for copy in [replace(i, owner=name)]}
+                for i in [*instances.values()]:
+                    if (i.parameter.group, i.owner) == ("material", source):
+                        instances[i.parameter.key(name)] = replace(i, owner=name)
         # a material is the subject's if the subject still shows it
         mine = np.array([o.subject for o in self.objects])[self.mesh.object]
-        roles = dict.fromkeys(materials, "surroundings") | {
-            name: "subject" for name, n in number.items() if mine[worn == n].any()
-        }
-        instances = {
-            key: replace(i, role=roles.get(i.owner, i.role)) if i.parameter.group == "material" else i
-            for key, i in instances.items()
-        }
-        return replace(
-            self,
-            materials=tuple(replace(m, role=roles[m.name]) for m in materials.values()),
-            mesh=replace(self.mesh, material=worn),
-            instances=instances,
-        )
+        roles = {n: "subject" if mine[worn == i].any() else "surroundings" for n, i in number.items()}
+        for key, i in instances.items():
+            if i.parameter.group == "material":
+                instances[key] = replace(i, role=roles.get(i.owner, i.role))
+        dressed = tuple(replace(m, role=roles[m.name]) for m in materials.values())
+        mesh = replace(self.mesh, material=worn)
+        return replace(self, materials=dressed, mesh=mesh, instances=instances)
 
     @property
     def may_have_backdrop(self) -> bool:

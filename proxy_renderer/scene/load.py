@@ -109,19 +109,12 @@ def _material(folder: Path, row: dict[str, Any]) -> data.Material:
 
 
 def _texture(folder: Path, row: dict[str, Any]) -> data.Texture:
-    window = row.get("window")
-    return data.Texture(
-        _picture(folder / row["image"], (1, 3)),
-        row.get("extension", "REPEAT"),
-        (float(window[0]), float(window[1]), float(window[2]), float(window[3])) if window else None,
-        _tuples(row.get("plane")),
-    )
+    return _record(data.Texture, {**row, "image": _picture(folder / row["image"], (1, 3))})
 
 
 def _world(folder: Path, row: dict[str, Any]) -> data.WorldData:
-    image, backdrop = (_picture(folder / row[k]) if k in row else None for k in ("image", "backdrop"))
-    hidden, horizon = tuple(row.get("hidden", ())), float(row.get("horizon", 0.0))
-    return data.WorldData(row["kind"], image, backdrop, hidden, horizon)
+    pictures = {name: _picture(folder / row[name]) for name in row.keys() & {"image", "backdrop"}}
+    return _record(data.WorldData, row | pictures)
 
 
 def _film(folder: Path, row: dict[str, Any]) -> data.FilmSettings:

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Messages between Blender and the engine: JSON objects, each ended by a NUL byte.
 
-Every class below is one message; its wire form is its fields plus "type". The engine's first message and every request
+Every class below is one message; its wire form is its fields plus "type", its name. The engine's first message and every request
 carry the hash of the parameter table: versions that disagree about it refuse to work together.
 """
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Any, BinaryIO, ClassVar, get_args
+from typing import Any, BinaryIO, get_args
 
 from .errors import VibeError
 from .options.table import Options as Options
@@ -25,7 +25,6 @@ def _typed(message: Any, name: str, kind: type) -> None:
 class Ready:
     """Engine → Blender, at once on starting. `schema` is the engine's schema hash."""
 
-    type: ClassVar[str] = "ready"
     schema: str
     version: str
 
@@ -43,7 +42,6 @@ class Shot:
 class Vibe:
     """Blender → engine: work on the scene in the folder `job`."""
 
-    type: ClassVar[str] = "vibe"
     schema: str  # Blender's schema hash
     job: str  # the job folder: of the first shot, if there are several
     prompt: str  # what the artist typed
@@ -61,7 +59,6 @@ class Vibe:
 class Glance:
     """Blender → engine: only what the plan gives for these words, quickly; a `Glanced` answers, after a `Stop` an empty one."""
 
-    type: ClassVar[str] = "glance"
     schema: str  # Blender's schema hash
     job: str  # the job folder; the engine keeps its scene for the next glance
     prompt: str  # what the artist has typed so far
@@ -72,7 +69,6 @@ class Glance:
 class AskReadings:
     """Blender → engine: how are these words understood? `Readings` answer in a blink, whatever else the engine does."""
 
-    type: ClassVar[str] = "ask_readings"
     schema: str  # Blender's schema hash
     prompt: str  # what the artist has typed so far
     job: str = ""  # the job folder, with or without surfaces and textures; "" where nothing can be exported
@@ -100,7 +96,6 @@ class WordReading:
 class Readings:
     """Engine → Blender: the answer to an `AskReadings`; of several, only the newest is answered."""
 
-    type: ClassVar[str] = "readings"
     prompt: str  # the words that it is about
     words: list[WordReading] = field(default_factory=list)  # its look words and what is left out, in order
     note: str = ""  # why nothing is understood, in a sentence for the artist; "" where something is
@@ -113,7 +108,6 @@ class Readings:
 class LookSoFar:
     """Engine → Blender: values on the way to the result, to be seen in the scene until there are better ones."""
 
-    type: ClassVar[str] = "look"
     values: dict[str, list[float]]  # as those of `Result`
     picture: str = ""  # the proxy's picture of them, a file name in the job folder; "" before it is drawn
     words: dict[str, bool] = field(default_factory=dict)  # word to whether the picture shows it
@@ -123,7 +117,6 @@ class LookSoFar:
 class Glanced(LookSoFar):
     """Engine → Blender: the answer to a `Glance`."""
 
-    type: ClassVar[str] = "glanced"
     before: str = ""  # the picture of the artist's own values, a file name in the job folder
 
 
@@ -131,7 +124,6 @@ class Glanced(LookSoFar):
 class Stage:
     """Engine → Blender: what is going on outside the loop, for a status line."""
 
-    type: ClassVar[str] = "stage"
     name: str
     # when the loop begins: the artist's own values, a file name in the job folder; else "". With looks it comes
     # twice: the second is corrected by an anchor
@@ -143,7 +135,6 @@ class Stage:
 class Progress:
     """Engine → Blender: how far the loop is. Rounds and steps count from 1."""
 
-    type: ClassVar[str] = "progress"
     round: int
     rounds: int
     step: int
@@ -157,7 +148,6 @@ class Progress:
 class Anchor:
     """Engine → Blender: render the scene at these values, small, for the engine to correct itself by."""
 
-    type: ClassVar[str] = "anchor"
     number: int  # counts the requests of a vibe
     values: dict[str, list[float]]  # parameter key to its components, of what differs from the scene's
     size: int  # longer side of the picture, pixels
@@ -170,7 +160,6 @@ class Anchor:
 class Anchored:
     """Blender → engine: the answer to an `Anchor`, at most one to each."""
 
-    type: ClassVar[str] = "anchored"
     number: int  # of the request
     # a multilayer EXR of 32-bit floats in the job folder, scene-linear; "" if there is none. Its layers are
     # "Combined" (denoised), "Noisy Image" (the same, not denoised; missing in a Blender that has no denoiser, whose
@@ -198,7 +187,6 @@ class Variant:
 class Result:
     """Engine → Blender: the values found."""
 
-    type: ClassVar[str] = "result"
     values: dict[str, list[float]]  # parameter key to its components, of all that differs from the scene's
     report: dict[str, Any]  # the fields of report.json that the engine knows
     prediction: str  # the proxy's picture of the values, a file name in the job folder
@@ -216,14 +204,11 @@ class Result:
 class Stop:
     """Blender → engine: end the loop now with the best so far (a Result follows)."""
 
-    type: ClassVar[str] = "stop"
-
 
 @dataclass(frozen=True)
 class Finish:
     """Blender → engine: measure and compose, now that Cycles has rendered."""
 
-    type: ClassVar[str] = "finish"
     before: str  # Cycles' picture of the original scene, a PNG path
     after: str  # Cycles' picture of the result
     compare_out: str  # where to write before | prediction | after
@@ -234,7 +219,6 @@ class Finish:
 class Finished:
     """Engine → Blender: how well the prediction held and the words are met."""
 
-    type: ClassVar[str] = "finished"
     # how far predictions are from `after`, in CIEDE2000: the one that is "shown", and with the option `figures` what
     # would have been predicted "before_last_anchor" and "unanchored". Each has the `mean` and `p95` over the pixels,
     # and the mean over the `subject`, if it can be seen
@@ -252,7 +236,6 @@ class Finished:
 class Check:
     """Blender → engine: measure the words of the last vibe at another frame, from the job that was exported there with the look."""
 
-    type: ClassVar[str] = "check"
     job: str
     before: str  # Cycles' picture of the frame without the look, a PNG path
     after: str  # with it
@@ -262,7 +245,6 @@ class Check:
 class Checked:
     """Engine → Blender: whether the words are visible at a frame."""
 
-    type: ClassVar[str] = "checked"
     verdicts: list[dict[str, str]]  # as in `Finished`
 
 
@@ -270,7 +252,6 @@ class Checked:
 class Error:
     """Engine → Blender: the request failed; the engine is still there for another one."""
 
-    type: ClassVar[str] = "error"
     message: str
     remedy: str = ""
     unexpected: bool = False
@@ -280,20 +261,18 @@ class Error:
 class Quit:
     """Blender → engine: end the process. The end of the stream means the same."""
 
-    type: ClassVar[str] = "quit"
-
 
 Message = (
     Ready | Vibe | Glance | AskReadings | Readings | Stage | LookSoFar | Glanced | Progress | Anchor | Anchored | Result
     | Stop | Finish | Finished | Check | Checked | Error | Quit
 )  # fmt: skip
 
-_TYPES: dict[str, type] = {message.type: message for message in get_args(Message)}
+_TYPES: dict[str, type] = {message.__name__: message for message in get_args(Message)}
 
 
 def encode(message: Message) -> bytes:
     """The wire form: UTF-8 JSON and a NUL byte."""
-    body = {"type": message.type, **asdict(message)}
+    body = {"type": type(message).__name__, **asdict(message)}
     return json.dumps(body, ensure_ascii=False, allow_nan=False).encode() + b"\0"
 
 

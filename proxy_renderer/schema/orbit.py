@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
+IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 def direction(azimuth: float, elevation: float) -> Vector:

@@ -75,7 +75,7 @@ def loads(text: str) -> Preset:
     if not isinstance(version, int) or isinstance(version, bool) or version < 1:
         raise VibeError("The preset does not say which version of the schema it is for.", _OURS)
     if version > VERSION:
-        newer = f"a newer version of Vibe Render ({_short(version)}, this is {VERSION})"
+        newer = f"a newer version of Vibe Render ({quoted(str(version))}, this is {VERSION})"
         raise VibeError(f"The preset was made by {newer}.", "Update Vibe Render.")
     for name in sorted(raw.keys() - _FIELDS):
         raise VibeError(f"The preset has an unknown field {quoted(name)}.", "Remove it from the preset.")
@@ -130,19 +130,13 @@ def _check_value(role: str, name: str, value: Any) -> None:
         raise VibeError(f"The preset has an unknown parameter {role}/{quoted(name)}.", remedy)
     numbers = isinstance(value, list) and all(type(v) in (int, float) for v in value)
     if not numbers or len(value) != parameter.components:
-        remedy = "Correct the preset."
-        raise VibeError(f"The preset's {role}/{name} needs {parameter.components} numbers.", remedy)
+        problem = f"The preset's {role}/{name} needs {parameter.components} numbers."
+        raise VibeError(problem, "Correct the preset.")
     if any(isinstance(v, float) and not math.isfinite(v) for v in value):  # an int can be too large to ask
         raise VibeError(f"The preset's {role}/{name} is not a finite number.", "Correct the preset.")
     if not all(parameter.lower <= v <= parameter.upper for v in value):
         remedy = f"Use {parameter.lower:g} to {parameter.upper:g}."
-        raise VibeError(f"The preset's {role}/{name} is out of bounds: {_short(value)}.", remedy)
-
-
-def _short(value: Any) -> str:
-    """Numbers for a message; integers may have thousands of digits."""
-    text = str(value)
-    return text if len(text) <= 60 else text[:60] + "…"
+        raise VibeError(f"The preset's {role}/{name} is out of bounds: {quoted(str(value))}.", remedy)
 
 
 def clamped(group: str, values: Mapping[str, Sequence[float]]) -> Entry:

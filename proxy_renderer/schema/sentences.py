@@ -2,154 +2,39 @@
 """The form of further sentences: those that speak of earlier steps, and what is left of others for a reader of prompts."""
 
 import re
+import tomllib
+from pathlib import Path
 from typing import Literal, NamedTuple
+
+_TABLES = tomllib.loads(Path(__file__).with_name("sentences.toml").read_text(encoding="utf-8"))
+
+
+def _pattern(text: str) -> re.Pattern[str]:
+    """A pattern of sentences.toml, with its parts in it; upper and lower case are alike."""
+    for name, part in reversed(_TABLES["parts"].items()):  # a part may have one from above it
+        text = text.replace(f"{{{name}}}", part)
+    return re.compile(text, re.I)
+
 
 _NUMBERS = {name: n for n, name in enumerate(("original", "first", "second", "third", "fourth", "fifth"))}
 _NUMBERS |= {"start": 0, "beginning": 0, "scene": 0}
 _LAST = ("last", "previous", "before", "earlier")  # names of the step before the one that is shown
-_STEP = r"(?:the )?(?:step )?(?P<step>\w+)(?: (?:one|look|step|version|result))?"
-_HALF = r"(?:50 ?[/-] ?50|half(?:way)?|half and half|mix(?:ed)?)"
 _FACTORS = {
     "half": 0.5, "halve": 0.5, "a half": 0.5, "a third": 1 / 3, "a quarter": 0.25, "twice": 2.0, "double": 2.0,
     "two times": 2.0, "three times": 3.0, "triple": 3.0,
 }  # fmt: skip
-_SHARE = r"(?P<share>half|a half|a third|a quarter|\d{1,3} ?(?:%|percent))"
-_REMOVE = "without|remove|lose|drop|ditch|no more|get rid of|take (?:away|out|off)"
-_AMOUNTS = "saturation|contrast|vignette|haze|fog|mist|bloom|glow|warmth"  # of air and grade; a lamp that is off is dark
-_NOT = "(?:but )?not(?: on)?(?: the)?(?! (?:that|so|as|too|quite) )"
-_FORMS = (
-    ("show", rf"(?:(?:go|take it|take me|return|revert) )?(?:back )?to {_STEP}"),
-    ("show", rf"{_STEP} (?:was|is) better(?:,? go back)?"),
-    (
-        "show",
-        r"(?:go back to )?the (?:one|look|version) (?P<step>before)|(?:the )?previous(?: \w+)?",
-    ),
-    ("show", r"undo(?: that| it| the last(?: step)?)?|go back|(?:go )?(?:one|a) step back"),
-    ("show", r"(?:go |take me |take it )?back to (?:the )?(?P<what>[^,]+)"),
-    (
-        "between",
-        rf"(?:go |meet )?(?:some(?:thing|where) )?(?:half ?way )?(?:in )?between (?:this|it|now)(?: one)? and {_STEP}",
-    ),
-    ("between", r"(?:some(?:thing|where) )?(?:in )?between (?:those|these|the) two"),
-    ("between", rf"half ?way back to {_STEP}"),
-    ("between", r"half ?way back to (?:the )?(?P<what>[^,]+)"),
-    ("between", rf"{_HALF}(?: this one| this| it)? (?:with|and) {_STEP}"),
-    ("strength", r"(?P<factor>half|twice|double)(?: as| the)? (?:strong|much|strength|that|of that)"),
-    (
-        "strength",
-        rf"(?:[^,]*\btoo\b[^,]*, )?(?:dial|tone|turn|bring|pull) (?:it|that|this)(?: down| back) (?:by |to )?{_SHARE}",
-    ),
-    (
-        "strength",
-        rf"(?:[^,]*\btoo\b[^,]*, )?(?:about |like |maybe )?{_SHARE} (?P<sign>less|weaker|more|stronger)",
-    ),
-    (
-        "without",
-        rf"(?:{_REMOVE}) (?:the |any |all )?(?P<what>[^,]+?)"
-        r"(?: completely| entirely| altogether)?(?:,? (?:but |and )?keep .+)?",
-    ),
-    ("without", rf"(?:the )?(?P<what>{_AMOUNTS}) (?:out|off)(?: again)?(?:, .+ stays?)?"),
-    ("instead", r"not the (?P<what>[^,.!]+), the (?P<new>[^,]+)"),
-    ("instead", rf"{_NOT} (?P<what>[^,.!]+)[,.!]+ ?(?:only|just) (?:the )?(?P<new>.+)"),
-    (
-        "except",
-        rf"(?:(?:but )?(?:leave|keep)(?: the)?(?! everything)|{_NOT}(?<=the)|except(?: for)?(?: the)?) (?P<what>[^,.!]+?)"
-        r"(?: alone| out| as it (?:is|was))?(?:, (?:that|it|this).*)?",
-    ),
-    (
-        "instead",
-        r"(?:no,? )?(?:i (?:meant|said|mean) )?(?:only |just )?(?:the )?(?P<new>[^,]+?)(?: only| alone)?(?:,? i (?:said|meant))?"
-        rf"(?:,|,? and|,? but)? {_NOT} (?P<what>[^,.!]+)(?:[,.!].*)?",
-    ),
-)
-# "The rim light not on the wall" is about no step: it says which objects a light lights.
-_LINKS = re.compile(
-    r"\b\w*(?:light|lamp|spot|sun|key|fill|rim)s? (?:not on|(?:(?:does|do|should) not|\w+n't) \w+) ", re.I
-)
-_MATCHES = [(kind, re.compile(rf"(?:{form})[.!]*", re.I)) for kind, form in _FORMS]
-
-_LEAD = re.compile(
-    r"^(?:(?:no|nope|nah|and|now|then|ok|okay|please|(?:the )?same (?:mood|look|light|thing)|hm+|wait|sorry|actually|nice|good|better|but|too much|yes|yeah)\b[ ,.!]*)+",
-    re.I,
-)
-_NEXT = re.compile(r"\s*[,;.]+(?: (?:but|and|then))*\s+|\s+(?:but|and then|then)\s+", re.I)
-"""Between a return to a step and what is to be done then."""
-_TOO = re.compile(r"(?:that|it|this)(?:'s| is| was| looks?| feels?) [^,]*\btoo\b[^,]*", re.I)
-_TAIL = re.compile(r"[ ,]*\b(?:please|pls|tho|though|thanks|again|still)\b[.!]*$", re.I)
-_START = re.compile(
-    r"^(?:(?:and|but|now|then|also|plus|please|hm+|ok|okay|actually|nice|make (?:it|that|this)|keep everything(?: else)?(?: as it is)?,? but)\b[ ,.]*)+",
-    re.I,
-)
-_ANOTHER = re.compile(
-    r"\b(?:an?|another|one more|an extra)(?: (?!\w+er\b|more\b|less\b)[\w-]+){0,3} (?:rim|edge|hair|back|kicker|fill)(?:light)?\b",
-    re.I,
-)
-_SEEMS = r"(?:'s|\b (?:is|are|gets?|got|goes|went|looks?|feels?|reads?|seems?)\b)"
-_COMPLAINT = re.compile(
-    rf"(?:the )?(?P<thing>[\w -]+?)(?:{_SEEMS}| (?:way |much |a bit )?too\b) [^,;.]*[,;.]+ (?P<act>[^,;.]*\b(?:it|them)\b.*)",
-    re.I,
-)
-"""A thing, what is wrong with it, and what to do with it: "the lamp is burning out the wall, halve it"."""
-_RESEMBLES = re.compile(
-    r"^(?:it |this |that )?(?:still )?(?:looks|feels|reads) (?:more )?like [^,;.]*[,;.]+ ", re.I
-)
-"""The present look, before what is to be done."""
+_PATTERNS = {name: _pattern(text) for name, text in _TABLES["patterns"].items()}
+_FORMS = [(kind, _pattern(f"(?:{form})[.!]*")) for kind, form in _TABLES["forms"]]
+_PLAINER = [(_pattern(text), word) for text, word in _TABLES["plainer"]]
 _PRONOUNS = ("it", "this", "that", "i", "we", "they", "these", "those", "there", "still")
-_REASON = re.compile(
-    r"(?:[,;.]? (?:so that|so (?:the|it|we|i|you)|because|since (?:the|it))\b"
-    r"|[,;.] (?:i|we|you|they) (?:can|could|cannot|can't)\b|[,;.] (?:it|that|this|they)(?:'s|'re| is| are| looks?| feels?| reads?)\b"
-    r"|[,;.] (?:(?:it |they )?still|the [\w ]+?) (?:looks?|feels?|reads?|seems?)\b).*",
-    re.I,
-)
-"""Why something is to be done: its words are no looks."""
 _WORDS = "|".join(sorted(_FACTORS, key=len, reverse=True))
 _POWERFUL = rf"\b(?P<factor>{_WORDS}) as (?:strong|bright|intense|powerful)\b"
-_TIMES = "|".join(
-    word for word in _FACTORS if not word.startswith("a ")
-)  # "a third darker" is no third of it
+# "a third darker" is no third of it
+_TIMES = "|".join(word for word in _FACTORS if not word.startswith("a "))
 _COMPARED = rf"\b(?P<factor>{_TIMES})(?: as much)?(?: of)?(?: the)? (?=\w)"
-_PERCENT = r"(?P<sign>more|less) (?P<what>\w+),? (?:like |about |by )?(?P<share>\d{1,3} ?(?:%|percent))(?: (?:more|less))?"
-_SHARE_AFTER = r",? (?:like|about|maybe|by) \+?(?P<share>half|\d{1,3} ?(?:%|percent))(?: (?:more|less))?$"
-_LESS = re.compile(r"\b(?:less|darker|dimmer|weaker|softer|thinner|lower|cooler|down)\b", re.I)
-_STOPS = (
-    r"\b(?:about |by )?(?P<count>a third of a|third of a|half a|a|one|two|three|1/3|1/2|2/3) (?:f-?)?stops?(?P<half> and a half)?"
-    r"(?: (?P<way>brighter|darker|up|down|over|under|more|less)\b)?"
-)
-_COUNTS = {"two": 2.0, "three": 3.0, "half a": 0.5, "1/2": 0.5, "2/3": 2 / 3} | dict.fromkeys(
-    ("a third of a", "third of a", "1/3"), 1 / 3
-)
+_COUNTS = {"two": 2.0, "three": 3.0, "half a": 0.5, "1/2": 0.5, "2/3": 2 / 3}
+_COUNTS |= dict.fromkeys(("a third of a", "third of a", "1/3"), 1 / 3)
 _DOWN = ("darker", "down", "under", "less")
-_AMOUNT = rf"(?:(?:bring|turn|dial|pull|push|take) )?(?:the )?({_AMOUNTS})"
-_MOVE = "(?:bring|take|pull|push|knock|lift|move|swing|rotate|turn|put|shift)"
-_HOW_MUCH, _ALL_OVER = "(?:a bit |much )?", "(?: whole image| everywhere| in general)?"
-_PLAINER = (
-    (r"\ba (?:touch|tad|little bit|hint|shade|trifle)\b(?! of)|\bsomewhat\b|\bslightly\b", "a bit"),
-    (r"\ba lot\b|\b(?:way|far)(?= (?:\w+er|more|less)\b)", "much"),
-    (r"\b(?:even|still|yet) (?=(?:a bit |much )?(?:\w+er|more|less)\b)", ""),
-    (r"(?<=\bmore )glow\b|(?<=\bless )glow\b", "bloom"),
-    (r"\b(bring|put|get|give)\b(.*?) back\b", r"\1\2"),  # no light from the back
-    (r"\b(?:the )?(?:whole thing|whole lot|overall)\b", "whole image"),
-    (rf"^({_HOW_MUCH})(?:less (?:orange|yellow|amber)|more blue|bluer){_ALL_OVER}$", r"\1cooler"),
-    (rf"^({_HOW_MUCH})(?:less (?:blue|cyan|teal)|more (?:orange|yellow|amber)){_ALL_OVER}$", r"\1warmer"),
-    (r"\bsat\b", "saturation"),
-    (r"\bnot (?:that|so|quite so|as) (\w+)$", r"less \1"),
-    (r",? (?:but|and) not (?:on )?(?=the\b)", ", but leave "),
-    (rf"\b{_AMOUNT} up\b", r"more \1"),
-    (rf"\b{_AMOUNT} down\b", r"less \1"),
-    (rf"\b{_MOVE} (?:(?:it|this|that) )?((?:the [^,;.]+? )?)(?:up|down) (?=brighter|darker)", r"\1"),
-    (rf"\b{_MOVE} (?:(?:it|this|that) )?((?:the [^,;.]+? )?)up\b", r"\1brighter"),
-    (rf"\b{_MOVE} (?:(?:it|this|that) )?((?:the [^,;.]+? )?)down\b", r"\1darker"),
-    (
-        rf"\b{_MOVE} (?:the )?([\w ]+?) (?:a?round |over |more |further )*(?:to|on|towards?|from) the (left|right|back|front)\b",
-        r"\1 from the \2",
-    ),
-    (rf"\b{_MOVE} (the [\w ]+?) (?:more |further )?towards? (?=\w+$)", r"\1 more "),
-    (r" down$", " darker"),
-    (r"\b(brighter|darker) (a bit|much)\b", r"\2 \1"),
-    (r"\badd (?:some|a bit of|a little) ", "add "),
-    (r"(\bno \w+) (?:at all|whatsoever)\b", r"\1"),
-    (r",? (?:without|but not) (?:touching|changing|affecting|moving) ", ", but leave "),
-)
 
 
 class AboutSteps(NamedTuple):
@@ -169,13 +54,13 @@ def about_steps(sentence: str) -> AboutSteps | None:
     >>> about_steps("No, the wall, not the table")
     AboutSteps(kind='instead', number=-1, factor=1.0, what='table', new='wall', rest='')
     """
-    text = _TAIL.sub("", " ".join(sentence.split()))
-    if _LINKS.search(text):
+    text = _PATTERNS["tail"].sub("", " ".join(sentence.split()))
+    if _PATTERNS["links"].search(text):
         return None
     if said := _about_steps(text):
         return said
-    first, *rest = _NEXT.split(_LEAD.sub("", text), maxsplit=1)
-    if rest and _TOO.fullmatch(first):
+    first, *rest = _PATTERNS["next"].split(_PATTERNS["lead"].sub("", text), maxsplit=1)
+    if rest and _PATTERNS["too"].fullmatch(first):
         return about_steps(*rest)
     said = _about_steps(first) if rest else None
     returns = said and said.kind in ("show", "between") and not about_steps(*rest)
@@ -184,15 +69,15 @@ def about_steps(sentence: str) -> AboutSteps | None:
 
 def _about_steps(text: str) -> AboutSteps | None:
     """The earlier step that one clause speaks of."""
-    for kind, form in _MATCHES:
-        if not (found := form.fullmatch(text) or form.fullmatch(_LEAD.sub("", text))):
+    for kind, form in _FORMS:
+        if not (found := form.fullmatch(text) or form.fullmatch(_PATTERNS["lead"].sub("", text))):
             continue
         named = {name: value.strip(" .!") for name, value in found.groupdict().items() if value}
         step = named.get("step", "").lower()
         number = int(step) if step.isdigit() else _NUMBERS.get(step, -1)
         if step and number < 0 and step not in _LAST:
             continue
-        return AboutSteps(kind, number, _factor(named), named.get("what", ""), named.get("new", ""))  # type: ignore[arg-type]
+        return AboutSteps(kind, number, _factor(named), named.get("what", ""), named.get("new", ""))
     return None
 
 
@@ -213,7 +98,7 @@ def adds_light(sentence: str) -> bool:
     >>> adds_light("a cool rim light"), adds_light("the rim light cooler")
     (True, False)
     """
-    return bool(_ANOTHER.search(sentence))
+    return bool(_PATTERNS["another"].search(sentence))
 
 
 def plain(sentence: str) -> tuple[str, float]:
@@ -222,9 +107,9 @@ def plain(sentence: str) -> tuple[str, float]:
     >>> plain("And now twice as much fog")
     ('more fog', 2.0)
     """
-    text = _wish(_START.sub("", _TAIL.sub("", " ".join(sentence.split()))))
+    text = _wish(_PATTERNS["start"].sub("", _PATTERNS["tail"].sub("", " ".join(sentence.split()))))
     factor = 0.0
-    if found := re.search(_STOPS, text, re.I):
+    if found := _PATTERNS["stops"].search(text):
         clause = re.split(r"[,;.]", text[: found.start()])[-1]
         ways = (found["way"] or clause).lower().split()
         stops = _COUNTS.get(found["count"].lower(), 1.0) + (0.5 if found["half"] else 0.0)
@@ -233,11 +118,13 @@ def plain(sentence: str) -> tuple[str, float]:
     elif found := re.search(_POWERFUL, text, re.I):
         factor = _FACTORS[found["factor"].lower()]
         text = text.replace(found[0], "brighter" if factor > 1.0 else "dimmer")
-    elif found := re.search(_PERCENT, text, re.I):
+    elif found := _PATTERNS["percent"].search(text):
         factor = _factor(found.groupdict())
         text = text.replace(found[0], f"{found['sign']} {found['what']}")
-    elif found := re.search(_SHARE_AFTER, text, re.I):
-        factor = _factor({"share": found["share"], "sign": "less" if _LESS.search(text) else "more"})
+    elif found := _PATTERNS["share_after"].search(text):
+        factor = _factor(
+            {"share": found["share"], "sign": "less" if _PATTERNS["less"].search(text) else "more"}
+        )
         text = text.replace(found[0], "")
         if "," in text:  # a factor is for all that a sentence changes, and this one only for the last of it
             factor = 0.0
@@ -245,14 +132,14 @@ def plain(sentence: str) -> tuple[str, float]:
         factor = _FACTORS[found["factor"].lower()]
         text = text.replace(found[0], "more " if factor > 1.0 else "less ")
     for pattern, word in _PLAINER:
-        text = re.sub(pattern, word, text, flags=re.I)
+        text = pattern.sub(word, text)
     return text.strip(), factor
 
 
 def _wish(text: str) -> str:
     """The task of a sentence, without what is wrong now and without reasons."""
-    text = _REASON.sub("", _RESEMBLES.sub("", text))
-    found = _COMPLAINT.fullmatch(text)
+    text = _PATTERNS["reason"].sub("", _PATTERNS["resembles"].sub("", text))
+    found = _PATTERNS["complaint"].fullmatch(text)
     if found and found["thing"].lower() not in _PRONOUNS:
         return re.sub(r"\b(?:it|them)\b", f"the {found['thing']}", found["act"], count=1, flags=re.I)
     return text

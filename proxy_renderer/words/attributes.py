@@ -9,6 +9,7 @@ from ..color.shades import basic, relative_shade, shade
 from ..schema import Values
 from ..schema.parameters import Region
 from .lexer import Token
+from .lexicon.entries import Effect
 from .lexicon.languages import singular
 from .lexicon.quantities import COLORS
 from .lexicon.rigs import RigTable
@@ -26,15 +27,11 @@ _STRONG = 30.0  # C* that lit things show in full
 _KEPT = 0.7  # share of the chroma beyond that
 
 
-def complete(
-    parsed: Parsed, vocabulary: Vocabulary, subject: str, things: list[NamedThing], sky: bool = True
-) -> None:
-    """Fills in the objects of a prompt whose attributes are bound, and relations of words to each other."""
-    parsed.attributes = _all_shaded(parsed, vocabulary)
-    if not sky:  # a sky that the camera does not see is its light alone: what colors it colors the image
-        hidden = (a.kind == "sky" and a.color for a in parsed.attributes)
-        both = zip(parsed.attributes, hidden, strict=True)
-        parsed.attributes = [replace(a, kind="ambience", region="whole") if h else a for a, h in both]
+def complete(parsed: Parsed, subject: str, things: list[NamedThing], sky: bool = True) -> None:
+    """Fills in the objects of a prompt whose attributes are bound."""
+    for number, each in enumerate(parsed.attributes):
+        if each.kind == "sky" and each.color and not sky:  # an unseen sky is light: its color is the image's
+            parsed.attributes[number] = replace(each, kind="ambience", region="whole")
     parsed.objects = _objects(parsed.attributes, subject, things)
     parsed.ignored = list(dict.fromkeys(parsed.ignored))
     parsed.notes = list(dict.fromkeys(parsed.notes))
@@ -43,12 +40,8 @@ def complete(
 def _objects(attributes: list[Attribute], subject: str, things: list[NamedThing]) -> list[PromptObject]:
     main = next((name for name, region, _ in things if region == "subject"), subject) or "subject"
     objects: dict[tuple[str, Region], PromptObject] = {(main, "subject"): PromptObject(main, "subject")}
-    objects |= {
-        (name, region): PromptObject(name, region, materials=owners) for name, region, owners in things
-    }
-    around: tuple[str, Region] = next(
-        (k for k in objects if k[1] == "surroundings"), ("surroundings", "surroundings")
-    )
+    objects |= {(name, region): PromptObject(name, region, materials=its) for name, region, its in things}
+    around = next((k for k in objects if k[1] == "surroundings"), ("surroundings", "surroundings"))
     for attribute in (a for a in attributes if not a.cause):
         key = (attribute.thing, attribute.region)
         if key not in objects:
@@ -96,29 +89,21 @@ def fog_color(srgb: Values) -> Values:
     return shade(srgb, lightness=0.4, chroma=0.6, towards=70.0)
 
 
-def shaded(attribute: Attribute, word: str, entry: str, strength: float, vocabulary: Vocabulary) -> Attribute:
-    """A color as a word before it makes it ("boring green" is muted); itself where the word says nothing of colors, or it is none."""
+def shade_effect(entry: str, vocabulary: Vocabulary) -> Effect | None:
+    """The effect of a word that changes colors: of "boring", which is muted; None for other words."""
     known = vocabulary.entries.get(entry)
     effects = known.effects if known and known.slot == "color" else ()
-    effect = next((e for e in effects if (e.family, e.mode) == ("material/base_color", "shade")), None)
+    return next((e for e in effects if (e.family, e.mode) == ("material/base_color", "shade")), None)
+
+
+def shaded(attribute: Attribute, word: str, entry: str, strength: float, vocabulary: Vocabulary) -> Attribute:
+    """A color as a word before it makes it, "boring green"; itself where the word says nothing of colors, or it is none."""
+    effect = shade_effect(entry, vocabulary)
     if effect is None or not attribute.color:
         return attribute
     lighter, share = ((a + b) / 2 for a, b in zip(effect.lower, effect.upper, strict=True))
     color = relative_shade(attribute.color, lighter, share, strength)
     return replace(attribute, word=f"{word} {attribute.word}", color=color)
-
-
-def _all_shaded(parsed: Parsed, vocabulary: Vocabulary) -> list[Attribute]:
-    """The attributes, with a word that changes colors and the color of one object right after it as one: "washed out green"."""
-    found: list[Attribute] = []
-    for each in parsed.attributes:
-        before, prompt = found[-1] if found else each, parsed.prompt.lower()
-        same = (before.kind, before.owners, None, "") == (each.kind, each.owners, before.color, before.cause)
-        whole = each
-        if same and not before.negated and f"{before.word} {each.word}" in prompt:
-            whole = shaded(each, before.word, before.entry, before.strength, vocabulary)
-        found = [*found[: len(found) - (whole is not each)], whole]
-    return found
 
 
 # Lights that are called by their names, and those that are described one by one: "a hard key from the left, warm"
@@ -148,7 +133,8 @@ def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> d
         expected = several or bool(spoken_of)
         heads = [n for n, item in enumerate(items) if _is_light(item, rigs, vocabulary, expected)]
         tells = any(_is_of_light(item, rigs, vocabulary) for item in items)
-        sided = tells and any(_says_the_side(item, rigs) for item in items)
+        modifiers = filter(None, (rigs.modifier(item.entry) for item in items))
+        sided = tells and any("direction" in modifier.aspects for modifier in modifiers)
         if sided and goes_on and not (counted or heads):
             heads = [0]  # "magenta from the left", "warm from the right"
         counts = any("count" in item.lists for item in items) and not any(i.names_a_look for i in items)
@@ -203,17 +189,9 @@ def _is_of_light(item: Token, rigs: RigTable, vocabulary: Vocabulary) -> bool:
     return item.color is not None or rigs.modifier(of_light) is not None
 
 
-def _says_the_side(item: Token, rigs: RigTable) -> bool:
-    modifier = rigs.modifier(item.entry)
-    return modifier is not None and "direction" in modifier.aspects
-
-
 def _goes_on(item: Token, rigs: RigTable, vocabulary: Vocabulary) -> bool:
     """True if an item names no other thing and no setup, so that it may go on about the light before it."""
     setup = item.entry in rigs.rigs and item.entry not in rigs.modifiers
     rest = "others" in item.lists and item.text not in vocabulary.words["together"]
-    return (
-        item.known
-        and item.noun in ("", "glow")
-        and not (item.scene or rest or setup or "action" in item.lists)
-    )
+    names_another = item.scene or rest or setup or "action" in item.lists
+    return item.known and item.noun in ("", "glow") and not names_another

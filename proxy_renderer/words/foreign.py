@@ -92,20 +92,17 @@ def _attempt(
 
     The first is 0 for an English prompt in which nothing else is a look of the language.
     """
-    found = []
-    for piece in pieces(text, lexicon, names, vocabulary.made(_phrases)):
-        english = piece.kind != "phrase" and _is_english(text[piece.start : piece.end], vocabulary)
-        found.append(
-            (replace(piece, kind="phrase") if english and piece.kind == "unknown" else piece, english)
-        )
-    mine = [piece for piece, english in found if piece.kind in TABLES and not english]
-    theirs = [piece for piece, _ in found if piece.kind == "phrase"]
+    found = pieces(text, lexicon, names, vocabulary.made(_phrases))
+    english = {p for p in found if p.kind != "phrase" and _is_english(text[p.start : p.end], vocabulary)}
+    found = [replace(p, kind="phrase") if p in english and p.kind == "unknown" else p for p in found]
+    mine = [p for p in found if p.kind in TABLES and p not in english]
+    theirs = [p for p in found if p.kind == "phrase"]
     letters, others = (sum(p.end - p.start for p in some) for some in (mine, theirs))
     if letters > others:
-        return letters, [piece for piece, _ in found]
+        return letters, found
     # A guest in an English prompt
     letters *= [p.kind for p in mine].count("looks") > lexicon.spaces
-    own = (Piece(text[p.start : p.end], p.start, p.end, "phrase") if english else p for p, english in found)
+    own = (replace(p, english=text[p.start : p.end], kind="phrase") if p in english else p for p in found)
     return letters, [*own]
 
 
@@ -170,13 +167,11 @@ def _piece(
     own = Piece(text[start:end], start, end, "unknown")
     if " ".join(cut.english.lower() for cut in cuts) in phrases:
         return replace(own, kind="phrase")
-    found = lexicon.find([cut.english for cut in cuts])
-    spellings = {folded(own.english), *(found[0] if found else ())}
-    is_thing = single and (not found or found[1].table == "things")
-    if is_thing and not spellings.isdisjoint(names):
+    wording, (english, table) = lexicon.find([cut.english for cut in cuts]) or ((), ("", ""))
+    if single and table in ("", "things") and not names.isdisjoint((folded(own.english), *wording)):
         return replace(own, kind="name")
-    if found:
-        return replace(own, english=found[1].english, kind=found[1].table)
+    if table:
+        return replace(own, english=english, kind=table)
     if single and not single.english[0].isalnum():
         mark = _MARKS.get(single.english) or unicodedata.normalize("NFKC", single.english)
         return replace(own, english=mark, kind="mark")
@@ -195,9 +190,8 @@ class Retelling:
         """Puts the artist's words in place of the English ones, wherever people read them; changes `parsed`."""
         parsed.attributes = [self._attribute(attribute) for attribute in parsed.attributes]
         for thing in parsed.objects:
-            thing.attributes = {
-                slot: ", ".join(map(self.own, words.split(", "))) for slot, words in thing.attributes.items()
-            }
+            for slot, words in thing.attributes.items():
+                thing.attributes[slot] = ", ".join(map(self.own, words.split(", ")))
         parsed.ignored = [self.own(text) for text in parsed.ignored]
         parsed.guesses = {self.own(word): entry for word, entry in parsed.guesses.items()}
         parsed.notes = [_QUOTED.sub(lambda m: self.own(m[0]), text) for text in parsed.notes]
@@ -237,11 +231,10 @@ class Retelling:
         return []
 
     def _text(self, found: list[Piece]) -> str:
-        spans = sorted({(piece.start, piece.end) for piece in found})
-        text = ""
-        for (_, last), (start, end) in zip([(0, 0), *spans], spans, strict=False):
+        text, last = "", 0
+        for start, end in sorted({(piece.start, piece.end) for piece in found}):
             gap = self.gloss.prompt[last:start] if text else ""
-            text += (" " if gap.strip() else gap) + self.gloss.prompt[start:end]
+            text, last = text + (" " if gap.strip() else gap) + self.gloss.prompt[start:end], end
         return text
 
 

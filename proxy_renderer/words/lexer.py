@@ -8,7 +8,6 @@ from collections.abc import Collection, Container, Iterator
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from operator import ne
-from typing import Any
 
 from ..color.floats import is_hex, srgb_from_hex
 from ..color.shades import shade
@@ -31,7 +30,8 @@ _COMPARED = ("finish", "grade", "mood", "atmosphere")  # slots of "glossier", "m
 _NAME_ALIKE, _ALIKE = 0.86, 0.84  # share of characters that a mistyped name, and any other word, has right
 _BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*=+]|#(?![0-9a-f]{6}\b)|\s[-–—/]\s|/")
 _WORD = re.compile(r"#[0-9a-f]{6}\b|[^\W_]+(?:'[a-z]+)?")  # a word, or a color by its number: "#c8102e"
-_SLASHED = re.compile(r"\b[A-Za-z]+/[A-Za-z]+\b")
+_BURNS, _BURNING = "on", ("switched", "on")  # at the end of a clause: "the headlights on"
+_SLASH = re.compile(r"(?<=[A-Za-z])/(?=[A-Za-z])")  # "blue/green"
 ShadeArguments = tuple[float, float, float, float]  # arguments of `color.shade`
 
 
@@ -92,22 +92,15 @@ class Lexer:
 
     def clauses(self, prompt: str) -> list[list[Token]]:
         """Tokens of each clause of a prompt."""
-        text = normalize(_SLASHED.sub(self._unslashed, re.sub(r"\s*&\s*", " and ", prompt)))
+        text = normalize(_SLASH.sub(" ", prompt.replace("&", " and ")))
         words = [_WORD.findall(part) for part in _BREAK.split(text)]
         return [self._tokens(self._spelled(part)) for part in words if part]
 
-    def _unslashed(self, pair: re.Match[str]) -> str:
-        """ "Blue/green" as "blue green", where that is one color."""
-        words, colors = pair[0].lower().split("/"), self.vocabulary.colors
-        return " ".join(words) if " ".join(words) in colors or compound(words, colors) else pair[0]
-
     def _spelled(self, words: list[str]) -> list[str]:
         """The words that are meant by those typed in a hurry, by "on" at the end, and by "bluegreen" and "lightblue"."""
-        v = self.vocabulary
-        if len(words) > 1 and words[-1] in v.words["burns"]:
-            (burning,) = v.words["burning"]
-            words = [*words[:-1], *burning.split()]
-        found = []
+        v, found = self.vocabulary, list[str]()
+        if len(words) > 1 and words[-1] == _BURNS:
+            words = [*words[:-1], *_BURNING]
         for word in (w if w in self._in_names else v.typed.get(w, w) for w in words):
             known = any(word in table for table in (v.synonyms, v.nouns, self.names))
             found += [word] if known else parted(word, v.colors, v.shades)
@@ -117,13 +110,6 @@ class Lexer:
         tokens: list[Token] = []
         start = 0
         while start < len(words):
-            if tokens and self._covers(words[start], tokens[-1]):
-                start += 1
-                continue
-            if self._is_no_color(words, start):
-                tokens.append(Token(words[start]))
-                start += 1
-                continue
             if tokens and self._places(words[start:], tokens[-1]):
                 tokens.append(replace(self._phrase(f"from {words[start]}"), text=words[start]))
                 start += 1
@@ -140,20 +126,6 @@ class Lexer:
                     break
         return tokens
 
-    def _covers(self, word: str, thing: Token) -> bool:
-        """True if a word names the surface of the thing before it and wishes for no material: "wet frog skin"."""
-        named = (thing.scene or "thing" in thing.lists or thing.noun) and not thing.names_a_look
-        return bool(named) and word in self.vocabulary.words["coverings"] and word not in self.names
-
-    def _is_no_color(self, words: list[str], place: int) -> bool:
-        """True for a thing that a color is named after: "lemons", and "the lemon is yellow"."""
-        v, word = self.vocabulary, words[place]
-        one, before, after = singular(word), words[max(place - 1, 0)], words[place + 1 : place + 2]
-        if word in self.names or one not in v.colors or one not in thing_words():
-            return False
-        said = before in v.lists["definite"] and any(w in v.lists["link"] for w in after)
-        return said or (one != word and word not in v.synonyms)
-
     def _places(self, words: list[str], light: Token) -> bool:
         """True if words after a light say where it comes from: "behind" of "cold dawn behind it", not of "the sun behind the hills"."""
         is_light = light.noun == "light" or self.vocabulary.slot(light.entry) == "lighting"
@@ -164,10 +136,8 @@ class Lexer:
     def _cuts_a_phrase(self, words: list[str], start: int, end: int) -> bool:
         """True if words take the first word of a listed phrase that is no surface: "warm golden" of "golden hour"."""
         later = range(end + 1, min(end + _LONGEST, len(words) + 1))
-        both = ((i, j) for i in range(start + 1, end) for j in later)
-        return any(
-            self.vocabulary.slot(" ".join(words[i:j])) not in ("", "finish", "material") for i, j in both
-        )
+        phrases = (" ".join(words[i:j]) for i in range(start + 1, end) for j in later)
+        return any(self.vocabulary.slot(phrase) not in ("", "finish", "material") for phrase in phrases)
 
     def _ends_in_thing(self, words: list[str]) -> bool:
         """True if a phrase is a look and a thing of this scene: "terracotta pot", or "turquoise water" where water is."""
@@ -186,8 +156,9 @@ class Lexer:
         if is_hex(text):
             return Token(text, color=srgb_from_hex(text))
         tint = tending(text, v.colors)
+        is_thing = singular(text) in thing_words() and text not in self.names  # "lemons" are no color
         for token in map(self._spelled_so, _spellings(text, v.nouns)):
-            if token.known:
+            if token.known and not (is_thing and token.color and token.name != text):
                 return replace(token, text=text, color=token.color or tint)
         for stem in (stem for degree in v.endings for stem in v.stems(text, degree)):
             if stem in v.adjectives or stem in v.colors or v.slot(stem) in _COMPARED:
@@ -252,8 +223,8 @@ def _composed(words: list[str], v: Vocabulary) -> Token | None:
     made_of = words[0] in v.colors and words[0] in v.synonyms  # "ruby red lips" are red
     if not made_of and (color := compound(words, v.colors)):
         return Token(text, color=color, name=text)
-    found = (_shaded(leading, rest, v) for leading, rest in _led_by_shades(words, v) if text not in v.colors)
-    return next(filter(None, found), None)
+    each = () if text in v.colors else _led_by_shades(words, v)
+    return next(filter(None, (_shaded(leading, rest, v) for leading, rest in each)), None)
 
 
 def _shaded(leading: list[str], rest: list[str], v: Vocabulary) -> Token | None:
@@ -265,10 +236,9 @@ def _shaded(leading: list[str], rest: list[str], v: Vocabulary) -> Token | None:
     if color and v.slot(last) != "grade":  # "faded sepia" is no paler brown
         for arguments in shades:
             color = shade(color, *arguments)
-        both: dict[str, Any] = (
-            {"adjective": last, "shades": shades} if is_lighter and last in v.adjectives else {}
-        )
-        return Token(text, color=color, name=" ".join([*leading, name]), **both)
+        token = Token(text, color=color, name=" ".join([*leading, name]))
+        both = is_lighter and last in v.adjectives  # a color, and what the adjective means elsewhere
+        return replace(token, adjective=last, shades=shades) if both else token
     tints = entry and entry.slot == "material" and any(e.name == "base_color" for e in entry.effects)
     if entry and tints and is_lighter and text not in v.synonyms:
         return Token(text, entry.name, name=text, shades=shades)

@@ -7,13 +7,13 @@ from .attributes import fixture
 from .lexicon.entries import normalize
 from .lexicon.languages import any_of
 from .lexicon.vocabulary import Vocabulary
-from .names import best, fit, parts
+from .names import parts
 from .passage import LIGHTS
 from .scene import REGIONS, LookIndex, SceneIndex
 from .types import GLOW, SaidLink, SceneDescription
 
 _MOST = 3  # words of a light's name
-_AND = re.compile(r"\s*\b(?:and|or|nor)\b\s*")
+_AND = re.compile(r"(\s*\b(?:and|or|nor)\b\s*)")
 _CLAUSE = re.compile(r"[,.;:!]|\b(?:and|but|with|while)\b")
 _UNBOUND = "'{}': there is no {} '{}' in the scene; not used."
 
@@ -50,13 +50,9 @@ def without_links(
 
 def _linking(vocabulary: Vocabulary) -> list[re.Pattern[str]]:
     """The ways to say what a light lights; all but the last say that it is only that."""
-    words = {kind: any_of(vocabulary.words[kind]) for kind in ("lights_only", "only", "spares")}
-    end = r"(?=\s*(?:[,.;:!]|but\b|while\b|with\b|$))"
-    texts = (
-        rf"\b{words['lights_only']} (?P<what>[^,.;:!]+?){end}",
-        rf"\bon (?P<what>[^,.;:!]+?) {words['only']}{end}",
-        rf"\b{words['spares']} (?P<what>[^,.;:!]+?){end}",
-    )
+    lights_only, only, spares = (any_of(vocabulary.words[kind]) for kind in ("lights_only", "only", "spares"))
+    what, end = "(?P<what>[^,.;:!]+?)", r"(?=\s*(?:[,.;:!]|but\b|while\b|with\b|$))"
+    texts = (rf"\b{lights_only} {what}{end}", rf"\bon {what} {only}{end}", rf"\b{spares} {what}{end}")
     return [re.compile(text, re.IGNORECASE) for text in texts]
 
 
@@ -86,15 +82,13 @@ def _objects(
     match: re.Match[str], scene: SceneDescription, vocabulary: Vocabulary
 ) -> tuple[tuple[str, ...], int]:
     """The objects that nouns after a link name, and where the link ends: before "and warm fog"."""
-    found, start = dict[str, None](), match.start("what")
-    pieces = [*_AND.finditer(match["what"])]
-    ends = [*(piece.start() for piece in pieces), len(match["what"])]
-    begins = [0, *(piece.end() for piece in pieces)]
-    for number, (begin, end) in enumerate(zip(begins, ends, strict=True)):
-        named = _called(match["what"][begin:end], scene, vocabulary)
-        if number and not named:
-            return tuple(found), start + ends[number - 1]
-        found |= dict.fromkeys(named)
+    first, *others = _AND.split(match["what"])
+    found, end = [*_called(first, scene, vocabulary)], match.start("what") + len(first)
+    for joiner, noun in zip(others[::2], others[1::2], strict=True):
+        named = _called(noun, scene, vocabulary)
+        if not named:
+            return tuple(found), end
+        found, end = [*dict.fromkeys([*found, *named])], end + len(joiner) + len(noun)
     return tuple(found), match.end()
 
 
@@ -105,10 +99,7 @@ def _called(noun: str, scene: SceneDescription, vocabulary: Vocabulary) -> tuple
     if not noun:
         return ()
     index = scene.made(SceneIndex, vocabulary)
-    ways = {name: fit(parts(noun), parts(name), vocabulary) for name in scene.objects}
-    surest = best(ways.values())
-    whole = [name for name, way in ways.items() if way and way == surest]
-    if whole:
+    if whole := index.objects(parts(noun)):
         return tuple(dict.fromkeys(each for name in whole for each in (name, *index.parts_of(name))))
     materials = scene.made(LookIndex, vocabulary).shaped(noun)
     region = REGIONS.get(vocabulary.nouns.get(noun, ""), "")

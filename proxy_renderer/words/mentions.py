@@ -98,17 +98,16 @@ class _NounFinder:
 
     def _numbered(self, start: int, named: list[Named]) -> list[Named]:
         """Those of some names that have the number after a noun: "cube 2" is Cube.002."""
-        number = "".join(item.text for item in self.items[start + 1 : start + 2] if item.text.isdecimal())
-        theirs = re.compile(rf"\D0*{int(number)}$") if number else None
-        if theirs is None or not named:
+        number = next((item.text for item in self.items[start + 1 : start + 2]), "")
+        if not number.isdecimal():
             return named
-        objects = filter(theirs.search, self.index.objects(parts(self.items[start].text)))
-        things = frozenset[str]().union(*map(self.index.worn, objects))
-        lights = frozenset(
-            n for each in named if each.kind == "lights" for n in each.names if theirs.search(n)
-        )
+        theirs = re.compile(rf"\D0*{int(number)}$").search
+        objects = filter(theirs, self.index.objects(parts(self.items[start].text)))
+        things = (self.index.words.object_materials.get(name, ()) for name in objects)
+        lights = (filter(theirs, each.names) for each in named if each.kind == "lights")
         found = (("things", things, "object exact"), ("lights", lights, "light exact"))
-        return [Named(kind, names, frozenset({sign})) for kind, names, sign in found if names] or named
+        each = [Named(kind, frozenset().union(*names), frozenset({sign})) for kind, names, sign in found]
+        return [numbered for numbered in each if numbered.names] or named
 
     def _mention(self, start: int, end: int, noun: str, named: list[Named]) -> NounMention:
         """A noun with the light that it means: "key light" the key, "light" light in general ("")."""
@@ -142,22 +141,19 @@ class _NounFinder:
         return self._surely(named) if "stop" in token.lists and not token.noun else named
 
     def _is_of_the_next(self, start: int) -> bool:
-        """True if a look is said of the thing after it: "red" of "red leather seats" is no red lamp."""
-        token, head = self.items[start], self._head_after(start)
-        if head is None or not token.names_a_look or token.noun:
+        """True if a look is said of the thing after it, with only looks between: "red" of "red leather seats" is no red lamp."""
+        token = self.items[start]
+        if not token.names_a_look or token.noun:
             return False
-        return not token.entry or bool(self._surely(self.index.named(parts(head.text))))
-
-    def _head_after(self, start: int) -> Token | None:
-        """The noun that follows, with nothing but looks between."""
-        for token in self.items[start + 1 :]:
-            if token.clause != self.items[start].clause or token.ties or token.filler:
-                return None
-            if token.noun or self.index.named(parts(token.text)):
-                return token
-            if not (token.names_a_look or token.strength):
-                return None
-        return None
+        for item in self.items[start + 1 :]:
+            if item.clause != token.clause or item.ties or item.filler:
+                return False
+            named = self.index.named(parts(item.text))
+            if item.noun or named:
+                return not token.entry or bool(self._surely(named))
+            if not (item.names_a_look or item.strength):
+                return False
+        return False
 
     def _surely(self, named: list[Named]) -> list[Named]:
         return [n for n in named if not n.signs.isdisjoint(_SURE)]
@@ -170,11 +166,10 @@ class _NounFinder:
     def _noun(self, start: int) -> str:
         """The kind of thing that a token is: "unknown" for a word that nobody knows, or that is a mood, or here the thing itself."""
         token = self.items[start]
-        if "thing" not in token.lists and (token.known or token.unsure):
+        if token.noun or ("thing" not in token.lists and (token.known or token.unsure)):
             return token.noun
         before = [i for i in self.passage.content(0, start) if not i.names_a_look]
-        gives_light = before and "lighting" in before[-1].lists  # "lit by a red firefly"
-        return token.noun or ("light" if gives_light else "unknown")
+        return "light" if before and "lighting" in before[-1].lists else "unknown"  # "lit by a red firefly"
 
 
 def _is_translated(named: Named) -> bool:

@@ -184,10 +184,9 @@ def with_own_materials(
     for mention in mentions(passage, index, vocabulary):
         mine = {o for thing in named_objects(mention, index) for o in (thing, *index.parts_of(thing))}
         named.append((mine, mention.text))
+    named.sort(key=lambda each: len(each[0]))
     done = set[tuple[str, str]]()
-    for (mine, text), (material, its) in itertools.product(
-        sorted(named, key=lambda n: len(n[0])), shared.items()
-    ):
+    for (mine, text), (material, its) in itertools.product(named, shared.items()):
         theirs = [thing for thing in its if thing in mine and (material, thing) not in done]
         # a material that is called like the object is meant, whoever wears it
         if not theirs or mine.issuperset(its) or fit(parts(text), parts(material), vocabulary):

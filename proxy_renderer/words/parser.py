@@ -17,6 +17,7 @@ from .foreign import Gloss, Retelling, gloss, other_language, understood
 from .lexer import Token
 from .lexicon.entries import normalize
 from .lexicon.languages import any_of, singular, thing_words
+from .lexicon.rigs import rig_table
 from .lexicon.user_words import default_vocabulary
 from .lexicon.vocabulary import Vocabulary, hour_entry, kelvin_entry
 from .linking import without_links
@@ -43,6 +44,17 @@ _PAIR = re.compile(
 )
 _MOST_WORDS = 4  # words of a value; more are a sentence of their own
 _AND = re.compile(r"\s*(?:,|\band\b|\bor\b)\s*")
+_LIGHT = r"(?:the |a |an |one |some )?(?P<light>(?:[\w'-]+ ){0,3}?[\w'-]+)"
+_SOLE = tuple(
+    re.compile(pattern, re.IGNORECASE)
+    for pattern in (
+        rf"\b(?:only|just|nothing but) {_LIGHT} (?:(?:is|are|left|still|turned|switched) )*(?:on|lit|burning)\b",
+        rf"\b(?:everything|all|all the|every other|the) ?(?:other )?(?:lights?|lamps?|light source)? (?:(?:is|are|turned|switched) )*(?:off|out),? (?:except|but|apart from|besides)(?: for)? {_LIGHT}(?=\s*(?:[,;.]|$))",
+        rf"\b(?:lit only|only lit) (?:by|with) {_LIGHT}(?=\s*(?:[,;.]|$))",
+    )
+)
+"""Ways to say that one light burns alone."""
+_LAMPLIGHT = "lamplight"  # the setup of a room by a lamp of it
 
 Protection = tuple[str, tuple[str, ...]]
 """A passage that says that something stays, "leave the cup alone", and the owners that stay; none if it names nothing."""
@@ -179,7 +191,7 @@ def read(
         mixed and parsed.attributes and all(a.guess or a.cause for a in parsed.attributes)
     ):
         parsed.unknown = _without_look(glossed, mixed, bool(undone), [*reading.lacking, *normal.notes])
-    complete(parsed, vocabulary, reading.subject, reading.mentioned, scene.sky)
+    complete(parsed, reading.subject, reading.mentioned, scene.sky)
     if glossed.language:
         retelling.retell(parsed)
     if glossed.language and glossed.unknown:
@@ -229,6 +241,8 @@ def normalized(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> No
         short = len(value.split()) <= _MOST_WORDS
         return f"{value} {key}" if short and key in vocabulary.nouns else pair[0]
 
+    for alone in _SOLE:
+        text = alone.sub(_sole_light, text)
     text = _KELVINS.sub(_kelvins, _CLOCK.sub(_hour, _PAIR.sub(sentence, text.replace("’", "'"))))
     text, links, notes = without_links(text, scene, vocabulary)
     found, rest = list[Protection](), text
@@ -239,6 +253,15 @@ def normalized(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> No
                 found.append((match[0].strip(), kept))
                 rest = rest.replace(match[0].strip(), ",")
     return Normalized(rest if rest.strip(" ,.;") else text, found, links, notes, targets)
+
+
+def _sole_light(match: re.Match[str]) -> str:
+    """ "only the floor lamp on" as "by lamplight", "just the key on" as "key on, everything else dark"."""
+    light, rigs = match["light"], rig_table().rigs
+    noun = singular(light.split()[-1].lower())
+    if noun in rigs[_LAMPLIGHT].lights[0].names:
+        return f"by {next((name for name in rigs if name.startswith(noun)), _LAMPLIGHT)}"
+    return f"{light} on, everything else dark"
 
 
 def _hour(match: re.Match[str]) -> str:

@@ -6,10 +6,11 @@ from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 
 from ..schema import VibeError
 from ..schema.parameters import Region
-from .attributes import NamedThing, light_phrases, shaded
+from .attributes import NamedThing, light_phrases, shade_effect, shaded
 from .lexicon.entries import VocabularyEntry
 from .lexicon.rigs import TIMES, rig_table
 from .lexicon.vocabulary import Vocabulary
@@ -24,6 +25,7 @@ from .targets import (
     ROLES,
     TINGE,
     PromptPairs,
+    Target,
     TargetPair,
     rest,
     sense_at,
@@ -90,6 +92,11 @@ def read_words(
     each = zip(likeliest_row(pairs, weights), pairs.pairs, strict=True)
     row = [_where_it_stands(pair, others, pairs, phrases, scene, vocabulary) for pair, others in each]
     chosen, unused = with_choices(row, targets or {}, english or {}, scene, vocabulary)
+    for number, (pair, after) in enumerate(pairwise(chosen)):  # "a washed out green vase"
+        is_one = pairs.passage.tinged(pair.look) == after.look and pair.target == after.target
+        may_be = is_one and after.sense.way == "color" and not (pair.chosen or pair.look.negated)
+        if may_be and shade_effect(pair.sense.entry, vocabulary):
+            chosen[number] = replace(pair, target=Target(TINGE))
     objects = AbsentObjects(pairs, scene, vocabulary)
     subject, parsed, passage = objects.subject or scene.subject, Parsed(text), pairs.passage
     read = PromptReading(vocabulary, scene, weights, pairs, chosen, subject, parsed, is_part)
@@ -124,26 +131,26 @@ def _where_it_stands(
     In the description of a light words are said of light, unless it names what they are said of: "a pink one at the left". A sun is
     no lamp: "sun through the window". A color right before fog or smoke is that of the air: "greenish ground fog".
     """
-    target, look, kind = pair.target, pair.look, ""
-    numbers, rig = phrases.get(look.index), rig_table().rigs.get(pair.sense.entry)
-    noun = found.mentions[target.mention] if target.mention >= 0 else None
-    here = noun and phrases.get(noun.start) == numbers and (noun.named or noun.role)
-    may_move = target.kind in LAMPS or (target.kind in MATTER and (look.token.color or look.token.adjective))
-    is_sun = rig is not None and any(light.type == "SUN" for light in rig.lights[:1])
-    if is_sun and target.kind in LAMPS and target.names:
-        kind = (
-            ""
-            if any(scene.lights[n].type in ("SUN", "") for n in target.names if n in scene.lights)
-            else "light"
-        )
-    elif numbers:
+    target, look, items, kind = pair.target, pair.look, found.passage.items, ""
+    lamps = [scene.lights[n].type for n in target.names if n in scene.lights]
+    if lamps and _is_a_sun(pair) and not {"SUN", ""}.intersection(lamps):
+        kind = "light"
+    elif numbers := phrases.get(look.index):
+        noun = found.mentions[target.mention] if target.mention >= 0 else None
+        here = noun and phrases.get(noun.start) == numbers and (noun.named or noun.role)
+        of_light = look.token.color or look.token.adjective
+        may_move = target.kind in LAMPS or (target.kind in MATTER and of_light)
         kind = "light" if may_move and not here else ""
     elif look.token.color:
-        items = found.passage.items
-        after = next((item for item in items[look.index + 1 :] if item.strength is None), None)
-        if after and after.clause == items[look.index].clause:
-            kind = "air" if after.noun == "fog" or vocabulary.slot(after.entry) == "atmosphere" else ""
+        after = next((item for item in items[look.index + 1 :] if item.strength is None), look.token)
+        is_air = after.noun == "fog" or vocabulary.slot(after.entry) == "atmosphere"
+        kind = "air" if is_air and after.clause == items[look.index].clause else ""
     return next((other for other in pairs if other.target.kind == kind), pair)
+
+
+def _is_a_sun(pair: TargetPair) -> bool:
+    rig = rig_table().rigs.get(pair.sense.entry)
+    return rig is not None and any(light.type == "SUN" for light in rig.lights[:1])
 
 
 def _find_absent(read: PromptReading, objects: AbsentObjects) -> None:

@@ -135,10 +135,6 @@ class SceneIndex:
         """The parts of an object that are objects of their own."""
         return self._parts.get(name, ())
 
-    def worn(self, name: str) -> frozenset[str]:
-        """The materials of an object."""
-        return frozenset(self.words.object_materials.get(name, ()))
-
     def _alike(self, part: str, whole: str) -> list[str]:
         """The materials of a part that look like its whole, as far as colors are known: a couch's legs are of wood."""
         looks = {name: look.color for name, look in self.words.looks.items() if look.color}
@@ -149,11 +145,11 @@ class SceneIndex:
     def _find(self, said: tuple[str, ...]) -> list[Named]:
         found: dict[tuple[str, frozenset[str]], set[str]] = defaultdict(set)
         shown = self._ways(said, self._objects)
-        things = self._of_things(said, shown)
-        for kind, named in (("things", things), ("lights", self._of_lights(said, shown))):
-            for names, signs in named:
-                if every := frozenset(names):
-                    found[kind, every] |= {*signs, *(("several",) if len(every) > 1 else ())}
+        each = [("things", *found) for found in self._of_things(said, shown)]
+        each += [("lights", *found) for found in self._of_lights(said, shown)]
+        for kind, names, signs in each:
+            if every := frozenset(names):
+                found[kind, every] |= {*signs, *(("several",) if len(every) > 1 else ())}
         return [Named(kind, names, frozenset(signs)) for (kind, names), signs in found.items()]
 
     def _ways(self, said: tuple[str, ...], names: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
@@ -243,12 +239,14 @@ class LookIndex:
         """Those of some materials that have a color; none where another one is nearly as near, and not much smaller."""
         far = {n: _distance(color, self._looks[n]) for n in names if color and n in self._looks}
         nearest = min(far.values(), default=math.inf)
-        alike = (
-            {n for n, distance in far.items() if distance <= nearest + _ALIKE} if nearest < _NEAR else set()
+        if nearest >= _NEAR:
+            return frozenset()
+        alike = {n for n, distance in far.items() if distance <= nearest + _ALIKE}
+        others = (
+            n for n, distance in far.items() if distance < _CLEAR * (nearest + _ALIKE) and n not in alike
         )
-        near = {n for n, distance in far.items() if distance < _CLEAR * (nearest + _ALIKE)} - alike
-        least = min((self._looks[n].share for n in alike), default=0.0)
-        clear = all(least >= _MAIN * self._looks[n].share for n in near)
+        least = min(self._looks[n].share for n in alike)
+        clear = all(least >= _MAIN * self._looks[n].share for n in others)
         return frozenset(alike if clear else ())
 
 

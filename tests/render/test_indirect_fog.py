@@ -8,6 +8,7 @@ import torch
 from tiny_job import write_job
 
 from proxy_renderer.render.geometry.camera import view_of
+from proxy_renderer.render.lights.emitters import Emitters
 from proxy_renderer.render.lights.environment import Environment, sky_of
 from proxy_renderer.render.lights.light_types import light_sources
 from proxy_renderer.render.material.inputs import geometry_of
@@ -36,7 +37,7 @@ def view_cache(scene):
     metals = torch.zeros(len(scene.materials))
     view = view_of(scene, settings(scene), SIZE)
     lamps = light_sources(scene, settings(scene))
-    return ViewCache(scene, geometry, view, metals, metals > 0, lamps, (), (), 0)
+    return ViewCache(scene, geometry, view, metals, metals > 0, lamps, Emitters(geometry, 6.0), 0)
 
 
 def settings(scene, **volume):

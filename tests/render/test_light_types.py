@@ -2,19 +2,16 @@
 """Types of light: lights of some size against sums over many points of them, radiometry, and types that are none."""
 
 import math
-from dataclasses import replace
 
 import pytest
 import torch
 from operation_tests import OperationTests, number
 
-from lab.bench.scenes import balls
 from proxy_renderer.render.geometry.vectors import tangents
 from proxy_renderer.render.lights.light_source import LightSource
-from proxy_renderer.render.lights.light_types import LIGHT_TYPES, light_sources, light_type
+from proxy_renderer.render.lights.light_types import LIGHT_TYPES
 from proxy_renderer.scene import Light
-from proxy_renderer.scene.values import RenderValues
-from proxy_renderer.schema import VibeError, radiometry
+from proxy_renderer.schema import radiometry
 
 DOWN = torch.eye(3)
 PLACE = torch.tensor([0.0, 0.0, 2.0])
@@ -23,7 +20,7 @@ UP = torch.tensor([[0.0], [0.0], [1.0]])
 
 def lamp(kind, size, **fields):
     light = Light("Lamp", kind, tuple(map(tuple, DOWN.tolist())), (0.0, 0.0, 2.0), **fields)
-    return light_type(kind)(light, torch.ones(3), PLACE, DOWN, torch.tensor(size))
+    return LIGHT_TYPES[kind](light, torch.ones(3), PLACE, DOWN, torch.tensor(size))
 
 
 def arriving(kind, **fields):
@@ -31,7 +28,7 @@ def arriving(kind, **fields):
 
     def operation(points, normals, position, axes, size):
         light = Light("Lamp", kind, tuple(map(tuple, DOWN.tolist())), (0.0, 0.0, 2.0), **fields)
-        direct = light_type(kind)(light, torch.ones(3), position, axes, size).irradiance(points, normals)
+        direct = LIGHT_TYPES[kind](light, torch.ones(3), position, axes, size).irradiance(points, normals)
         return torch.stack((direct.irradiance, direct.frontal, direct.solid_angle))
 
     return staticmethod(operation)
@@ -177,14 +174,6 @@ def test_radiometry_agrees_with_the_renderer(kind):
     point = torch.zeros(3, 1)
     irradiance = lamp(kind, 0.01, shape="SQUARE").irradiance(point, UP).irradiance.item()
     assert irradiance / math.pi == pytest.approx(radiometry.radiance(kind, 1.0, 2.0), rel=1e-3)
-
-
-def test_an_unknown_type_of_light_is_named():
-    scene = balls(1, 1)
-    scene = replace(scene, lights=(replace(scene.lights[0], type="LASER"),))
-    with pytest.raises(VibeError, match="LASER") as error:
-        light_sources(scene, RenderValues(scene, {}, "cpu"))
-    assert all(kind in error.value.remedy for kind in LIGHT_TYPES)
 
 
 def test_a_type_of_light_that_leaves_out_an_answer_cannot_be_made():

@@ -127,7 +127,12 @@ def test_an_infinite_fog_swallows_the_sun(scene):
     assert fog(everywhere, density=0.1).transmittance(torch.zeros(3, 1), UP, math.inf).item() == 0
 
 
-def haze(scene, volume, world=NO_WORLD, lamps=None, clear=None):
+def in_the_open(origin, toward, distance, without):
+    """Nothing is in the way of light."""
+    return torch.ones_like(distance)
+
+
+def haze(scene, volume, world=NO_WORLD, lamps=None, clear=in_the_open):
     """Scattered light (3,) and transmittance in the middle of the picture, up to the far side of the box."""
     s = settings(scene, **volume)
     view = view_of(scene, s, SIZE)
@@ -187,7 +192,7 @@ def test_an_even_world_in_white_endless_fog_scatters_no_more_than_it_sends(scene
 def test_shadows_are_traced_once_for_a_camera_that_stands_still(scene):
     calls = []
 
-    def clear(origin, toward, distance):
+    def clear(origin, toward, distance, without):
         calls.append(origin.shape[1])
         return torch.zeros_like(distance)
 

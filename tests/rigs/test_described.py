@@ -155,6 +155,15 @@ def test_a_light_that_the_scene_names_is_that_light():
     assert {light.own for light in lights} == {"Desk Lamp", "Sun"}
 
 
+@pytest.mark.parametrize(("like", "keeps"), [("bright", True), ("soft", True), ("warm", False)])
+def test_a_light_of_the_scene_keeps_its_color_unless_words_give_it_one(like, keeps):
+    lamp, sun = (LightDescription(kind, "other", None) for kind in ("POINT", "SUN"))
+    scene = replace(KITCHEN, lights={"Desk Lamp": lamp, "Sun": sun})
+    lights = rig(f"{like} desk lamp, golden sun from behind", scene).lights
+    (light,) = (light for light in lights if light.own == "Desk Lamp")
+    assert (not (light.color or light.kelvin)) is keeps
+
+
 @pytest.mark.parametrize("source", ["moonlight", "daylight"])
 def test_a_window_is_where_a_sun_comes_in(source):
     light = rig(f"{source} through the windows").lights[0]

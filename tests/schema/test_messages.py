@@ -27,7 +27,7 @@ ALL = [
 ]
 
 
-@pytest.mark.parametrize("message", ALL, ids=lambda m: m.type)
+@pytest.mark.parametrize("message", ALL, ids=lambda m: type(m).__name__)
 def test_round_trip(message):
     raw = messages.encode(message)
     assert raw[-1:] == b"\0"
@@ -53,7 +53,7 @@ def test_cut_off_message_is_dropped():
 
 
 @pytest.mark.parametrize(
-    "raw", [b"hello\0", b"[1]\0", b'{"type": "dance"}\0', b'{"type": "stop", "now": 1}\0', b"{}\0"]
+    "raw", [b"hello\0", b"[1]\0", b'{"type": "dance"}\0', b'{"type": "Stop", "now": 1}\0', b"{}\0"]
 )
 def test_nonsense_is_refused_with_a_remedy(raw):
     with pytest.raises(VibeError) as caught:

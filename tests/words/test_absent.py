@@ -27,8 +27,6 @@ def said(prompt, scene):
         ("teal water, glossy vase", {"glossy"}, "water"),
         ("white vase, black tie", {"white"}, "tie"),
         ("red door, yellow lemons", {"yellow"}, "door"),
-        ("glossy vase, green olives", {"glossy"}, "olives"),  # the name of a color, too
-        ("glossy vase, the orange is red", {"glossy"}, "orange"),
         ("warm light, copper kettle, glossy vase", {"warm light", "glossy"}, "kettle"),
     ],
 )

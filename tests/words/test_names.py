@@ -215,13 +215,6 @@ def test_paint_the_crate_names_no_paint() -> None:
     assert {a.owners for a in parse("paint the crate blue", scene(things)).attributes} == {("Wood",)}
 
 
-@pytest.mark.parametrize("covering", sorted(shipped_vocabulary().words["coverings"]))
-def test_the_covering_of_a_thing_is_the_thing(covering: str) -> None:
-    """Nobody who writes "wet frog skin" wishes for human skin on the frog."""
-    parsed = parse(f"wet frog {covering}", scene({"Frog": "Green", "Tray": "Steel"}))
-    assert [(a.entry, a.owners) for a in parsed.attributes] == [("wet", ("Green",))]
-
-
 def test_names_are_fitted_by_the_artists_own_vocabulary(tmp_path):
     path = tmp_path / "own.toml"
     path.write_text("[look.kryptonite]\nslot = 'material'\nwishes = ['material/roughness 0.1..0.2 !2']\n")

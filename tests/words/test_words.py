@@ -92,13 +92,6 @@ def test_known_words_are_offered_for_one_that_is_not_used():
     assert all(shipped_vocabulary().entry(known) for known in choices)
 
 
-@pytest.mark.parametrize(("word", "opposite"), [("wrinkled", "smooth"), ("moonless", "moonlight")])
-def test_what_denies_a_word_is_not_near_it(word, opposite):
-    vocabulary = shipped_vocabulary()
-    nearest = vocabulary.made(Nearest).choices(word, 1)
-    assert opposite not in {vocabulary.synonyms[known] for known in nearest}
-
-
 def test_things_of_the_same_sort_are_matched_to_names_in_the_scene():
     scene = SceneDescription(
         objects={"Cup.001_low": "subject", "WoodTable": "surroundings"},

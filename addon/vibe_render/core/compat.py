@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 from bpy.types import ID, Node, NodeSocket, NodeTree, Scene
 
-from .journal import Journal
+from .journal import Journal, resolve
 
 COMPOSITOR_IS_GROUP = "compositing_node_group" in Scene.bl_rna.properties  # 5.0 and later
 RELATIVE_PATHS = (  # 5.0 and later want to be told that a path may begin with "//"
@@ -58,10 +58,10 @@ def node_tree(block: Any) -> NodeTree | None:
     return block.node_tree if block.use_nodes else None
 
 
-def output_node(block: Any, target: str = "CYCLES") -> Node | None:
-    """The output that renders a material, world or light; None without a block, its nodes, or an output."""
+def output_node(block: Any) -> Node | None:
+    """The output that Cycles takes of a material, world or light; None without a block, its nodes, or an output."""
     tree = node_tree(block) if block else None
-    return tree.get_output_node(target) if tree else None
+    return tree.get_output_node("CYCLES") if tree else None
 
 
 def compositor(scene: Scene) -> NodeTree | None:
@@ -158,7 +158,7 @@ def set_to_curve(block: ID, curve: bpy.types.FCurve, frame: float) -> None:
         return
     path, _, name = curve.data_path.rpartition(".")
     with suppress(ValueError, AttributeError, TypeError):
-        owner = block.path_resolve(path) if path else block
+        owner = resolve(block, path)
         value = getattr(owner, name)
         if hasattr(value, "__len__"):
             value[curve.array_index] = curve.evaluate(frame)

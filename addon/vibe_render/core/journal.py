@@ -8,6 +8,7 @@ their place in `ids`, so that an artist may rename them, and undoing is replayin
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass, field
 from typing import Any
 
 import bpy
@@ -23,13 +24,13 @@ _GONE = (LookupError, ValueError, AttributeError, ReferenceError)
 """Errors of Blender where something is not as it was."""
 
 
+@dataclass
 class Journal:
     """Recorded changes. What is in a tree that no data-block owns is a LookupError."""
 
-    def __init__(self, entries: list[JournalEntry] | None = None, ids: list[ID | None] | None = None) -> None:
-        self.entries: list[JournalEntry] = entries if entries is not None else []  # in their order
-        # the data-blocks that the entries speak of; None where one has been deleted since
-        self.ids: list[ID | None] = ids if ids is not None else []
+    entries: list[JournalEntry] = field(default_factory=list)  # in their order
+    # the data-blocks that the entries speak of; None where one has been deleted since
+    ids: list[ID | None] = field(default_factory=list)
 
     def refer(self, block: ID) -> int:
         """The index of a data-block in `ids`."""
@@ -39,23 +40,21 @@ class Journal:
 
     def set(self, owner: bpy_struct, name: str, value: Any) -> None:
         """Sets a property of a data-block or of a struct in one: a number, a string, an array or a pointer to a data-block."""
-        entry = {"op": "set", **self._place(owner), "name": name}
-        self.entries.append({**entry, "old": self._plain(getattr(owner, name))})
+        self._note("set", owner, name=name, old=self._plain(getattr(owner, name)))
         setattr(owner, name, value)
 
     def link(self, source: NodeSocket, target: NodeSocket) -> None:
         """Links an output to an input of the same tree, in place of the input's former link."""
         tree = target.id_data
         old = _end(target.links[0].from_socket) if target.is_linked else None
-        ends = {"source": _end(source), "target": _end(target), "old": old}
-        self.entries.append({"op": "link", **self._place(tree), **ends})
+        self._note("link", tree, source=_end(source), target=_end(target), old=old)
         tree.links.new(source, target)
 
     def node(self, tree: NodeTree, kind: str, name: str) -> Node:
         """Adds a node of a `bl_idname` ("ShaderNodeMix"); Blender numbers a name that is taken."""
         node = tree.nodes.new(kind)
         node.name = name
-        self.entries.append({"op": "node", **self._place(tree), "node": node.name})
+        self._note("node", tree, node=node.name)
         return node
 
     def new(self, collection: str, name: str, *kind: Any) -> Any:
@@ -78,7 +77,7 @@ class Journal:
     def light_group(self, layer: bpy.types.ViewLayer, name: str) -> str:
         """Adds a light group to a view layer; returns its name, which Blender makes unique."""
         name = layer.lightgroups.add(name=name).name
-        self.entries.append({"op": "lightgroup", **self._place(layer), "name": name})
+        self._note("lightgroup", layer, name=name)
         return name
 
     def channelbag(self, block: ID) -> Any:
@@ -88,10 +87,8 @@ class Journal:
             if (bag := _channelbag(block)) is None:
                 raise LookupError(f"{data.action.name} has no keyframes of {block.name}")
             return bag
-        entry = {"op": "action", **self._place(block), "had": data is not None}
-        entry["slot"] = data.last_slot_identifier if data else ""
         action = self.new("actions", f"Vibe {block.name}")
-        self.entries.append(entry)
+        self._note("action", block, had=data is not None, slot=data.last_slot_identifier if data else "")
         data = data or block.animation_data_create()
         data.action = action
         data.action_slot = action.slots.new(block.id_type, block.name)
@@ -105,30 +102,25 @@ class Journal:
         path = name if isinstance(owner, ID) else f"{owner.path_from_id()}.{name}"
         curve = bag.fcurves.new(path, index=index)
         curve.group = bag.groups.get(KEYFRAMES) or bag.groups.new(KEYFRAMES)
-        self.entries.append({"op": "curve", **self._place(block), "curve": path, "index": index})
+        self._note("curve", block, curve=path, index=index)
         return curve
 
     def hold(self, block: ID, curve: FCurve, key: str, was: float) -> None:
         """Mutes a curve of the artist's, so that a value can change, by its key; `was` is what the curve gives now."""
-        entry = {"op": "held", **self._place(block), "curve": curve.data_path, "index": curve.array_index}
-        self.entries.append({**entry, "keys": keys_of(curve), "key": key, "was": was})
+        place = {"curve": curve.data_path, "index": curve.array_index}
+        self._note("held", block, **place, keys=keys_of(curve), key=key, was=was)
         mark_held(curve, True)
 
-    def held(self) -> list[tuple[JournalEntry, Any, FCurve]]:
-        """The entries of `hold`, the first one first, each with what its curve animates and the curve, if it is still there."""
-        entries = [e for e in self.entries if e["op"] == "held" and self.ids[e["id"]]]
+    def curves(self, op: str) -> list[tuple[JournalEntry, Any, FCurve]]:
+        """The entries of `hold` ("held") or `curve` ("curve") whose curves are still there, each with what that animates, and the curve."""
+        entries = [e for e in self.entries if e["op"] == op and self.ids[e["id"]]]
         blocks = ((entry, resolve(self.ids[entry["id"]], entry["path"])) for entry in entries)
         return [(entry, block, curve) for entry, block in blocks if (curve := _curve(block, entry))]
 
-    def curves(self) -> list[tuple[ID, FCurve]]:
-        """The curves that it has added and that are still there, each with what it animates."""
-        entries = ((self.ids[e["id"]], e) for e in self.entries if e["op"] == "curve")
-        blocks = ((resolve(block, entry["path"]), entry) for block, entry in entries if block)
-        return [(block, curve) for block, entry in blocks if (curve := _curve(block, entry))]
-
-    def _place(self, struct: bpy_struct) -> JournalEntry:
+    def _note(self, op: str, struct: bpy_struct, **rest: Any) -> None:
+        """Adds an entry about a data-block, or about a struct in one."""
         block, path = address(struct)
-        return {"id": self.refer(block), "path": path}
+        self.entries.append({"op": op, "id": self.refer(block), "path": path, **rest})
 
     def start_compositor(self, scene: bpy.types.Scene) -> None:
         """Makes the compositor tree of a scene in Blender 4 that has none yet, empty."""

@@ -206,7 +206,7 @@ def unlit_rays(light: Object) -> list[str]:
 def world(scene: Scene) -> World | None:
     """The world that a render shows: the scene's, or the one that the view layer puts in its place, or leaves out."""
     of = layer(scene)
-    return (getattr(of, "world_override", None) or scene.world) if of.use_sky else None
+    return (of.world_override or scene.world) if of.use_sky else None
 
 
 def unlit_by(world: World | None) -> list[str]:
@@ -216,10 +216,11 @@ def unlit_by(world: World | None) -> list[str]:
 
 def set_world(scene: Scene, new: World | None, put: Callable[[Any, str, Any], None] = setattr) -> None:
     """Replaces the world that a render shows; `put` takes owner, name and value, as `Journal.set` does."""
-    if new is not None and not layer(scene).use_sky:
-        put(layer(scene), "use_sky", True)
-    if getattr(layer(scene), "world_override", None):
-        put(layer(scene), "world_override", new)
+    of = layer(scene)
+    if new is not None and not of.use_sky:
+        put(of, "use_sky", True)
+    if of.world_override:
+        put(of, "world_override", new)
         if new is not None:
             return
     put(scene, "world", new)
@@ -227,9 +228,9 @@ def set_world(scene: Scene, new: World | None, put: Callable[[Any, str, Any], No
 
 def world_users(block: World) -> int:
     """The number of scenes and view layers that render with a world."""
-    layers = (each for s in bpy.data.scenes for each in s.view_layers)
-    worlds = [s.world for s in bpy.data.scenes] + [getattr(each, "world_override", None) for each in layers]
-    return worlds.count(block)
+    users = [s.world for s in bpy.data.scenes]
+    users += [each.world_override for s in bpy.data.scenes for each in s.view_layers]
+    return users.count(block)
 
 
 # --- the image --------------------------------------------------------------------------------------

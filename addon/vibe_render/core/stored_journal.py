@@ -81,39 +81,35 @@ def _is_entry(entry: Any, count: int) -> bool:
     """True if this is an entry that a journal of so many data-blocks writes."""
     if not (isinstance(entry, dict) and _is_index(entry.get("id"), count)):
         return False
-    op = entry.get("op")
-    if op in ("slot", "compositor"):
-        return True
-    if op == "new":
-        return entry.get("collection") in _COLLECTIONS
     path = entry.get("path")
-    if not isinstance(path, str) or "animation_data" in path or "driver" in path:
-        return False
-    if op == "node":
-        return isinstance(entry.get("node"), str)
-    if op == "lightgroup":
-        return isinstance(entry.get("name"), str)
-    if op == "action":
-        return isinstance(entry.get("had"), bool) and isinstance(entry.get("slot"), str)
-    if op == "curve":
-        return isinstance(entry.get("curve"), str) and isinstance(entry.get("index"), int)
-    if op == "held":
-        place = entry.get("curve"), entry.get("key"), entry.get("index")
-        keys = entry.get("keys")
-        rows = [*keys, entry.get("was")] if isinstance(keys, list) else [None]
-        return list(map(type, place)) == [str, str, int] and all(map(_are_numbers, rows))
-    if op == "link":
-        ends = [entry.get("source"), entry.get("target")]
-        return all(map(_is_end, ends)) and (entry.get("old") is None or _is_end(entry["old"]))
-    name = entry.get("name")
-    is_property = op == "set" and isinstance(name, str) and name.isidentifier() and not name.startswith("_")
-    if not is_property or "old" not in entry:
-        return False
-    old = entry["old"]
+    match entry:
+        case {"op": "slot" | "compositor"}:
+            return True
+        case {"op": "new", "collection": collection}:
+            return collection in _COLLECTIONS
+        case _ if not isinstance(path, str) or "animation_data" in path or "driver" in path:
+            return False
+        case (
+            {"op": "node", "node": str()}
+            | {"op": "lightgroup", "name": str()}
+            | {"op": "action", "had": bool(), "slot": str()}
+            | {"op": "curve", "curve": str(), "index": int()}
+            | {"op": "link", "source": [str(), str()], "target": [str(), str()], "old": None | [str(), str()]}
+        ):
+            return True
+        case {"op": "held", "curve": str(), "key": str(), "index": int(), "keys": list(keys), "was": was}:
+            return all(map(_are_numbers, [*keys, was]))
+        case {"op": "set", "name": str(name), "old": old} if name.isidentifier() and name[0] != "_":
+            return _is_old(name, old, count)
+    return False
+
+
+def _is_old(name: str, old: Any, count: int) -> bool:
+    """True if this is a value that a property may have had."""
     if isinstance(old, dict):
         return _is_index(old.get("id"), count)
     if isinstance(old, str):
-        return name == "lightgroup" or old in _TEXTS.get(str(name), ())
+        return name == "lightgroup" or old in _TEXTS.get(name, ())
     return old is None or _are_numbers(old)
 
 
@@ -123,7 +119,3 @@ def _are_numbers(value: Any) -> bool:
 
 def _is_index(value: Any, count: int) -> bool:
     return isinstance(value, int) and 0 <= value < count
-
-
-def _is_end(value: Any) -> bool:
-    return isinstance(value, list) and len(value) == 2 and all(isinstance(v, str) for v in value)

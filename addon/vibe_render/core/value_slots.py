@@ -79,27 +79,46 @@ class LazySlot:
 
 
 @dataclass
-class JointSlot:
-    """Several slots that have one value, that of the first; all of them may change, see `together`."""
+class DerivedSlot:
+    """A number that follows from the value of another slot."""
 
+    inner: ValueSlot
+    read: Callable[[Any], float]  # from the inner value
+    written: Callable[[Any, float], Any]  # the inner value for another number, from the present one
+
+    @property
+    def locked(self) -> str:
+        """As for `ValueSlot`."""
+        return self.inner.locked
+
+    def get(self) -> float:
+        """As for `ValueSlot`."""
+        return self.read(self.inner.get())
+
+    def set(self, journal: Journal, raw: float) -> None:
+        """As for `ValueSlot`."""
+        if not same(raw, self.get()):
+            self.inner.set(journal, self.written(self.inner.get(), raw))
+
+
+@dataclass
+class _JointSlot:
     slots: Sequence[ValueSlot]
     locked: str = ""
 
     def get(self) -> Any:
-        """The first one's value."""
         return self.slots[0].get()
 
     def set(self, journal: Journal, raw: Any) -> None:
-        """Sets all of them."""
         for slot in self.slots:
             slot.set(journal, raw)
 
 
 def together(slots: Sequence[ValueSlot]) -> ValueSlot | None:
-    """One slot for those that may change; one that says why if none may, and None if there are none."""
+    """One slot for those that may change, with the first one's value; one that says why if none may; None without any."""
     free = [slot for slot in slots if not slot.locked]
     if len(free) > 1:
-        return JointSlot(free)
+        return _JointSlot(free)
     return free[0] if free else slots[0] if slots else None
 
 

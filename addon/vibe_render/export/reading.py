@@ -85,22 +85,9 @@ def prepare_and_read(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneRead
 
 
 @contextmanager
-def rollback_on_failure(scene: bpy.types.Scene) -> Iterator[None]:
-    """Undoes what was recorded inside the block if that ends in an exception."""
-    start, keyed = snapshot.mark(scene), keyframes.are_shown(scene)
-    try:
-        yield
-    except BaseException:
-        if keyed:
-            keyframes.bring_back(scene)
-        snapshot.rollback(scene, start)
-        raise
-
-
-@contextmanager
 def _prepared(scene: bpy.types.Scene, choice: SubjectChoice) -> Iterator[SceneAnalysis]:
     """The analysis of a scene to which all that it lacks has been added; this is undone after a failure inside the block."""
-    with rollback_on_failure(scene):
+    with snapshot.rollback_on_failure(scene):
         prepare_and_snapshot(scene, choice)
         yield analyze(scene, choice)
 

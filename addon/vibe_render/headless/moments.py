@@ -23,7 +23,7 @@ from ..render import final_render
 from ..run.notes import words_of
 from ..scene import bindings, fog, moments, scene_context
 from ..scene.moments import Moment
-from ..scene.steps import Steps
+from ..scene.steps import Steps, origins
 from .arguments import Reporter
 from .scenes import Framing, open_scene, save_blend
 from .summary import numbered
@@ -81,7 +81,7 @@ def _write(args: argparse.Namespace, reporter: Reporter, out: Outputs, found: li
         framing.show(camera, frame)
         rendered.layer(scene).update()
 
-    eyes, named = [], {each for moment in found for key in moment.values for each in moments.origins(key)}
+    eyes, named = [], {each for moment in found for key in moment.values for each in origins(key)}
     for moment in found:
         show(moment.frame)
         eyes.append(scene.camera.matrix_world.translation.copy())

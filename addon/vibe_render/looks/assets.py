@@ -29,21 +29,10 @@ from ..scene.stage import area_light, framing_camera, plain_world
 from . import thumbnail
 
 CATALOG_FILE = "blender_assets.cats.txt"
+_VERSION = "VERSION 1"
 _SPACE = uuid.UUID("5b1f2a86-6f0c-4f6e-9a43-2f5d8b0c7e11")
 """Our namespace: a catalog of ours has the same id in every library."""
-_HEAD = """# This is an Asset Catalog Definition file for Blender.
-#
-# Empty lines and lines starting with `#` will be ignored.
-# The first non-ignored line should be the version indicator.
-# Other lines are of the format "UUID:catalog/path/for/assets:simple catalog name"
-
-VERSION 1
-
-"""
-
 _BALL_SAMPLES = 48
-_KINDS = ("scenes", "objects", "meshes", "lights", "cameras", "worlds", "materials")
-"""Collections of a preview, in the order of their removal."""
 _TOP = "Vibe Render"
 
 
@@ -66,9 +55,9 @@ def add_catalogs(place: Path, paths: Iterable[str]) -> None:
     """Adds catalogs ("Vibe Render/Materials") to the file in a folder; a VibeError if it is unusable."""
     file = place / CATALOG_FILE
     try:
-        text = file.read_text(encoding="utf-8") if file.exists() else _HEAD
+        text = file.read_text(encoding="utf-8") if file.exists() else _VERSION
         lines = [line.strip() for line in text.splitlines()]
-        if "VERSION 1" not in lines:
+        if _VERSION not in lines:
             raise schema.VibeError(f"{file} is of another version.", "Choose another folder.")
         present = {line.partition(":")[0] for line in lines}
         rows = [f"{catalog_identifier(path)}:{path}:{path.replace('/', '-')}" for path in paths]
@@ -83,7 +72,7 @@ def add_catalogs(place: Path, paths: Iterable[str]) -> None:
 
 def _material_balls(materials: Sequence[Material]) -> list[np.ndarray]:
     """Small Cycles renders of a ball of each material, as for `bake.read_file`. Nothing of them stays in the file."""
-    before = {block for kind in _KINDS for block in getattr(bpy.data, kind)}
+    before = _all_blocks()
     try:
         scene, ball = _ball_stage()
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
@@ -94,9 +83,14 @@ def _material_balls(materials: Sequence[Material]) -> list[np.ndarray]:
                 pictures.append(bake.read_file(path))
             return pictures
     finally:
-        temporary = [(kind, b) for kind in _KINDS for b in list(getattr(bpy.data, kind)) if b not in before]
-        for kind, block in temporary:
-            getattr(bpy.data, kind).remove(block)
+        bpy.data.batch_remove(_all_blocks() - before)
+
+
+def _all_blocks() -> set[ID]:
+    """The data-blocks of all kinds that a preview is made of."""
+    data = bpy.data
+    kinds = (data.scenes, data.objects, data.meshes, data.lights, data.cameras, data.worlds, data.materials)
+    return {block for kind in kinds for block in kind}
 
 
 def _ball_stage() -> tuple[Scene, bpy.types.Object]:
@@ -130,11 +124,11 @@ class _Crate:
 
     name: str
     assets: list[tuple[ID, str]] = field(default_factory=list)
-    copies: list[tuple[str, ID]] = field(default_factory=list)
+    copies: list[ID] = field(default_factory=list)
 
-    def keep(self, collection: str, block: Any, name: str) -> Any:
+    def keep(self, block: Any, name: str) -> Any:
         """Names a copy after the look, and notes it for its removal."""
-        self.copies.append((collection, block))
+        self.copies.append(block)
         block.name = f"{self.name} {name}"
         if owned.MARK in block:  # an asset that is dragged into another file is the artist's own
             del block[owned.MARK]
@@ -148,11 +142,6 @@ class _Crate:
         block.asset_data.author = _TOP
         self.assets.append((block, catalog))
 
-    def empty(self) -> None:
-        """Removes the copies from the open file."""
-        for collection, block in reversed(self.copies):
-            getattr(bpy.data, collection).remove(block)
-
 
 def export_assets(
     analysis: SceneAnalysis, name: str, words: str, materials: Iterable[Material], path: Path, picture: Path
@@ -160,11 +149,11 @@ def export_assets(
     """Writes the look of a scene; returns the names of the assets, or raises VibeError without any."""
     crate = _Crate(name)
     try:
-        surfaces = [crate.keep("materials", material.copy(), material.name) for material in materials]
+        surfaces = [crate.keep(material.copy(), material.name) for material in materials]
         for surface in surfaces:
             crate.mark(surface, "Materials", words)
         if world := rendered.world(analysis.scene):
-            crate.mark(crate.keep("worlds", world.copy(), "World"), "Worlds", words)
+            crate.mark(crate.keep(world.copy(), "World"), "Worlds", words)
         for pack in (_rig, _grade, _fog):
             pack(crate, analysis, words)
         if not crate.assets:
@@ -188,7 +177,7 @@ def export_assets(
         add_catalogs(catalog_root(path.parent, libraries), catalogs)
         return [block.name for block, _ in crate.assets]
     finally:
-        crate.empty()
+        bpy.data.batch_remove(crate.copies)
 
 
 def _rig(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
@@ -196,12 +185,12 @@ def _rig(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
     lights = rendered.lights(analysis.scene)
     if not lights:
         return
-    rig = crate.keep("collections", bpy.data.collections.new("Rig"), "Light Rig")
+    rig = crate.keep(bpy.data.collections.new("Rig"), "Light Rig")
     low, high = Vector(analysis.low), Vector(analysis.high)
     foot = Matrix.Translation(-Vector(((low.x + high.x) / 2.0, (low.y + high.y) / 2.0, low.z)))
     for light in lights:
-        data = crate.keep("lights", light.data.copy(), light.name)
-        twin = crate.keep("objects", bpy.data.objects.new(light.name, data), light.name)
+        data = crate.keep(light.data.copy(), light.name)
+        twin = crate.keep(bpy.data.objects.new(light.name, data), light.name)
         data.animation_data_clear()
         twin.matrix_world = foot @ light.matrix_world
         rig.objects.link(twin)
@@ -211,7 +200,7 @@ def _rig(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
 def _grade(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
     """The compositor group with the scene's values as its defaults."""
     for node in owned.group_nodes(compat.compositor(analysis.scene), grade.NAME)[:1]:
-        twin = crate.keep("node_groups", node.node_tree.copy(), "Grade")
+        twin = crate.keep(node.node_tree.copy(), "Grade")
         for item in twin.interface.items_tree:
             if item.item_type == "SOCKET" and item.in_out == "INPUT" and item.name != "Image":
                 item.default_value = node.inputs[item.name].default_value
@@ -222,4 +211,4 @@ def _fog(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
     """The material of the fog box, for any box."""
     box = owned.find_owned(analysis.scene.objects, owned.FOG)
     if box is not None and not box.hide_render:
-        crate.mark(crate.keep("materials", box.data.materials[0].copy(), "Fog"), "Fogs", words)
+        crate.mark(crate.keep(box.data.materials[0].copy(), "Fog"), "Fogs", words)

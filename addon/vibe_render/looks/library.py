@@ -92,13 +92,10 @@ def preset_named(preset_: str) -> preset.Preset:
 def find_preset(name: str) -> Look:
     """The preset of a name, or of its beginning if only one preset starts so, in any case; a VibeError otherwise."""
     library, folded = all_looks(), name.casefold().strip()
-    for same in (
-        lambda look: look.name.casefold() == folded,
-        lambda look: look.name.casefold().startswith(folded),
-    ):
-        chosen = [look for look in library if same(look)]
-        if len({look.name for look in chosen}) == 1:
-            return chosen[0]
+    exact = [look for look in library if look.name.casefold() == folded]
+    chosen = exact or [look for look in library if look.name.casefold().startswith(folded)]
+    if len({look.name for look in chosen}) == 1:
+        return chosen[0]
     listed = ", ".join(look.name for look in library)
     raise schema.VibeError(f"There is no preset {name!r}.", f"Name a file, or one of: {listed}.")
 

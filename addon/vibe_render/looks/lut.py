@@ -60,9 +60,9 @@ def _turned(c: np.ndarray, sixths: np.ndarray) -> np.ndarray:
     return brightest - chroma * np.clip(away - 1.0, 0.0, 1.0)
 
 
-def grade_table(values: Mapping[str, Sequence[float]], size: int = SIZE) -> np.ndarray:
-    """The colors of a grade for a grid from black to white: (size³, 3) sRGB, red changing fastest."""
-    steps = np.linspace(0.0, 1.0, size)
+def grade_table(values: Mapping[str, Sequence[float]]) -> np.ndarray:
+    """The colors of a grade for a grid from black to white: (SIZE³, 3) sRGB, red changing fastest."""
+    steps = np.linspace(0.0, 1.0, SIZE)
     blue, green, red = np.meshgrid(steps, steps, steps, indexing="ij")
     colors = to_linear(np.stack([red, green, blue], -1).reshape(-1, 3))
     return to_srgb(graded_colors(colors, values, below_black=True))

@@ -19,8 +19,8 @@ from ..export import reading
 from ..export.analysis import SceneAnalysis
 from ..export.job_folder import SceneJob
 from ..run import result
-from ..scene import bindings, prepare, scene_context
-from ..scene.light_types import EXTENTS, light_type, type_of
+from ..scene import bindings, prepare, scene_context, snapshot
+from ..scene.light_types import EXTENTS, LIGHT_TYPES, type_of
 from ..scene.nodes import grade, owned
 from ..scene.subject import SubjectChoice, remember_subject
 from . import lut
@@ -191,7 +191,7 @@ def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entr
 
 def _for_light(entry: preset.Entry, made_on: str, kind: str) -> preset.Entry:
     """An entry of one type of light for another, as bright and as soft: power against strength, size against angle."""
-    result, target = dict(entry), light_type(kind)
+    result, target = dict(entry), LIGHT_TYPES[kind]
     bright = result.pop("power", None) or result.pop("strength", None)
     if bright:
         energy = schema.radiometry.radiance(made_on, bright[0]) * schema.radiometry.unit_energy(kind)
@@ -241,7 +241,7 @@ def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectCho
     if another:
         settings.show_original = True
     try:
-        with reading.rollback_on_failure(scene):
+        with snapshot.rollback_on_failure(scene):
             scene_reading = reading.prepare_and_read(scene, choice)
             subject, pivot = scene_reading.analysis.objects, scene_reading.analysis.pivot
             fitted = fit_look(look, scene_reading)

@@ -165,7 +165,6 @@ def keep(scene: bpy.types.Scene) -> None:
         settings.show_original = False
     own_keys.release(scene)
     snapshot.forget(scene)
-    step_list.forget(scene)
     preview.forget_before(scene)
     forget(scene)
 

@@ -22,12 +22,12 @@ from . import scene_context
 from .nodes import owned
 
 NAME = owned.FOG
-_IDENTITY = {
-    "Density": 0.0,
-    "Color": (0.8, 0.8, 0.8),
-    "Anisotropy": 0.0,
-    "Height Falloff": 0.0,
-    "Height Offset": 0.0,
+_INPUTS: owned.GroupInputs = {
+    "Density": (0.0, 0.0, 1000.0),
+    "Color": ((0.8, 0.8, 0.8),),
+    "Anisotropy": (0.0, -0.99, 0.99),
+    "Height Falloff": (0.0, 0.0, 1000.0),
+    "Height Offset": (0.0, -1000.0, 1000.0),
 }
 
 
@@ -127,7 +127,7 @@ def fog_slot(context: scene_context.SceneContext, name: str) -> ValueSlot:
         return find_input()
 
     existing = find_input()
-    return existing or LazySlot(find_input, make, _IDENTITY[name])
+    return existing or LazySlot(find_input, make, _INPUTS[name][0])
 
 
 def _box(journal: Journal, scene: Scene, shape: FogDomain) -> None:
@@ -157,14 +157,9 @@ def _box(journal: Journal, scene: Scene, shape: FogDomain) -> None:
 
 
 def _fill(tree: NodeTree) -> None:
-    owned.group_input(tree, "Density", "NodeSocketFloat", 0.0, 0.0, 1000.0)
-    owned.group_input(tree, "Color", "NodeSocketColor", (0.8, 0.8, 0.8, 1.0))
-    owned.group_input(tree, "Anisotropy", "NodeSocketFloat", 0.0, -0.99, 0.99)
-    owned.group_input(tree, "Height Falloff", "NodeSocketFloat", 0.0, 0.0, 1000.0)
-    owned.group_input(tree, "Height Offset", "NodeSocketFloat", 0.0, -1000.0, 1000.0)
-    tree.interface.new_socket("Volume", in_out="OUTPUT", socket_type="NodeSocketShader")
+    owned.declare(tree, _INPUTS, "Volume", "NodeSocketShader")
     build = owned.Builder(tree)
-    density, color, anisotropy, falloff, offset = build.inputs(*_IDENTITY)
+    density, color, anisotropy, falloff, offset = build.inputs(*_INPUTS)
     position = build.node("ShaderNodeTexCoord").outputs["Object"]
     height = build.node("ShaderNodeSeparateXYZ", Vector=position).outputs["Z"]
     above = build.math("MAXIMUM", build.math("SUBTRACT", height, offset), 0.0)

@@ -6,10 +6,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from bpy.types import ID, Scene, bpy_struct
+from bpy.types import ID, FCurve, Scene, bpy_struct
 
 from ..core import compat, stored_journal
-from ..core.journal import Journal, address
+from ..core.journal import Journal, JournalEntry, address
 
 KEY = "vibe_keyframes"
 MOMENTS = "vibe_moments"  # the looks that they were made of, see `moments`
@@ -74,13 +74,17 @@ def exist(scene: Scene) -> bool:
 
 def are_shown(scene: Scene) -> bool:
     """True if the scene has some that are not set aside."""
-    return any(not curve.mute for _, curve in stored_journal.sound(scene, KEY).curves())
+    return any(not curve.mute for *_, curve in _curves(scene))
+
+
+def _curves(scene: Scene) -> list[tuple[JournalEntry, ID, FCurve]]:
+    return stored_journal.sound(scene, KEY).curves("curve")
 
 
 def set_aside(scene: Scene) -> bool:
     """Mutes them, so that another look can be searched from what they show now; returns whether they were shown before."""
     shown = are_shown(scene)
-    for block, curve in stored_journal.sound(scene, KEY).curves():
+    for _, block, curve in _curves(scene):
         # Blender 5 does not keep the values of a compositor up to date.
         compat.set_to_curve(block, curve, scene.frame_current)
         curve.mute = True
@@ -89,7 +93,7 @@ def set_aside(scene: Scene) -> bool:
 
 def bring_back(scene: Scene) -> None:
     """Shows those that were set aside."""
-    for _, curve in stored_journal.sound(scene, KEY).curves():
+    for *_, curve in _curves(scene):
         curve.mute = False
 
 

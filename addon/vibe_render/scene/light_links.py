@@ -84,10 +84,8 @@ def _linked(scene: Scene, keys: Sequence[str], found: States) -> States:
 
 def _fill(receivers: Collection, found: States) -> None:
     """Links objects to a new collection, in a state each."""
-    every = [(obj, state) for state, objects in found.items() for obj in objects]
-    every.sort(key=lambda pair: pair[0].name_full)
-    for obj, _ in every:
+    by_object = {obj: state for state, objects in found.items() for obj in objects}
+    for obj in sorted(by_object, key=lambda each: each.name_full):
         receivers.objects.link(obj)
-    by_object = dict(every)
     for obj, row in zip(receivers.objects, receivers.collection_objects, strict=True):
         row.light_linking.link_state = by_object[obj]

@@ -12,7 +12,6 @@ from bpy.types import Light, Object
 from mathutils import Matrix, Vector
 
 from ..core.journal import Journal
-from ..core.schema_import import schema
 from ..core.value_slots import PropertySlot, ValueSlot
 
 _TWO_SIDES = ("RECTANGLE", "ELLIPSE")
@@ -120,15 +119,6 @@ def has_uneven_cone(obj: Object) -> bool:
     return obj.data.type == "SPOT" and abs(scale.x - scale.y) > _ROUND * abs(scale.x)
 
 
-def light_type(name: str) -> LightType:
-    """The type of that name; a VibeError without one."""
-    if name not in LIGHT_TYPES:
-        raise schema.VibeError(
-            f'Lights of type "{name}" are unknown to Vibe Render.', f"Use one of {', '.join(LIGHT_TYPES)}."
-        )
-    return LIGHT_TYPES[name]
-
-
 def type_of(obj: Object) -> LightType:
-    """The type of a light object; raises as `light_type` does."""
-    return light_type(obj.data.type)
+    """The type of a light object."""
+    return LIGHT_TYPES[obj.data.type]

@@ -4,15 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from bpy.types import Camera, Material, Object, Scene, World
+from bpy.types import Material, Object, Scene, World
 
 from ..core import compat, locks, rendered
 from ..core.journal import Journal
-from ..core.value_slots import PropertySlot, ValueSlot, same, together
+from ..core.value_slots import DerivedSlot, PropertySlot, ValueSlot, together
 from . import fog
 from .light_types import type_of
 from .nodes import backgrounds, grade, inputs, layers, light_nodes, trails
@@ -34,27 +33,14 @@ def orbit(name: str, context: SceneContext, obj: Object) -> ValueSlot | None:
     return OrbitSlot(context.poses[obj], name)
 
 
-@dataclass
-class _LensSlot:
-    """Value slot: the focal length of a camera in multiples of its sensor's size."""
-
-    camera: Camera
-    locked: str
-
-    @property
-    def _sensor(self) -> float:
-        return self.camera.sensor_height if self.camera.sensor_fit == "VERTICAL" else self.camera.sensor_width
-
-    def get(self) -> float:
-        return self.camera.lens / self._sensor
-
-    def set(self, journal: Journal, raw: float) -> None:
-        PropertySlot(self.camera, "lens").set(journal, raw * self._sensor)
-
-
 def lens(context: SceneContext, obj: Object) -> ValueSlot | None:
-    """The focal length of a perspective camera."""
-    return _LensSlot(obj.data, locks.of_property(obj.data, "lens")) if obj.data.type == "PERSP" else None
+    """The focal length of a perspective camera, in multiples of its sensor's size."""
+    camera = obj.data
+    if camera.type != "PERSP":
+        return None
+    sensor = camera.sensor_height if camera.sensor_fit == "VERTICAL" else camera.sensor_width
+    millimeters = PropertySlot(camera, "lens", locks.of_property(camera, "lens"))
+    return DerivedSlot(millimeters, lambda length: length / sensor, lambda _, multiple: multiple * sensor)
 
 
 def light_property(name: str, context: SceneContext, obj: Object) -> ValueSlot | None:
@@ -102,29 +88,17 @@ def shader(name: str, context: SceneContext, material: Material) -> ValueSlot | 
     return inputs.input_slot(lambda: layers.entry(material, name))
 
 
-@dataclass
-class _StrengthSlot:
-    """Value slot: the strongest component of a color (RGB or RGBA); setting it keeps the hue."""
-
-    color: ValueSlot
-
-    @property
-    def locked(self) -> str:
-        return self.color.locked
-
-    def get(self) -> float:
-        return float(min(max(self.color.get()[:3]), 1.0))
-
-    def set(self, journal: Journal, raw: float) -> None:
-        color, strongest = self.color.get(), max(self.color.get()[:3])
-        if not same(raw, self.get()):
-            self.color.set(journal, tuple(raw * c / strongest if strongest else raw for c in color[:3]))
+def _scaled(color: tuple[float, ...], strongest: float) -> tuple[float, ...]:
+    """A color (RGB or RGBA) whose strongest component is another one, as RGB of the same hue."""
+    before = max(color[:3])
+    return tuple(strongest * c / before if before else strongest for c in color[:3])
 
 
 def coat_weight(context: SceneContext, material: Material) -> ValueSlot | None:
     """The weight of a coat: the input of the shader, or the color of a lacquer over a metal, which is 1 at full strength."""
     color = inputs.input_slot(partial(layers.lacquer_entry, material, "Base Color"))
-    return shader("Coat Weight", context, material) or (_StrengthSlot(color) if color else None)
+    own = shader("Coat Weight", context, material)
+    return own or (DerivedSlot(color, lambda rgb: min(max(rgb[:3]), 1.0), _scaled) if color else None)
 
 
 def coat_roughness(context: SceneContext, material: Material) -> ValueSlot | None:

@@ -21,7 +21,7 @@ from ..core.schema_import import labels, schema
 from ..core.value_slots import PropertySlot
 from . import bindings, keyframes, snapshot, steps
 from .keyframes import Track
-from .nodes import backgrounds, owned
+from .nodes import owned
 
 ByKey = dict[str, list[float]]
 VERSION = 1
@@ -59,9 +59,8 @@ def of(scene: Scene) -> list[Moment]:
         for moment in found:
             if not moment.values.keys() <= moment.base.keys():
                 raise ValueError("no base")
-            for key, value in (*moment.values.items(), *moment.base.items()):
-                if len(value) != labels.parameter(key).components or not all(map(math.isfinite, value)):
-                    raise ValueError(key)
+            steps.check_values(moment.values)
+            steps.check_values(moment.base)
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise schema.VibeError("The moments in this file are damaged.", "Revert, and start again.") from error
     return found
@@ -76,17 +75,13 @@ def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
     moments = sorted(moments, key=lambda moment: moment.frame)
     keyframes.take_away(scene)
     base, looks = completed(moments)
-    start = snapshot.mark(scene)
     left: dict[str, str] = {}
-    try:
+    with snapshot.rollback_on_failure(scene):
         for moment, look in zip(moments, looks, strict=True):
             subject = [scene.objects[name] for name in moment.subject if name in scene.objects]
             left |= bindings.write(scene, look, subject, moment.pivot)
         tracks = _tracks(scene, moments, base, looks) + _cards(scene, moments, looks)
         notes = keyframes.add(scene, tracks)
-    except BaseException:
-        snapshot.rollback(scene, start)
-        raise
     rows = [asdict(moment) for moment in moments]
     scene[keyframes.MOMENTS] = json.dumps({"version": VERSION, "moments": rows}, ensure_ascii=False)
     scene.frame_set(scene.frame_current)
@@ -109,15 +104,10 @@ def completed(moments: Sequence[Moment]) -> tuple[ByKey, list[ByKey]]:
             known = moment.base | moment.values
             if schema.light_links.link_of(key):  # no curve can link a light: it is linked at all frames
                 known = near.values | known
-            value = next((known[origin] for origin in origins(key) if origin in known), near.base[key])
+            value = next((known[origin] for origin in steps.origins(key) if origin in known), near.base[key])
             look[key] = last = _short_way(key, last, value)
         base[key] = having[0].base[key]
     return base, looks
-
-
-def origins(key: str) -> tuple[str, ...]:
-    """The keys of the values that one may have without a look: a copy of a material its original's, a backdrop the world's."""
-    return key, schema.material_copies.copied_key(key), backgrounds.WORLD_OF_BACKDROP.get(key, key)
 
 
 def _short_way(key: str, last: list[float] | None, value: list[float]) -> list[float]:

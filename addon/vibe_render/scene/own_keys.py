@@ -12,7 +12,7 @@ from bpy.types import ID, FCurve, NodeSocket, Scene
 from mathutils import Vector
 
 from ..core import compat, locks
-from ..core.journal import HELD, Journal, Keys, held_name, keys_of, mark_held, set_keys
+from ..core.journal import HELD, Journal, Keys, held_name, keys_of, mark_held, resolve, set_keys
 from ..core.schema_import import labels, schema
 from ..core.value_slots import PropertySlot, same
 from . import bindings, keyframes, scene_context, snapshot
@@ -62,7 +62,9 @@ def release(scene: Scene) -> None:
     if not are_held(scene):
         return
     newest = {
-        (e["id"], e["path"], held_name(c)): (e, b, c) for e, b, c in snapshot.load(scene).held() if c.mute
+        (e["id"], e["path"], held_name(c)): (e, b, c)
+        for e, b, c in snapshot.load(scene).curves("held")
+        if c.mute
     }
     for entry, block, curve in newest.values():
         with suppress(ValueError, AttributeError):  # the artist has removed what it animates
@@ -76,7 +78,7 @@ def release(scene: Scene) -> None:
 def _present(block: Any, curve: FCurve) -> float:
     """The present value of what a muted curve animates."""
     path, _, name = curve.data_path.rpartition(".")
-    value = getattr(block.path_resolve(path) if path else block, name)
+    value = getattr(resolve(block, path), name)
     return float(value[curve.array_index] if hasattr(value, "__len__") else value)
 
 
@@ -94,7 +96,7 @@ def _moved(keys: Keys, parameter: schema.Parameter, was: float, now: float) -> K
 def as_before(scene: Scene) -> Iterator[None]:
     """The artist's own curves, as they were before a look has moved them, for the duration of the block."""
     moved = []
-    for entry, _, curve in reversed(snapshot.load(scene).held()):
+    for entry, _, curve in reversed(snapshot.load(scene).curves("held")):
         moved.append((curve, keys_of(curve)))
         set_keys(curve, entry["keys"])
     scene.frame_set(scene.frame_current)

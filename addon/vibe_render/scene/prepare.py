@@ -17,7 +17,7 @@ from ..core.journal import Journal
 from ..core.schema_import import schema
 from . import scene_context, snapshot
 from .geometry.meshes import array
-from .light_types import light_type
+from .light_types import LIGHT_TYPES
 from .nodes import backgrounds, layers, owned
 from .nodes.trails import active_links
 from .orbits import orbit_matrix
@@ -115,7 +115,7 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     hit, wall, *_ = scene.ray_cast(graph, start, toward, distance=max(distance - gap, 1e-3))
     if hit:
         distance = (wall - pivot).length - _CLEAR * (wall - start).length
-    kind = light_type(what.type)
+    kind = LIGHT_TYPES[what.type]
     setattr(data, kind.extent_property, size * distance if kind.has_position else radians(_SUN))
     data.energy = brightness * schema.radiometry.unit_energy(
         what.type, distance if kind.has_position else 1.0
@@ -164,12 +164,10 @@ def added_light_distance(low: Vector, high: Vector) -> float:
 def _is_lit(scene: Scene) -> bool:
     """True if the world lights the scene."""
     world = rendered.world(scene)
-    if world is None:
-        return False
-    single = backgrounds.single_background(world)
-    mixed = [each.shader for each in backgrounds.mixed_backgrounds(world)]
-    for background in mixed or ([single] if single else []):
-        color, strength = background.node.inputs["Color"], background.node.inputs["Strength"]
+    for layer in backgrounds.layers_of_part(world, backgrounds.LIGHT) if world else ():
+        color, strength = layer.shader.input("Color"), layer.shader.input("Strength")
+        if color is None or strength is None:
+            continue
         if active_links(color) or active_links(strength):
             return True
         if max(color.default_value[:3]) * strength.default_value > _LEAST_LIGHT:

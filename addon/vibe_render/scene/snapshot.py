@@ -32,8 +32,9 @@ def exists(scene: Scene) -> bool:
 
 
 def forget(scene: Scene) -> None:
-    """Keeps the scene as it is now, with its keyframes, for good."""
-    scene.pop(KEY, None)
+    """Keeps the scene as it is now, with its keyframes, for good; the list of steps goes."""
+    for key in (KEY, steps.KEY):
+        scene.pop(key, None)
     keyframes.forget(scene)
 
 
@@ -46,7 +47,6 @@ def revert(scene: Scene) -> list[str]:
     journal = load(scene)
     lost = keyframes.take_away(scene)
     forget(scene)  # first: it counts as a user of what is to be removed
-    steps.forget(scene)
     forget_subject(scene)
     lost += journal.undo()
     rendered.layer(scene).update()
@@ -67,6 +67,19 @@ def rollback(scene: Scene, first: int | None) -> None:
     journal.undo(first or 0)
     if first is not None:
         stored_journal.store(scene, KEY, journal)
+
+
+@contextmanager
+def rollback_on_failure(scene: Scene) -> Iterator[None]:
+    """Undoes what was recorded inside the block if that ends in an exception."""
+    start, keyed = mark(scene), keyframes.are_shown(scene)
+    try:
+        yield
+    except BaseException:
+        if keyed:
+            keyframes.bring_back(scene)
+        rollback(scene, start)
+        raise
 
 
 @contextmanager

@@ -238,7 +238,7 @@ def _finish_solid(thing: bpy.types.Object, stuff: bpy.types.Material) -> bpy.typ
     return thing
 
 
-def build_stage(path: str | Path, kind: str = "cyclorama", subject_name: str = "Subject") -> bpy.types.Scene:
+def build_stage(path: str | Path, kind: str = "cyclorama") -> bpy.types.Scene:
     """Starts an empty file and stages the mesh in it; the subject's objects are left selected.
 
     The mesh is moved to stand on height 0 and scaled until its bounding box has a radius of 1 m. An unknown kind,
@@ -258,7 +258,7 @@ def build_stage(path: str | Path, kind: str = "cyclorama", subject_name: str = "
     scene.render.resolution_x = scene.render.resolution_y = 1024
     meshes = _import_meshes(path)
     points = _normalize(meshes, path)
-    _dress(meshes, subject_name)
+    _dress(meshes)
     pivot = (points.min(0) + points.max(0)) / 2
     framing_camera(scene, points, _CAMERA, fov=30.0, fill=0.78)
     # key from the left, softer fill from the right, rim from behind, a dim neutral world
@@ -326,11 +326,11 @@ def _vertices(thing: bpy.types.Object) -> np.ndarray:
     return vertices @ matrix[:3, :3].T + matrix[:3, 3]
 
 
-def _dress(meshes: list[bpy.types.Object], name: str) -> None:
+def _dress(meshes: list[bpy.types.Object]) -> None:
     plain = None
     for thing in meshes:
         if not any(slot.material for slot in thing.material_slots):
-            plain = plain or plain_material(name, (0.5, 0.5, 0.5), roughness=0.35)
+            plain = plain or plain_material("Subject", (0.5, 0.5, 0.5), roughness=0.35)
             thing.data.materials.clear()
             thing.data.materials.append(plain)
         if not thing.data.has_custom_normals:

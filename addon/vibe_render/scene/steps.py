@@ -97,9 +97,7 @@ class Steps:
                 raise schema.VibeError("Its steps are of a newer version.", "Update Vibe Render.")
             found = cls(steps=[LookStep(**row) for row in raw.pop("steps")], **raw)
             for values in (found.base, *(each for s in found.steps for each in (s.before, s.after))):
-                for key, value in values.items():
-                    if len(value) != labels.parameter(key).components or not all(map(math.isfinite, value)):
-                        raise ValueError(key)
+                check_values(values)
             found.values()
             return found
         except (ValueError, TypeError, KeyError, AttributeError) as error:
@@ -230,11 +228,6 @@ class Steps:
         }
 
 
-def forget(scene: Scene) -> None:
-    """Drops the list; the values stay."""
-    scene.pop(KEY, None)
-
-
 def same(key: str, first: Sequence[float], other: Sequence[float]) -> bool:
     """True if two values read the same; a light that has been turned once around stands where it was."""
     if labels.parameter(key).kind == "angle":
@@ -242,16 +235,26 @@ def same(key: str, first: Sequence[float], other: Sequence[float]) -> bool:
     return labels.same(key, tuple(first), tuple(other))
 
 
+def check_values(values: Known) -> None:
+    """Raises ValueError for values, by key, that no parameter can have."""
+    for key, value in values.items():
+        if len(value) != labels.parameter(key).components or not all(map(math.isfinite, value)):
+            raise ValueError(key)
+
+
+def origins(key: str) -> tuple[str, ...]:
+    """The keys of the values that one may have without a look: a copy of a material its original's, a backdrop the world's."""
+    return key, schema.material_copies.copied_key(key), backgrounds.WORLD_OF_BACKDROP.get(key, key)
+
+
 def old_value(key: str, before: Known, new: Sequence[float]) -> Sequence[float]:
     """The value that a change replaces. A light or a link that was not there was off, a backdrop the world's."""
-    off = schema.split_key(key)[2] in ("power", "strength", "linked")
-    return (
-        before.get(key)
-        or before.get(schema.material_copies.copied_key(key))
-        or before.get(backgrounds.WORLD_OF_BACKDROP.get(key, ""))
-        or (backgrounds.NO_HORIZON if key == backgrounds.HORIZON_KEY else None)
-        or ((0.0,) if off else new)
-    )
+    known = next((before[origin] for origin in origins(key) if origin in before), None)
+    if known:
+        return known
+    if key == backgrounds.HORIZON_KEY:
+        return backgrounds.NO_HORIZON
+    return (0.0,) if schema.split_key(key)[2] in ("power", "strength", "linked") else new
 
 
 def along(

@@ -87,8 +87,6 @@ def automatic_subject(
     u = (np.arange(RAYS) + 0.5) / RAYS * 2 - 1
     centrality = np.exp(-1.5 * (u[:, None] ** 2 + u**2))
     weight = np.bincount(surfaces.object[seen], centrality[seen], minlength=count)
-    if not weight.any():
-        raise schema.VibeError("The camera sees no mesh.", "Point the scene's camera at something.")
     visible = weight > 0
     # Of each object, the number of the picture's four sides at which it is visible.
     owner = surfaces.object

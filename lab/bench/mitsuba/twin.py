@@ -17,11 +17,11 @@ from torch import Tensor
 from proxy_renderer.render.geometry.camera import view_of
 from proxy_renderer.render.lights.light_source import LightSource
 from proxy_renderer.render.lights.light_types import (
+    LIGHT_TYPES,
     AreaLight,
     PointLight,
     SunLight,
     light_sources,
-    light_type,
 )
 from proxy_renderer.scene import SceneData
 from proxy_renderer.scene.values import RenderValues
@@ -83,7 +83,7 @@ def same(scene: SceneData, parameters: Any) -> list[str]:
 def _refuse(scene: SceneData) -> None:
     odd = [
         *(f"{m.name} has a texture" for m in scene.materials if m.texture),
-        *(f"{x.name} is a {x.type.lower()}" for x in scene.lights if light_type(x.type) not in _EMITTERS),
+        *(f"{x.name} is a {x.type.lower()}" for x in scene.lights if LIGHT_TYPES[x.type] not in _EMITTERS),
         *(["the camera is orthographic"] if scene.camera.type != "PERSP" else []),
         *(["the lens is shifted"] if any(scene.camera.shift) else []),
         *(["the world is a picture"] if scene.world.kind != "color" else []),

@@ -15,7 +15,7 @@ from vibe_render.core import compat, rendered
 from vibe_render.core.color import Color
 from vibe_render.core.schema_import import schema
 from vibe_render.scene import bindings, snapshot
-from vibe_render.scene.light_types import SIZE, light_type
+from vibe_render.scene.light_types import LIGHT_TYPES, SIZE
 from vibe_render.scene.orbits import orbit_matrix
 from vibe_render.scene.stage import cyclorama, floor, framing_camera, mesh_object, plain_material, plain_world
 
@@ -116,7 +116,7 @@ def _lamp(scene: Scene, name: str, lamp: LightRecipe, pivot: Vector, luck: rando
     angles = (lamp.azimuth + luck.uniform(-15, 15), lamp.elevation + luck.uniform(-5, 5))
     level = lamp.level * luck.uniform(0.8, 1.25)
     data.energy = level * schema.radiometry.unit_energy(lamp.kind, lamp.distance)
-    kind = light_type(lamp.kind)
+    kind = LIGHT_TYPES[lamp.kind]
     setattr(data, kind.extent_property, lamp.size if kind.extent == SIZE else math.radians(lamp.size))
     data.color = shifted(lamp.color, luck, 0.06)
     for key, value in lamp.settings.items():

@@ -8,7 +8,7 @@ components is then contiguous, which is several times faster on a CPU than (N, 3
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 from jaxtyping import Float
@@ -53,8 +53,8 @@ class View:
 
     def detached(self) -> View:
         """The same view without gradients."""
-        parts = self.position.detach(), self.rotation.detach(), self.scale.detach()
-        return View(*parts, self.orthographic, self.size, self.extent, self.shift, self.clip)
+        position, rotation, scale = (x.detach() for x in (self.position, self.rotation, self.scale))
+        return replace(self, position=position, rotation=rotation, scale=scale)
 
     def signature(self) -> tuple[float, ...]:
         """Numbers that change when anything that rays depend on does."""

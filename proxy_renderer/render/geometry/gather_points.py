@@ -12,6 +12,7 @@ import torch
 from torch import Tensor
 
 from .samples import Samples, last_of
+from .vectors import PointSet
 from .visibility import Surface
 
 _CELLS_ACROSS = 96
@@ -120,15 +121,12 @@ class GatherPoints:
 
 
 @dataclass(frozen=True)
-class _Places:
+class _Places(PointSet):
     """Points of an interpolation: place (2, N) in cells, surface, and size (N,) in meters of a cell there."""
 
     place: Tensor
     surface: Surface
     pitch: Tensor
-
-    def pick(self, index: Tensor) -> _Places:
-        return _Places(self.place[:, index], self.surface.pick(index), self.pitch[index])
 
 
 def _cell_lists(cell: Tensor, columns: int, rows: int, most: int) -> Tensor:

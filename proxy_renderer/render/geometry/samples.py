@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The points of the picture that are shaded, found through transparent surfaces, and how they add up to pixels."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
 
 from .camera import View
-from .vectors import dot
+from .vectors import PointSet, dot
 from .visibility import Hits, RayGeometry, Surface
 
 EDGE_SAMPLES = 5
@@ -95,29 +95,28 @@ def take(geometry: RayGeometry, view: View, smooth: Tensor) -> Samples:
     places = (centers[:, busy, None] + jitter[:, None, :]).flatten(1)
     more_origin, more_toward = view.rays(places)
     more = follow(geometry, view, more_origin, more_toward)
-    kept = (~edge)[layers.ray]
-    few = HitLayers(layers.ray[kept], layers.number[kept], layers.hits.pick(kept), layers.weight[kept])
+    few = layers.pick((~edge)[layers.ray])
     pixel = torch.cat((few.ray, busy.repeat_interleave(EDGE_SAMPLES)[more.ray]))
-    hits = Hits(*(torch.cat(pair) for pair in zip(few.hits.parts, more.hits.parts, strict=True)))
+    met = HitLayers.joined((few, replace(more, weight=more.weight / EDGE_SAMPLES)))
     # All are sorted by material, those of the background last.
     materials = int(geometry.material.max()) + 1
-    owner = torch.where(hits.hit, geometry.material[hits.triangle.clamp_min(0)], materials)
+    owner = torch.where(met.hits.hit, geometry.material[met.hits.triangle.clamp_min(0)], materials)
     owner, order = torch.sort(owner, stable=True)
     slices, start = [], 0
     for material, count in enumerate(torch.bincount(owner, minlength=materials + 1).tolist()[:-1]):
         if count:
             slices.append((material, start, start + count))
         start += count
-    pixel = pixel[order]
+    pixel, met = pixel[order], met.pick(order)
     index = torch.arange(len(pixel), device=pixel.device)
     first = last_of(pixel, index, int(pixel.max()) + 1)
     return Samples(
         size=view.size,
         pixel=pixel,
-        weight=torch.cat((few.weight, more.weight / EDGE_SAMPLES))[order],
+        weight=met.weight,
         place=torch.cat((centers[:, few.ray], places[:, more.ray]), 1)[:, order],
-        layer=torch.cat((few.number, more.number))[order],
-        hits=hits.pick(order),
+        layer=met.number,
+        hits=met.hits,
         slices=tuple(slices),
         surfaces=start,
         first=first,
@@ -172,7 +171,7 @@ def _filter_points(device: torch.device) -> Tensor:
 
 
 @dataclass(frozen=True)
-class HitLayers:
+class HitLayers(PointSet):
     """Surfaces that rays pass through and end on, nearest first."""
 
     ray: Tensor  # (N,) index of the ray
@@ -196,10 +195,10 @@ def follow(geometry: RayGeometry, view: View, origin: Tensor, toward: Tensor) ->
     left = torch.ones(len(index), device=geometry.device)
     near, far = view.span(toward)
     hits = geometry.nearest(origin + toward * near, toward, "camera")
-    hits = _before(far, Hits(hits.triangle, hits.u, hits.v, hits.distance + near))
+    hits = _before(far, replace(hits, distance=hits.distance + near))
     if geometry.opacity is None:
         return HitLayers(index, torch.zeros_like(index), hits, left)
-    collected: list[tuple[Tensor, Hits, Tensor]] = []
+    collected: list[HitLayers] = []
     for number in range(_MOST_LAYERS):
         alpha = geometry.opacity.at(geometry.surface(hits, toward[:, index]), by_camera=number == 0)
         alpha = torch.where(hits.hit, alpha, 1.0)
@@ -207,7 +206,8 @@ def follow(geometry: RayGeometry, view: View, origin: Tensor, toward: Tensor) ->
         ends = (rest < _FAINT) | (number == _MOST_LAYERS - 1)
         share = torch.where(ends, left, left * alpha)
         counts = share >= _FAINT
-        collected.append((index[counts], hits.pick(counts), share[counts]))
+        numbers = torch.full_like(index, number)
+        collected.append(HitLayers(index, numbers, hits, share).pick(counts))
         # What is too faint to count is given to what comes after it.
         rest = torch.where(counts, rest, left)
         onward = ~ends
@@ -216,17 +216,14 @@ def follow(geometry: RayGeometry, view: View, origin: Tensor, toward: Tensor) ->
         index, left = index[onward], rest[onward]
         further = geometry.onward(hits.pick(onward), origin[:, index], toward[:, index], "camera")
         hits = _before(far[index], further)
-    numbers = [torch.full_like(rays, i) for i, (rays, _, _) in enumerate(collected)]
-    rays, met, shares = zip(*collected, strict=True)
-    merged = Hits(*(torch.cat(p) for p in zip(*(h.parts for h in met), strict=True)))
-    return HitLayers(torch.cat(rays), torch.cat(numbers), merged, torch.cat(shares))
+    return HitLayers.joined(collected)
 
 
 def _before(far: Tensor, hits: Hits) -> Hits:
     """Hits (N,) with those beyond distances (N,) turned into misses."""
     inside = hits.distance <= far
-    distance = torch.where(inside, hits.distance, torch.inf)
-    return Hits(torch.where(inside, hits.triangle, -1), hits.u, hits.v, distance)
+    triangle, distance = torch.where(inside, hits.triangle, -1), hits.distance
+    return replace(hits, triangle=triangle, distance=torch.where(inside, distance, torch.inf))
 
 
 def last_of(group: Tensor, order: Tensor, count: int) -> Tensor:

@@ -4,10 +4,31 @@
 Also directions of secondary rays, and two ways of limiting that keep gradients alive where `torch.clamp` would lose them.
 """
 
+from __future__ import annotations
+
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Self
 
 import torch
 from torch import Tensor
+
+
+@dataclass(frozen=True)
+class PointSet:
+    """What is known of N points or rays: the last axis of each field counts them."""
+
+    def pick(self, index: Tensor | slice) -> Self:
+        """The points at an index."""
+        parts = (getattr(self, each.name) for each in fields(self) if each.init)
+        return type(self)(*(p.pick(index) if isinstance(p, PointSet) else p[..., index] for p in parts))
+
+    @classmethod
+    def joined(cls, several: Sequence[Self]) -> Self:
+        """All points of several, one after the other."""
+        columns = ([getattr(one, each.name) for one in several] for each in fields(cls) if each.init)
+        return cls(*(c[0].joined(c) if isinstance(c[0], PointSet) else torch.cat(c, -1) for c in columns))
 
 
 def dot(a: Tensor, b: Tensor) -> Tensor:

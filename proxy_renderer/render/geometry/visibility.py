@@ -7,7 +7,7 @@ import functools
 import hashlib
 import weakref
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -17,7 +17,7 @@ from embreex.mesh_construction import TriangleMesh
 from torch import Tensor
 
 from ...scene import SceneMesh
-from .vectors import cross, damped, dot, unit
+from .vectors import PointSet, cross, damped, dot, unit
 
 RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")  # an object may be hidden from them
 
@@ -71,14 +71,10 @@ class TriangleTree:
             answer = self._run(origin, toward, output=1)
         else:
             answer = self._run(origin, toward, before[3], query="INTERSECT", output=1)
-        met = answer["primID"] >= 0
-        triangle = self._members[answer["primID"].clip(0)]
-        u, v, distance = answer["u"], answer["v"], answer["tfar"]
-        if before is None:
-            return np.where(met, triangle, -1), u, v, np.where(met, distance, np.float32(1e30))
-        triangle, u, v, distance = (
-            np.where(met, new, old) for new, old in zip((triangle, u, v, distance), before, strict=True)
-        )
+        u, v = answer["u"], answer["v"]
+        new = self._members[answer["primID"].clip(0)], u, v, answer["tfar"]
+        pairs = zip(new, before or (-1, u, v, np.float32(1e30)), strict=True)
+        triangle, u, v, distance = (np.where(answer["primID"] >= 0, *pair) for pair in pairs)
         return triangle, u, v, distance
 
     def blocks(self, origin: np.ndarray, toward: np.ndarray, distance: np.ndarray) -> np.ndarray:
@@ -128,7 +124,7 @@ _LAYERS = 8  # transparent surfaces that a ray passes at most: Cycles' default o
 
 
 @dataclass(frozen=True)
-class Hits:
+class Hits(PointSet):
     """Ends of N rays."""
 
     triangle: Tensor  # (N,) int64, -1 for a miss
@@ -145,10 +141,6 @@ class Hits:
     def parts(self) -> tuple[Tensor, Tensor, Tensor, Tensor]:
         """The fields, in order."""
         return self.triangle, self.u, self.v, self.distance
-
-    def pick(self, index: Tensor | slice) -> Hits:
-        """The hits at an index."""
-        return Hits(*(part[index] for part in self.parts))
 
 
 class Opacity(Protocol):
@@ -265,24 +257,24 @@ class RayGeometry:
         index = torch.arange(origin.shape[1], device=self.device)
         numbers = index if numbers is None else numbers
         chance = numbers.double().mul(0.6180339887498949).frac().float()  # evenly spread, the same every time
-        parts = list(hits.parts)
         for _ in range(_LAYERS):
-            current = Hits(*(p[index] for p in parts))
+            current = hits.pick(index)
             stopping = self.stopping(self.surface(current, toward[:, index]), toward[:, index])
             passes = current.hit & (stopping <= chance[index])
             index = index[passes]
             if not len(index):
                 break
-            further = self.onward(Hits(*(p[index] for p in parts)), origin[:, index], toward[:, index], ray)
-            parts = [p.index_copy(0, index, f) for p, f in zip(parts, further.parts, strict=True)]
-        return Hits(*parts)
+            further = self.onward(hits.pick(index), origin[:, index], toward[:, index], ray)
+            pairs = zip(hits.parts, further.parts, strict=True)
+            hits = Hits(*(part.index_copy(0, index, new) for part, new in pairs))
+        return hits
 
     def onward(self, hits: Hits, origin: Tensor, toward: Tensor, ray: str) -> Hits:
         """Next surfaces that rays meet after their hits; distances still count from the origin."""
         gap = 1e-5 * (self.size + hits.distance)
         start = hits.distance + gap
         further = self.nearest(origin + toward * start, toward, ray)
-        return Hits(further.triangle, further.u, further.v, further.distance + start)
+        return replace(further, distance=further.distance + start)
 
     def nearest(self, origin: Tensor, toward: Tensor, ray: str) -> Hits:
         """Nearest intersections of rays (3, N) of a kind with unit directions (3, N), transparent or not."""
@@ -334,7 +326,7 @@ class RayGeometry:
             reach = start[index] + near.distance
             met = near.hit & (reach < distance[index])
             index, reach = index[met], reach[met]
-            hits = Hits(near.triangle[met], near.u[met], near.v[met], reach)
+            hits = replace(near.pick(met), distance=reach)
             passing[index] *= 1 - self.stopping(self.surface(hits, toward[:, index]), toward[:, index])
             start[index] = reach + 1e-5 * (self.size + reach)
             index = index[passing[index] > 1e-3]
@@ -390,7 +382,7 @@ class RayGeometry:
 
 
 @dataclass(frozen=True)
-class Surface:
+class Surface(PointSet):
     """N surface points."""
 
     position: Tensor  # (3, N)
@@ -399,11 +391,6 @@ class Surface:
     uv: Tensor  # (2, N)
     material: Tensor  # (N,) int64
     object: Tensor  # (N,) int64
-
-    def pick(self, index: Tensor | slice) -> Surface:
-        """The points at an index."""
-        position, normal, facet, uv = (p[:, index] for p in (self.position, self.normal, self.facet, self.uv))
-        return Surface(position, normal, facet, uv, self.material[index], self.object[index])
 
 
 def facing(normal: Tensor, toward: Tensor) -> Tensor:

@@ -16,8 +16,8 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from ...scene.values import needs_gradient
-from ..geometry.vectors import dot, tangents, unit
+from ...scene.values import Recent, needs_gradient
+from ..geometry.vectors import PointSet, dot, tangents, unit
 from ..material.albedo import basis
 from .light_source import DirectIrradiance, LightSource, Vectors
 
@@ -27,7 +27,7 @@ _LEAST_UP = 0.08  # least cosine between half vector and normal, whose slopes go
 
 
 @dataclass(frozen=True)
-class AreaSpecular:
+class AreaSpecular(PointSet):
     """A light's highlight at N points, before roughness and Fresnel of the material."""
 
     strength: Float[Tensor, " n"]  # (N,) the lamp's radiance times (h.v) / (n.v n.h), 0 below the horizon
@@ -37,27 +37,18 @@ class AreaSpecular:
     # (4, N) left, right, bottom and top of a rectangle seen from the mirror direction, in slopes; or (5, N)
     # for an ellipse, see `_round_place`
     outline: Float[Tensor, "outline n"]
-    _lobes: dict[float, Tensor] = field(default_factory=dict, repr=False, compare=False)
-
-    def pick(self, index: slice) -> AreaSpecular:
-        """The points at an index."""
-        slopes = self.slope_in[index], self.slope_out[index]
-        return AreaSpecular(self.strength[index], self.curve[:, index], *slopes, self.outline[:, index])
+    _lobes: Recent = field(default_factory=Recent, init=False, repr=False, compare=False)
 
     def times(self, visible: Float[Tensor, " n"]) -> AreaSpecular:
         """The same, shadowed by visible shares (N,)."""
-        return replace(self, strength=self.strength * visible, _lobes={})
+        return replace(self, strength=self.strength * visible)
 
     def lobe(self, roughness: Float[Tensor, "*varying"]) -> Float[Tensor, " n"]:
         """Reflected radiance (N,) per unit of color, Fresnel aside, for a roughness () or (N,); kept until that changes."""
         if needs_gradient(roughness, self.strength, self.outline):
             return self._lobe(roughness)
         key = id(roughness) if roughness.dim() else float(roughness)
-        if key not in self._lobes:
-            if len(self._lobes) > 1:  # a base and a coat
-                self._lobes.clear()
-            self._lobes[key] = self._lobe(roughness)
-        return self._lobes[key]
+        return self._lobes.of("", key, lambda: self._lobe(roughness))  # two: a base and a coat
 
     def _lobe(self, roughness: Tensor) -> Tensor:
         alpha2 = (roughness * roughness).clamp_min(_LEAST_ALPHA) ** 2

@@ -16,6 +16,7 @@ from torch import Tensor
 
 from ...color.tensors import luminance
 from ...scene import Light
+from ...schema.orbit import IDENTITY
 from ..geometry.vectors import cosine_directions, cross, dot, unit
 from ..geometry.visibility import RayGeometry, sphere_points
 from ..material.inputs import ShadingInputs
@@ -172,8 +173,8 @@ def _cluster(
     form = form / root.mean().clamp_min(1e-6).square()
     lean = 2 * (normal * odd).sum(1) / max(whole, 1e-20)
     axes = torch.eye(3, device=place.device)
-    turn = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-    light = Light(f"emitter/{material}/{number}", "POINT", turn, (0.0, 0.0, 0.0), soft_falloff=False)
+    name = f"emitter/{material}/{number}"
+    light = Light(name, "POINT", IDENTITY, (0.0, 0.0, 0.0), soft_falloff=False)
     ones, middle = torch.ones(3, device=place.device), place.mean(1)
     place_and_form = middle, axes, _radius(place), form, lean
     lamp = EmitterLight(light, ones, *place_and_form, pictured=True, shadowless=material)

@@ -14,6 +14,7 @@ from torch.nn.functional import interpolate, max_pool2d, pad
 
 from ...color.constants import LUMINANCE_WEIGHTS
 from ...scene import Light
+from ...schema.orbit import IDENTITY
 from ..geometry.vectors import tangents, texels
 from .light_types import SunLight
 
@@ -59,8 +60,7 @@ class EnvironmentSun:
         rows = torch.stack((c, s, zero)), torch.stack((-s, c, zero)), torch.stack((zero, zero, one))
         across, up = tangents(self.toward[:, None])
         axes = torch.stack(rows) @ torch.cat((across, up, self.toward[:, None]), 1)
-        identity = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-        light = Light(f"world/{number}", "SUN", identity, (0.0, 0.0, 0.0), hidden=hidden)
+        light = Light(f"world/{number}", "SUN", IDENTITY, (0.0, 0.0, 0.0), hidden=hidden)
         place, size = torch.zeros_like(self.toward), torch.full_like(turn.detach(), self.angle)
         return EnvironmentSunLight(light, self.color * tint, place, axes, size, pictured=self.wide)
 

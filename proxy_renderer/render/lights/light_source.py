@@ -11,7 +11,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import torch
 from jaxtyping import Bool, Float, Int
@@ -21,7 +21,7 @@ from ...color.tensors import blackbody
 from ...scene import Light, SceneData
 from ...scene.values import RenderValues, needs_gradient
 from ..geometry.camera import RaySegments, direction, frame
-from ..geometry.vectors import dot, tangents, within
+from ..geometry.vectors import PointSet, dot, tangents, within
 
 Vectors = Float[Tensor, "3 n"]
 Numbers = Float[Tensor, " n"]
@@ -29,7 +29,7 @@ POINT_RADIUS = 1e-3  # radians, least of a light: a true point would have no hig
 
 
 @dataclass(frozen=True)
-class DirectIrradiance:
+class DirectIrradiance(PointSet):
     """Light that reaches N points from one light, unshadowed, per unit of its color."""
 
     toward: Vectors  # (3, N) unit vectors to the light's center
@@ -37,11 +37,6 @@ class DirectIrradiance:
     irradiance: Numbers  # (N,) on the surface, cosine included
     frontal: Numbers  # (N,) on a surface that faces the light: radiance times solid angle
     solid_angle: Numbers  # (N,) that the light fills, steradians
-
-    def pick(self, index: Tensor) -> DirectIrradiance:
-        """The points at an index."""
-        fields = self.toward, self.distance, self.irradiance, self.frontal, self.solid_angle
-        return DirectIrradiance(*(field[..., index] for field in fields))
 
 
 @dataclass(frozen=True)
@@ -142,14 +137,18 @@ class LightSource(ABC):
         return self.light.shadow
 
     @property
+    def placement(self) -> dict[str, Tensor]:
+        """Its place, direction and size, which shadows depend on, by field."""
+        return {"position": self.position, "axes": self.axes, "size": self.size}
+
+    @property
     def moving(self) -> bool:
-        """True if gradients with respect to its place, direction or size are wanted."""
-        return needs_gradient(self.position, self.axes, self.size)
+        """True if gradients with respect to its placement are wanted."""
+        return needs_gradient(*self.placement.values())
 
     def signature(self) -> tuple[float, ...]:
-        """Numbers that change when anything that shadows depend on does."""
-        parts = torch.cat((self.position, self.axes.flatten(), self.size[None]))
-        return tuple(parts.detach().tolist())
+        """Numbers that change when its placement does."""
+        return tuple(torch.cat([part.detach().flatten() for part in self.placement.values()]).tolist())
 
     def has_rays_of(self, other: LightSource | None) -> bool:
         """True if rays to its middle are those to another's: it may differ in size and color."""
@@ -157,8 +156,8 @@ class LightSource(ABC):
 
     def detached(self) -> Self:
         """The same light without gradients."""
-        color, position, axes, size = (x.detach() for x in (self.color, self.position, self.axes, self.size))
-        return replace(self, color=color, position=position, axes=axes, size=size)
+        parts: dict[str, Any] = {name: part.detach() for name, part in self.placement.items()}
+        return replace(self, color=self.color.detach(), **parts)
 
 
 def offsets(position: Tensor, points: Tensor) -> tuple[Tensor, Tensor, Tensor]:

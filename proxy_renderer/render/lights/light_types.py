@@ -13,8 +13,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from ...scene import Light, SceneData
-from ...scene.values import Remembered, RenderValues, needs_gradient
-from ...schema import VibeError
+from ...scene.values import Remembered, RenderValues
 from ..geometry.camera import RaySegments
 from ..geometry.vectors import cross, dot, length, unit, within
 from .light_source import (
@@ -104,17 +103,9 @@ class SpotLight(PointLight):
         return replace(super().of(light, scene, values), cone=torch.deg2rad(opening))
 
     @property
-    def moving(self) -> bool:
-        """True if gradients with respect to its place, direction, size or cone are wanted."""
-        return super().moving or needs_gradient(self.cone)
-
-    def signature(self) -> tuple[float, ...]:
-        """See `LightSource.signature`."""
-        return (*super().signature(), float(self.cone.detach()))
-
-    def detached(self) -> SpotLight:
-        """See `LightSource.detached`."""
-        return replace(super().detached(), cone=self.cone.detach())
+    def placement(self) -> dict[str, Tensor]:
+        """See `LightSource.placement`."""
+        return {**super().placement, "cone": self.cone}
 
     def directivity(self, toward: Vectors, radius: Numbers | None = None) -> Numbers:
         """Blender's smoothstep between the cone's rim and its blend.
@@ -289,21 +280,13 @@ LIGHT_TYPES: dict[str, type[LightSource]] = {
 """Blender's name of a light type to its class."""
 
 
-def light_type(name: str) -> type[LightSource]:
-    """The class of a light type; raises VibeError if the renderer has no such type."""
-    if name not in LIGHT_TYPES:
-        remedy = f"Use one of {', '.join(sorted(LIGHT_TYPES))}."
-        raise VibeError(f'Lights of type "{name}" cannot be rendered.', remedy)
-    return LIGHT_TYPES[name]
-
-
 def light_sources(
     scene: SceneData, values: RenderValues, made: Remembered | None = None
 ) -> list[LightSource]:
-    """All lights of the scene at the render's values, some made before; raises VibeError if one has an unknown type."""
+    """All lights of the scene at the render's values, some made before."""
     kept = made or Remembered()
     found = []
     for number, light in enumerate(scene.lights):  # instances of a lamp have its name
-        make = partial(light_type(light.type).of, light, scene, values)
+        make = partial(LIGHT_TYPES[light.type].of, light, scene, values)
         found.append(kept.of(f"light/{light.name}", values, make, number))
     return found

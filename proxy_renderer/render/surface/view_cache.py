@@ -4,6 +4,7 @@
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -12,12 +13,13 @@ from torch import Tensor
 
 from ...color.tensors import luminance
 from ...scene import SceneData
-from ...scene.values import needs_gradient
+from ...scene.values import Recent, needs_gradient
 from ..geometry.camera import View
 from ..geometry.gather_points import SparseWeights
 from ..geometry.samples import pixel_centers, take
 from ..geometry.vectors import dot, unit
 from ..geometry.visibility import RayGeometry, Surface, facing
+from ..lights.emitters import Emitters
 from ..lights.environment import GLOSSY, SATIN, Sky
 from ..lights.light_source import LightSource
 from ..lights.shadows import LightClusters
@@ -67,8 +69,6 @@ class ViewCache:
         metals: (M,) weight of mirror reflection of each material, 0 for what is no metal.
         smooth: (M,) bool: materials of which every pixel gets several samples.
         lamps: The lights, the suns of the world and glowing surfaces included.
-        emissive: Indices of materials whose light comes from lamps.
-        glowing: Indices of all materials that glow.
     """
 
     def __init__(
@@ -79,8 +79,7 @@ class ViewCache:
         metals: Tensor,
         smooth: Tensor,
         lamps: Sequence[LightSource],
-        emissive: Sequence[int],
-        glowing: Sequence[int],
+        emitters: Emitters,
         seed: int,
     ) -> None:
         self.scene, self.geometry, self.metals = scene, geometry, metals
@@ -98,7 +97,7 @@ class ViewCache:
             self._direct = DirectLights(geometry, samples, self._view_samples, self.clusters)
             self._view = view.detached()
             generator = torch.Generator().manual_seed(seed)
-            shape = metals, len(self.clusters), emissive, glowing, self._maps, generator
+            shape = metals, len(self.clusters), emitters, self._maps, generator
             self.indirect = FinalGather(geometry, samples, surface, self._view, *shape)
             # (3,) average of every material's linked base color; 1 where none is linked
             plain = np.ones(3, np.float32)
@@ -118,10 +117,9 @@ class ViewCache:
             self.mask = samples.resolve(self.inside).view(self.depth.shape)
         self._varying: dict[int, dict[str, Tensor]] = {}
         self._bounced: dict[int, LightSource] = {}
-        self._outlines: Silhouettes | None = None
         self._indirect_fog: IndirectFogRays | None = None
         self._through: dict[tuple[int, int], tuple[float, Any, RefractedHits]] = {}
-        self._worlds: tuple[object, tuple[Tensor, ...]] | None = None
+        self._worlds = Recent()
 
     def aside(self) -> Self:
         """A copy for one picture, whose moved lights leave nothing behind in this one."""
@@ -168,14 +166,13 @@ class ViewCache:
         """A material's inputs (C, n) that vary over its samples: "base_color", and parameters by name."""
         if material in self._varying and not view_samples.moving:
             return self._varying[material]
-        surface = (view_samples if view_samples.moving else self._view_samples).surface.pick(part)
         names = ["base_color", *(n for n in self.scene.materials[material].maps if n not in _GEOMETRIC)]
         names = [name for name in names if self._maps.has(material, name)]
-        if view_samples.moving:
-            return {name: self._maps.at(material, name, surface) for name in names}
-        with torch.no_grad():
-            self._varying[material] = {name: self._maps.at(material, name, surface) for name in names}
-        return self._varying[material]
+        surface = view_samples.surface.pick(part)
+        found = {name: self._maps.at(material, name, surface) for name in names}
+        if not view_samples.moving:
+            self._varying[material] = found
+        return found
 
     def pattern(self) -> Tensor:
         """(H, W) luminance of textured base colors relative to their mean over what is seen; 1 where none is linked."""
@@ -256,21 +253,18 @@ class ViewCache:
                 self._indirect_fog = IndirectFogRays(self.geometry, self.samples, *points, near)
         return self._indirect_fog
 
+    @cached_property
     def outlines(self) -> Silhouettes:
         """The outlines, for gradients with respect to the camera."""
-        if self._outlines is None:
-            with torch.no_grad():
-                self._outlines = Silhouettes.of(self.samples, self._view_samples.surface)
-        return self._outlines
+        with torch.no_grad():
+            return Silhouettes.of(self.samples, self._view_samples.surface)
 
     def worlds(self, sky: Sky, view_samples: ViewSamples) -> tuple[Tensor, ...]:
         """Uncolored world in the mirror directions, sharp to blurred (3, N), and behind all (3, B); a picture has three levels."""
         if needs_gradient(sky.turn) or (view_samples.moving and sky.pictured):
             return _worlds(sky, view_samples)
-        if self._worlds is None or self._worlds[0] != sky.signature():
-            with torch.no_grad():
-                self._worlds = sky.signature(), _worlds(sky, self._view_samples)
-        return self._worlds[1]
+        with torch.no_grad():
+            return self._worlds.of("", sky.signature(), lambda: _worlds(sky, self._view_samples))
 
 
 def _worlds(sky: Sky, view_samples: ViewSamples) -> tuple[Tensor, ...]:

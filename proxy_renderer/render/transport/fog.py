@@ -139,17 +139,14 @@ class LightPaths:
     start: _Vectors
     toward: _Vectors
     distance: _Numbers
-    _measured: dict[tuple[float, ...], Tensor] = field(default_factory=dict, repr=False, compare=False)
+    _measured: Recent = field(default_factory=Recent, init=False, repr=False, compare=False)
 
     def transmittance(self, fog: FogMedium) -> Float[Tensor, "*n"]:
         """Share of light (…) that gets through."""
-        shape = fog.shape
-        if shape is None or needs_gradient(self.start, self.toward, self.distance):
-            return fog.transmittance(self.start, self.toward, self.distance)
-        if shape not in self._measured:
-            self._measured.clear()
-            self._measured[shape] = fog.thickness(self.start, self.toward, self.distance)
-        return torch.exp(-fog.density * self._measured[shape])
+        way = self.start, self.toward, self.distance
+        if fog.shape is None or needs_gradient(*way):
+            return fog.transmittance(*way)
+        return torch.exp(-fog.density * self._measured.of("", fog.shape, lambda: fog.thickness(*way)))
 
 
 def _lebedev() -> Tensor:
@@ -167,7 +164,7 @@ DIRECTIONS = _lebedev()  # (3, 14) unit vectors for the world's light; exact to 
 WEIGHTS = torch.tensor([1 / 15] * 6 + [3 / 40] * 8)
 
 VisibilityTest = Callable[..., Tensor]
-"""(origins (3, N), unit directions (3, N), distances (N,)) to (N,): 1 where nothing is in the way (`Geometry.clear`)."""
+"""(origins (3, N), unit directions (3, N), distances (N,), material) to (N,): 1 where nothing else is in the way (`RayGeometry.clear`)."""
 
 
 @dataclass(frozen=True)
@@ -197,9 +194,9 @@ class FroxelGrid:
 
 
 class SingleScattering:
-    """Single scattering in the fog of one scene; its shadows, if it is given visibility, are kept until something moves."""
+    """Single scattering in the fog of one scene; its shadows are kept until something moves."""
 
-    def __init__(self, clear: VisibilityTest | None = None) -> None:
+    def __init__(self, clear: VisibilityTest) -> None:
         self._clear = clear
         self._shadows, self._strengths = Recent(), Recent()
 
@@ -249,11 +246,8 @@ class SingleScattering:
         strength = direct.irradiance
         if lamp.light.shadow:
             signature = rays.signature, lamp.signature()
-            clear = self._clear
-            if clear and lamp.shadowless >= 0:
-                clear = functools.partial(clear, without=lamp.shadowless)
             ways = direct.points, direct.toward, direct.distance
-            strength = strength * self._shadow(lamp.light.name, signature, ways, clear)
+            strength = strength * self._shadow(lamp.light.name, signature, ways, lamp.shadowless)
         strength = strength * fog.transmittance(direct.points, direct.toward, direct.distance)
         strength = strength * phase((direct.toward * rays.toward[:, None]).sum(0), fog.anisotropy)
         return strength.unflatten(0, (len(rays.cuts) - 1, -1)).mean(1)
@@ -271,23 +265,23 @@ class SingleScattering:
         far = torch.full_like(everywhere[0], math.inf)
         reaching = fog.transmittance(points, directions, far)
         ways = points.expand_as(everywhere), everywhere, far
-        reaching = reaching * self._shadow("", rays.signature, ways, self._clear)
-        lobe = phase((directions[:, :, 0] * rays.toward[:, None]).sum(0), fog.anisotropy)
-        lobe = lobe * WEIGHTS.to(points).view(-1, 1, 1)
-        # A few directions miss a narrow lobe: keep its energy
-        return reaching * (lobe / lobe.sum(0))[:, None]
+        reaching = reaching * self._shadow("", rays.signature, ways)
+        cosine = (directions[:, :, 0] * rays.toward[:, None]).sum(0)
+        return reaching * phase_shares(cosine, fog.anisotropy)[:, None]
 
-    def _shadow(
-        self, name: str, signature: Hashable, ways: Sequence[Tensor], clear: VisibilityTest | None
-    ) -> Tensor:
+    def _shadow(self, name: str, signature: Hashable, ways: Sequence[Tensor], shadowless: int = -1) -> Tensor:
         """Visibility (0 to 1) along points, directions and distances, shaped like these; traced again when the signature changes."""
         points, toward, distance = (way.detach() for way in ways)
-        if clear is None:
-            return torch.ones_like(distance)
         flat = points.flatten(1), toward.flatten(1), distance.flatten()
-        return self._shadows.of(name, signature, lambda: clear(*flat).view(distance.shape))
+        return self._shadows.of(name, signature, lambda: self._clear(*flat, shadowless).view(distance.shape))
 
 
 def phase(cosine: Tensor, g: Tensor) -> Tensor:
     """Henyey-Greenstein, 1/sr; `cosine` is 1 where light goes straight on."""
     return (1 - g * g) / (4 * math.pi) * (1 + g * g - 2 * g * cosine).clamp_min(1e-4) ** -1.5
+
+
+def phase_shares(cosine: Tensor, g: Tensor) -> Tensor:
+    """Shares (14, ...) of light from `DIRECTIONS` in what is scattered; these few miss a narrow lobe, whose energy is kept."""
+    lobe = phase(cosine, g) * WEIGHTS.to(cosine).view(-1, *[1] * (cosine.dim() - 1))
+    return lobe / lobe.sum(0)

@@ -19,6 +19,7 @@ from ..geometry.gather_points import GatherPoints, SparseWeights
 from ..geometry.samples import Samples
 from ..geometry.vectors import above, length, reflect
 from ..geometry.visibility import RayGeometry, Surface, shared_points
+from ..lights.emitters import Emitters
 from ..lights.environment import GLOSSY
 from ..lights.light_source import LightSource
 from ..material.inputs import MaterialTextures
@@ -93,8 +94,7 @@ class _PointWeights:
 class FinalGather:
     """Bounced light and reflections for the samples of one view.
 
-    `gather_points` are the indices (A,) of the samples at which diffuse light is gathered. Of the materials that are
-    `glowing`, those that are `emissive` send their diffuse light by lamps.
+    `gather_points` are the indices (A,) of the samples at which diffuse light is gathered.
     """
 
     def __init__(
@@ -105,8 +105,7 @@ class FinalGather:
         view: View,
         metals: Tensor,
         lamps: int,
-        emissive: Sequence[int],
-        glowing: Sequence[int],
+        emitters: Emitters,
         maps: MaterialTextures,
         generator: torch.Generator,
     ) -> None:
@@ -136,8 +135,8 @@ class FinalGather:
         self._blurred: list[Tensor] = []
         self._lamps = lamps
         self._glow: GlowShares | None = None
-        if glowing:
-            turns = near, wide, glowing, emissive
+        if emitters.glowing:
+            turns = near, wide, emitters.glowing, emitters.materials
             self._glow = glow_of(geometry, lobes, *turns, len(metals), generator)
 
     def aside(self) -> Self:

@@ -22,7 +22,7 @@ from ..geometry.vectors import above, cosine_directions, reflect
 from ..geometry.visibility import RayGeometry, Surface, sphere_points
 from ..lights.environment import Sky
 from ..lights.light_source import LightSource
-from .fog import DIRECTIONS, WEIGHTS, FogMedium, SingleScattering, phase
+from .fog import DIRECTIONS, WEIGHTS, FogMedium, SingleScattering, phase_shares
 from .secondary_hits import shadowed_irradiance
 
 T = TypeVar("T")
@@ -176,9 +176,7 @@ class IndirectFogRays:
         place = self._start + self._toward * mean
         far = torch.full((len(ways.T), *passing.shape), math.inf, device=ways.device)
         reaching = fog.transmittance(place[:, None], ways[:, :, None, None], far) * self._open[:, :, None]
-        lobe = phase(torch.einsum("cd,cpr->dpr", ways, self._toward), fog.anisotropy)
-        lobe = lobe * WEIGHTS.to(ways)[:, None, None]
-        return reaching * (lobe / lobe.sum(0))
+        return reaching * phase_shares(torch.einsum("cd,cpr->dpr", ways, self._toward), fog.anisotropy)
 
 
 def _diffuse(points: Surface) -> Tensor:

@@ -104,13 +104,18 @@ def normalize(phrase: str) -> str:
     return " ".join(re.sub(r"[-_–—]", " ", lower).split())
 
 
+def listed(text: str) -> tuple[str, ...]:
+    """The words of a row, which commas separate: normalized, each once."""
+    return tuple(dict.fromkeys(normalize(word) for word in text.split(",") if word.strip()))
+
+
 def temperature(entry: str) -> int | None:
     """The kelvins of an entry that is called by them, "3200 kelvin"; None for others."""
     number, _, unit = entry.partition(" ")
     return int(number) if unit == "kelvin" and number.isdigit() else None
 
 
-def at_line(path: Path, text: str, problem: str, remedy: str, *quotes: str) -> VibeError:
+def at_line(path: Path | str, text: str, problem: str, remedy: str, *quotes: str) -> VibeError:
     """An error that names a line of a file: the first that has the first quote, from there on the first that has the next."""
     lines, line = text.splitlines(), 0
     for quoted in quotes:
@@ -182,22 +187,21 @@ def read_entry(name: str, row: dict[str, Any]) -> VocabularyEntry:
         parts = value if isinstance(value, list) else []
         if not isinstance(value, kind) or not all(isinstance(v, str) for v in parts):
             raise _wrong(f"'{key}' of '{name}' has the wrong type", remedy)
-    slot, words = row.get("slot"), [name, *row.get("words", "").split(",")]
+    slot = row.get("slot")
     if slot not in SLOTS:
         raise _wrong(f"'{name}' has no known slot", f"Add slot = one of: {', '.join(SLOTS)}.")
     if not (row.get("wishes") or row.get("means")):
         raise _wrong(f"'{name}' does nothing", 'Give it a row wishes = [...] or means = "...".')
     for text in (*row.get("wishes", ()), *row.get("never", ())):
         if "/" in text and not may_serve(OWNERS[parse_effect(text).owner], slot):
-            problem = f"'{name}' is of slot {slot} and may not change a material: '{text}'"
-            other = (
-                "Remove that effect and use light, world, volume or film, or give the entry one of the slots"
+            raise _wrong(
+                f"'{name}' is of slot {slot} and may not change a material: '{text}'",
+                f"Use light, world, volume or film, or give the entry one of the slots {', '.join(SURFACES)}.",
             )
-            raise _wrong(problem, f"{other} {', '.join(SURFACES)}.")
     return VocabularyEntry(
         name,
         slot,
-        tuple(dict.fromkeys(normalize(w) for w in words if w.strip())),
+        listed(f"{name}, {row.get('words', '')}"),
         read_wishes(row.get("wishes", ())),
         row.get("means", ""),
         row.get("phrase", name),

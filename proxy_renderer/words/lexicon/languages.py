@@ -22,7 +22,8 @@ _SIBILANTS = ("sses", "nses", "xes", "ches", "shes")
 TABLES = ("grammar", "behind", "looks", "things", "shades")  # of a wording in several, the first counts
 _SHORTEST = 4  # characters of a word that may be a part of a compound ("Obermaterial")
 _CACHED = 16_384  # words whose bases and senses are cached
-Wording = tuple[str, ...]
+Wording = tuple[str, ...]  # word by word
+Meaning = tuple[str, str]  # in English, "" for what English leaves out; and its table, one of `TABLES`
 
 
 def folded(word: str) -> str:
@@ -63,14 +64,6 @@ def any_of(phrases: Iterable[str]) -> str:
     return "(?:" + "|".join(map(re.escape, sorted(phrases, key=len, reverse=True))) + ")"
 
 
-@dataclass(frozen=True)
-class Meaning:
-    """The meaning of a wording of another language."""
-
-    english: str  # in English; "" for what English leaves out
-    table: str  # one of `TABLES`
-
-
 @dataclass(frozen=True, eq=False)
 class LanguageLexicon:
     """The words of a language, in lower case and without accents, as many type them."""
@@ -78,7 +71,7 @@ class LanguageLexicon:
     name: str  # in English
     spaces: bool  # whether words are written apart
     endings: tuple[tuple[str, str], ...]  # pairs of an ending that is typed, and that of the word
-    meanings: dict[Wording, Meaning]  # wording, word by word -> its meaning
+    meanings: dict[Wording, Meaning]
     looks: dict[str, list[str]]  # english look word -> its wordings in the language
     things: dict[str, list[str]]  # english name of a thing -> its names in the language
 
@@ -122,12 +115,11 @@ def load(path: Path) -> LanguageLexicon:
     every = ((name, e, wording) for name in TABLES for e in rows[name] for wording in rows[name][e])
     for name, english, wording in every:
         words = folded(wording).replace("’", "'").replace("'", "' ").replace("-", " ").split()
-        meanings.setdefault(tuple(words), Meaning(english, name))
-    settings = content["language"]
-    pairs = (pair.partition("/") for pair in listed(settings.get("endings", "")))
+        meanings.setdefault(tuple(words), (english, name))
+    own = content["language"]
+    pairs = (pair.partition("/") for pair in listed(own.get("endings", "")))
     endings = tuple((typed, base) for typed, _, base in pairs)
-    looks, things = rows["looks"], rows["things"]
-    return LanguageLexicon(settings["name"], settings["spaces"], endings, meanings, looks, things)
+    return LanguageLexicon(own["name"], own["spaces"], endings, meanings, rows["looks"], rows["things"])
 
 
 def listed(row: str) -> list[str]:

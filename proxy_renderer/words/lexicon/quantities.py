@@ -90,26 +90,18 @@ def warmth_asked(measure: str, lower: float, upper: float) -> int:
 
 
 def read_claim(text: str) -> ClaimText:
-    """Reads "PART MEASURE [#RRGGBB] [in BOX] [by] LOWER..UPPER [or [any] CHANGE] [xWEIGHT] [(REASON)]"; an end that is left out is open.
+    """Reads a claim, see the head of this file; an end that is left out is open. Raises VibeError for what is none.
 
     Example:
         >>> read_claim("picture warmth 8.. or +4").lower
         (8.0,)
-
-    Raises:
-        VibeError: It is not of that form, or names a part or a measure that does not exist.
     """
     match = _CLAIM.fullmatch(text.strip())
     if not match or (match["lower"] is None and match["upper"] is None):
         remedy = "Write 'PART MEASURE LOWER..UPPER', then 'or CHANGE' if a change is enough."
         raise VibeError(f"'{text}' is not a claim.", remedy)
-    measure, box, by, color = (
-        match["measure"],
-        _numbers(match["box"]),
-        bool(match["by"]),
-        match["color"] or "",
-    )
-    count = _NUMBERS.get(measure, 1)
+    measure, color, by = match["measure"], match["color"] or "", bool(match["by"])
+    box, count = _numbers(match["box"]), _NUMBERS.get(measure, 1)
     lower = _numbers(match["lower"]) or (-math.inf,) * count
     upper = _numbers(match["upper"]) or (math.inf,) * count
     change = float(match["change"]) if match["change"] else None

@@ -3,9 +3,8 @@
 
 from __future__ import annotations
 
-import re
 import tomllib
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -15,7 +14,7 @@ from ...color.floats import is_hex
 from ...folders import config_folder
 from ...schema import VibeError
 from ...schema.added_lights import PARTS, PATTERNS
-from .entries import Effect, normalize, parse_effect, temperature
+from .entries import Effect, at_line, listed, normalize, parse_effect, temperature
 
 SOURCES = {"point": "POINT", "spot": "SPOT", "area": "AREA", "sun": "SUN"}
 REACHES = ("subject", "pool", "background", "all")
@@ -39,7 +38,7 @@ class RigLight:
     mirrored: bool = True  # whether the other side does as well
     distance: float = 0.0
     size: float = 0.0
-    kelvin: float = 0.0  # 0 where `color` is given
+    kelvin: float = 0.0  # 0 where `color` is given, or the light of the scene keeps its own
     color: str = ""  # "#rrggbb"; "" where `kelvin` is given
     stops: float = 0.0
     reach: str = "subject"
@@ -173,7 +172,7 @@ def rig_table() -> RigTable:
             rigs[entry] = rig
     rows = tomllib.loads((folder / "modifiers.toml").read_text("utf-8"))
     modifiers = {normalize(name): Modifier(**row) for name, row in rows["modifier"].items()}
-    return RigTable(rigs, modifiers, frozenset(_words(rows["luminaries"])))
+    return RigTable(rigs, modifiers, frozenset(listed(rows["luminaries"])))
 
 
 def read(text: str, place: str) -> dict[str, Rig]:
@@ -188,18 +187,14 @@ def read(text: str, place: str) -> dict[str, Rig]:
             found[normalize(name)] = _rig(normalize(name), row)
         except (VibeError, TypeError, ValueError) as error:
             remedy = error.remedy if isinstance(error, VibeError) else "Compare with the head of rigs.toml."
-            said = error.message if isinstance(error, VibeError) else f"{error}."
-            raise VibeError(f"{place}, line {_line(text, name)}, rig '{name}': {said}", remedy) from error
+            said = error.message if isinstance(error, VibeError) else str(error)
+            problem = f"rig '{name}': {said.rstrip('.')}"
+            raise at_line(place, text.replace('"', ""), problem, remedy, f"[rig.{name}]") from error
     return found
 
 
-def _line(text: str, name: str) -> int:
-    heads = re.finditer(r"^\[rig\.\"?([^\"\]]+)\"?\]", text, re.MULTILINE)
-    return next((text[: h.start()].count("\n") + 1 for h in heads if h[1] == name), 1)
-
-
 _RIG_NUMBERS, _RIG_COLORS = ("exposure", "own", "world", "sky", "air"), ("world_color", "sky_color")
-_ROWS = {*_RIG_NUMBERS, *_RIG_COLORS, "words", "entries", "says", "kind", "adds", "grade", "lights"}
+_ROWS = (*_RIG_NUMBERS, *_RIG_COLORS, "words", "entries", "says", "kind", "adds", "grade", "lights")
 _CHOICES = {
     "part": PARTS,
     "source": tuple(SOURCES),
@@ -209,50 +204,42 @@ _CHOICES = {
 }
 """Row of a light -> what it may be."""
 _LIGHT_NUMBERS = ("distance", "size", "kelvin", "stops")
-_LIGHT_ROWS = {*_CHOICES, *_LIGHT_NUMBERS, "from", "side", "color", "names"}
+_LIGHT_ROWS = (*_CHOICES, *_LIGHT_NUMBERS, "from", "side", "color", "names")
 
 
 def _rig(name: str, row: dict[str, Any]) -> Rig:
-    _only(row, _ROWS)
-    entries, lights = _words(row.get("entries", "")), tuple(map(_light, row.get("lights", ())))
-    if not lights and not entries:
+    _check("row", row, _ROWS)
+    _check("kind", [row.get("kind", "source")], KINDS)
+    if not row.get("lights") and not row.get("entries"):
         raise VibeError("it has no light.", "Give it a row lights = [...].")
     if "says" not in row:
         raise VibeError("it lacks the row says.", "Add it.")
-    words, entries = (name, *_words(row.get("words", ""))), tuple(dict.fromkeys((name, *entries)))
-    values: dict[str, Any] = {key: float(row[key]) for key in _RIG_NUMBERS if key in row}
+    values: dict[str, Any] = {key: row[key] for key in ("says", "kind", "adds") if key in row}
+    values |= {key: float(row[key]) for key in _RIG_NUMBERS if key in row}
     values |= {key: _color(row.get(key, "")) for key in _RIG_COLORS}
-    grade, kind = tuple(map(parse_effect, row.get("grade", ()))), row.get("kind", "source")
-    _one_of("kind", kind, KINDS)
-    return Rig(
-        name, words, entries, row["says"], kind, row.get("adds", False), grade=grade, lights=lights, **values
-    )
+    words, entries = (name, *listed(row.get("words", ""))), listed(f"{name}, {row.get('entries', '')}")
+    grade, lights = tuple(map(parse_effect, row.get("grade", ()))), tuple(map(_light, row.get("lights", ())))
+    return Rig(name, words, entries, grade=grade, lights=lights, **values)
 
 
 def _light(row: dict[str, Any]) -> RigLight:
-    _only(row, _LIGHT_ROWS)
+    _check("row", row, _LIGHT_ROWS)
     texts = {"part": "key", "source": "area", **{key: row[key] for key in _CHOICES if key in row}}
     for what, text in texts.items():
-        _one_of(what, text, _CHOICES[what])
+        _check(what, [text], _CHOICES[what])
     if "from" not in row:
         raise VibeError("it lacks the row from = [azimuth, elevation].", "Add it.")
     kind, color = SOURCES[texts.pop("source")], _color(row.get("color", ""))
-    values: dict[str, Any] = {
-        "distance": _DISTANCES[kind],
-        "size": _SIZES[kind],
-        "kelvin": 0.0 if color else 5600.0,
-    }
-    values |= {what: float(row[what]) for what in _LIGHT_NUMBERS if what in row}
-    if values["kelvin"] and not _KELVINS[0] <= values["kelvin"] <= _KELVINS[1]:
-        raise VibeError(f"{values['kelvin']:g} K is no color of light.", "Write 1000 to 20000.")
-    values |= texts | {"color": color, "names": frozenset(_words(row.get("names", "")))}
+    numbers = {"distance": _DISTANCES[kind], "size": _SIZES[kind], "kelvin": 0.0 if color else 5600.0}
+    numbers |= {what: float(row[what]) for what in _LIGHT_NUMBERS if what in row}
+    if numbers["kelvin"] and not _KELVINS[0] <= numbers["kelvin"] <= _KELVINS[1]:
+        raise VibeError(f"{numbers['kelvin']:g} K is no color of light.", "Write 1000 to 20000.")
     azimuth, elevation = map(float, row["from"])
-    mirrored = row.get("side", "either") == "either"
-    return RigLight(type=kind, azimuth=azimuth, elevation=elevation, mirrored=mirrored, **values)
-
-
-def _words(text: str) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(normalize(word) for word in text.split(",") if word.strip()))
+    mirrored, names = row.get("side", "either") == "either", frozenset(listed(row.get("names", "")))
+    given: dict[str, Any] = {**numbers, **texts}
+    return RigLight(
+        type=kind, azimuth=azimuth, elevation=elevation, mirrored=mirrored, color=color, names=names, **given
+    )
 
 
 def _color(text: str) -> str:
@@ -261,11 +248,8 @@ def _color(text: str) -> str:
     return text
 
 
-def _only(row: Iterable[str], known: Iterable[str]) -> None:
-    for key in row:
-        _one_of("row", key, sorted(known))
-
-
-def _one_of(what: str, value: str, known: Collection[str]) -> None:
-    if value not in known:
-        raise VibeError(f"'{value}' is no {what}.", f"Use one of: {', '.join(k for k in known if k)}.")
+def _check(what: str, values: Iterable[str], known: Sequence[str]) -> None:
+    """Refuses a value that is not known."""
+    for value in values:
+        if value not in known:
+            raise VibeError(f"'{value}' is no {what}.", f"Use one of: {', '.join(filter(None, known))}.")

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 from ...color.floats import srgb_from_hex
 from ...color.shades import mixable, shade, tinged
 from ...schema import Values, VibeError
-from .entries import Effect, VocabularyEntry, normalize, parse_effect, read_entry
+from .entries import Effect, VocabularyEntry, listed, normalize, parse_effect, read_entry
 from .quantities import COLORS
 from .rigs import rig_table
 
@@ -127,9 +127,7 @@ def load(text: str, colors: str) -> Vocabulary:
         normalize(w): {k: normalize(e) for k, e in kinds.items()} for w, kinds in rows["adjective"].items()
     }
     adjectives |= {name: dict.fromkeys(("light", "fill", "rim", "otherwise"), name) for name in kelvins}
-    elsewhere = {
-        k: {w: e for e, ws in each.items() for w in _words(ws)} for k, each in rows["elsewhere"].items()
-    }
+    elsewhere = {kind: _by_word(each) for kind, each in rows["elsewhere"].items()}
     said = [(word, name) for word, kinds in adjectives.items() for name in kinds.values()]
     said += [both for words in elsewhere.values() for both in words.items()]
     for word, name in said:
@@ -142,12 +140,12 @@ def load(text: str, colors: str) -> Vocabulary:
         {normalize(name): srgb_from_hex(code) for name, code in named},
         {normalize(w): row for w, row in rows["shades"].items()},
         {normalize(w): strength for w, strength in grammar["intensity"].items()},
-        {kind: _words(words) for kind, words in grammar["lists"].items()},
+        {kind: frozenset(listed(words)) for kind, words in grammar["lists"].items()},
         _by_word(grammar["nouns"]),
         {kind: tuple(map(parse_effect, effects)) for kind, effects in rows["painted"].items()},
         adjectives,
         grammar.get("absent", {}),
-        {kind: _words(words) for kind, words in grammar["words"].items()},
+        {kind: frozenset(listed(words)) for kind, words in grammar["words"].items()},
         _by_word(grammar["roles"]),
         _by_word(grammar["typed"]),
         elsewhere,
@@ -179,13 +177,9 @@ def hour_entry(hour: int) -> str:
     return since[max((start for start in since if int(start) <= hour), key=int)]
 
 
-def _words(text: str) -> frozenset[str]:
-    return frozenset(map(normalize, text.split(",")))
-
-
 def _by_word(rows: dict[str, str]) -> dict[str, str]:
     """Each of the words of rows -> the name of its row."""
-    return {normalize(word): name for name, words in rows.items() for word in words.split(",")}
+    return {word: name for name, words in rows.items() for word in listed(words)}
 
 
 # Color temperatures as numbers: "3200 K key light", "a 5600 kelvin softbox"

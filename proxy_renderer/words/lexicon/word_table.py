@@ -1,12 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Words as small vectors (words.safetensors), one for every English word that may speak of a look, and the nearest known ones.
-
-`lab/train/text/words.py` makes it.
-"""
+"""Words as small vectors (words.safetensors, made by `lab/train/text/words.py`), and the known look words nearest to others."""
 
 from __future__ import annotations
 
-from collections import defaultdict
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -21,7 +17,7 @@ FILE = Path(__file__).with_name("words.safetensors")
 KINDS = ("known", "adjective", "noun")
 """Ways in which a word of the table may speak of a look: by heart, before any noun, or as a matter ("made of tinfoil")."""
 
-_SHORTEST, _SHORTEST_LACKED = 4, 2  # characters of a stem; what is not there has more
+_SHORTEST = 4  # characters of a stem
 _MAY_BE = 0.56  # likeness to a known word from which a word may speak of a look, and names no thing
 
 
@@ -49,29 +45,13 @@ class WordTable:
         taken = row is not None and self.is_english(word) and (word == short or self.kinds[row] > 0)
         return None if taken else row
 
-    def rows(self, word: str) -> list[int]:
-        """Rows that make up a word: its own, or those of a compound's two parts ("thundercloud")."""
-        row = self.find(word)
-        if (
-            row is not None
-            or self.is_english(word)
-            or word.startswith(tuple(shipped_vocabulary().words["denials"]))
-        ):
-            return [] if row is None else [row]
-        for cut in sorted(range(3, len(word) - 2), key=lambda c: abs(2 * c - len(word))):
-            parts = word[:cut], word[cut:]
-            found = [r for r in map(self.find, parts) if r is not None]
-            if found and all(map(self.is_english, parts)):
-                return found
-        return []
-
     def vector(self, phrase: str) -> np.ndarray | None:
         """Unit vector of a word or phrase; the mean of its words where the phrase as a whole has none."""
         import numpy as np
 
         if phrase in self.index:
             return self.vectors[self.index[phrase]]
-        rows = [row for word in phrase.split() for row in self.rows(word)]
+        rows = [row for word in phrase.split() if (row := self.find(word)) is not None]
         if not rows:
             return None
         mean = self.vectors[rows].mean(0)
@@ -109,24 +89,10 @@ def stem(word: str) -> str:
     return word.removesuffix("i") if len(word) > _SHORTEST else word
 
 
-def denied(word: str) -> str:
-    """The thing that a word says is not there: "moonless", "unpolished"; "" for other words."""
-    for ending in shipped_vocabulary().words["lacks"]:
-        if len(base := word.removesuffix(ending)) < len(word):
-            return base if len(base) > _SHORTEST_LACKED else ""
-    bases = (
-        word.removeprefix(prefix)
-        for prefix in shipped_vocabulary().words["denials"]
-        if word.startswith(prefix)
-    )
-    return next((stem(base) for base in bases if base in table().index), "")
-
-
 class Nearest:
     """Known words that an unknown word may stand for, the nearest first: offered for a click, never acted on.
 
-    A guess by meaning is right too rarely, at any confidence: of 649 on which the reader acted in labeled sentences 140 said
-    nothing of a look. Only spelling is corrected without asking, see `lexer`.
+    A guess by meaning is right too rarely; only spelling is corrected without asking, see `lexer`.
     """
 
     def __init__(self, vocabulary: Vocabulary) -> None:
@@ -138,30 +104,19 @@ class Nearest:
         known = [(w, e, self._table.vector(w)) for w, e in words.items()]
         self._known = [(word, entry) for word, entry, vector in known if vector is not None]
         self._places = np.stack([vector for _, _, vector in known if vector is not None])
-        self._denying: dict[str, list[int]] = defaultdict(list)
-        for place, (word, _) in enumerate(self._known):
-            self._denying[denied(word)].append(place)
 
     def may_be_a_look(self, word: str) -> bool:
         """True if an unknown word may speak of a look, so that known ones are offered in its place."""
-        likeness = self._likeness(word)
-        return likeness is not None and float(likeness.max()) >= _MAY_BE
+        vector = self._table.vector(word)
+        return vector is not None and float((self._places @ vector).max()) >= _MAY_BE
 
     def choices(self, word: str, count: int) -> list[str]:
         """Known words that a word may be taken for, each of another entry, the nearest first; none where it has no vector."""
-        likeness = self._likeness(word)
+        vector = self._table.vector(word)
+        if vector is None:
+            return []
         chosen: dict[str, str] = {}
-        for i in () if likeness is None else (-likeness).argsort():
+        for i in (-(self._places @ vector)).argsort():
             known, entry = self._known[i]
             chosen.setdefault(entry, known)
         return list(chosen.values())[:count]
-
-    def _likeness(self, word: str) -> np.ndarray | None:
-        vector = self._table.vector(word)
-        if vector is None:
-            return None
-        likeness = self._places @ vector
-        if lacking := denied(word):  # "moonless" is no moonlight
-            likeness[[i for i, (known, _) in enumerate(self._known) if known.startswith(lacking)]] = -1.0
-        likeness[self._denying.get(stem(word), [])] = -1.0  # "wrinkled" is not unwrinkled
-        return likeness

@@ -3,14 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection
+from dataclasses import replace
 from typing import Any
 
 import bpy
 import numpy as np
 
 from ...core import rendered
-from .triangles import FARTHEST, PlacedMesh, SceneGeometry, SourceMesh
+from .triangles import PlacedMesh, SceneGeometry, SourceMesh, assembled
 from .visibility import RayCamera
 
 DEFAULT_MATERIAL = ""
@@ -25,8 +26,8 @@ _SIDES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (3, 2, 6, 7), (0, 3, 7, 4), 
 """Corners of the sides of a box as Blender numbers them, counter-clockwise seen from outside."""
 _CORNERS = np.array([(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1, 1, 1), (1, 1, 0)])
 """Of a unit box."""
-_Box = tuple[tuple[tuple[float, ...], ...], str]
-"""The part of an object that has one material: its extent (2, 3) in the object's own space, and the material's name."""
+_NORMALS = np.array([(-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1)], np.float32)
+"""Of the sides."""
 
 
 def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[list[PlacedMesh], list[str]]:
@@ -51,7 +52,7 @@ def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[lis
             if note := rendered.surface_note(top, of):
                 warnings[note] = None
             slots = rendered.worn(thing, of)
-            names = tuple(m.name_full if m else DEFAULT_MATERIAL for m in slots)
+            names = _names(slots)
             source = thing.data.as_pointer(), *names  # the same mesh with the same materials is read once
             mesh = meshes.get(source) or meshes.setdefault(source, _read_mesh(thing.data, slots, uv_of))
             owner = thing.original.name_full, ""
@@ -63,6 +64,10 @@ def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[lis
         matrix, owner = np.array(instance.matrix_world), (shown.owner[0], parent)
         placed.append(PlacedMesh(shown.mesh, shown.materials, matrix, owner, shown.hidden | hidden[parent]))
     return placed, list(warnings)
+
+
+def _names(slots: list[bpy.types.Material | None]) -> tuple[str, ...]:
+    return tuple(material.name_full if material else DEFAULT_MATERIAL for material in slots)
 
 
 def _read_mesh(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: UvLookup) -> SourceMesh:
@@ -120,100 +125,56 @@ def box_geometry(
         shown: The objects that count, of all that a render shows.
     """
     of = rendered.layer(scene)
-    known: dict[tuple[int, int], list[_Box]] = {}
-    hidden: list[frozenset[str]] = []
-    objects: dict[tuple[str, str], int] = {}
-    materials: dict[str, int] = {}
-    extents, matrices, owners, material_numbers = [], [], [], []
-    # Gather boxes with the numbers of their objects and materials; instances share what is known of an object.
+    known: dict[tuple[int, int], PlacedMesh] = {}
+    placed: list[PlacedMesh] = []
     for thing, instancer, matrix in rendered.instances(scene):
         if thing.type != "MESH" or (instancer or thing.original) not in shown:
             continue
+        owner = thing.original.name_full, instancer.name_full if instancer else ""
         key = thing.original.as_pointer(), thing.data.as_pointer()
         if key not in known:
-            known[key] = list(_material_boxes(thing, of))
-        name = thing.original.name_full, instancer.name_full if instancer else ""
-        number = objects.setdefault(name, len(objects))
-        if number == len(hidden):
-            hidden.append(rendered.hidden_from(thing, of))
-        for extent, material in known[key]:
-            extents.append(extent)
-            matrices.append(matrix)
-            owners.append(number)
-            material_numbers.append(materials.setdefault(material, len(materials)))
-    # Place their corners in world space.
-    low, high = np.moveaxis(np.array(extents).reshape(-1, 2, 1, 3), 1, 0)
-    placed = np.array(matrices).reshape(-1, 4, 4)
-    corners = (low + _CORNERS * (high - low)) @ placed[:, :3, :3].transpose(0, 2, 1) + placed[:, None, :3, 3]
-    world = corners.astype(np.float32)
-    usable = (np.abs(world) < FARTHEST).all((1, 2))
-    mirrored = np.linalg.det(placed[:, :3, :3]) < 0
-    box, faces, normals = _far_sides(world, usable, mirrored, camera)
-    # Of each object, the least and the greatest corner of all its boxes; zeros without boxes.
-    theirs = np.array(owners, np.int32)[usable]
-    least, greatest = np.full((len(objects), 3), np.inf), np.full((len(objects), 3), -np.inf)
-    np.minimum.at(least, theirs, world[usable].min(1))
-    np.maximum.at(greatest, theirs, world[usable].max(1))
-    around = np.where(np.isfinite(least[:, None]), np.stack([least, greatest], 1), 0.0).astype(np.float32)
-    owner, material_number = (np.array(each, np.int32)[box] for each in (owners, material_numbers))
-    return SceneGeometry(
-        world.reshape(-1, 3),
-        faces,
-        normals,
-        np.zeros((len(faces), 3, 2), np.float32),
-        material_number,
-        owner,
-        [*materials],
-        [*objects],
-        around,
-        hidden,
-        [],
+            slots = rendered.worn(thing, of)
+            mesh, hidden = _box_mesh(thing, slots), rendered.hidden_from(thing, of)
+            known[key] = PlacedMesh(mesh, _names(slots), np.eye(4), owner, hidden)
+        box = known[key]
+        placed.append(PlacedMesh(box.mesh, box.materials, np.array(matrix), owner, box.hidden))
+    return _far_sides(assembled(placed, []), camera)
+
+
+def _box_mesh(thing: bpy.types.Object, slots: list[bpy.types.Material | None]) -> SourceMesh:
+    """The bounding box of an object, cut along its longest side into parts: one for each slot, as its ratio of the faces."""
+    ratios = _face_ratios(thing.data, len(slots))
+    whole = np.array([thing.bound_box[0], thing.bound_box[6]])
+    axis = np.ptp(whole, axis=0).argmax()
+    cuts = whole[0, axis] + np.cumsum([0.0, *ratios]) * np.ptp(whole[:, axis])
+    parts = np.tile(whole, (len(slots), 1, 1))
+    parts[:, :, axis] = np.stack([cuts[:-1], cuts[1:]], axis=1)
+    low, high = parts[:, None].astype(np.float32).transpose(2, 0, 1, 3)  # (S, 1, 3) each
+    corners = np.array(_SIDES) + 8 * np.arange(len(slots))[:, None, None]  # (S, 6, 4)
+    quads = np.arange(corners.size).reshape(-1, 4)
+    return SourceMesh(
+        vertices=(low + _CORNERS * (high - low)).reshape(-1, 3),
+        corners=corners.ravel().astype(np.int32),
+        normals=np.tile(np.repeat(_NORMALS, 4, axis=0), (len(slots), 1)),
+        triangles=np.concatenate([quads[:, (0, 1, 2)], quads[:, (0, 2, 3)]]),
+        slot=np.tile(np.repeat(np.arange(len(slots)), 6), 2),
+        solid=np.array([rendered.has_surface(material) for material in slots]) & (ratios > 0.0),
+        uvs=[],
     )
 
 
-def _material_boxes(thing: bpy.types.Object, of: bpy.types.ViewLayer) -> Iterator[_Box]:
-    """The box of an object, cut along its longest side into a part for each material that its faces have."""
-    box, slots = thing.bound_box, rendered.worn(thing, of)
-    low, high = box[0][:], box[6][:]
-    areas = {slots[0]: 1.0} if len(slots) == 1 else _face_ratios(thing.data, slots)
-    areas = {material: area for material, area in areas.items() if rendered.has_surface(material)}
-    if len(areas) == 1:
-        (material,) = areas
-        yield (low, high), material.name_full if material else DEFAULT_MATERIAL
-        return
-    axis = max(range(3), key=lambda n: high[n] - low[n])
-    start = end = low[axis]
-    for material, area in areas.items():
-        start, end = end, end + area / sum(areas.values()) * (high[axis] - low[axis])
-        part = tuple((*each[:axis], cut, *each[axis + 1 :]) for each, cut in ((low, start), (high, end)))
-        yield part, material.name_full if material else DEFAULT_MATERIAL
-
-
-def _face_ratios(
-    mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None]
-) -> dict[bpy.types.Material | None, float]:
-    """The ratio of a mesh's faces that have each material."""
-    index = mesh.attributes.get("material_index")
+def _face_ratios(mesh: bpy.types.Mesh, count: int) -> np.ndarray:
+    """(count,): the ratio of a mesh's faces that have each slot."""
+    index = mesh.attributes.get("material_index") if count > 1 else None
     faces = array(index.data, "value", (len(index.data),), np.int32) if index else np.zeros(1, np.int32)
-    counts = np.bincount(np.clip(faces, 0, len(slots) - 1), minlength=len(slots))
-    ratios: dict[bpy.types.Material | None, float] = {}
-    for material, count in zip(slots, counts / max(len(faces), 1), strict=True):
-        if count:
-            ratios[material] = ratios.get(material, 0.0) + float(count)
-    return ratios
+    return np.bincount(np.clip(faces, 0, count - 1), minlength=count) / max(len(faces), 1)
 
 
-def _far_sides(
-    world: np.ndarray, usable: np.ndarray, mirrored: np.ndarray, camera: RayCamera
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Triangles of the sides of boxes (B, 8, 3) that face away from a camera: box (F,), corners (F, 3), normals (F, 3, 3)."""
-    sides = world[:, _SIDES]  # (B, 6, 4, 3)
-    normals = np.cross(sides[:, :, 1] - sides[:, :, 0], sides[:, :, 2] - sides[:, :, 0])
-    normals *= np.where(mirrored, -1.0, 1.0)[:, None, None]
-    area = np.linalg.norm(normals, axis=2)
-    ahead = -camera.pose[:3, 2] if camera.flat else sides.mean(2) - camera.pose[:3, 3]
-    box, side = np.nonzero(((normals * ahead).sum(2) > 0) & (area > 0) & usable[:, None])
-    quads = np.array(_SIDES)[side] + 8 * box[:, None]
-    faces = np.concatenate([quads[:, (0, 1, 2)], quads[:, (0, 2, 3)]]).astype(np.int32)
-    facing = np.repeat((normals / np.maximum(area, 1e-12)[..., None])[box, side][:, None], 3, axis=1)
-    return np.concatenate([box, box]), faces, np.concatenate([facing, facing]).astype(np.float32)
+def _far_sides(geometry: SceneGeometry, camera: RayCamera) -> SceneGeometry:
+    """The triangles that face away from a camera."""
+    ahead = -camera.pose[:3, 2]
+    if not camera.flat:
+        ahead = geometry.vertices[geometry.faces].mean(1) - camera.pose[:3, 3]
+    far = (geometry.normals[:, 0] * ahead).sum(1) > 0
+    of_faces = ("faces", "normals", "uvs", "material", "object")
+    return replace(geometry, **{name: getattr(geometry, name)[far] for name in of_faces})

@@ -77,7 +77,9 @@ def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
     objects: dict[tuple[str, str], int] = {}
     boxes: list[np.ndarray] = []
     hidden: list[frozenset[str]] = []
-    parts: list[tuple[np.ndarray, ...]] = []
+    shapes = ((0, 3), (0, 3), (0, 3, 3), (0, 3, 2), (0,), (0,))
+    kinds = (np.float32, np.int32, np.float32, np.float32, np.int32, np.int32)
+    parts = [tuple(map(np.zeros, shapes, kinds))]  # so that there is one also of nothing
     count = 0
     # Number materials and objects in the order of the placed meshes; the box of an object grows by each of its meshes.
     for number in sorted(pieces):
@@ -98,15 +100,10 @@ def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
         rest = piece.normals, piece.uvs, by_slot[piece.slot], owners
         parts.append((piece.vertices, piece.faces + count, *rest))
         count += len(piece.vertices)
-    if parts:
-        arrays = [np.concatenate(column) for column in zip(*parts, strict=True)]
-    else:
-        shapes = ((0, 3), (0, 3), (0, 3, 3), (0, 3, 2), (0,), (0,))
-        arrays = [np.zeros(shape, np.float32) for shape in shapes]
+    vertices, faces, normals, uvs, material, owned = map(np.concatenate, zip(*parts, strict=True))
+    names = [*materials], [*objects]
     extents = np.array(boxes).reshape(-1, 2, 3)
-    vertices, faces, normals, uvs, material, object_numbers = arrays
-    names = [*materials], [*objects], extents, hidden, [*notes]
-    return SceneGeometry(vertices, faces, normals, uvs, material, object_numbers, *names)
+    return SceneGeometry(vertices, faces, normals, uvs, material, owned, *names, extents, hidden, [*notes])
 
 
 @dataclass

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from bpy.types import Scene, World
 from bpy_extras.object_utils import world_to_camera_view
@@ -13,11 +13,11 @@ from mathutils import Vector
 from ...core import compat, locks
 from ...core.journal import Journal
 from ...core.schema_import import labels, schema
-from ...core.value_slots import LazySlot, ValueSlot
+from ...core.value_slots import DerivedSlot, LazySlot, ValueSlot
 from . import owned, trails
 from .inputs import HORIZON, artists_origin, input_slot, own_groups
-from .layers import Layer, MixSide, behind
-from .trails import NodeEntry, NodeInGroups, active_links, depends_on_rays, first_background, resolve
+from .layers import BACKGROUND, Layer, MixSide, behind
+from .trails import NodeEntry, NodeInGroups, active_links, resolve, search
 
 LIGHT, BACKDROP = "light", "backdrop"
 _ROTATION = "Vibe Rotation"
@@ -40,19 +40,16 @@ def has_backdrop(world: World) -> bool:
 def mixed_backgrounds(world: World, part: str = LIGHT) -> list[Layer]:
     """The Backgrounds that a part of a world's surface is mixed of; none where it is a single, plain one.
 
-    One whose strength nodes compute, or whose color depends on the kind of ray, counts as a mix. Without a
-    backdrop of its own, everything is LIGHT.
+    One whose strength nodes compute, or whose color depends on the kind of ray, counts as a mix.
     """
-    found = _layers_of_part(world, part)
+    found = layers_of_part(world, part)
     return found if len(found) > 1 or any(_is_mix(layer) for layer in found) else []
 
 
 def single_background(world: World, part: str = LIGHT) -> NodeInGroups | None:
     """The only Background of a part of a world; None where it is mixed, or where there is none."""
-    if part == BACKDROP or has_backdrop(world):
-        found = _layers_of_part(world, part)
-        return found[0].shader if len(found) == 1 and not mixed_backgrounds(world, part) else None
-    return None if mixed_backgrounds(world) else first_background(world)
+    found = [] if mixed_backgrounds(world, part) else layers_of_part(world, part)
+    return next((layer.shader for layer in found if layer.kind == BACKGROUND), None)
 
 
 def mixed_entries(world: World, part: str, name: str) -> list[NodeEntry]:
@@ -74,15 +71,20 @@ def _is_mix(layer: Layer) -> bool:
     """True if a Background is more than a color and a strength."""
     color, strength = layer.shader.entry("Color"), layer.shader.entry("Strength")
     computed = strength is not None and artists_origin(strength).source is not None
-    return computed or (color is not None and depends_on_rays(color)) or any(map(_weighs, layer.sides))
+    return (
+        computed
+        or (color is not None and search(color, "ShaderNodeLightPath") is not None)
+        or any(map(_weighs, layer.sides))
+    )
 
 
 def _world_layers(world: World) -> list[Layer]:
-    output = compat.output_node(world, "ALL")
+    output = compat.output_node(world)
     return list(behind(output.inputs["Surface"])) if output else []
 
 
-def _layers_of_part(world: World, part: str) -> list[Layer]:
+def layers_of_part(world: World, part: str) -> list[Layer]:
+    """All shaders of a part of a world's surface; without a backdrop of its own, everything is LIGHT."""
     layers = _world_layers(world)
     if not has_backdrop(world):
         return layers if part == LIGHT else []
@@ -101,33 +103,11 @@ def _weighs(side: MixSide) -> bool:
     return not (source and source.node.type == "LIGHT_PATH" and source.name == "Is Camera Ray")
 
 
-@dataclass
-class _TurnSlot:
-    """Value slot: the angle by which the looked-up direction is turned, radians; part of a vector, or a number."""
-
-    inner: ValueSlot
-    sign: float  # -1 for a Mapping node of type Texture, which turns the other way round
-
-    @property
-    def locked(self) -> str:
-        return self.inner.locked
-
-    def get(self) -> float:
-        value = self.inner.get()
-        return self.sign * (value[2] if isinstance(value, tuple) else value)
-
-    def set(self, journal: Journal, raw: float) -> None:
-        value = self.inner.get()
-        self.inner.set(
-            journal, (*value[:2], self.sign * raw) if isinstance(value, tuple) else self.sign * raw
-        )
-
-
 def environment(world: World) -> NodeInGroups | None:
     """The environment texture of a world with a single Background; None without one."""
     background = single_background(world)
     color = background.entry("Color") if background else None
-    return trails.environment_texture(color) if color else None
+    return search(color, "ShaderNodeTexEnvironment") if color else None
 
 
 def is_only_turned(world: World) -> bool:
@@ -181,9 +161,16 @@ def rotation_slot(world: World) -> ValueSlot | None:
         return None if origin.source else turn
 
     def find() -> ValueSlot | None:
-        inner = input_slot(entry) if entry() else None
-        sign = -1.0 if inner and first().node.vector_type == "TEXTURE" else 1.0
-        return _TurnSlot(inner, sign) if inner else None
+        inner = input_slot(entry)
+        if inner is None:
+            return None
+        # A Mapping node of type Texture turns the other way round.
+        sign = -1.0 if first().node.vector_type == "TEXTURE" else 1.0
+        return DerivedSlot(
+            inner,
+            lambda turn: sign * (turn[2] if isinstance(turn, tuple) else turn),
+            lambda turn, raw: (*turn[:2], sign * raw) if isinstance(turn, tuple) else sign * raw,
+        )
 
     def make(journal: Journal) -> ValueSlot | None:
         own_groups(journal, first().inside)
@@ -235,7 +222,8 @@ def _add_backdrop(journal: Journal, world: World) -> None:
     tree = compat.node_tree(world)
     assert single
     assert tree
-    output = tree.get_output_node("ALL")
+    output = compat.output_node(world)
+    assert output
     surface = output.inputs["Surface"]
     lighting = active_links(surface)[0].from_socket
     mix = journal.node(tree, "ShaderNodeMixShader", "Vibe Backdrop")
@@ -265,7 +253,7 @@ def offered_backdrop(
     world: World | None, instances: Mapping[str, schema.Instance]
 ) -> dict[str, schema.Instance]:
     """The parameters that a backdrop would have; none where the world cannot have one, or is partly locked."""
-    output = compat.output_node(world, "ALL")
+    output = compat.output_node(world)
     single = single_background(world) if world else None
     # It has to be one plain Background, in its own tree, that both lights and is seen.
     if output is None or single is None or has_backdrop(world):

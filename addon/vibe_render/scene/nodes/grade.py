@@ -21,7 +21,8 @@ from .trails import active_links
 
 NAME = "Vibe Grade"
 _WHITE = (1.0, 1.0, 1.0)
-_INPUTS: dict[str, tuple] = {  # name: identity, least, greatest
+_INPUTS: owned.GroupInputs = {
+    "Image": ((0.0, 0.0, 0.0),),
     "Glare": (0.0, 0.0, 1.0),
     "Exposure": (0.0, -10.0, 10.0),
     "Lift": (_WHITE,),
@@ -77,16 +78,10 @@ def insert_grade(journal: Journal, scene: Scene) -> Node:
 
 
 def _fill(tree: NodeTree) -> None:
-    owned.group_input(tree, "Image", "NodeSocketColor", (0.0, 0.0, 0.0, 1.0))
-    for name, (identity, *ends) in _INPUTS.items():
-        if ends:
-            owned.group_input(tree, name, "NodeSocketFloat", identity, *ends)
-        else:
-            owned.group_input(tree, name, "NodeSocketColor", (*identity, 1.0))
-    tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+    owned.declare(tree, _INPUTS, "Image")
     build = owned.Builder(tree)
     image, strength, exposure, lift, midtone, gain, contrast, saturation, hue, gamma, vignette = build.inputs(
-        "Image", *_INPUTS
+        *_INPUTS
     )
     black, white, two = (0.0, 0.0, 0.0), _WHITE, (2.0, 2.0, 2.0)
 

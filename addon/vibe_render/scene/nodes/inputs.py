@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from bpy.types import Node, NodeSocket, NodeTree
@@ -20,6 +21,7 @@ FindEntry = Callable[[], NodeEntry | None]
 """Finds an input anew: copies of groups have other nodes than the groups."""
 
 _VALUE = "Vibe Value"
+_WHITE = (1.0, 1.0, 1.0)
 
 
 @dataclass
@@ -90,8 +92,8 @@ class Inset:
     """A kind of inset. Its group's first input takes what comes in, its only output gives what goes on."""
 
     name: str  # of the group
-    identities: Mapping[str, Any]  # its other inputs, with the values that change nothing
-    fill: Callable[[NodeTree], None]  # declares the sockets of a new group and fills it
+    inputs: owned.GroupInputs
+    result: Callable[..., NodeSocket]  # what goes on, from a builder and the inputs
 
     def slot(
         self, find: FindEntry, name: str, plain: bool = False, settings: Mapping[str, float] | None = None
@@ -116,15 +118,13 @@ class Inset:
             node = self.of(origin().source)
             return NodeEntry(node.inputs[name], origin().inside) if node else None
 
-        def there() -> ValueSlot | None:
-            return input_slot(own) if self.of(origin().source) else None
-
         def make(journal: Journal) -> ValueSlot:
             own_groups(journal, first.inside)
             node = self.of(origin().source) or self._insert(journal, origin(), settings or {})
             return socket_slot(node.inputs[name])
 
-        return LazySlot(there, make, self.identities[name], locks.of_socket(first.socket, None, first.inside))
+        locked = locks.of_socket(first.socket, None, first.inside)
+        return LazySlot(partial(input_slot, own), make, self.inputs[name][0], locked)
 
     def of(self, source: NodeSocket | None) -> Node | None:
         """The inset that an output belongs to, if it is one of this kind."""
@@ -134,7 +134,7 @@ class Inset:
         """Puts it before all inputs that mean the same; what else gets the value keeps it as it is."""
         socket = origin.socket
         targets = origin.targets or (socket,)
-        node = owned.group_node(journal, socket.id_data, self.name, self.fill, targets[0].node)
+        node = owned.group_node(journal, socket.id_data, self.name, self._fill, targets[0].node)
         feed = origin.source or (socket if socket.is_output else None)
         if feed:
             journal.link(feed, node.inputs[0])
@@ -146,6 +146,13 @@ class Inset:
             journal.link(node.outputs[0], target)
         return node
 
+    def _fill(self, tree: NodeTree) -> None:
+        first, (identity, *_) = next(iter(self.inputs.items()))
+        kind = "NodeSocketColor" if isinstance(identity, tuple) else "NodeSocketFloat"
+        owned.declare(tree, self.inputs, first, kind)
+        build = owned.Builder(tree)
+        build.output(self.result(build, *build.inputs(*self.inputs)))
+
 
 def _inset_name(node: Node) -> str:
     return node.node_tree.get(owned.MARK, "") if node.type == "GROUP" and node.node_tree else ""
@@ -155,7 +162,7 @@ def neutralize(tree: NodeTree, kinds: Sequence[Inset]) -> None:
     """Sets the insets of a tree to the values that change nothing."""
     for node in tree.nodes:
         for kind in (kind for kind in kinds if _inset_name(node) == kind.name):
-            for name, identity in kind.identities.items():
+            for name, (identity, *_) in [*kind.inputs.items()][1:]:
                 color = isinstance(identity, tuple)
                 node.inputs[name].default_value = (*identity, 1.0) if color else identity
 
@@ -170,28 +177,13 @@ def artists_origin(entry: NodeEntry) -> ValueOrigin:
     return ValueOrigin(taken, source, origin.inside)
 
 
-def _fill_tint(tree: NodeTree) -> None:
-    owned.group_input(tree, "Color", "NodeSocketColor", (0.8, 0.8, 0.8, 1.0))
-    owned.group_input(tree, "Tint", "NodeSocketColor", (1.0, 1.0, 1.0, 1.0))
-    owned.group_input(tree, "Recolor", "NodeSocketFloat", 0.0, 0.0, 1.0)
-    tree.interface.new_socket("Color", in_out="OUTPUT", socket_type="NodeSocketColor")
-    build = owned.Builder(tree)
-    color, tint, recolor = build.inputs("Color", "Tint", "Recolor")
+def _tinted(build: owned.Builder, color: NodeSocket, tint: NodeSocket, recolor: NodeSocket) -> NodeSocket:
     luma = build.vector("DOT_PRODUCT", color, LUMA)
     gray = build.vector("SCALE", build.vector("SUBTRACT", luma, color), scale=recolor)
-    build.output(build.vector("MULTIPLY", build.vector("ADD", color, gray), tint))
+    return build.vector("MULTIPLY", build.vector("ADD", color, gray), tint)
 
 
-TINT = Inset("Vibe Tint", {"Tint": (1.0, 1.0, 1.0), "Recolor": 0.0}, _fill_tint)
-
-
-def _fill_horizon(tree: NodeTree) -> None:
-    owned.group_input(tree, "Color", "NodeSocketColor", (0.05, 0.05, 0.05, 1.0))
-    owned.group_input(tree, "Horizon", "NodeSocketColor", (1.0, 1.0, 1.0, 1.0))
-    owned.group_input(tree, "Height", "NodeSocketFloat", 0.0, -1.0, 1.0)
-    tree.interface.new_socket("Color", in_out="OUTPUT", socket_type="NodeSocketColor")
-    build = owned.Builder(tree)
-    color, horizon, height = build.inputs("Color", "Horizon", "Height")
+def _faded(build: owned.Builder, color: NodeSocket, horizon: NodeSocket, height: NodeSocket) -> NodeSocket:
     window = build.node("ShaderNodeTexCoord").outputs["Window"]
     place = build.node("ShaderNodeSeparateXYZ", Vector=window).outputs["Y"]
     rise = build.math("SUBTRACT", place, height), build.math("SUBTRACT", 1.0, height)
@@ -200,19 +192,20 @@ def _fill_horizon(tree: NodeTree) -> None:
     smooth = build.math(
         "MULTIPLY", build.math("MULTIPLY", share, share), build.math("MULTIPLY_ADD", share, -2.0, 3.0)
     )
-    left = build.vector("SCALE", build.vector("SUBTRACT", (1.0, 1.0, 1.0), horizon), scale=smooth)
-    build.output(build.vector("MULTIPLY", color, build.vector("ADD", horizon, left)))
+    left = build.vector("SCALE", build.vector("SUBTRACT", _WHITE, horizon), scale=smooth)
+    return build.vector("MULTIPLY", color, build.vector("ADD", horizon, left))
 
 
-HORIZON = Inset("Vibe Horizon", {"Horizon": (1.0, 1.0, 1.0)}, _fill_horizon)
+def _multiplied(build: owned.Builder, strength: NodeSocket, factor: NodeSocket) -> NodeSocket:
+    return build.math("MULTIPLY", strength, factor)
 
 
-def _fill_factor(tree: NodeTree) -> None:
-    owned.group_input(tree, "Strength", "NodeSocketFloat", 1.0)
-    owned.group_input(tree, "Factor", "NodeSocketFloat", 1.0, 0.0, 1000.0)
-    tree.interface.new_socket("Strength", in_out="OUTPUT", socket_type="NodeSocketFloat")
-    build = owned.Builder(tree)
-    build.output(build.math("MULTIPLY", *build.inputs("Strength", "Factor")))
-
-
-FACTOR = Inset("Vibe Factor", {"Factor": 1.0}, _fill_factor)
+TINT = Inset(
+    "Vibe Tint", {"Color": ((0.8, 0.8, 0.8),), "Tint": (_WHITE,), "Recolor": (0.0, 0.0, 1.0)}, _tinted
+)
+HORIZON = Inset(
+    "Vibe Horizon",
+    {"Color": ((0.05, 0.05, 0.05),), "Horizon": (_WHITE,), "Height": (0.0, -1.0, 1.0)},
+    _faded,
+)
+FACTOR = Inset("Vibe Factor", {"Strength": (1.0,), "Factor": (1.0, 0.0, 1000.0)}, _multiplied)

@@ -13,7 +13,7 @@ from ...core import compat
 from .trails import ALIASES, NodeEntry, NodeInGroups, distinct, resolve, source_output
 
 TRANSPARENT = "ShaderNodeBsdfTransparent"
-_BACKGROUND = "ShaderNodeBackground"
+BACKGROUND = "ShaderNodeBackground"
 _MIX, _ADD, EMISSION = "ShaderNodeMixShader", "ShaderNodeAddShader", "ShaderNodeEmission"
 _REFLECTIVE = {"ShaderNodeBsdfGlossy", "ShaderNodeBsdfAnisotropic", "ShaderNodeBsdfMetallic"}
 _CLEAR = {"ShaderNodeBsdfGlass", "ShaderNodeBsdfRefraction"}
@@ -111,7 +111,7 @@ def behind(
     elif node.bl_idname == _ADD:
         for entry in node.inputs:
             yield from behind(entry, inside, sides)
-    elif node.bl_idname in ALIASES or node.bl_idname in (TRANSPARENT, _BACKGROUND):
+    elif node.bl_idname in ALIASES or node.bl_idname in (TRANSPARENT, BACKGROUND):
         yield Layer(NodeInGroups(node, inside), sides)
 
 

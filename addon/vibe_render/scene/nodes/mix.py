@@ -49,8 +49,8 @@ def insert_mix(journal: Journal, scene: Scene, colors: Mapping[str, Color]) -> N
     colors = {name: color for name, color in colors.items() if color != _WHITE or name in inputs}
     for name in colors:
         if name not in inputs:
-            owned.group_input(node.node_tree, name, "NodeSocketColor", (*_BLACK, 1.0))
-            owned.group_input(node.node_tree, _color_of(name), "NodeSocketColor", (*_WHITE, 1.0))
+            owned.group_input(node.node_tree, name, (*_BLACK, 1.0))
+            owned.group_input(node.node_tree, _color_of(name), (*_WHITE, 1.0))
     _fill(node.node_tree, scene.cycles.use_denoising)
     for name in (*colors, *(GUIDES if scene.cycles.use_denoising else ())):
         journal.link(source.outputs[name if name in GUIDES else PASS + name], node.inputs[name])
@@ -108,10 +108,8 @@ def _render_layers(tree: NodeTree, scene: Scene) -> Node:
 
 
 def _declare(tree: NodeTree) -> None:
-    for name in ("Image", *GUIDES):
-        kind = "NodeSocketVector" if name == "Denoising Normal" else "NodeSocketColor"
-        owned.group_input(tree, name, kind, _BLACK if kind == "NodeSocketVector" else (*_BLACK, 1.0))
-    tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+    owned.declare(tree, {"Image": (_BLACK,), "Denoising Albedo": (_BLACK,)}, "Image")
+    owned.group_input(tree, "Denoising Normal", _BLACK)
 
 
 def _fill(tree: NodeTree, denoised: bool) -> None:

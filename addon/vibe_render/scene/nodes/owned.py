@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import bpy
+import numpy as np
 from bpy.types import ID, Node, NodeSocket, NodeTree, Object
 
 from ...core.journal import Journal
@@ -16,6 +17,8 @@ from ...core.schema_import import schema
 FOG = "Vibe Fog"
 CARD = schema.added_lights.CARD
 COLOR = (0.32, 0.22, 0.46)
+GroupInputs = Mapping[str, tuple]
+"""Inputs of a group by name: the value that changes nothing, of a color without alpha, and the bounds of a number."""
 
 
 def is_unseen(obj: Object) -> bool:
@@ -44,14 +47,20 @@ def owned_group(journal: Journal, name: str, kind: str, fill: Callable[[NodeTree
     return tree
 
 
-def group_input(
-    tree: NodeTree, name: str, kind: str, default: Any, low: float | None = None, high: float | None = None
-) -> None:
-    """Declares a group's input, with the bounds that its slider has."""
+def group_input(tree: NodeTree, name: str, default: Any, *bounds: float) -> None:
+    """Declares a group's input: a number with the bounds that its slider has, a vector, or a color with alpha."""
+    kind = {1: "NodeSocketFloat", 3: "NodeSocketVector", 4: "NodeSocketColor"}[np.size(default)]
     item = tree.interface.new_socket(name, in_out="INPUT", socket_type=kind)
     item.default_value = default
-    if low is not None:
-        item.min_value, item.max_value = low, high
+    if bounds:
+        item.min_value, item.max_value = bounds
+
+
+def declare(tree: NodeTree, inputs: GroupInputs, output: str, kind: str = "NodeSocketColor") -> None:
+    """Declares a group's inputs, and an output of a kind."""
+    for name, (identity, *bounds) in inputs.items():
+        group_input(tree, name, (*identity, 1.0) if isinstance(identity, tuple) else identity, *bounds)
+    tree.interface.new_socket(output, in_out="OUTPUT", socket_type=kind)
 
 
 def group_node(

@@ -178,11 +178,6 @@ class NodeInGroups:
         return NodeEntry(socket, self.inside, alike) if socket else None
 
 
-def first_background(world: World) -> NodeInGroups | None:
-    """The Background node of a world."""
-    return _from_output(compat.node_tree(world), "Surface", ("ShaderNodeBackground",))
-
-
 def bumps_normals(material: Material) -> bool:
     """True if a material's Displacement is rendered, at least partly, as a change of its normals."""
     output = compat.output_node(material)
@@ -192,49 +187,22 @@ def bumps_normals(material: Material) -> bool:
 
 def world_volume(world: World) -> NodeInGroups | None:
     """The node of the artist's own fog: on the World Output's Volume."""
-    kinds = ("ShaderNodeVolumePrincipled", "ShaderNodeVolumeScatter")
-    return _from_output(compat.node_tree(world), "Volume", kinds)
-
-
-def environment_texture(color: NodeEntry) -> NodeInGroups | None:
-    """The environment texture that a background's color comes from."""
-    return _search(color.socket, color.inside, ("ShaderNodeTexEnvironment",))
-
-
-def depends_on_rays(color: NodeEntry) -> bool:
-    """True if a color is another for the camera than for other rays."""
-    return _search(color.socket, color.inside, ("ShaderNodeLightPath",)) is not None
-
-
-def _from_output(tree: bpy.types.NodeTree | None, entry: str, kinds: tuple[str, ...]) -> NodeInGroups | None:
-    """The first of some kinds of nodes behind an input of a world's output."""
-    if tree is None:
+    output = compat.output_node(world)
+    if output is None:
         return None
-    output = "ShaderNodeOutputWorld"
-    node = tree.get_output_node("ALL") or next((n for n in tree.nodes if n.bl_idname == output), None)
-    if node is None or entry not in node.inputs:
+    entry = NodeEntry(output.inputs["Volume"])
+    return search(entry, "ShaderNodeVolumePrincipled") or search(entry, "ShaderNodeVolumeScatter")
+
+
+def search(entry: NodeEntry, kind: str) -> NodeInGroups | None:
+    """The first node of a kind behind an input, depth first, into groups and out of them again."""
+    given = source_output(entry.socket, entry.inside)
+    if given is None:
         return None
-    matches = (_search(node.inputs[entry], (), (kind,)) for kind in kinds)
-    return next(filter(None, matches), None)
-
-
-def _search(socket: NodeSocket, inside: tuple[Node, ...], kinds: tuple[str, ...]) -> NodeInGroups | None:
-    """Depth first from an input against the links, into groups and out of them again."""
-    for link in active_links(socket):
-        node, exit_ = link.from_node, link.from_socket
-        if node.bl_idname in kinds:
-            return NodeInGroups(node, inside)
-        if node.type == "GROUP" and node.node_tree:
-            entry = same_socket(group_output(node), exit_)
-            match = entry and _search(entry, (*inside, node), kinds)
-        elif node.type == "GROUP_INPUT":
-            outer = same_socket(inside[-1].inputs, exit_) if inside else None
-            match = outer and _search(outer, inside[:-1], kinds)
-        else:
-            match = next(filter(None, (_search(s, inside, kinds) for s in node.inputs)), None)
-        if match:
-            return match
-    return None
+    node, inside = given[0].node, given[1]
+    if node.bl_idname == kind:
+        return NodeInGroups(node, inside)
+    return next(filter(None, (search(NodeEntry(s, inside), kind) for s in node.inputs)), None)
 
 
 def foreign_nodes(material: Material) -> list[Node]:

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The picture of Cycles that a vibe ended with: a further sentence begins with it, and need not ask for another one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..render.cycles import CyclesPicture, is_of_light
+from ..rigs.lighting import OFF
+from ..scene import Light, SceneData
+from ..schema import Values, split_key
+
+_ROUNDING = 1e-4  # share of a number that is lost on the way into Blender and back
+_BAKED = 0.02  # by how much a picture that Blender bakes may differ from bake to bake
+_COMPARED = ("resolution", "pixel_aspect", "camera", "materials", "objects", "volume", "bounces", "unseen")
+
+
+@dataclass(frozen=True)
+class KnownPicture:
+    """A picture of Cycles, and where it was taken."""
+
+    scene: SceneData  # with the lights that the vibe has added; it keeps its mesh, and what follows from that, in memory
+    values: Mapping[str, Values]  # of all parameters of the scene
+    picture: CyclesPicture
+
+    def values_in(self, scene: SceneData) -> dict[str, Values] | None:
+        """The picture's values as they differ from a scene's own: in powers and colors of lights alone.
+
+        None where anything else differs, for then the picture does not show the scene.
+        """
+        mine, theirs = ({light.name: light for light in each.lights} for each in (self.scene, scene))
+        unlit = {name for name in theirs.keys() - mine.keys() if _is_off(name, scene)}
+        if scene.mesh is not self.scene.mesh or mine.keys() != theirs.keys() - unlit:
+            return None
+        if not all(_alike(getattr(self.scene, name), getattr(scene, name)) for name in _COMPARED):
+            return None
+        if not (_alike(self.scene.world, scene.world) and self.scene.film.gain == scene.film.gain):
+            return None
+        if not all(_is_same_light(mine[name], theirs[name]) for name in mine):
+            return None
+        differing: dict[str, Values] = {}
+        for key, instance in scene.instances.items():
+            group, owner, _ = split_key(key)
+            if group == "film" or (group == "light" and owner in unlit):
+                continue
+            if key not in self.values:
+                return None
+            if not _alike(self.values[key], instance.value):
+                differing[key] = self.values[key]
+        return differing if all(is_of_light(key, scene) for key in differing) else None
+
+
+def _is_off(light: str, scene: SceneData) -> bool:
+    power = scene.instances[f"light/{light}/power"]
+    return power.value[0] <= OFF * power.reference
+
+
+def _is_same_light(one: Light, other: Light) -> bool:
+    """True if lights are the same but for their parameters, and for what follows from these."""
+    if one.fixed:
+        return _alike(one, other)
+    one, other = (
+        replace(each, position=(0.0, 0.0, 0.0), added=False, role="", use_temperature=False)
+        for each in (one, other)
+    )
+    return _alike(one, other)
+
+
+def _alike(one: Any, other: Any) -> bool:
+    """True if records, sequences, pictures or numbers are the same but for rounding."""
+    if is_dataclass(one):
+        return type(one) is type(other) and all(
+            _alike(getattr(one, field.name), getattr(other, field.name)) for field in fields(one)
+        )
+    if isinstance(one, Mapping):
+        return one.keys() == other.keys() and all(_alike(one[key], other[key]) for key in one)
+    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
+        return one.shape == other.shape and bool(np.abs(one - other).mean() <= _BAKED * (one.mean() + 1e-6))
+    if isinstance(one, float) and isinstance(other, float):
+        return math.isclose(one, other, rel_tol=_ROUNDING, abs_tol=_ROUNDING)
+    if isinstance(one, Sequence) and isinstance(other, Sequence) and not isinstance(one, str):
+        return len(one) == len(other) and all(map(_alike, one, other))
+    return bool(one == other)
