@@ -33,11 +33,11 @@ def without_engine(screen):
 
 def earlier_prompts(screen):
     """One is chosen from the menu, then all are forgotten."""
-    from bl_ext.user_default.vibe_render.ui import prompt_history
+    from bl_ext.user_default.vibe_render.ui import words
 
-    prompt_history.clear()
+    words.clear()
     for prompt in reversed(EARLIER):
-        prompt_history.remember(prompt)
+        words.remember(prompt)
     yield from screen.find("vibe.prompt", 153)
     row = screen.observed["found"]["vibe.prompt"][1]
     yield from screen.open(row, 0.83)
@@ -49,7 +49,7 @@ def earlier_prompts(screen):
     screen.shoot("recalled")
     yield from screen.open(row, 0.83)
     yield from screen.click_at(row + 75, 0.97)
-    yield from screen.wait(lambda: not prompt_history.prompts(), 30, "they are forgotten")
+    yield from screen.wait(lambda: not words.prompts(), 30, "they are forgotten")
 
 
 def single_values(screen):

@@ -15,7 +15,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from vibe_render.engine import find, setup
+from vibe_render.engine import setup
 
 from proxy_renderer.schema import VibeError
 
@@ -37,7 +37,7 @@ def write_wheel(folder, name, version, modules=(), needs=()):
 @pytest.fixture
 def wheel(tmp_path):
     """A package that has what the engine's environment is asked for."""
-    return write_wheel(tmp_path, "stand_in", "1.0", find._NEEDED)
+    return write_wheel(tmp_path, "stand_in", "1.0", setup._NEEDED)
 
 
 @pytest.fixture(autouse=True)
@@ -72,8 +72,8 @@ def test_makes_an_environment_that_is_found(wheel, tmp_path):
         time.sleep(0.02)
     environment.finish()
     assert "Making a Python environment" in texts
-    python = find.find_python(str(tmp_path / "engine"))
-    assert find.has_engine(python)
+    python = setup.find_python(str(tmp_path / "engine"))
+    assert setup.has_engine(python)
     assert Path(python).is_relative_to(tmp_path)
 
 
@@ -86,7 +86,7 @@ def folders(tmp_path):
     write_wheel(usual, "torch", "2.16.0", ["torch"], needs=["nvidia-cudnn"])
     write_wheel(usual, "torchvision", "0.31.0", needs=["torch==2.16.0"])
     write_wheel(usual, "nvidia_cudnn", "9.0")
-    others = [module for module in find._NEEDED if module != "torch"]
+    others = [module for module in setup._NEEDED if module != "torch"]
     write_wheel(usual, "others", "1.0", others, needs=["torchvision"])
     return tmp_path / "own", usual
 
@@ -153,7 +153,7 @@ def test_a_finished_environment_replaces_the_older_one_and_runs_there(tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["engine"]
     assert not (tmp_path / "engine" / "old").exists()
     code = "import sys; print(sys.prefix)"
-    said = subprocess.check_output([find.python_of(tmp_path / "engine"), "-c", code], text=True)
+    said = subprocess.check_output([setup.python_of(tmp_path / "engine"), "-c", code], text=True)
     assert said.strip() == str(tmp_path / "engine")
 
 

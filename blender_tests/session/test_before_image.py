@@ -5,7 +5,7 @@ import time
 
 import bpy
 import pytest
-from vibe_render.run.session import before_image
+from vibe_render.run.session import preview
 from vibe_render.run.state import addon_state
 from vibing import advance
 
@@ -14,23 +14,23 @@ def test_it_stays_the_one_of_before(addon, tmp_path):
     own, vibed_once = tmp_path / "own.png", tmp_path / "vibed.png"
     own.write_bytes(b"own")
     vibed_once.write_bytes(b"vibed")
-    assert before_image.store(before_image.path_of(addon), own, True).read_bytes() == b"own"
-    assert before_image.store(before_image.path_of(addon), vibed_once, False).read_bytes() == b"own"
+    assert preview.store_before(preview.before_path(addon), own, True).read_bytes() == b"own"
+    assert preview.store_before(preview.before_path(addon), vibed_once, False).read_bytes() == b"own"
     addon.frame_set(addon.frame_current + 1)
-    assert before_image.store(before_image.path_of(addon), vibed_once, False) == vibed_once  # another sight
+    assert preview.store_before(preview.before_path(addon), vibed_once, False) == vibed_once  # another sight
     addon.frame_set(addon.frame_current - 1)
-    before_image.forget(addon)
-    assert before_image.store(before_image.path_of(addon), vibed_once, False) == vibed_once
+    preview.forget_before(addon)
+    assert preview.store_before(preview.before_path(addon), vibed_once, False) == vibed_once
 
 
 @pytest.mark.slow
 def test_a_camera_that_moves_meanwhile(addon):
     """Again, from where the camera was, finds it; from where it is now, it would show something else."""
     running = advance(lambda r: r.asked)
-    there = before_image.path_of(addon)
+    there = preview.before_path(addon)
     addon.camera.location.x += 1.0
     bpy.context.view_layer.update()
-    here = before_image.path_of(addon)
+    here = preview.before_path(addon)
     while running.before is None:
         assert running.advance()
         time.sleep(0.02)

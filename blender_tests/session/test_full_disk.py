@@ -14,9 +14,9 @@ from small_disk import small_disk
 from small_scenes import studio, wide_picture
 from vibe_render.looks import assets, library, lut
 from vibe_render.render import final_render
-from vibe_render.run import before_image, session
+from vibe_render.run import preview, session
 from vibe_render.run.state import addon_state
-from vibe_render.ui import prompt_history
+from vibe_render.ui import words
 from vibing import advance, fails
 
 from proxy_renderer.schema import VibeError
@@ -65,15 +65,15 @@ def test_pictures_of_blender(scene, disk):
 
 
 def test_what_is_only_convenient_is_left_out(scene, disk, tmp_path, monkeypatch):
-    monkeypatch.setattr(prompt_history, "own_folder", lambda path, create=False: disk.folder)
-    prompt_history.remember("noir")
+    monkeypatch.setattr(words, "own_folder", lambda path, create=False: disk.folder)
+    words.remember("noir")
     disk.fill()
-    prompt_history.remember("golden hour")
+    words.remember("golden hour")
     (tmp_path / "picture.png").write_bytes(b"own" * 9000)
-    picture = before_image.store(disk.folder / "kept.png", tmp_path / "picture.png", True)
+    picture = preview.store_before(disk.folder / "kept.png", tmp_path / "picture.png", True)
     assert picture == tmp_path / "picture.png"
     assert disk.files() == {"prompts.json"}
-    assert prompt_history.prompts() == ["noir"]
+    assert words.prompts() == ["noir"]
 
 
 STAGES = {

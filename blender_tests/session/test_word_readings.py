@@ -80,7 +80,7 @@ def test_marks_follow_a_change_of_the_scene_when_it_is_quiet(typing):
     assert "Subject" in read(typing, "glossy red subject")["red"].candidates
     cube.name = "Teapot"
     bpy.context.view_layer.update()
-    addon_state.readings.scene_changed([cube])
+    addon_state.readings.scene_changed()
     assert addon_state.readings.due(typing)
     red = reread(typing)["red"]
     assert "Teapot" in (*red.candidates, *red.targets)

@@ -343,12 +343,12 @@ def test_wrong_engine_is_refused(tmp_path):
         Engine(str(tmp_path)).start()
 
 
-def test_a_file_that_is_opened_ends_neither_search_nor_start_of_the_engine(addon, tmp_path):
+def test_a_file_that_is_opened_does_not_end_the_search_for_the_engine(addon, tmp_path):
     engine_state.search(str(tmp_path), again=True)
     setup.warm_up_soon()
+    assert not bpy.app.timers.is_registered(setup._warm_up)
     bpy.ops.wm.read_homefile(use_factory_startup=True)
     assert bpy.app.timers.is_registered(engine_state._timer)
-    assert bpy.app.timers.is_registered(setup._warm_up)
 
 
 def test_the_engine_starts_once_when_a_panel_is_drawn(addon):
@@ -357,8 +357,9 @@ def test_the_engine_starts_once_when_a_panel_is_drawn(addon):
         engine_state.tick()
     setup.warm_up_soon()
     setup.warm_up_soon()
+    bpy.ops.wm.read_homefile(use_factory_startup=True)
     assert bpy.app.timers.is_registered(setup._warm_up)
-    assert setup._warm_up() is None
+    setup._warm_up()
     until = time.monotonic() + 60.0
     while not addon_state.engine(bpy.context).alive and time.monotonic() < until:
         time.sleep(0.02)

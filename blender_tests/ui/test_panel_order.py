@@ -12,7 +12,7 @@ from results import FOUND, PIVOT, PROMPT
 from small_scenes import studio
 from vibe_render import ui
 from vibe_render.run import result
-from vibe_render.run.sequence import CheckedFrame
+from vibe_render.run.notes import CheckedFrame
 from vibe_render.run.state import addon_state
 from vibe_render.ui import panels, setup
 from vibe_render.ui.engine_state import engine_state

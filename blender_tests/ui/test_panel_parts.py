@@ -7,7 +7,7 @@ from small_scenes import studio
 from vibe_render.core import preferences
 from vibe_render.run.result import cause
 from vibe_render.run.state import addon_state
-from vibe_render.ui import prompt_history, result, scope, setup
+from vibe_render.ui import result, scope, setup, words
 from vibe_render.ui.properties import declare
 
 from proxy_renderer.schema.limits import LONGEST_PROMPT
@@ -18,33 +18,33 @@ from proxy_renderer.schema.options.table import TABLE, Option, Panel
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """The user's own folder, empty."""
-    monkeypatch.setattr(prompt_history, "own_folder", lambda path, create=False: tmp_path)
+    monkeypatch.setattr(words, "own_folder", lambda path, create=False: tmp_path)
     monkeypatch.setattr(preferences, "own_folder", lambda path, create=False: tmp_path / path)
     return tmp_path
 
 
 def test_earlier_prompts_come_newest_first_and_once(folder, addon):
     for text in ("noir", "golden hour", "noir", "nebliger Morgen, grün"):
-        prompt_history.remember(text)
-    assert prompt_history.prompts() == ["nebliger Morgen, grün", "noir", "golden hour"]
+        words.remember(text)
+    assert words.prompts() == ["nebliger Morgen, grün", "noir", "golden hour"]
     assert bpy.ops.vibe.recall(prompt="golden hour") == {"FINISHED"}
     assert addon.vibe.prompt == "golden hour"
     for number in range(40):
-        prompt_history.remember(str(number))
-    assert prompt_history.prompts() == [str(number) for number in range(39, 9, -1)]
-    prompt_history.remember("copper cup", ["copper=Cup"])
-    assert prompt_history.targets_of("copper cup") == ["copper=Cup"]
-    assert prompt_history.prompts()[:2] == ["copper cup", "39"]
+        words.remember(str(number))
+    assert words.prompts() == [str(number) for number in range(39, 9, -1)]
+    words.remember("copper cup", ["copper=Cup"])
+    assert words.targets_of("copper cup") == ["copper=Cup"]
+    assert words.prompts()[:2] == ["copper cup", "39"]
     assert bpy.ops.vibe.clear_history() == {"FINISHED"}
-    assert prompt_history.prompts() == []
+    assert words.prompts() == []
 
 
 @pytest.mark.parametrize("content", ["{", "{}", "[1, null]", "\udcff"])
 def test_a_damaged_history_is_an_empty_one(folder, content):
     (folder / "prompts.json").write_text(content, errors="surrogateescape")
-    assert prompt_history.prompts() == []
-    prompt_history.remember("noir")
-    assert prompt_history.prompts() == ["noir"]
+    assert words.prompts() == []
+    words.remember("noir")
+    assert words.prompts() == ["noir"]
 
 
 def test_the_list_has_every_value_and_says_which_must_stay(addon):

@@ -16,7 +16,7 @@ import numpy as np
 from vibe_render.core import compat, rendered
 from vibe_render.export import reading
 from vibe_render.export.analysis import SceneAnalysis
-from vibe_render.render import anchors, baked_passes, final_render
+from vibe_render.render import anchors, bake, final_render
 from vibe_render.scene import bindings, copies, snapshot
 from vibe_render.scene.subject import SubjectChoice
 
@@ -120,7 +120,7 @@ def _visible_differences(scene: bpy.types.Scene, analysis: SceneAnalysis) -> dic
         things = dict(enumerate(bpy.data.objects, start=1))
         for number, thing in things.items():
             thing.pass_index = number
-        passes = baked_passes.render_passes(twin)
+        passes = bake.render_passes(twin)
     for thing in things.values():
         thing.pass_index = 0
     index = next(values for name, values in passes.items() if name in ("IndexOB", "Object Index"))

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import BinaryIO, TypeAlias, cast
 
 from ..core.schema_import import errors, messages, schema
-from .find import engine_environment, find_python, own_group
+from .setup import engine_environment, find_python, own_group
 
 _ABANDON_TIMEOUT = 10.0  # seconds that an engine may take to end a vibe that was given up
 
@@ -33,7 +33,6 @@ class Engine:
 
     Args:
         python: As for `find_python`.
-        log: The file for the engine's stderr; None for one in the user's folder for logs.
         cache: The folder of its cache; None for the user's usual one.
         listener: Called from a thread with every stage and progress message, also while Blender is busy.
     """
@@ -41,13 +40,12 @@ class Engine:
     def __init__(
         self,
         python: str = "",
-        log: Path | None = None,
         cache: Path | None = None,
         listener: Callable[[messages.Message], None] | None = None,
     ) -> None:
         self._choice, self._listener = python, listener
         self._variables = {"VIBE_CACHE": str(cache)} if cache else {}
-        self.log = log or errors.log_folder() / f"vibe-engine-{os.getpid()}.log"
+        self.log = errors.log_folder() / f"vibe-engine-{os.getpid()}.log"
         self._process: subprocess.Popen[bytes] | None = None
         self._inbox: queue.Queue[_Item] = queue.Queue()
         self._readings: queue.Queue[messages.Readings] = queue.Queue()

@@ -137,18 +137,14 @@ def analyze(
 def _no_mesh(scene: bpy.types.Scene) -> schema.VibeError:
     """The error for a scene that shows nothing; what it has may be excluded, or in another scene of the file."""
     full = [s.name for s in bpy.data.scenes if s != scene and any(o.type in GEOMETRY for o in s.objects)]
-    if not full:
-        excluded = [c.name for c in rendered.layer(scene).layer_collection.children if c.exclude]
-        remedy = (
-            f'Include "{excluded[0]}" in the view layer.'
-            if excluded
-            else "Add one, or unhide it for renders."
-        )
-        return schema.VibeError("The scene has no mesh that a render shows.", remedy)
-    return schema.VibeError(
-        f'The scene "{scene.name}" has no mesh that a render shows.',
-        f'Save the file with another scene open: "{full[0]}" has meshes.',
+    if full:
+        message = f'The scene "{scene.name}" has no mesh that a render shows.'
+        return schema.VibeError(message, f'Save the file with another scene open: "{full[0]}" has meshes.')
+    excluded = [c.name for c in rendered.layer(scene).layer_collection.children if c.exclude]
+    remedy = (
+        f'Include "{excluded[0]}" in the view layer.' if excluded else "Add one, or unhide it for renders."
     )
+    return schema.VibeError("The scene has no mesh that a render shows.", remedy)
 
 
 def with_subject_of(analysis: SceneAnalysis, first_shot: SceneAnalysis) -> SceneAnalysis:

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..core import compat, rendered
 from ..core.schema_import import schema
+from ..core.temporary import temporary
 from ..render import bake
 from ..scene.copies import copied_scene, viewer
 
@@ -37,13 +38,18 @@ def color_table(scene: bpy.types.Scene) -> np.ndarray | None:
     colors[: SIZE**3] = np.stack((red, green, blue), -1).reshape(-1, 3)
     # The same colors in other places tell whether places count.
     order = np.random.default_rng(0).permutation(len(colors))
-    with copied_scene(
-        scene, graded=True, resolution_x=_SIDE, resolution_y=_SIDE, resolution_percentage=100
-    ) as twin:
+    image = bpy.data.images.new("Vibe Colors", _SIDE, _SIDE, float_buffer=True, is_data=True)
+    size = {"resolution_x": _SIDE, "resolution_y": _SIDE, "resolution_percentage": 100}
+    with temporary(image), copied_scene(scene, graded=True, **size) as twin:
         layers = list(_layers(compat.compositor(twin)))
         if not all(_is_plain(node, twin) for node in layers):
             return None
-        straight, mixed = (_in_stops(_composited(twin, each)) for each in (colors, colors[order]))
+        for node in layers:
+            source = node.id_data.nodes.new("CompositorNodeImage")
+            source.image = image
+            for link in list(node.outputs["Image"].links):
+                node.id_data.links.new(source.outputs["Image"], link.to_socket)
+        straight, mixed = (_in_stops(_composited(twin, image, each)) for each in (colors, colors[order]))
     if np.abs(straight[order] - mixed).max() > _TOLERANCE:
         return None
     return straight[: SIZE**3].reshape(SIZE, SIZE, SIZE, 3)
@@ -65,28 +71,14 @@ def _is_plain(node: bpy.types.Node, scene: bpy.types.Scene) -> bool:
     return names == {"Image"} and node.scene in (None, scene) and node.layer == rendered.layer(scene).name
 
 
-def _composited(twin: bpy.types.Scene, colors: np.ndarray) -> np.ndarray:
-    """Colors (N, 3) of a render after the compositor, pixel by pixel."""
-    image = bpy.data.images.new("Vibe Colors", _SIDE, _SIDE, float_buffer=True, is_data=True)
-    added = []
-    try:
-        image.pixels.foreach_set(np.insert(colors, 3, 1.0, axis=1).ravel())
-        for node in list(_layers(compat.compositor(twin))):
-            source = node.id_data.nodes.new("CompositorNodeImage")
-            source.image = image
-            added.append((source, node))
-            for link in list(node.outputs["Image"].links):
-                node.id_data.links.new(source.outputs["Image"], link.to_socket)
-        with tempfile.TemporaryDirectory(prefix="vibe-") as folder, viewer(twin, lambda _: None):
-            path = Path(folder) / "colors.exr"
-            bake.render_file(twin, path, bake.LINEAR)
-            return bake.read_file(path)[..., :3].reshape(-1, 3)
-    finally:
-        for source, node in added:
-            for link in list(source.outputs["Image"].links):
-                node.id_data.links.new(node.outputs["Image"], link.to_socket)
-            node.id_data.nodes.remove(source)
-        bpy.data.images.remove(image)
+def _composited(twin: bpy.types.Scene, image: bpy.types.Image, colors: np.ndarray) -> np.ndarray:
+    """Colors (N, 3) of an image that goes into the compositor after it, pixel by pixel."""
+    image.pixels.foreach_set(np.insert(colors, 3, 1.0, axis=1).ravel())
+    image.update()
+    with tempfile.TemporaryDirectory(prefix="vibe-") as folder, viewer(twin, lambda _: None):
+        path = Path(folder) / "colors.exr"
+        bake.render_file(twin, path, bake.LINEAR)
+        return bake.read_file(path)[..., :3].reshape(-1, 3)
 
 
 def _in_stops(colors: np.ndarray) -> np.ndarray:

@@ -34,13 +34,6 @@ APPROXIMATE: dict[str, dict[str, tuple[float, ...]]] = {
 }
 """The other shaders as Principled BSDFs."""
 BLACK: dict[str, tuple[float, ...]] = {"base_color": (0.0, 0.0, 0.0), "specular": (0.0,), "roughness": (1.0,)}
-DEFAULTS = {
-    "base_color": (0.8, 0.8, 0.8),
-    "emission": (0.0,),
-    "emission_color": (1.0, 1.0, 1.0),
-    "roughness": (0.5,),
-}
-
 CONSTANTS = {
     "coat_ior": "Coat IOR",
     "coat_tint": "Coat Tint",
@@ -51,20 +44,14 @@ CONSTANTS = {
     "subsurface": "Subsurface Weight",
     "thin_film": "Thin Film Thickness",
 }
-COMPUTED = {
-    "base_color": "Base Color",
-    "alpha": "Alpha",
-    "normal": "Normal",
-    "metallic": "Metallic",
-    "roughness": "Roughness",
-    "specular": "Specular IOR Level",
-    "specular_tint": "Specular Tint",
-    "coat": "Coat Weight",
-    "coat_roughness": "Coat Roughness",
-    "sheen": "Sheen Weight",
-    "transmission": "Transmission Weight",
-    "emission_color": "Emission Color",
-    "emission": "Emission Strength",
+_PARAMETERS = {p.name: p for p in schema.PARAMETERS if p.group == "material"}
+DEFAULTS = {
+    name: (_PARAMETERS[name].default,) * _PARAMETERS[name].components
+    for name in ("base_color", "emission", "emission_color", "roughness")
+}
+_SOCKETS = {name: p.blender.removeprefix("Principled BSDF > ") for name, p in _PARAMETERS.items()}
+COMPUTED = {"alpha": "Alpha", "normal": "Normal"} | {
+    name: socket for name, socket in _SOCKETS.items() if name not in ("ior", "tint", "recolor")
 }
 """Inputs that nodes may compute, and what the Principled BSDF calls them."""
 UNIFORM = {"specular", "specular_tint", "coat_roughness", "sheen"}

@@ -1,19 +1,41 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Computed inputs of a scene's materials: as textures over UVs where possible, else measured on small renders."""
+"""Computed inputs of a scene's materials: as textures over UVs where possible, else by small renders.
+
+Most are baked at every pixel of the camera's picture, by one Cycles render: each is sent to an AOV output for a moment,
+so every network that Cycles knows arrives, wherever it gets its coordinates from, for all materials at once. Flat
+grounds and walls are captured straight on as well, because mirrors show parts outside the picture.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from typing import Any
+
 import bpy
 import numpy as np
+from mathutils import Matrix
 
-from ..render import baked_passes
+from ..core import rendered
+from ..core.compat import changed
+from ..core.temporary import temporary
+from ..render import bake
+from ..scene.copies import copied_scene
 from ..scene.nodes.trails import ValueOrigin
 from . import textures
 from .analysis import SceneAnalysis
-from .materials import ExportedMaterial, MeasuredChannel, computed_inputs, export_material, uv_of
+from .materials import COLORS, ExportedMaterial, MeasuredChannel, computed_inputs, export_material, uv_of
 
 _SEEN_ELSEWHERE = ("base_color", "emission_color", "emission", "alpha")
 """Inputs that count of materials that the camera does not see: the light that they send to others."""
+_LONGEST = 512
+_SAMPLES = 4
+_FAR_SIDE, _FAR_SAMPLES = 384, 2  # what only mirrors show need not be as fine
+_GROWN = 4  # pixels by which a map reaches beyond where its material is seen
+_INDEX, _SQUARE = "Vibe Index", "Vibe Square"
+_FLAT = 1e-4  # deviation, in parts of the extent, that counts as flat
+_REACH = 3.0  # times the camera's distance from the subject: patterns beyond are too small to be told apart
 
 
 def measured_materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
@@ -33,14 +55,13 @@ def measured_materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
             if picture:
                 channels[name][channel] = MeasuredChannel(picture.image.mean((0, 1)), picture)
             else:
-                requests.append(baked_passes.PassRequest(material, channel, origin))
-    baked = baked_passes.bake_passes(analysis.scene, requests)
+                requests.append(PassRequest(material, channel, origin))
+    baked = bake_passes(analysis.scene, requests)
     for request in requests:
         name = request.material.name_full
         view = baked.get((name, request.channel))
         if view:
-            picture = textures.ExportedTexture(view.image, "EXTEND", "", view.window)
-            channels[name][request.channel] = MeasuredChannel(view.mean, picture)
+            channels[name][request.channel] = view
             far = _straight_on(analysis, request) if request.channel == "base_color" else None
             if far:
                 channels[name]["far"] = MeasuredChannel(view.mean, far)
@@ -70,24 +91,226 @@ def _over_uvs(
     return textures.uv_texture(material, channel, origin) if tiles or inside else None
 
 
-def _straight_on(
-    analysis: SceneAnalysis, request: baked_passes.PassRequest
-) -> textures.ExportedTexture | None:
+def _straight_on(analysis: SceneAnalysis, request: PassRequest) -> textures.ExportedTexture | None:
     """The pattern of a flat surface as mirrors may show it, also where the camera does not look."""
     geometry, eye = analysis.geometry, analysis.scene.camera.matrix_world.translation
     chosen = geometry.material == geometry.materials.index(request.material.name_full)
     pivot = np.array(analysis.pivot)
     corners = geometry.vertices[geometry.faces[chosen]].astype(float)
-    plane = baked_passes.capture_plane(corners, pivot, float(np.linalg.norm(pivot - np.array(eye))))
+    plane = capture_plane(corners, pivot, float(np.linalg.norm(pivot - np.array(eye))))
     if plane is None:
         return None
-    view = baked_passes.bake_passes(analysis.scene, [request], plane).get(
-        (request.material.name_full, request.channel)
-    )
-    if view is None:
+    baked = bake_passes(analysis.scene, [request], plane)
+    view = baked.get((request.material.name_full, request.channel))
+    picture = view.picture if view else None
+    if picture is None or picture.window is None:
         return None
-    left, bottom, right, top = view.window
+    left, bottom, right, top = picture.window
     scale, shift = np.array([1 / (right - left), 1 / (top - bottom)]), np.array([left, bottom])
     mapping = np.array(plane.mapping)
     mapping[:, 3] -= shift
-    return textures.ExportedTexture(view.image, "CLIP", "", None, (mapping * scale[:, None]).tolist())
+    return textures.ExportedTexture(picture.image, "CLIP", "", None, (mapping * scale[:, None]).tolist())
+
+
+@dataclass(frozen=True)
+class PassRequest:
+    """A computed input to bake. Its `origin` is None for the normal that Displacement makes where it is rendered as bump."""
+
+    material: bpy.types.Material
+    channel: str
+    origin: ValueOrigin | None
+
+    @property
+    def tree(self) -> bpy.types.NodeTree:
+        """The tree that computes the input."""
+        return self.origin.socket.id_data if self.origin else self.material.node_tree
+
+
+def bake_passes(
+    scene: bpy.types.Scene, requests: Sequence[PassRequest], plane: CapturePlane | None = None
+) -> dict[tuple[str, str], MeasuredChannel]:
+    """Bakes inputs with one render of the view, or of a plane; by name of the material and channel.
+
+    Inputs that are not seen, and materials of linked libraries, are left out.
+    """
+    requests = [r for r in requests if not (r.material.library or r.tree.library or r.tree.override_library)]
+    if not requests:
+        return {}
+    materials = {r.material.name_full: r.material for r in reversed(requests)}
+    names = list(dict.fromkeys(r.material.name_full for r in requests))
+    channels = sorted({r.channel for r in requests})
+    # Materials may share a node group, and outputs of one name would add up.
+    outputs = {(r.tree.as_pointer(), r.channel): r for r in requests}
+    sides = (_FAR_SIDE, _FAR_SIDE) if plane else (scene.render.resolution_x, scene.render.resolution_y)
+    scale = min(1.0, _LONGEST / max(sides))
+    width, height = (max(16, round(scale * side)) for side in sides)  # Blender refuses fewer
+    frame: dict[str, Any] = {"resolution_x": width, "resolution_y": height, "resolution_percentage": 100}
+    with ExitStack() as stack:
+        for request in outputs.values():
+            stack.enter_context(_sent(request, f"Vibe {request.channel}"))
+        for number, name in enumerate(names, 1):
+            stack.enter_context(_marked(materials[name], float(number)))
+        twin = stack.enter_context(copied_scene(scene, **frame, film_transparent=False))
+        if plane:
+            stack.enter_context(straight_on(twin, plane))
+        passes = _render(twin, channels, _FAR_SAMPLES if plane else _SAMPLES)
+    index, square = passes[_INDEX][..., 0], passes[_SQUARE][..., 0]
+    alone = np.abs(square - index * index) < 1e-3 * (1 + square)
+    baked = {}
+    for request in requests:
+        name, channel = request.material.name_full, request.channel
+        shown = alone & (np.abs(index - names.index(name) - 1) < 1e-3)
+        if shown.any():
+            values = passes[f"Vibe {channel}"][..., : 3 if _is_color(channel) else 1]
+            baked[name, channel] = _cropped(values, shown)
+    return baked
+
+
+def _is_color(channel: str) -> bool:
+    """True for channels of three components. Normals are in world space, halved and raised to [0, 1]."""
+    return channel in (*COLORS, "normal") or channel.startswith("color")
+
+
+def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dict[str, np.ndarray]:
+    """All AOVs; lamps, worlds and fog are left out as far as a scene's own settings can."""
+    layer, cycles = rendered.layer(twin), twin.cycles
+    rendered.set_world(twin, None)
+    twin.render.engine = "CYCLES"
+    for name in (*channels, _INDEX, _SQUARE):
+        aov = layer.aovs.add()
+        aov.name = name if name in (_INDEX, _SQUARE) else f"Vibe {name}"
+        aov.type = "COLOR" if _is_color(name) else "VALUE"
+    exact = {"use_denoising": False, "use_adaptive_sampling": False, "pixel_filter_type": "BOX"}
+    fast = {"device": "CPU", "max_bounces": 0, "light_sampling_threshold": 1.0, "volume_max_steps": 2}
+    settings = {"samples": samples, "time_limit": 0.0, **exact, **fast}
+    with changed(cycles, **settings), changed(layer, pass_alpha_threshold=0.0):
+        return bake.render_passes(twin)
+
+
+@contextmanager
+def _sent(request: PassRequest, name: str) -> Iterator[None]:
+    """An AOV output for the value, in the tree that computes it."""
+    tree = request.tree
+    added = []
+    try:
+        output = tree.nodes.new("ShaderNodeOutputAOV")
+        added.append(output)
+        output.aov_name = name
+        source = request.origin.source if request.origin else None
+        if request.channel == "normal":
+            if source is None:
+                added.append(tree.nodes.new("ShaderNodeNewGeometry"))
+                source = added[-1].outputs["Normal"]
+            half = tree.nodes.new("ShaderNodeVectorMath")
+            added.append(half)
+            half.operation = "MULTIPLY_ADD"  # AOVs lose what is negative
+            half.inputs[1].default_value = half.inputs[2].default_value = (0.5, 0.5, 0.5)
+            tree.links.new(source, half.inputs[0])
+            source = half.outputs[0]
+        tree.links.new(source, output.inputs["Color" if _is_color(request.channel) else "Value"])
+        yield
+    finally:
+        for node in added:
+            tree.nodes.remove(node)
+
+
+@contextmanager
+def _marked(material: bpy.types.Material, number: float) -> Iterator[None]:
+    """AOV outputs for the places where a material is seen, and where it is seen alone."""
+    nodes = material.node_tree.nodes
+    added = []
+    try:
+        for name, value in ((_INDEX, number), (_SQUARE, number * number)):
+            added.append(nodes.new("ShaderNodeOutputAOV"))
+            added[-1].aov_name = name
+            added[-1].inputs["Value"].default_value = value
+        yield
+    finally:
+        for node in added:
+            nodes.remove(node)
+
+
+def _cropped(values: np.ndarray, shown: np.ndarray) -> MeasuredChannel:
+    """The part of a picture (H, W, C) where a material is shown, grown a little over its edges."""
+    height, width = shown.shape
+    rows, columns = shown.any(1).nonzero()[0], shown.any(0).nonzero()[0]
+    bottom, top = max(0, rows[0] - _GROWN), min(height, rows[-1] + 1 + _GROWN)
+    left, right = max(0, columns[0] - _GROWN), min(width, columns[-1] + 1 + _GROWN)
+    part, covered = values[bottom:top, left:right], shown[bottom:top, left:right]
+    mean = part[covered].mean(0)
+    image = _grown(part, covered, mean)
+    window = (left / width, bottom / height, right / width, top / height)
+    return MeasuredChannel(mean, textures.ExportedTexture(image.astype(np.float32), "EXTEND", "", window))
+
+
+def _grown(values: np.ndarray, covered: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    """Fills unknown pixels (h, w, C) with the mean of known neighbors, from the edges outwards."""
+    values = np.where(covered[..., None], values, 0.0)
+    for _ in range(_GROWN):
+        total, count = np.zeros_like(values), np.zeros(covered.shape)
+        padded = np.pad(values, ((1, 1), (1, 1), (0, 0))), np.pad(covered, 1)
+        for dy in range(3):
+            for dx in range(3):
+                place = slice(dy, dy + covered.shape[0]), slice(dx, dx + covered.shape[1])
+                total += padded[0][place] * padded[1][place][..., None]
+                count += padded[1][place]
+        fresh = ~covered & (count > 0)
+        values[fresh] = total[fresh] / count[fresh][:, None]
+        covered = covered | fresh
+    return np.where(covered[..., None], values, rest)
+
+
+@dataclass(frozen=True)
+class CapturePlane:
+    """A square of a flat surface: center (3,), axes right, up and out (3, 3) in columns, and side in meters."""
+
+    center: np.ndarray
+    axes: np.ndarray
+    side: float
+
+    @property
+    def mapping(self) -> list[list[float]]:
+        """2 rows (4,) that take a point (x, y, z, 1) to the square, [0, 1] from its lower left."""
+        rows = self.axes.T[:2] / self.side
+        return np.column_stack((rows, 0.5 - rows @ self.center)).tolist()
+
+
+def capture_plane(corners: np.ndarray, pivot: np.ndarray, distance: float) -> CapturePlane | None:
+    """The square that triangles (F, 3, 3) fill, at a camera's distance in meters; None if they are not in one plane."""
+    edges = corners[:, 1:] - corners[:, :1]
+    areas = np.cross(edges[:, 0], edges[:, 1])
+    out = areas[np.argmax(np.linalg.norm(areas, axis=1))]
+    out = out / max(np.linalg.norm(out), 1e-20)
+    points = corners.reshape(-1, 3)
+    extent = float(np.ptp(points, axis=0).max())
+    if extent <= 0 or np.abs((points - points[0]) @ out).max() > _FLAT * extent:
+        return None
+    helper = np.array([1.0, 0.0, 0.0]) if abs(out[0]) < 0.7 else np.array([0.0, 1.0, 0.0])
+    right = helper - out * (helper @ out)
+    right /= np.linalg.norm(right)
+    axes = np.column_stack((right, np.cross(out, right), out))
+    flat = (points - pivot) @ axes
+    low, high = (
+        np.clip(f(flat, axis=0)[:2], -_REACH * distance, _REACH * distance) for f in (np.min, np.max)
+    )
+    if (high - low).min() <= 0:
+        return None
+    middle = np.append((low + high) / 2, flat[0, 2])
+    return CapturePlane(pivot + axes @ middle, axes, float((high - low).max()))
+
+
+@contextmanager
+def straight_on(scene: bpy.types.Scene, plane: CapturePlane) -> Iterator[None]:
+    """Gives a scene a camera that sees a plane and nothing in front of or behind it, inside the block."""
+    data = bpy.data.cameras.new("Vibe Bake")
+    camera = bpy.data.objects.new("Vibe Bake", data)
+    scene.collection.objects.link(camera)
+    data.type, data.ortho_scale = "ORTHO", plane.side
+    above = max(plane.side, 1e-3)
+    data.clip_start, data.clip_end = above * (1 - 1e-3), above * (1 + 1e-3)
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = plane.axes, plane.center + plane.axes[:, 2] * above
+    camera.matrix_world = Matrix(pose.tolist())
+    scene.camera = camera
+    with temporary(camera, data):
+        yield

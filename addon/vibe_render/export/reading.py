@@ -19,16 +19,7 @@ from ..scene.geometry.meshes import box_geometry
 from ..scene.nodes import owned
 from ..scene.prepare import prepare_scene
 from ..scene.subject import SubjectChoice, named_objects
-from .analysis import (
-    SceneAnalysis,
-    SceneCapture,
-    VisibleScene,
-    analyze,
-    capture,
-    check_scene,
-    data_blocks,
-    with_subject_of,
-)
+from .analysis import SceneAnalysis, VisibleScene, analyze, check_scene, data_blocks, with_subject_of
 from .job_folder import SceneJob, read_parameters, write_job, write_sketch
 
 
@@ -53,21 +44,13 @@ def export_scene(
         return write_job(with_subject_of(analysis, first_shot) if first_shot else analysis, folder, measure)
 
 
-def prepare_and_capture(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneCapture:
-    """First step of an export in two steps: adds what the scene lacks and copies what a render shows.
-
-    Between the steps the caller computes `SceneCapture.visible_scene` in the background, and Blender stays usable.
-    The caller has to roll back after a failure.
-    """
-    check_scene(scene)
-    prepare_and_snapshot(scene, choice)
-    return capture(scene)
-
-
 def export_captured(
     scene: bpy.types.Scene, folder: Path, choice: SubjectChoice, visible: VisibleScene
 ) -> SceneJob | None:
-    """Second step of an export; None if what was captured has been removed since: capture again."""
+    """Writes the job folder of a scene that was prepared and captured; None if something of it was removed since.
+
+    Blender stays usable while `SceneCapture.visible_scene` is computed. The caller has to roll back after a failure.
+    """
     if scene.camera is None or not snapshot.exists(scene) or not visible.blocks <= data_blocks():
         return None
     return write_job(analyze(scene, choice, visible), folder)
@@ -75,6 +58,7 @@ def export_captured(
 
 def prepare_and_snapshot(scene: bpy.types.Scene, choice: SubjectChoice) -> None:
     """Adds what the scene lacks and starts its snapshot, by which later changes are undone; sets keyframes of ours aside."""
+    check_scene(scene)
     keyframes.set_aside(scene)
     prepare_scene(scene, named_objects(scene, choice))
     snapshot.take(scene)
@@ -90,7 +74,6 @@ class SceneReading:
 
 def read_scene(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneReading:
     """Reads the parameters of a scene that has a camera, without changing it; raises as `export_scene`."""
-    check_scene(scene)
     analysis = analyze(scene, choice)
     return SceneReading(analysis, read_parameters(analysis))
 
@@ -104,7 +87,6 @@ def prepare_and_read(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneRead
 @contextmanager
 def _prepared(scene: bpy.types.Scene, choice: SubjectChoice) -> Iterator[SceneAnalysis]:
     """The analysis of a scene to which all that it lacks has been added; this is undone after a failure inside the block."""
-    check_scene(scene)
     with snapshot.rollback_on_failure(scene):
         prepare_and_snapshot(scene, choice)
         yield analyze(scene, choice)

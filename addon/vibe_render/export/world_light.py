@@ -117,18 +117,15 @@ def _copy(world: bpy.types.World) -> bpy.types.World:
 def _untinted(world: bpy.types.World) -> Iterator[tuple[bpy.types.World, list[bpy.types.NodeTree]]]:
     """A copy of a world, its groups included, with neutral insets, and its trees; removed afterwards."""
     twin = _copy(world)
-    _unlink(twin.node_tree, ("Volume",))
-    trees = [twin.node_tree, *compat.copy_groups(twin.node_tree)]
+    tree = twin.node_tree
+    for node in [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputWorld"]:
+        for link in list(node.inputs["Volume"].links):
+            tree.links.remove(link)
+    trees = [tree, *compat.copy_groups(tree)]
     for tree in trees:
         inputs.neutralize(tree, (TINT, FACTOR))
     with temporary(twin, *trees[1:]):
         yield twin, trees
-
-
-def _unlink(tree: bpy.types.NodeTree, names: tuple[str, ...]) -> None:
-    for node in [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputWorld"]:
-        for link in [link for name in names for link in node.inputs[name].links]:
-            tree.links.remove(link)
 
 
 @contextmanager
@@ -138,14 +135,7 @@ def _plain(world: bpy.types.World, origin: trails.ValueOrigin) -> Iterator[bpy.t
     journal = Journal()
     if turn := backgrounds.rotation_slot(twin):  # a parameter of its own
         turn.set(journal, 0.0)
-    tree = twin.node_tree
-    exit_, groups = bake.exposed_output(tree, origin)
-    background = tree.nodes.new("ShaderNodeBackground")
-    tree.links.new(exit_, background.inputs["Color"])
-    _unlink(tree, ("Surface", "Volume"))
-    for node in [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputWorld"]:
-        tree.links.new(background.outputs["Background"], node.inputs["Surface"])
-    with temporary(twin, *groups):
+    with temporary(twin, *bake.emit(twin.node_tree, origin, "Background", "World")):
         try:
             yield twin
         finally:

@@ -36,11 +36,12 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
 
     The command is given either by words, as the `vibe` command does (`run SCENE...`, `demo`, `export SCENE`,
     `apply PRESET SCENE`, `revert FILE`), or by options for the file that Blender has open (`--apply PRESET`,
-    `--revert`, `--demo`, `--scene FILE`). `serve` takes any number of such command lines from the standard input.
+    `--revert`). `serve` takes any number of such command lines from the standard input.
     `scene` is a path, "" for the open file; `scenes` are all of them.
     """
     args = _parser().parse_args(list(argv))
-    args.command = "revert" if args.revert else "apply" if args.preset else "demo" if args.demo else "run"
+    args.command = "revert" if args.revert else "apply" if args.preset else "run"
+    args.scene = ""
     if args.words:
         args.command = args.words[0]
         names = _COMMANDS.get(args.command)
@@ -87,11 +88,9 @@ def _parser() -> argparse.ArgumentParser:
     add("words", nargs="*", metavar="WORD", help=commands)
     add("--events", action="store_true", help="print events for the vibe command")
     add("--names-only", action="store_true", help="export: no textures and no world, for `vibe explain`")
-    add("--scene", default="", help="a .blend or a mesh (default: the open file)")
     preset = "apply a preset instead: a file, or a name"
     add("--apply", dest="preset", default="", metavar="PRESET", help=preset)
     add("--revert", action="store_true", help="take every vibe out of the file again, in place")
-    add("--demo", action="store_true", help="use a scene that is built for it")
     add("--out", type=Path, default=None, metavar="DIR", help="folder for what is written")
     add("--engine", default="", metavar="PYTHON", help="Python that has the engine")
     table = [option for option in options.TABLE if option.blender]

@@ -21,14 +21,13 @@ from ..engine.process import Engine
 from ..export import reading
 from ..looks import library, transfer
 from ..render import final_render
-from ..run.sequence import lost_frames
+from ..run.notes import lost_frames
 from ..scene import bindings, snapshot
 from ..scene.steps import Steps
 from ..scene.subject import remember_subject
 from . import moments, summary
 from .arguments import Reporter, parse
-from .scenes import open_blend, open_scene, save_blend
-from .shots import Framing, RequestedShot
+from .scenes import Framing, open_blend, open_scene, save_blend
 from .vibe import HeadlessVibe, run_one
 
 _GRACE = 5.0
@@ -63,7 +62,7 @@ def run(args: argparse.Namespace, reporter: Reporter) -> None:
 def _written(args: argparse.Namespace) -> argparse.Namespace:
     """The command line for the .blend that it has written."""
     args = copy(args)
-    args.scene, args.command, args.demo = str(args.out / "vibed.blend"), "run", False
+    args.scene, args.command = str(args.out / "vibed.blend"), "run"
     args.scenes = [args.scene]
     return args
 
@@ -157,7 +156,7 @@ def frames(args: argparse.Namespace, reporter: Reporter) -> None:
     """
     args.out.mkdir(parents=True, exist_ok=True)
     scene, _, _ = open_scene(args, reporter)
-    Framing(scene).show(RequestedShot(args.scene, *args.cameras[:1]))
+    Framing(scene).show(*args.cameras[:1])
     for number in args.frames or range(scene.frame_start, scene.frame_end + 1):
         path = args.out / f"{number:04}.png"
         if not path.exists():

@@ -25,8 +25,7 @@ from ..scene import bindings, fog, moments, scene_context
 from ..scene.moments import Moment
 from ..scene.steps import Steps, origins
 from .arguments import Reporter
-from .scenes import open_scene, save_blend
-from .shots import Framing, RequestedShot
+from .scenes import Framing, open_scene, save_blend
 from .summary import numbered
 from .vibe import HeadlessVibe, run_one
 
@@ -79,7 +78,7 @@ def _write(args: argparse.Namespace, reporter: Reporter, out: Outputs, found: li
     reading.prepare_and_snapshot(scene, choice)
 
     def show(frame: int) -> None:
-        framing.show(RequestedShot(args.scene, camera, frame))
+        framing.show(camera, frame)
         rendered.layer(scene).update()
 
     eyes, named = [], {each for moment in found for key in moment.values for each in origins(key)}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Opens the scene that the command line names, and saves it elsewhere.
+"""The scenes that the command line names, opened and saved elsewhere; and the shots of a vibe, which share a look.
 
 A Blender that is a Python module cannot run fluid simulations: they abort it, or write caches next to the scene. They are
 switched off while such a file is open.
@@ -8,15 +8,23 @@ switched off while such a file is open.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
+from copy import copy
+from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 
 import bpy
+from mathutils import Vector
 
-from ..core import compat, files
+from ..core import compat, files, rendered
 from ..core.schema_import import limits, schema
+from ..export import reading
+from ..export.job_folder import SceneJob
+from ..scene import bindings, fog, own_keys
 from ..scene.stage import DEMO_SUBJECT, build_demo, build_stage
+from ..scene.steps import Change
 from ..scene.subject import SubjectChoice
 from .arguments import Reporter
 
@@ -28,7 +36,7 @@ def open_scene(args: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.
     """Opens or builds the scene; returns it, how its subject is chosen, and if it is a mesh on our stage."""
     path = Path(args.scene).expanduser().absolute() if args.scene else None
     chosen = tuple(args.subject)
-    if args.command == "demo" or args.demo:
+    if args.command == "demo":
         reporter.stage("building the demo scene")
         return build_demo(), SubjectChoice(chosen or (DEMO_SUBJECT,)), False
     if path and path.suffix.lower() in limits.MESH_FORMATS:
@@ -100,3 +108,152 @@ def _set_fluids(shown: bool) -> None:
         obj = bpy.data.objects.get(name)
         if obj and (modifier := obj.modifiers.get(modifier_name)):
             modifier.show_viewport, modifier.show_render = shown and viewport, shown and renders
+
+
+@dataclass(frozen=True)
+class RequestedShot:
+    """A shot that the command line asks for."""
+
+    scene: str  # a file; "" for the open one
+    camera: str = ""  # a name; "" for the scene's active one
+    frame: int | None = None  # None for the scene's present one
+    name: str = ""  # for people, such as "Close · frame 50"; "" for a single shot
+
+
+def shots_of(args: argparse.Namespace) -> list[RequestedShot]:
+    """The shots that the command line asks for: every scene, through each camera, at each frame."""
+    shots = []
+    for scene, camera, frame in product(args.scenes, args.cameras or [""], args.frames or [None]):
+        stem = Path(scene).stem if len(args.scenes) > 1 else ""
+        moment = "" if frame is None else f"frame {frame}"
+        shots.append(RequestedShot(scene, camera, frame, " · ".join(filter(None, (stem, camera, moment)))))
+    return shots if len(shots) > 1 else [replace(shots[0], name="")]
+
+
+class Framing:
+    """A scene's camera, frame and camera markers when it was opened."""
+
+    def __init__(self, scene: bpy.types.Scene) -> None:
+        self._scene, self._camera, self._frame = scene, scene.camera, scene.frame_current
+        self._markers = [(marker, marker.camera) for marker in scene.timeline_markers]
+
+    def show(self, name: str = "", frame: int | None = None) -> None:
+        """Sets a shot's camera and frame, where it has them; raises a VibeError if there is no such camera."""
+        scene, camera = self._scene, self._scene.objects.get(name)
+        if name and (camera is None or camera.type != "CAMERA"):
+            cameras = ", ".join(sorted(o.name for o in scene.objects if o.type == "CAMERA")) or "none"
+            file = Path(bpy.data.filepath).name or "this scene"
+            raise schema.VibeError(f"There is no camera {name!r} in {file}.", f"There are: {cameras}.")
+        if name:
+            for marker, _ in self._markers:  # markers would choose the camera at this frame
+                marker.camera = None
+        if frame is not None:
+            scene.frame_set(frame)
+        if name:
+            scene.camera = camera
+
+    def restore(self) -> None:
+        """Sets camera, frame and markers as they were."""
+        for marker, camera in self._markers:
+            marker.camera = camera
+        if self._scene.frame_current != self._frame:
+            self._scene.frame_set(self._frame)
+        if self._camera is not None:  # else the camera was added by us, and stays
+            self._scene.camera = self._camera
+
+
+class ShotList:
+    """The shots in their order, those of one .blend together. One of them is shown at a time.
+
+    Attributes:
+        jobs: The exported job of each shot.
+        subjects: The names of each shot's subject.
+        bare: Whether the first shot is a bare mesh.
+        choice: How the subject of the open scene is chosen.
+    """
+
+    def __init__(self, args: argparse.Namespace, folder: Path, reporter: Reporter, change: Change) -> None:
+        self._args, self._folder, self._reporter, self._change = args, folder, reporter, change
+        self.shots = shots_of(args)
+        self.jobs: list[SceneJob] = []
+        self.bare = False
+        self._open: str | None = None
+        self._framing: Framing | None = None
+        self.choice = SubjectChoice()
+        self.subjects: list[set[str]] = []
+        self._fog: dict[str, fog.FogDomain] = {}
+
+    def __len__(self) -> int:
+        return len(self.shots)
+
+    def siblings(self, number: int) -> list[int]:
+        """The numbers of the shots of the same .blend, this one among them."""
+        return [i for i, shot in enumerate(self.shots) if shot.scene == self.shots[number].scene]
+
+    def export(self) -> None:
+        """Writes the job folders of all shots."""
+        for number, shot in enumerate(self.shots):
+            scene, choice = self._shown(number)
+            first = self.siblings(number)[0]
+            around = self.jobs[first].analysis if first < number else None
+            eyes = self._eyes(scene, number) if around is None else ()
+            folder = self._folder / str(number)
+            self._reporter.stage("reading the scene")
+            self.jobs.append(reading.export_scene(scene, folder, choice, around, eyes))
+            job = self.jobs[-1]
+            notes = [note] if (note := fluid_note()) else []
+            job.warnings[:0] = notes
+            for line in [*job.view_notes, *notes]:
+                self._reporter.note(line)
+            self.subjects.append({o.name_full for o in job.analysis.objects})
+            if planned := fog.planned_fog_box(scene):
+                self._fog[shot.scene] = planned
+
+    def show(self, number: int) -> SceneJob:
+        """Opens and prepares a shot's .blend if another is open, sets its camera and frame, and returns its job."""
+        shot = self.shots[number]
+        is_open = self._open == shot.scene
+        scene, choice = self._shown(number)
+        if not is_open:
+            if shot.scene in self._fog:
+                fog.plan_fog_box(scene, self._fog[shot.scene])
+            reading.prepare_and_snapshot(scene, choice)
+            for each in self.siblings(number):
+                objects = tuple(o for o in scene.objects if o.name_full in self.subjects[each])
+                analysis = replace(self.jobs[each].analysis, scene=scene, objects=objects)
+                self.jobs[each] = replace(self.jobs[each], analysis=analysis)
+        return self.jobs[number]
+
+    def restore(self) -> None:
+        """Frames the open scene as the artist had it."""
+        assert self._framing is not None
+        self._framing.restore()
+
+    def _shown(self, number: int) -> tuple[bpy.types.Scene, SubjectChoice]:
+        shot = self.shots[number]
+        opens = self._framing is None or self._open != shot.scene
+        if opens:
+            args = copy(self._args)
+            args.scene = shot.scene
+            scene, self.choice, bare = open_scene(args, self._reporter)
+            self._open, self._framing = shot.scene, Framing(scene)
+            self.bare = self.bare or (bare and not self.jobs)
+            if self._change.values:
+                bindings.write(scene, self._change.values, (), self._change.steps.pivot)
+        assert self._framing is not None
+        self._framing.show(shot.camera, shot.frame)
+        if opens and self._args.offset_keys:
+            own_keys.hold(bpy.context.scene)
+        return bpy.context.scene, self.choice
+
+    def _eyes(self, scene: bpy.types.Scene, number: int) -> Sequence[Vector]:
+        """The positions of the cameras of a .blend's shots, if there are several: the fog box encloses them all."""
+        others = self.siblings(number)
+        if len(others) < 2 or scene.camera is None:
+            return ()
+        eyes = []
+        for each in reversed(others):  # the first comes last, and stays
+            self._shown(each)
+            rendered.layer(scene).update()
+            eyes.append(scene.camera.matrix_world.translation.copy())
+        return eyes

@@ -16,10 +16,9 @@ from ..core.schema_import import labels, messages, schema
 from ..export.job_folder import copied_values
 from ..export.notes import shortened_notes
 from ..render.light_groups import LightLayer
-from ..run.notes import model_lines, verdict_lines, word_notes
-from ..run.sequence import CheckedFrame, frame_line, steady_line
+from ..run.notes import CheckedFrame, frame_line, model_lines, steady_line, verdict_lines, word_notes
 from ..scene.nodes.mix import PASS
-from .shots import ShotList
+from .scenes import ShotList
 
 _SHOWN = 8
 
@@ -36,16 +35,11 @@ def report_fields(
     fields = dict(result.report)
     timings = {**stopwatch.seconds, **{f"engine: {k}": v for k, v in fields.pop("timings", {}).items()}}
     versions = {**fields.pop("versions", {}), "blender": bpy.app.version_string}
-    judges = [each.judge for each in measured if each.judge]
     return {
         **fields,
         "scene": os.path.basename(args.scene or bpy.data.filepath) or args.command,
         "subject": sorted(shot_list.subjects[0]),
-        "similarity": _mean([each.similarity for each in measured]),
-        **_prediction(measured),
-        "claims": measured[0].claims,
-        "verdicts": measured[0].verdicts,
-        **({"judge": judges[0]} if judges else {}),
+        **_measurements(measured),
         **({"shots": _shots(args, shot_list, measured)} if len(shot_list) > 1 else {}),
         "stopped": result.stopped,
         "not_written": skipped,
@@ -68,11 +62,7 @@ def _shots(
             "frame": shot.frame,
             "before": numbered("before.png", number),
             "after": numbered("after.png", number),
-            "similarity": each.similarity,
-            **_prediction([each]),
-            "claims": each.claims,
-            "verdicts": each.verdicts,
-            **({"judge": each.judge} if each.judge else {}),
+            **_measurements([each]),
         }
         for number, (shot, each) in enumerate(zip(shot_list.shots, measured, strict=True))
     ]
@@ -96,12 +86,20 @@ def numbered(name: str, number: int) -> str:
     return f"{stem}-{number + 1}.{kind}" if number else name
 
 
-def _prediction(measured: Sequence[messages.Finished]) -> dict[str, Any]:
-    """Differences between the predictions and Cycles, means over the shots; `delta_e` is that of the prediction that is shown."""
+def _measurements(measured: Sequence[messages.Finished]) -> dict[str, Any]:
+    """The measurements of shots: means, and what the words show in the first; `delta_e` is that of the prediction that is shown."""
     rows = [each.prediction for each in measured]
     names = [name for name in rows[0] if all(name in row for row in rows)]
     prediction = {name: _mean([row[name] for row in rows]) for name in names}
-    return {"delta_e": prediction["shown"]["mean"], "prediction": prediction}
+    judges = [each.judge for each in measured if each.judge]
+    return {
+        "similarity": _mean([each.similarity for each in measured]),
+        "delta_e": prediction["shown"]["mean"],
+        "prediction": prediction,
+        "claims": measured[0].claims,
+        "verdicts": measured[0].verdicts,
+        **({"judge": judges[0]} if judges else {}),
+    }
 
 
 def _mean(rows: Sequence[dict[str, float]]) -> dict[str, float]:
@@ -138,8 +136,6 @@ def closing_lines(
         if result.report["prompt"].strip():
             lines.append(f"{who}Similarity to the words {s['before']:.3f} -> {s['after']:.3f}.")
         lines.append(f"{who}The prediction differs from Cycles by {_apart(each.prediction['shown'])}.")
-        if before := each.prediction.get("before_last_anchor"):
-            lines.append(f"{who}Prediction error before the last correction: {_apart(before)}.")
     return lines
 
 

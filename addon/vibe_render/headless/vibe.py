@@ -24,16 +24,14 @@ from ..export import notes
 from ..export.analysis import SceneAnalysis
 from ..looks import transfer
 from ..render import anchors, final_render
-from ..run.driver import drive
+from ..run.driver import Driver, drive
 from ..run.notes import words_of
-from ..run.sequence import SequenceDriver
 from ..scene import bindings, own_keys
 from ..scene.steps import Change, Steps
 from ..scene.subject import remember_subject
 from . import summary
 from .arguments import Reporter
-from .scenes import save_blend
-from .shots import ShotList
+from .scenes import ShotList, save_blend
 from .summary import Stopwatch, numbered
 
 _SAMPLES_BEFORE = 16
@@ -63,7 +61,7 @@ def on_interrupt(act: Callable[[], Any]) -> None:
     threading.Thread(target=watch, daemon=True).start()
 
 
-class HeadlessVibe(SequenceDriver):
+class HeadlessVibe(Driver):
     """One vibe of all shots of a command line."""
 
     def __init__(

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import struct
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -58,6 +59,60 @@ def _render_linear(scene: bpy.types.Scene, samples: int) -> np.ndarray:
             return image_pixels(image)
 
 
+def render_passes(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
+    """Renders a scene; its first layer's passes by name: (H, W, RGBA or XYZW) float32, row 0 at the bottom."""
+    layer = rendered.layer(scene)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "passes.exr"
+        plain = {**LAYERS, "exr_codec": "NONE", "use_exr_interleave": True}
+        render_file(scene, path, plain, layer=layer.name)
+        channels = read_exr(path)
+    passes: dict[str, dict[str, np.ndarray]] = {}
+    for name, values in channels.items():
+        owner, _, letter = name.rpartition(".")
+        if owner.startswith(f"{layer.name}."):
+            passes.setdefault(owner[len(layer.name) + 1 :], {})[letter] = values
+    order = "RGBAXYZW"
+    return {
+        name: np.stack([letters[k] for k in sorted(letters, key=order.index)], -1)
+        for name, letters in passes.items()
+    }
+
+
+def read_exr(path: Path) -> dict[str, np.ndarray]:
+    """Channels (H, W) float32 of an OpenEXR file by their full names, row 0 at the bottom.
+
+    Blender's own Python can write such files, not read them. Only what Blender writes with the settings of `render_passes` is
+    understood: one part, scan lines, no compression, 32-bit floats (openexr.com/en/latest/OpenEXRFileLayout.html).
+    """
+    data = path.read_bytes()
+    if data[:4] != b"v/1\x01" or data[5] & 0b11010:  # tiles, deep data, several parts
+        raise ValueError(f"{path.name} is not a plain OpenEXR file")
+    header, at = {}, 8
+    while data[at]:
+        name_end = data.index(b"\0", at)
+        kind_end = data.index(b"\0", name_end + 1)
+        size = struct.unpack_from("<i", data, kind_end + 1)[0]
+        header[data[at:name_end].decode()] = data[kind_end + 5 : kind_end + 5 + size]
+        at = kind_end + 5 + size
+    if header["compression"] != b"\0":
+        raise ValueError(f"{path.name} is compressed")
+    left, low, right, high = struct.unpack("<4i", header["dataWindow"])
+    width, height = right - left + 1, high - low + 1
+    names, table, place = [], header["channels"], 0  # in the order of the lines' content
+    while table[place]:
+        end = table.index(b"\0", place)
+        if struct.unpack_from("<i", table, end + 1)[0] != 2:
+            raise ValueError("a channel does not hold 32-bit floats")
+        names.append(table[place:end].decode())
+        place = end + 17
+    line = 4 * width * len(names)
+    begin = at + 1 + 8 * height  # after the table of lines, which follow one another
+    rows = np.frombuffer(data, np.uint8, height * (line + 8), begin).reshape(height, line + 8)
+    values = np.ascontiguousarray(rows[:, 8:]).view("<f4").reshape(height, len(names), width)
+    return {name: values[::-1, i] for i, name in enumerate(names)}
+
+
 def image_channels(image: bpy.types.Image) -> np.ndarray:
     """The stored pixels of an image: (H, W, C) float32, row 0 at the bottom, in its own color space."""
     width, height = image.size
@@ -83,21 +138,24 @@ def image_pixels(image: bpy.types.Image) -> np.ndarray:
 def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.types.Material]:
     """A copy of a material (and of the groups on the way) that emits one of its outputs; removed after the block."""
     twin = material.copy()
-    tree = twin.node_tree
-    compat.drop_action(tree)
-    exit_, groups = exposed_output(tree, origin)
-    glow = tree.nodes.new("ShaderNodeEmission")
-    tree.links.new(exit_, glow.inputs["Color"])
-    for output in [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial"]:
-        for entry in output.inputs:
-            for link in list(entry.links):
-                tree.links.remove(link)
-        tree.links.new(glow.outputs["Emission"], output.inputs["Surface"])
-    with temporary(twin, *groups):
+    compat.drop_action(twin.node_tree)
+    with temporary(twin, *emit(twin.node_tree, origin, "Emission", "Material")):
         yield twin
 
 
-def exposed_output(
+def emit(tree: bpy.types.NodeTree, origin: ValueOrigin, shader: str, output: str) -> list[bpy.types.NodeTree]:
+    """Lets the tree of a copied material or world emit one of its outputs; returns the copies of groups made for it."""
+    exit_, groups = _exposed_output(tree, origin)
+    glow = tree.nodes.new(f"ShaderNode{shader}")
+    tree.links.new(exit_, glow.inputs["Color"])
+    for node in [n for n in tree.nodes if n.bl_idname == f"ShaderNodeOutput{output}"]:
+        for link in [link for entry in node.inputs for link in entry.links]:
+            tree.links.remove(link)
+        tree.links.new(glow.outputs[0], node.inputs["Surface"])
+    return groups
+
+
+def _exposed_output(
     tree: bpy.types.NodeTree, origin: ValueOrigin
 ) -> tuple[bpy.types.NodeSocket, list[bpy.types.NodeTree]]:
     """An output in a tree for the value of one inside its node groups, and the copies of groups made for it."""
@@ -132,7 +190,7 @@ def bake_view(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -
 
 def bake_uvs(material: bpy.types.Material, size: int) -> np.ndarray:
     """A (glowing) material over the unit square of its UVs: (size, size, 3) linear, row 0 at v = 0."""
-    with _empty_scene(size, size) as scene:
+    with empty_scene(size, size) as scene:
         mesh = bpy.data.meshes.new("Vibe Bake")
         mesh.from_pydata([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [], [(0, 1, 2, 3)])
         mesh.uv_layers.new().uv.foreach_set("vector", [0, 0, 1, 0, 1, 1, 0, 1])
@@ -147,7 +205,7 @@ def bake_uvs(material: bpy.types.Material, size: int) -> np.ndarray:
 
 def bake_world(world: bpy.types.World, height: int, samples: int) -> np.ndarray:
     """A world as an environment texture: (height, 2 * height, 3) linear, row 0 straight down."""
-    with _empty_scene(2 * height, height) as scene:
+    with empty_scene(2 * height, height) as scene:
         scene.world = world
         return _bake_panorama(scene, samples)
 
@@ -164,7 +222,7 @@ def _bake_panorama(scene: bpy.types.Scene, samples: int) -> np.ndarray:
 
 
 @contextmanager
-def _empty_scene(width: int, height: int) -> Iterator[bpy.types.Scene]:
+def empty_scene(width: int, height: int) -> Iterator[bpy.types.Scene]:
     """A new scene with nothing but a camera."""
     scene = bpy.data.scenes.new("Vibe Bake")
     data = bpy.data.cameras.new("Vibe Bake")
@@ -222,7 +280,7 @@ def _lit_ball(light: Object, radius: float) -> Iterator[tuple[Scene, Light]]:
     matrix = light.matrix_world.copy()
     matrix.translation = (0.0, 0.0, 0.0)
     lamp.matrix_world = matrix
-    with temporary(lamp, ball, data, mesh), _empty_scene(2 * _FACTOR_HEIGHT, _FACTOR_HEIGHT) as scene:
+    with temporary(lamp, ball, data, mesh), empty_scene(2 * _FACTOR_HEIGHT, _FACTOR_HEIGHT) as scene:
         for obj in (lamp, ball):
             scene.collection.objects.link(obj)
         yield scene, data

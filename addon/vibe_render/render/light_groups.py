@@ -234,11 +234,9 @@ def _image_node(tree: NodeTree, image: Image, view_layer: str = "") -> Node:
 
 @contextmanager
 def _opened(path: Path, size: tuple[int, int]) -> Iterator[tuple[Scene, Image]]:
-    """A scene with nothing but a compositor, and an image of a file; both removed afterwards."""
-    journal, scene = Journal(), bpy.data.scenes.new("Vibe Mix")
-    scene.render.resolution_x, scene.render.resolution_y = size
-    scene.render.resolution_percentage = 100
-    with temporary(scene), temporary(bpy.data.images.load(str(path))) as image:
+    """A scene with a compositor that renders nothing, and an image of a file; both removed afterwards."""
+    journal = Journal()
+    with bake.empty_scene(*size) as scene, temporary(bpy.data.images.load(str(path))) as image:
         try:
             tree = compat.start_compositor(journal, scene)
             for node in [n for n in tree.nodes if n.bl_idname == "CompositorNodeRLayers"]:

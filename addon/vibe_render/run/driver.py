@@ -8,17 +8,27 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Generator, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
+
+from bpy.types import Scene
 
 from ..core import background
 from ..core.schema_import import messages, schema
 from ..engine.process import Engine
+from ..export import reading
+from ..export.analysis import SceneAnalysis
+from ..render import final_render
+from ..scene import bindings, keyframes, own_keys
+from ..scene.steps import Steps
+from ..scene.subject import SubjectChoice
+from .notes import CheckedFrame, words_of
 
 LOOKING = "Optimizing"
 ANCHORING = "Comparing with Cycles"
 _PAUSE = 0.02  # seconds between two steps of `drive`: the engine needs the core
+_SIZE, _SAMPLES = 256, 16  # longer side in pixels, and samples, of the images of checked frames
 
 T = TypeVar("T")
 _Answer = TypeVar("_Answer", messages.Result, messages.Finished, messages.Checked)
@@ -36,6 +46,7 @@ class Driver:
         words: Word to whether that look's picture shows it.
         preview: The newest picture of the look.
         variants: The variants, the best first, each with its picture; empty unless several were asked for.
+        sequence: The frames of the scene with the result that were checked.
     """
 
     patience = math.inf
@@ -49,6 +60,7 @@ class Driver:
         self.words: dict[str, bool] = {}
         self.preview: Path | None = None
         self.variants: list[tuple[messages.Variant, Path]] = []
+        self.sequence: tuple[CheckedFrame, ...] = ()
         self._job = job
         self._result: messages.Result | None = None
         self._last_word_at = 0.0  # time of the engine's last message; 0 before it is asked
@@ -181,6 +193,50 @@ class Driver:
 
     def _show_message(self, message: messages.Message) -> None:
         """Shows what the engine reports on its way to the answer."""
+
+    def _check_frames(
+        self,
+        scene: Scene,
+        frames: Iterable[int],
+        seen: Iterable[str],
+        choice: SubjectChoice,
+        seed: int,
+        first: SceneAnalysis | None = None,
+    ) -> Generator[str]:
+        """Renders frames with and without the look, and measures the words; nothing in the scene changes.
+
+        `seen` are the words that are visible where the look was found, `first` is the analysis there.
+        """
+        self.sequence, start, shown = (), scene.frame_current, keyframes.are_shown(scene)
+        try:
+            for frame in frames:
+                self._show_frame(frame)
+                yield self.stage
+                scene.frame_set(frame)
+                folder = self._job / f"frame-{frame}"
+                before, after = folder / "before.png", folder / "after.png"
+                try:
+                    reading.export_scene(scene, folder, choice, first)
+                except schema.VibeError as error:  # the subject is hidden
+                    self.sequence += (CheckedFrame(frame, note=error.message),)
+                    continue
+                steps = Steps.of(scene)
+                with own_keys.as_before(scene), bindings.trial(scene, steps.base, (), steps.pivot):
+                    final_render.render_picture(scene, before, _SIZE, _SAMPLES, seed)
+                final_render.render_picture(scene, after, _SIZE, _SAMPLES, seed)
+                if shown:
+                    keyframes.bring_back(scene)
+                self._ask(messages.Check(str(folder), str(before), str(after)))
+                checked = yield from self._answer(messages.Checked)
+                lost = [word for word in words_of(checked.verdicts, "missed") if word in seen]
+                self.sequence += (CheckedFrame(frame, lost, checked.verdicts, picture=after),)
+        finally:
+            if shown:
+                keyframes.bring_back(scene)
+            scene.frame_set(start)
+
+    def _show_frame(self, frame: int) -> None:
+        self.stage = f"Checking frame {frame}"
 
 
 def drive(steps: Iterator[str]) -> None:

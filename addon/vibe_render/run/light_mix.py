@@ -49,7 +49,7 @@ class RenderedMix:
 
     def __init__(self, scene: Scene) -> None:
         """Renders the scene with Cycles. Raises VibeError if there is nothing to mix, or no room on the disk."""
-        self._uid = scene.session_uid
+        self.uid = scene.session_uid
         self._folder = Path(bpy.app.tempdir) / f"vibe-mix-{uuid.uuid4().hex[:8]}"
         self._folder.mkdir()
         self.rendered, self.picture = self._folder / "rendered.png", self._folder / "mix.png"
@@ -66,10 +66,6 @@ class RenderedMix:
         except BaseException:
             self.discard()
             raise
-
-    def is_of(self, scene: Scene) -> bool:
-        """True if a scene was rendered."""
-        return scene.session_uid == self._uid
 
     def draw(self, scene: Scene, colors: Mapping[str, Color]) -> None:
         """Mixes the image anew; by layer, what its light is multiplied by."""
@@ -106,12 +102,8 @@ def _channels(scene: Scene, layers: Sequence[LightLayer]) -> list[MixChannel]:
 
 def _light_owners(scene: Scene, layer: LightLayer) -> set[tuple[str, str]]:
     """Groups and owners of the keys of a layer's lights. Of lights that share their data the first has the keys."""
-    first = {
-        m: name
-        for name, members in light_groups.sharing_data(light_groups.all_lights(scene)).items()
-        for m in members
-    }
-    return {("light", first[m]) for m in layer.members if m in first}
+    first = {light.data: light.name_full for light in reversed(light_groups.all_lights(scene))}
+    return {("light", first[m.data]) for m in layer.members if light_groups.is_light(m)}
 
 
 def _emitting(scene: Scene, layer: LightLayer) -> set[str]:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Generator, Iterable
+from collections.abc import Generator
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ import bpy
 from ..core.schema_import import messages, schema
 from ..engine.process import Engine
 from ..scene import snapshot
-from .scene_session import SceneSession, scene_settings
+from .session import SceneSession, scene_settings
 
 _PAUSE = 0.3  # seconds without a key, after which the words are looked at
 _SIZE = 96
@@ -63,10 +63,9 @@ class Live(SceneSession):
         finally:
             self._at_work = False
 
-    def scene_changed(self, changed: Iterable[bpy.types.ID]) -> None:
-        """Takes the data-blocks that have changed in Blender: the scene is read anew, unless `advance` changed them."""
-        # Scenes change with every letter that is typed; see `scene_settings`.
-        if not self._at_work and not all(isinstance(block, bpy.types.Scene) for block in changed):
+    def scene_changed(self) -> None:
+        """Has the scene read anew, unless `advance` changes it."""
+        if not self._at_work:
             self._read = None
 
     def show_again(self) -> None:

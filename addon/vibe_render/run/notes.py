@@ -1,10 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An engine's report of a vibe in lines for people: words that are visible, words that were left out, the model's part. No bpy here."""
+"""An engine's report of a vibe in lines for people: words that are visible or left out, the model's part, checked frames. No bpy here."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
+
+_MOST = 4  # frames that a look is searched for besides its own
+
+
+@dataclass(frozen=True)
+class CheckedFrame:
+    """A frame that was checked."""
+
+    frame: int
+    # words that are visible where the look was found, and not here
+    lost: list[str] = field(default_factory=list)
+    verdicts: list[dict[str, str]] = field(default_factory=list)  # as in `messages.Finished`
+    note: str = ""  # why nothing could be measured
+    picture: Path | None = None  # with the look
 
 
 def words_of(verdicts: Sequence[Mapping[str, str]], state: str) -> list[str]:
@@ -65,3 +81,21 @@ def model_lines(report: Mapping[str, Any], judge: Mapping[str, Any]) -> list[str
     elif "error" in judge:
         lines.append(f"Note: The model did not judge. {judge['error']}")
     return lines
+
+
+def lost_frames(checked: Sequence[CheckedFrame]) -> list[int]:
+    """Frames where a word is no longer visible: at most `_MOST`, evenly spread, as the search has all in memory."""
+    lost = [each.frame for each in checked if each.lost]
+    return lost[:: -(-len(lost) // _MOST)] if lost else []
+
+
+def steady_line(checked: Sequence[CheckedFrame]) -> str:
+    """The line for people on frames that all show the same words; "" if some do not."""
+    same = bool(checked) and not any(map(frame_line, checked))
+    return f"At all {len(checked)} checked frames the same words are visible." if same else ""
+
+
+def frame_line(checked: CheckedFrame) -> str:
+    """A line for people on a frame that could not be checked, or where a word is no longer visible; else ""."""
+    lost = f"no longer visible: {', '.join(checked.lost)}." if checked.lost else ""
+    return f"Frame {checked.frame}: {checked.note or lost}" if checked.note or lost else ""

@@ -15,7 +15,7 @@ from ..scene import bindings, keyframes, moments, own_keys, snapshot
 from ..scene import steps as step_list
 from ..scene.moments import Moment
 from ..scene.steps import Change, Steps
-from . import before_image
+from . import preview
 
 
 def apply(
@@ -165,13 +165,13 @@ def keep(scene: bpy.types.Scene) -> None:
         settings.show_original = False
     own_keys.release(scene)
     snapshot.forget(scene)
-    before_image.forget(scene)
+    preview.forget_before(scene)
     forget(scene)
 
 
 def revert(scene: bpy.types.Scene) -> list[str]:
     """Restores the scene as it was before the first vibe; returns and raises as `snapshot.revert`."""
     lost = snapshot.revert(scene)
-    before_image.forget(scene)
+    preview.forget_before(scene)
     forget(scene)
     return lost

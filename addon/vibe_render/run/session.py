@@ -1,37 +1,162 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A vibe while Blender stays free: every call of `advance` does one short step and returns."""
+"""A vibe while Blender stays free: every call of `advance` does one short step and returns; and its base, which Live has too."""
 
 from __future__ import annotations
 
+import shutil
 import time
-from collections.abc import Generator
+import uuid
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
 
 import bpy
 
 from ..core import compat, preferences
 from ..core.schema_import import atomic, messages, schema, targets
 from ..engine.process import Engine
-from ..export import notes
+from ..export import analysis, notes, reading
 from ..render import anchors, final_render, reference
 from ..scene import bindings, keyframes, own_keys, snapshot
 from ..scene.nodes import grade
 from ..scene.prepare import EVERYTHING, described_materials, separate_materials, shared_materials
 from ..scene.steps import Change, Steps
 from ..scene.subject import SubjectChoice, remember_subject
-from . import before_image, result
-from .driver import ANCHORING
+from . import preview, result
+from .driver import ANCHORING, Driver
 from .notes import words_of
-from .scene_session import READING, SceneSession
-from .sequence import SequenceDriver
 
+READING = "Reading the scene"
 PAUSING = (READING, ANCHORING)
 """Stages during which Blender is blocked: for long where the scene is large."""
 _READ_WITHIN = 20.0  # seconds; a prompt that takes longer to read may describe everything
 SILENT = 30.0  # seconds without a message from the engine, after which the panel says so
 
 
-class Session(SceneSession, SequenceDriver):
+def scene_settings(scene: bpy.types.Scene) -> tuple[Any, ...]:
+    """The scene's own settings that its export depends on: Blender reports their changes like a letter that is typed."""
+    render, view, vibe = scene.render, scene.view_settings, scene.vibe
+    picture = render.resolution_x, render.resolution_y, render.resolution_percentage
+    subject = vibe.subject, vibe.collection and vibe.collection.name
+    camera = scene.camera and scene.camera.name
+    return camera, scene.frame_current, view.view_transform, view.look, *picture, *subject
+
+
+class SceneSession(Driver):
+    """Work on one scene, in steps between which Blender is free.
+
+    It remembers the scene's session uid instead of the scene: after an undo a reference would be dangling.
+
+    Attributes:
+        scene: The scene's name at the start.
+        warnings: What the engine sees only approximately, in words for the artist, after `view_notes`.
+        view_notes: What spoils the picture whatever its look, in words for the artist.
+    """
+
+    def __init__(self, context: bpy.types.Context, engine: Engine) -> None:
+        super().__init__(engine, Path(bpy.app.tempdir) / f"vibe-{uuid.uuid4().hex[:8]}")
+        settings = context.scene.vibe
+        self.scene, self._uid = context.scene.name, context.scene.session_uid
+        self.warnings: list[str] = []
+        self.view_notes: list[str] = []
+        self._filling = ""  # see `SceneJob`
+        self._subject: list[str] = []
+        self._pivot = (0.0, 0.0, 0.0)
+        self._before_path = Path()  # of the before image
+        self._keyed = False  # whether keyframes are set aside for it
+        self._shown: dict[str, list[float]] | None = None  # values of the look that is in the scene
+        self._options = settings.engine_options(context)
+        self._choice = settings.choice()
+
+    def discard(self) -> None:
+        """Deletes the temporary files, the preview's picture among them."""
+        shutil.rmtree(self._job, ignore_errors=True)
+
+    def subject(self, scene: bpy.types.Scene) -> list[bpy.types.Object]:
+        """The subject's objects that are still in the scene."""
+        return [scene.objects[name] for name in self._subject if name in scene.objects]
+
+    def take_over(self, other: SceneSession) -> None:
+        """Goes on with the look of another session of the same scene, if that shows one."""
+        self.look, self.words = other.look, other.words
+        self.preview, self.before = other.preview, other.before
+        self._subject, self._pivot, self._shown = other._subject, other._pivot, other._shown
+        self._keyed, other._keyed = other._keyed, False
+
+    def show_again(self) -> None:
+        """Shows the newest look again, which a file that was saved, or an undo, has left out."""
+        self._shown = None
+        if self.look and self._result is None and self._scene_if_there():
+            self._show(self.look)
+
+    def _show(self, look: messages.LookSoFar) -> None:
+        """Shows a look in the scene, unless its values are shown already."""
+        if look.values != self._shown:
+            scene, self._shown = self._find_scene(), look.values
+            preview.show(scene, look.values, self.subject(scene), self._pivot)
+
+    @contextmanager
+    def _without_look(self, scene: bpy.types.Scene) -> Iterator[None]:
+        """The artist's scene for the duration of the block, which must not wait: then nobody sees the look go and come."""
+        preview.hide(scene)
+        yield
+        self.show_again()
+
+    def _object_mode(self, stage: str) -> Generator[str]:
+        """Waits for Object Mode."""
+        while bpy.context.mode != "OBJECT":
+            self.stage = stage
+            yield self.stage
+
+    def _export(self) -> Generator[str]:
+        """Reads the scene; starts again if the artist deletes something of it between two steps."""
+        job = None
+        while job is None:
+            yield from self._object_mode("Switch to Object Mode to go on")  # meshes are empty in Edit Mode
+            self.stage = READING
+            scene = self._find_scene()
+            with self._without_look(scene):
+                self._keyed |= keyframes.are_shown(scene)
+                reading.prepare_and_snapshot(scene, self._choice)
+                captured = analysis.capture(scene)
+                # The camera may move before the picture comes.
+                self._before_path = preview.before_path(scene)
+            visible_scene = yield from self._in_background(captured.visible_scene)
+            scene = self._find_scene()
+            with self._without_look(scene):
+                job = reading.export_captured(scene, self._job, self._choice, visible_scene)
+        self._options = replace(self._options, like=reference.picture_path(self._find_scene(), self._job))
+        self._subject = [obj.name_full for obj in job.analysis.objects]
+        self._pivot = job.analysis.pivot
+        self.warnings, self.view_notes, self._filling = job.warnings, job.view_notes, job.filling
+
+    def _take_look_away(self) -> None:
+        self._shown = None
+        if scene := self._scene_if_there():
+            preview.hide(scene)
+            if self._keyed:
+                keyframes.bring_back(scene)
+        self._keyed = False
+
+    def _restore(self, start: int | None) -> None:
+        """Takes back what the export has added, unless an undo or another file has done so already. No look may be shown."""
+        if scene := self._scene_if_there():
+            snapshot.rollback(scene, start)
+
+    def _find_scene(self) -> bpy.types.Scene:
+        scene = self._scene_if_there()
+        if scene is None:
+            raise schema.VibeError(f'The scene "{self.scene}" is gone.', "Start again in another scene.")
+        return scene
+
+    def _scene_if_there(self) -> bpy.types.Scene | None:
+        """The session uid outlives renaming and undo; scenes of other files have other ones."""
+        return next((s for s in bpy.data.scenes if s.session_uid == self._uid), None)
+
+
+class Session(SceneSession):
     """One vibe of the open scene, and then a check of its frames.
 
     Attributes:
@@ -49,11 +174,9 @@ class Session(SceneSession, SequenceDriver):
     ) -> None:
         super().__init__(context, engine)
         settings = context.scene.vibe
-        self.prompt, self.like = settings.prompt.strip(), reference.picture_name(settings)
-        self._change = change or Change(
-            Steps(), sentence=self.prompt, title=self.prompt or self.like, first=True
-        )
-        self.prompt, self.like = self._change.sentence, self.like if self._change.first else ""
+        prompt, like = settings.prompt.strip(), reference.picture_name(settings)
+        self._change = change or Change(Steps(), sentence=prompt, title=prompt or like, first=True)
+        self.prompt, self.like = self._change.sentence, like if self._change.first else ""
         self.shared = settings.shared if ask or settings.shared != "ASK" else "ALL"
         self.question: dict[str, list[str]] = {}
         self.checking = False
@@ -197,7 +320,7 @@ class Session(SceneSession, SequenceDriver):
             scene = self._find_scene()
             if grade.cut_off(compat.compositor(scene)) or final_render.is_black(picture):
                 notes.check_shows(scene, self._filling, message.lit)
-            self.before = before_image.store(self._before_path, picture, not self._vibed)
+            self.before = preview.store_before(self._before_path, picture, not self._vibed)
 
     def _anchor(self, request: messages.Anchor) -> messages.Anchored:
         scene = self._find_scene()

@@ -66,6 +66,11 @@ class AddonState:
         self.live = None
 
     @property
+    def has_engine(self) -> bool:
+        """True if an engine has been started, or will be."""
+        return self._engine is not None
+
+    @property
     def engine_runs(self) -> bool:
         """True if there is an engine that can be asked something."""
         return self._engine is not None and self._engine.alive

@@ -4,8 +4,7 @@
 from __future__ import annotations
 
 import time
-import uuid
-from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from ..core import rendered
 from ..core.schema_import import messages, schema
 from ..engine.process import Engine
 from ..export.reading import sketch_scene
-from .scene_session import scene_settings
+from .session import scene_settings
 
 _QUIET = 0.5  # seconds without a change of the scene, after which its words are read anew
 _Words = tuple[str, tuple[str, ...]]
@@ -33,8 +32,7 @@ class WordReadings:
         self.newest = messages.Readings("")  # the engine's last answer; of no words before that
         self._asked: _Words | None = None  # those whose readings the engine works on
         self._read: _Words = ("", ())
-        self._folder: Path | None = None  # of the sketch
-        self._is_sketched = False  # not where the scene cannot be exported
+        self._folder: Path | None = None  # of the sketch; None where the scene cannot be exported
         self._sketched: tuple[Any, ...] | None = None  # settings of the scene; None if the sketch is stale
         self._job = ""  # that the newest readings are of
         self._changed = 0.0  # time when the scene last changed
@@ -47,11 +45,9 @@ class WordReadings:
         # Whether the newest readings are of another scene than that of now.
         return self._job != str(live) if live else self._sketched != _settings(scene)
 
-    def scene_changed(self, changed: Iterable[bpy.types.ID]) -> None:
-        """Takes the data-blocks that have changed in Blender."""
-        # Scenes change with every letter that is typed; see `scene_settings`.
-        if not all(isinstance(block, bpy.types.Scene) for block in changed):
-            self._sketched, self._changed = None, time.monotonic()
+    def scene_changed(self) -> None:
+        """Has the scene sketched anew."""
+        self._sketched, self._changed = None, time.monotonic()
 
     def step(self, engine: Engine, scene: bpy.types.Scene, live: Path | None = None) -> bool:
         """Takes what has arrived, and asks about the words of now; never waits. True if there is news."""
@@ -76,14 +72,13 @@ class WordReadings:
         """The folder of the sketch of the scene as it is now; None where it cannot be exported."""
         settings = _settings(scene)
         if self._sketched != settings:
-            self._folder = self._folder or Path(bpy.app.tempdir) / f"vibe-words-{uuid.uuid4().hex[:8]}"
-            try:
-                sketch_scene(scene, self._folder, scene.vibe.choice())
-                self._is_sketched = True
-            except Exception:  # a vibe says what is wrong; its words are marked all the same
-                self._is_sketched = False
-            self._sketched = settings
-        return self._folder if self._is_sketched else None
+            self._folder = None
+            folder = Path(bpy.app.tempdir) / "vibe-words"
+            with suppress(Exception):  # a vibe says what is wrong; its words are marked all the same
+                sketch_scene(scene, folder, scene.vibe.choice())
+                self._folder = folder
+            self._sketched = settings  # last: sketching updates the scene, which counts as a change
+        return self._folder
 
 
 def _words(scene: bpy.types.Scene) -> _Words:

@@ -15,6 +15,7 @@ from ..core.schema_import import schema
 from ..render import reference
 from ..run.state import addon_state
 from ..scene import snapshot, subject
+from . import drawing
 from .engine_state import engine_state
 
 RUNNING = "A vibe is running"
@@ -108,9 +109,7 @@ class Operator(bpy.types.Operator):
                 error = files.unwritable(Path(tempfile.gettempdir(), "vibe"), error, "Check that folder.")
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        for window in context.window_manager.windows:
-            for area in window.screen.areas:
-                area.tag_redraw()
+        drawing.redraw()
         if message:
             self.report({self.severity}, message)
         return {"FINISHED"}

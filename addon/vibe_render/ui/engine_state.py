@@ -12,9 +12,8 @@ import bpy
 from ..core import background, preferences
 from ..core.preferences import own_folder
 from ..core.schema_import import errors, messages, schema
-from ..engine.find import find_python
 from ..engine.process import Engine
-from ..engine.setup import EngineSetup, TorchBuild, requirements
+from ..engine.setup import EngineSetup, TorchBuild, find_python, requirements
 from . import drawing
 
 _TICK = 0.25  # seconds between two looks at the background work

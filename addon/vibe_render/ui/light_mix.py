@@ -21,8 +21,9 @@ _TICK = 0.02  # seconds between two images while a slider moves
 def _shown(scene: bpy.types.Scene) -> light_mix.RenderedMix | None:
     """The light layers of a scene, if they have sliders; an undo may have taken those away."""
     rendered = addon_state.mix
-    there = rendered and rendered.is_of(scene) and all(c.name in scene.vibe.mix for c in rendered.channels)
-    return rendered if there else None
+    if rendered is None or rendered.uid != scene.session_uid:
+        return None
+    return rendered if all(c.name in scene.vibe.mix for c in rendered.channels) else None
 
 
 def draw_soon() -> None:

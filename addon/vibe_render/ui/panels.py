@@ -22,12 +22,10 @@ from . import (
     picture,
     preset_files,
     presets,
-    prompt_history,
     properties,
     result,
     run,
     scope,
-    sequence,
     setup,
     steps,
     words,
@@ -97,8 +95,8 @@ def _classes(*modules: ModuleType) -> list[type]:
 
 
 CLASSES = [
-    *_classes(setup, light_mix, properties, scope, run, live, words, picture, prompt_history),
-    *_classes(result, steps, sequence, presets, preset_files),
+    *_classes(setup, light_mix, properties, scope, run, live, words, picture),
+    *_classes(result, steps, presets, preset_files),
     _panel("main", MainPanel),
     _panel("result", result.ResultPanel),
     _panel("mix", light_mix.MixPanel),
@@ -135,10 +133,11 @@ def _show_again(*_: object) -> None:
 
 @persistent
 def _after_change(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    changed = [update.id.original for update in depsgraph.updates]
-    addon_state.readings.scene_changed(changed)
-    if addon_state.live:
-        addon_state.live.scene_changed(changed)
+    # Scenes change with every letter that is typed; see `scene_settings`.
+    if not all(isinstance(update.id, bpy.types.Scene) for update in depsgraph.updates):
+        addon_state.readings.scene_changed()
+        if addon_state.live:
+            addon_state.live.scene_changed()
 
 
 _HANDLERS = {
@@ -174,7 +173,6 @@ def register() -> None:
 def unregister() -> None:
     """Inverse of `register`; ends the engine."""
     live.unregister_keys()
-    setup.forget_warm_up()
     drawing.end_timers()
     for name, handler in _HANDLERS.items():
         getattr(bpy.app.handlers, name).remove(handler)

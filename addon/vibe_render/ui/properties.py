@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The panel's fields, kept in the scene at `scene.vibe`. Groups and options come from the schema."""
 
-from collections.abc import Callable, Mapping
-from types import MappingProxyType
 from typing import Any
 
 import bpy
@@ -27,25 +25,18 @@ from .picture import PictureSettings
 
 _LEFT_ALONE = ("camera",)  # unless asked: the artist framed the shot
 
-_Update = Callable[[Any, bpy.types.Context], None]
 
-
-def declare(
-    name: str,
-    preferences: bool,
-    updates: Mapping[str, _Update] = MappingProxyType({}),
-) -> type:
+def declare(name: str, preferences: bool) -> type:
     """A class whose annotations are properties for options of the schema, to be inherited by the one that Blender registers.
 
     They are for the add-on's preferences, or else for the scene, without options with choices, whose titles are the panel's.
-    `updates` has the functions that are called when an option changes.
     """
     rows = [row for row in options.TABLE if row.panel and row.panel.preferences == preferences]
-    properties = {row.name: _property(row, updates.get(row.name)) for row in rows if not row.choices}
+    properties = {row.name: _property(row) for row in rows if not row.choices}
     return type(name, (), {"__annotations__": properties, "__module__": __name__})
 
 
-def _property(row: options.Option, update: _Update | None) -> Any:
+def _property(row: options.Option) -> Any:
     panel = row.panel
     assert panel is not None
     facts: dict[str, Any] = {"name": panel.title, "description": panel.description}
@@ -55,14 +46,12 @@ def _property(row: options.Option, update: _Update | None) -> Any:
         bounds = panel.bounds or row.bounds
         facts |= {"min": bounds[0], "max": bounds[1]} if bounds else {}
         return IntProperty(**facts, default=row.default)
-    if update:
-        facts["update"] = update
     if panel.suggestions:
         facts |= {
             "search": lambda _owner, _context, _text: panel.suggestions,
             "search_options": {"SUGGESTION"},
         }
-    facts |= {"options": {"TEXTEDIT_UPDATE"}} if panel.live else {}
+    facts |= {"options": {"TEXTEDIT_UPDATE"}, "update": live.typed} if panel.live else {}
     facts |= {"subtype": "FILE_PATH", "options": compat.RELATIVE_PATHS} if panel.path else {}
     return StringProperty(**facts, default=panel.default, maxlen=panel.length)
 
@@ -120,7 +109,7 @@ def _dim(settings: "VibeSettings", context: bpy.types.Context) -> None:
         _mix(settings, context)
 
 
-_Options = declare("VibeOptions", preferences=False, updates={"prompt": live.typed})
+_Options = declare("VibeOptions", preferences=False)
 SHARED = (
     ("ALL", "Affect All Users", "The other objects change with the subject"),
     ("SINGLE", "Make Single-User", "The subject gets copies of its own; Revert removes them"),

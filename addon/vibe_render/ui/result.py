@@ -16,11 +16,11 @@ from ..core.schema_import import labels, messages, schema
 from ..export.notes import shortened_notes
 from ..render import reference
 from ..run import result
-from ..run.notes import shortfall, word_notes, words_of
+from ..run.notes import frame_line, shortfall, steady_line, word_notes, words_of
 from ..run.session import Session
 from ..run.state import addon_state
 from ..scene import keyframes, moments, own_keys, snapshot
-from . import sequence, steps
+from . import run, steps
 from .bases import HELD, Operator, ResultOperator, result_obstacle
 from .drawing import GROUP_ICONS, HEX_COLOR, before_after, colored, columns, icon, paragraph, see_rendered
 from .scope import draw_lock
@@ -35,6 +35,7 @@ _STATES = {
     "unmeasured": ("Set, not measured", "DOT"),
 }
 """State of a word's verdict -> its words and its sign."""
+_FRAMES = 12  # checked frames that are listed
 
 
 class ResultPanel:
@@ -82,7 +83,7 @@ class ResultPanel:
             _draw_variants(layout, variants, settings.variant)
         if session and not settings.variant:  # what is visible was measured on the first variant
             _draw_verdicts(layout, context, session)
-            sequence.draw(layout, context, session)
+            _draw_sequence(layout, context, session)
         steps.draw(layout, context)
         if settings.changes:
             draw_changes(layout, context)
@@ -135,6 +136,22 @@ def agreement(difference: float, engine: str) -> tuple[str, bool]:
     words, good = next((words, good) for most, words, good in _AGREEMENTS if difference < most)
     tenths = max(math.ceil(difference * 10.0), 1)
     return f"The preview {words} Cycles (ΔE {tenths / 10.0:.1f}; 1 is just visible)", good
+
+
+def _draw_sequence(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
+    """The button, and below it the frames that it has found, each with its image."""
+    row = layout.row(align=True)
+    row.operator("vibe.check_sequence", icon="SEQUENCE")
+    row.prop(context.scene.vibe, "check_every")
+    lost = [each for each in session.sequence if frame_line(each)]
+    if note := steady_line(session.sequence):
+        paragraph(layout, context, note, "CHECKMARK")
+    for each in lost[:_FRAMES]:
+        if shown := icon(each.picture):
+            layout.template_icon(icon_value=shown, scale=5.0)
+        paragraph(layout, context, frame_line(each), "HIDE_ON")
+    if len(lost) > _FRAMES:
+        layout.label(text=f"and {len(lost) - _FRAMES} more frames", icon="BLANK1")
 
 
 def _draw_variants(
@@ -283,3 +300,34 @@ class VIBE_OT_why(Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         self.report({"INFO"}, context.scene.vibe.changes[self.key].reason or "The look needs it")
         return {"CANCELLED"}
+
+
+class VIBE_OT_check_sequence(run.Vibing):
+    """Measure the words at frames of the scene, from its first to its last. Nothing in the scene changes"""
+
+    bl_label = "Check Sequence"
+    bl_options: ClassVar[set[str]] = set()
+
+    @classmethod
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        session = addon_state.session
+        if reason := result_obstacle(context):
+            return reason
+        if not (session and session.report and session.scene == context.scene.name):
+            return "Run the vibe again first: its measures last only as long as Blender runs"
+        return HELD if own_keys.are_held(context.scene) else ""
+
+    def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
+        session = addon_state.session
+        assert session
+        session.check(context.scene, context.scene.vibe.check_every)
+        addon_state.running = True
+        return session
+
+    def _done(self, failure: schema.VibeError | None, severity: str) -> set[str]:
+        if failure is None and addon_state.session:
+            frames = addon_state.session.sequence
+            lost = sum(bool(frame_line(each)) for each in frames)
+            self.report({"INFO"}, f"{len(frames)} frames checked: {lost} are listed under Result")
+            return {"FINISHED"}
+        return super()._done(failure, severity)

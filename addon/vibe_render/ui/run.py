@@ -18,7 +18,7 @@ from ..run.driver import LOOKING
 from ..run.notes import failure_note
 from ..run.session import PAUSING, SILENT, Session
 from ..run.state import addon_state
-from . import bases, drawing, light_mix, live, prompt_history
+from . import bases, drawing, light_mix, live, words
 from .properties import SHARED
 
 _TICK = 0.02  # seconds between two steps of the session
@@ -31,7 +31,8 @@ class Vibing(bases.Operator):
     bl_options: ClassVar[set[str]] = {"UNDO"}  # no REGISTER: "Adjust Last Operation" would do it all again
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        self._session = self._begin(context, ask=True)
+        if done := self._start(context, ask=True):
+            return done
         self._drawn = "", 0.0
         manager = context.window_manager
         self._timer = manager.event_timer_add(_TICK, window=context.window)
@@ -42,10 +43,11 @@ class Vibing(bases.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Runs the whole vibe at once, for scripts without a window."""
-        session = self._begin(context)
+        if done := self._start(context):
+            return done
         failure = None
         while failure is None and addon_state.running:
-            failure = _advance(session)
+            failure = _advance(self._session)
             time.sleep(_TICK)  # the engine needs the core
         return self._done(failure, "ERROR")
 
@@ -77,7 +79,20 @@ class Vibing(bases.Operator):
             addon_state.cancel()
         self._clean_up(context)
 
-    def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
+    def _start(self, context: bpy.types.Context, ask: bool = False) -> set[str]:
+        """Begins; returns Blender's result where it is done already, or fails."""
+        try:
+            session = self._begin(context, ask)
+        except schema.VibeError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if session is None:
+            return self._done(None, "INFO")
+        self._session = session
+        return set()
+
+    def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session | None:
+        """Begins a session; None if there is nothing left to do."""
         raise NotImplementedError
 
     def _escape(self, context: bpy.types.Context) -> set[str]:
@@ -133,8 +148,8 @@ class VIBE_OT_run(Vibing):
         if self.again and (settings.vibed_prompt or settings.vibed_like):
             settings.prompt = settings.vibed_prompt
             settings.seed += 1
-        if words := settings.prompt.strip():
-            prompt_history.remember(words, settings.target_pairs())
+        if prompt := settings.prompt.strip():
+            words.remember(prompt, settings.target_pairs())
         return addon_state.begin(context, ask)
 
 

@@ -21,11 +21,9 @@ from .engine_state import engine_state, setup_folder, version
 from .properties import declare
 
 _DIALOG_WIDTH, _DIALOG_LETTERS = 420, 62
-_SOON = 0.5  # seconds from drawing the panel to starting the engine; also between two looks at whether it has been found
 _EVERY = 3.0  # seconds between two measurements of the cache: Blender draws many times a second
 
 _measured: dict[Path, tuple[float, str]] = {}  # when a folder was measured, and its size in words
-_started = False  # whether the engine has been started, or soon will be
 
 _Options = declare("VibeEngineOptions", preferences=True)
 
@@ -288,22 +286,10 @@ class VIBE_OT_clear_cache(Operator):
 
 def warm_up_soon() -> None:
     """Starts the engine, once, as soon as it is found; a panel may call this whenever it is drawn."""
-    global _started
-    if not _started:
-        _started = True
-        drawing.begin(_warm_up, _SOON, persistent=True)
+    if engine_state.python and not addon_state.has_engine:
+        drawing.begin(_warm_up, 0.0, persistent=True)
 
 
-def _warm_up() -> float | None:
+def _warm_up() -> None:
     """A timer: starting a process while something is drawn would hold that up."""
-    if engine_state.searching:
-        return _SOON
-    if engine_state.python:
-        addon_state.warm_up(bpy.context)
-    return None
-
-
-def forget_warm_up() -> None:
-    """Lets the next panel start an engine anew, when the add-on is switched off."""
-    global _started
-    _started = False
+    addon_state.warm_up(bpy.context)

@@ -13,7 +13,7 @@ from ..run import result
 from ..run.session import Session
 from ..run.state import addon_state
 from ..scene import bindings
-from ..scene.steps import WORDLESS, Change, Steps
+from ..scene.steps import WORDLESS, Steps
 from . import bases, run
 from .drawing import columns, paragraph
 from .engine_state import engine_state
@@ -71,7 +71,6 @@ class VIBE_OT_further(run.Vibing):
     """Go on from the result by this sentence: what it does not mention stays"""
 
     bl_label = "Go On"
-    _change: Change | None = None
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
@@ -80,33 +79,19 @@ class VIBE_OT_further(run.Vibing):
             reason = "Say what is to change first"
         return reason or ("Set up the engine first" if engine_state.problem else "")
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        return self._at_once(context) or super().invoke(context, event)
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Does all of it at once, for scripts without a window."""
-        return self._at_once(context) or super().execute(context)
-
-    def _at_once(self, context: bpy.types.Context) -> set[str]:
-        """Reads the sentence, and does what needs no search; nothing where one is needed."""
+    def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session | None:
+        """Reads the sentence; what needs no search is done at once."""
         scene = context.scene
         settings = scene.vibe
-        try:
-            steps = _current(scene)
-            place = settings.edited - 1
-            edits = 0 <= place < len(steps.steps)
-            change = steps.again(place, settings.further) if edits else steps.change(settings.further)
-            if not change.sentence:
-                steps.add(change, bindings.read(scene, (), steps.pivot), {})
-                result.show(scene, steps)
-        except schema.VibeError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        self._change = change
-        return set() if change.sentence else self._done(None, "INFO")
-
-    def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
-        return addon_state.begin(context, ask, self._change)
+        steps = _current(scene)
+        place = settings.edited - 1
+        edits = 0 <= place < len(steps.steps)
+        change = steps.again(place, settings.further) if edits else steps.change(settings.further)
+        if change.sentence:
+            return addon_state.begin(context, ask, change)
+        steps.add(change, bindings.read(scene, (), steps.pivot), {})
+        result.show(scene, steps)
+        return None
 
     def _done(self, failure: schema.VibeError | None, severity: str) -> set[str]:
         if failure is None:

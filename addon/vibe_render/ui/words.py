@@ -1,18 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The words of the prompt, each marked as understood, guessed or left out; its targets, and other words in its place."""
+"""The words of the prompt, each marked as understood, guessed or left out; its targets, and other words in its place.
+
+And the prompts that were typed, with the targets of their words, the newest first: a small file of the user's, for all scenes.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import json
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import ClassVar
 
 import bpy
 from bpy.props import StringProperty
 
 from ..core import rendered
-from ..core.schema_import import messages, schema, targets
+from ..core.files import whole
+from ..core.preferences import own_folder
+from ..core.schema_import import checks, messages, schema, targets
 from ..run.state import addon_state
 from . import drawing
 from .bases import Operator
@@ -23,6 +29,8 @@ _FEW = 3  # selected objects that are named one by one
 _MARGIN, _ICON = 2, 3  # room that a word's margins take, and its icon, in characters
 _ICONS = {"light": "LIGHT", "sky": "WORLD", "picture": "IMAGE_DATA", "air": "MOD_FLUID", "none": "CANCEL"}
 """Kind of target -> icon, of those that every scene has."""
+_MOST = 30  # prompts that are kept
+_NAME = "prompts.json"
 
 
 def keep_up(context: bpy.types.Context) -> None:
@@ -189,3 +197,84 @@ class VIBE_OT_reword(Operator):
             return {"CANCELLED"}
         settings.prompt = changed
         return {"FINISHED"}
+
+
+def prompts() -> list[str]:
+    """The stored prompts, the newest first; none where the file cannot be read."""
+    return [text for text, _ in _stored()]
+
+
+def targets_of(prompt: str) -> list[str]:
+    """The artist's targets for words of a stored prompt: "copper=Cup"."""
+    return next((pairs for text, pairs in _stored() if text == prompt), [])
+
+
+def remember(prompt: str, pairs: Sequence[str] = ()) -> None:
+    """Puts a prompt and its targets first, and drops the oldest. Where the folder cannot be written, nothing fails."""
+    kept = [(prompt, [*pairs]), *(each for each in _stored() if each[0] != prompt)][:_MOST]
+    rows = [{"prompt": text, "targets": each} for text, each in kept]
+    with contextlib.suppress(OSError, schema.VibeError), whole(own_folder("", create=True) / _NAME) as part:
+        part.write_text(json.dumps(rows, ensure_ascii=False, indent=1), encoding="utf-8")
+
+
+def _stored() -> list[tuple[str, list[str]]]:
+    """The prompts with their targets; none where the file, which anybody may have written, has another form."""
+    try:
+        rows = json.loads((own_folder("") / _NAME).read_text(encoding="utf-8"))
+        return [(row, []) if isinstance(row, str) else (row["prompt"], row["targets"]) for row in rows]
+    except (OSError, ValueError, TypeError, KeyError):
+        return []
+
+
+def clear() -> None:
+    """Deletes the history."""
+    with contextlib.suppress(OSError):
+        (own_folder("") / _NAME).unlink(missing_ok=True)
+
+
+class VIBE_MT_history(bpy.types.Menu):
+    """The prompts that were typed."""
+
+    bl_label = "Earlier Prompts"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        earlier = prompts()
+        for text in earlier[:20]:
+            layout.operator("vibe.recall", text=text if len(text) < 70 else f"{text[:67]}…").prompt = text
+        if earlier:
+            layout.separator()
+            layout.operator("vibe.clear_history", icon="TRASH")
+        else:
+            layout.label(text="Nothing yet")
+
+
+class VIBE_OT_recall(Operator):
+    """Put these words into the prompt"""
+
+    bl_label = "Recall"
+    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
+
+    prompt: StringProperty()
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        return properties.prompt
+
+    def perform(self, context: bpy.types.Context) -> None:
+        """Sets the prompt, and the targets of its words as far as the scene has them."""
+        settings = context.scene.vibe
+        settings.prompt = self.prompt
+        known = (targets.GENERAL, context.scene.objects, bpy.data.materials)
+        for word, target in checks.targets(targets_of(self.prompt)).items():
+            if all(any(name in names for names in known) for name in targets.target_names(target)):
+                settings.set_target(word, target)
+
+
+class VIBE_OT_clear_history(Operator):
+    """Forget the prompts that were typed"""
+
+    bl_label = "Clear History"
+
+    def perform(self, context: bpy.types.Context) -> None:
+        clear()

@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from vibe_render.render.baked_passes import capture_plane
+from vibe_render.export.measured import capture_plane
 
 PIVOT = np.array([0.0, 0.0, 1.0])
 
