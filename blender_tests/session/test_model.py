@@ -115,10 +115,12 @@ def test_what_failed_is_said():
         "Planned without the model in 1 of 2 rounds. It is down."
     )
     assert failure_note({"rounds": rounds}) == ""
-    model = {"model": "eyes", "calls": 3, "cached": 1, "tokens": {"read": 9, "written": 5}}
-    lines = model_lines({"vlm": model}, {"error": "It is blind."})
-    assert "9 tokens read, 5 written" in lines[0]
-    assert lines[1].endswith("It is blind.")
+    counts = {"clipped": 2, "mended": 0, "dropped": 1, "missing": 0}
+    model = {"model": "eyes", "calls": 3, "cached": 1, "tokens": {"read": 9, "written": 5}, "cost_usd": 0.5}
+    lines = model_lines({"vlm": {**model, **counts}}, {"error": "It is blind."})
+    assert "0.5000 US dollars" in lines[0]
+    assert lines[1].endswith(": 2 clipped, 1 dropped.")
+    assert lines[2].endswith("It is blind.")
 
 
 def test_the_environment_is_clean():

@@ -188,7 +188,9 @@ def _balanced(
     out = dict(values)
     for each in lights:
         for key in (f"light/{each.name}/power", f"light/{each.name}/strength"):
-            if key in out:
+            if key in out and each.own and not levels.factors[each.name]:
+                out[key] = scene.value(key)  # it reaches nothing that is measured, but it burns
+            elif key in out:
                 out[key] = (out[key][0] * levels.factors[each.name],)
     if rig.world is not None and "world/strength" in scene.instances:
         wanted = levels.key * 2.0**rig.world
@@ -328,13 +330,17 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
 
 
 def _burning(scene: SceneData, lights: Sequence[Placed]) -> dict[str, Placed]:
-    """The scene's own lights in lamps of the kind at which the rig adds one, with that one: their shades stay lit."""
+    """The scene's own lights in lamps of the kind that the rig lights, with the rig's light: a street has several lamps.
+
+    A name that only says the type of a light, as "Spot", says nothing of a lamp.
+    """
     found: dict[str, Placed] = {}
+    playing = {each.name for each in lights}
+    free = [x for x in scene.lights if x.type != "SUN" and x.name not in playing]
     for each in lights:
         names = {word.removesuffix("s") for word in each.light.names}
-        if each.fixed and each.type == "POINT" and not each.own:
-            mine = (x.name for x in scene.lights if names.intersection(plain_name(x.name).split()))
-            found |= dict.fromkeys(mine, replace(each, own=True))
+        mine = (x.name for x in free if names & {*plain_name(x.name).split()} - {x.type.lower()})
+        found |= dict.fromkeys(mine, replace(each, own=True))
     return found
 
 

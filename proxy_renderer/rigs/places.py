@@ -13,7 +13,9 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
+from ..render.lights.light_types import light_sources
 from ..scene import Light, SceneData
+from ..scene.values import RenderValues
 from ..schema import orbit
 from ..schema.added_lights import PARTS, light_name, role_of
 from ..words.lexicon.rigs import RigLight
@@ -130,11 +132,16 @@ def _stands_for(light: Light, wanted: RigLight, stage: LightStage) -> bool:
 
 
 def _share(stage: LightStage, light: RigLight, candidate: Light) -> float:
+    """How much of a rig's light's target a light of the scene reaches, where it stands."""
     points = _targets(light, stage)
     if candidate.type == "SUN":
         azimuth, elevation = _angles(candidate, stage.scene)
         return float(stage.sunlit(points, azimuth - stage.front, elevation).mean())
-    return float(stage.reached(points, torch.tensor(candidate.position, dtype=torch.float32)).mean())
+    lamps = light_sources(stage.scene, RenderValues(stage.scene, {}, "cpu"))
+    lamp = next(each for each in lamps if each.light.name == candidate.name)
+    within = lamp.irradiance(points.position, points.normal).irradiance > 0.0  # a spot's cone
+    reached = stage.reached(points, torch.tensor(candidate.position, dtype=torch.float32))
+    return float((reached * within).mean())
 
 
 def _added(light: RigLight, stage: LightStage, taken: set[str], alone: bool) -> Placed | None:

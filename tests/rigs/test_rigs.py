@@ -27,7 +27,7 @@ from proxy_renderer.rigs.places import placed
 from proxy_renderer.rigs.stage import LightStage
 from proxy_renderer.scene import Light, SceneData, load_scene
 from proxy_renderer.scene.data import Standby
-from proxy_renderer.schema import FAMILIES, Instance, VibeError
+from proxy_renderer.schema import FAMILIES, Instance, VibeError, orbit
 from proxy_renderer.schema.added_lights import ADDED_LIGHTS, card
 from proxy_renderer.words.lexicon.rigs import KINDS, read, rig_table
 from proxy_renderer.words.lexicon.user_words import default_vocabulary
@@ -213,6 +213,37 @@ def test_a_further_sentence_adds_another_rim_and_leaves_those_that_are_there(sce
     stage = set_stage([lit], "the rim light cooler", goes_on=True)
     assert stage.scenes[0].lights == lit.lights
     assert stage.plan is None
+
+
+def with_street_lamps(scene: SceneData) -> SceneData:
+    """The scene with two spots on posts that shine away from its subject."""
+    away = ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, -1.0))
+    lights, instances = [], {}
+    for name, side in (("Street Lamp 1", -60.0), ("Street Lamp 2", 60.0)):
+        place = tuple(4.0 * x for x in orbit.direction(side, 40.0))
+        lights.append(Light(name, "SPOT", away, place))
+        values = {
+            **_COMMON,
+            "power": (40.0,),
+            "size": (0.1,),
+            "distance": (4.0,),
+            "cone": (60.0,),
+            "azimuth": (side,),
+        }
+        for kind, value in values.items():
+            instance = Instance(FAMILIES[f"light/{kind}"], name, value, 4.0 if kind == "distance" else 1.0)
+            instances[instance.key] = instance
+    return replace(scene, lights=(*scene.lights, *lights), instances={**scene.instances, **instances})
+
+
+@pytest.mark.parametrize("prompt", ["sodium streetlights at night", "street lamps, rainy night"])
+def test_the_lamps_of_a_street_burn_though_none_shines_on_the_subject(prompt, scene):
+    entries = set_stage([with_street_lamps(scene)], prompt).plan.entries
+    for lamp in ("Street Lamp 1", "Street Lamp 2"):
+        power, color = (entries.get(f"light/{lamp}/{what}") for what in ("power", "color"))
+        assert power is None or power.start[0] >= 20.0
+        assert color.start[0] > color.start[2]
+    assert entries["light/Key/power"].start[0] < 1.0
 
 
 def test_without_new_lights_the_scenes_own_plays_the_key(scene):
