@@ -68,7 +68,7 @@ def test_two_windows(tmp_path):
     assert [path.name for path in saved] == ["mine-2.json", "mine.json"]
     same(*(transfer.load_preset(path).roles["film"][0] for path in saved))
     (prompts,) = user.rglob("prompts.json")
-    assert json.loads(prompts.read_text()) == ["glossy teal box, vignette"]
+    assert [row["prompt"] for row in json.loads(prompts.read_text())] == ["glossy teal box, vignette"]
     assert list(user.rglob("cache/**/*.json"))
     assert not [path for path in user.rglob("*") if path.is_file() and path.name.startswith(".")]
 

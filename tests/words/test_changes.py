@@ -157,16 +157,13 @@ def test_changes_are_read_in_other_languages(prompt, meant):
     assert {a.owners for a in said if a.kind == "subject" and not a.cause} == {(meant,)}
 
 
-def test_a_room_has_walls_and_a_floor_that_is_not_the_ground():
+def test_a_room_has_walls_and_a_ground():
     looks = dict(LOOKS)
     looks["M3"] = MaterialLook(NAVY, share=0.15, worn={"Cube.002": 0.15}, structures=frozenset({"walls"}))
     looks["M2"] = MaterialLook(
         SAND, share=0.2, worn={"Cube.001": 0.2}, structures=frozenset({"wall", "walls"})
     )
-    looks["M5"] = MaterialLook(
-        (0.5, 0.5, 0.5), share=0.03, worn={"Plane.001": 0.03}, structures=frozenset({"floor"})
-    )
     room = dataclasses.replace(SCENE, looks=looks)
-    assert surfaces("peach walls, walnut floor", room) == {"peach": ("M2", "M3"), "walnut": ("M5",)}
+    assert surfaces("peach walls, walnut floor", room) == {"peach": ("M2", "M3"), "walnut": ("M4",)}
     assert surfaces("the ground is pink", room) == {"pink": ("M4",)}
     assert surfaces("the wall is pink", room) == {"pink": ("M2",)}
