@@ -11,8 +11,6 @@ from ..color.floats import (
     lab_from_srgb,
     linear_from_srgb,
     luminance,
-    mixed,
-    srgb_from_hex,
 )
 from ..goals.resolve import Goals
 from ..schema import Values
@@ -22,6 +20,7 @@ from ..words.lexicon.rigs import KINDS, TIMES, Modifier, Rig, RigLight, RigTable
 from ..words.lexicon.vocabulary import GLOWING, Vocabulary
 from ..words.passage import LIGHTS
 from ..words.types import Attribute
+from .combined import at_an_hour, deepened, in_a_mood, in_a_style, with_source
 from .described import (
     BEHIND,
     EDGES,
@@ -37,99 +36,7 @@ from .described import (
 )
 from .levels import GRAY
 
-_SECOND = -1.0  # stops of another setup's key against the first one's
-_DARK_STYLE = -2.0  # stops of a world or a sky below which a style is dark
 _BLACK = 1e-7  # luminance of a sky that is as dark as can be
-_DIMMED = 0.6  # stops that an hour may darken a setup of another kind
-_MOOD, _MOST = 0.6, 0.8  # how much of a mood's sky, fill and exposure an hour takes on, and most stops
-
-
-def with_source(rig: Rig, other: Rig) -> Rig:
-    """A setup with the key of another one as a second light, on the side where the first key is not."""
-    if not other.lights or not rig.lights:
-        return rig
-    first, key = rig.lights[0], other.lights[0]
-    if (first.color, first.kelvin) == (key.color, key.kelvin):
-        return rig
-    azimuth = -key.azimuth if first.azimuth * key.azimuth > 0 else key.azimuth
-    rest = tuple(light for light in rig.lights if light.part != "accent")
-    return replace(rig, lights=(*rest, replace(key, part="accent", stops=_SECOND, azimuth=azimuth)))
-
-
-def at_an_hour(rig: Rig, hour: Rig) -> Rig:
-    """A setup under the sky of an hour or a weather, of several the darkest; suns have their color at that hour."""
-    if rig.under_sky and rig.sky is not None and (hour.sky is None or hour.sky > rig.sky):
-        return rig
-    sun = next((light for light in hour.lights[:1] if light.type == "SUN"), None)
-    lights = tuple(
-        replace(light, kelvin=sun.kelvin, color=sun.color) if sun and light.type == "SUN" else light
-        for light in rig.lights
-    )
-    return replace(
-        rig,
-        lights=lights,
-        under_sky=True,
-        sky=rig.sky if hour.sky is None else hour.sky,
-        sky_color=hour.sky_color or rig.sky_color,
-        world_color=hour.world_color or rig.world_color,
-        exposure=min(rig.exposure, max(hour.exposure, rig.exposure - _DIMMED)),
-    )
-
-
-def in_a_style(rig: Rig, style: Rig) -> Rig:
-    """A setup as dark as a dark style, and developed as it is; nothing is darker where a sun shines or an hour has its sky."""
-    has_own_sky = rig.under_sky or any(light.type == "SUN" for light in rig.lights[:1])
-    darker = {
-        name: theirs if mine is None else min(mine, theirs)
-        for name in (() if has_own_sky else ("world", "sky"))
-        if (theirs := getattr(style, name)) is not None and theirs < _DARK_STYLE
-        for mine in (getattr(rig, name),)
-    }
-    exposure = min(rig.exposure, max(style.exposure, rig.exposure - _DIMMED))
-    return replace(rig, **darker, exposure=exposure, grade=(*rig.grade, *style.grade))
-
-
-def in_a_mood(rig: Rig, mood: Rig) -> Rig:
-    """An hour, a weather or a place with the sky, the fill, the air and the colored edges of a mood: "gloomy noon"."""
-    parts = {light.part for light in rig.lights}
-    edges = tuple(light for light in mood.lights if light.color and light.part in EDGES)
-    return replace(
-        rig,
-        world=_mixed(rig.world, mood.world),
-        world_color=_mixed_color(rig.world_color, mood.world_color),
-        sky=_mixed(rig.sky, mood.sky),
-        sky_color=_mixed_color(rig.sky_color or rig.world_color, mood.sky_color or mood.world_color),
-        air=max((air for air in (rig.air, mood.air) if air is not None), default=None),
-        exposure=_mixed(rig.exposure, mood.exposure) or 0.0,
-        grade=(*rig.grade, *mood.grade),
-        lights=(*rig.lights, *(light for light in edges if light.part not in parts)),
-    )
-
-
-def _mixed(mine: float | None, theirs: float | None) -> float | None:
-    if mine is None or theirs is None:
-        return mine if theirs is None else theirs
-    return mine + max(-_MOST, min(_MOOD * (theirs - mine), _MOST))
-
-
-def _mixed_color(mine: str, theirs: str) -> str:
-    if not (mine and theirs):
-        return mine or theirs
-    return hex_from_srgb(mixed(srgb_from_hex(mine), srgb_from_hex(theirs), _MOOD))
-
-
-def deepened(rig: Rig, modifier: Modifier, strength: float) -> Rig:
-    """A rig with a modifier's contrast and exposure."""
-    deeper = modifier.contrast * strength
-    lights = tuple(
-        light
-        if light.part in ("key", *EDGES) or light.reach == "background"
-        else replace(light, stops=light.stops + deeper)
-        for light in rig.lights
-    )
-    world = None if rig.world is None else min(rig.world + deeper, 0.5)
-    return replace(rig, lights=lights, world=world, exposure=rig.exposure + modifier.exposure * strength)
-
 
 _STYLED = {
     "source": ("style", "film", "mood", "place"),

@@ -6,58 +6,30 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ..schema import VibeError
 from ..schema.limits import LONGEST_PROMPT
 from ..schema.options import checks
-from ..schema.targets import GENERAL, NOT_USED, NUMBER, OFFERED, joined
+from ..schema.targets import GENERAL, NOT_USED, OFFERED, joined
 from .attributes import complete
 from .foreign import Gloss, Retelling, gloss, other_language, understood
 from .lexer import Token
 from .lexicon.entries import normalize
-from .lexicon.languages import any_of, singular, thing_words
-from .lexicon.rigs import rig_table
 from .lexicon.user_words import default_vocabulary
-from .lexicon.vocabulary import Vocabulary, hour_entry, kelvin_entry
-from .linking import without_links
+from .lexicon.vocabulary import Vocabulary
 from .model import FactWeights, looks, scores
-from .names import parts, scene_names
+from .normalized import Normalized, normalized
 from .own_nouns import with_own_materials
 from .reader import PromptReading, read_words
-from .scene import REGIONS, SceneIndex, fit_rank, materials_of
 from .targets import described_name, key_numbers, plain_key, sense_at, target_name
-from .types import GLOW, Attribute, Candidate, Parsed, PromptWord, SaidLink, SceneDescription
+from .types import Attribute, Candidate, Parsed, PromptWord, SceneDescription
 
 _TAG = re.compile(r"</?[a-zA-Z][^<>]{0,200}>|\x1b\[[0-9;]*[A-Za-z]|[\x00-\x08\x0e-\x1f\x7f]")
 _THINGS_STAY = "things are not added, moved or removed, only their look changes."
 _LEAST = 0.02  # probability of a candidate
 _MOST = 16  # objects, and lights, that a word is offered besides
 _TARGETS, _FACTS = 4, 4  # lines of `why` for each look word, and facts in each line
-
-
-_CLOCK = re.compile(r"\b(at )?(\d{1,2})(?:[:.]([0-5]\d))? ?([ap]\.?m\b\.?|o'clock)?(?![\w:])", re.IGNORECASE)
-_KELVINS = re.compile(r"\b(\d{1,2}[.,' ]?\d{3}|\d{3,5})[\s-]*(?:k|kelvins?|degrees kelvin)\b", re.IGNORECASE)
-_COLDEST, _HOTTEST = 600, 40000  # kelvins that somebody may ask for; 4K and 8K are sizes of images
-_PAIR = re.compile(
-    r"""["']?(\w(?:[\w -]|\.(?=\w)){0,60}?)["']?\s*[:=]\s*["']?([^:=,;.{}"'\n]{1,40}?)["']?(?=\s*(?:[,;.}]|$))"""
-)
-_MOST_WORDS = 4  # words of a value; more are a sentence of their own
-_AND = re.compile(r"\s*(?:,|\band\b|\bor\b)\s*")
-_LIGHT = r"(?:the |a |an |one |some )?(?P<light>(?:[\w'-]+ ){0,3}?[\w'-]+)"
-_SOLE = tuple(
-    re.compile(pattern, re.IGNORECASE)
-    for pattern in (
-        rf"\b(?:only|just|nothing but) {_LIGHT} (?:(?:is|are|left|still|turned|switched) )*(?:on|lit|burning)\b",
-        rf"\b(?:everything|all|all the|every other|the) ?(?:other )?(?:lights?|lamps?|light source)? (?:(?:is|are|turned|switched) )*(?:off|out),? (?:except|but|apart from|besides)(?: for)? {_LIGHT}(?=\s*(?:[,;.]|$))",
-        rf"\b(?:lit only|only lit) (?:by|with) {_LIGHT}(?=\s*(?:[,;.]|$))",
-    )
-)
-"""Ways to say that one light burns alone."""
-_LAMPLIGHT = "lamplight"  # the setup of a room by a lamp of it
-
-Protection = tuple[str, tuple[str, ...]]
-"""A passage that says that something stays, "leave the cup alone", and the owners that stay; none if it names nothing."""
 
 
 class Understood:
@@ -203,118 +175,6 @@ def read(
 
 def _quoted(words: Iterable[str]) -> str:
     return ", ".join(f"'{word}'" for word in dict.fromkeys(words))
-
-
-# Numbers as sentences say them, and what is to stay as it is
-
-
-@dataclass(frozen=True)
-class Normalized:
-    """A prompt in the words that its reader knows; `text` is without the passages of `protections` and `links`."""
-
-    text: str
-    protections: list[Protection]
-    links: list[SaidLink]
-    notes: list[str]  # on links that name nothing
-    targets: dict[str, str]  # look word -> the name before its colon: "Cup: copper"
-
-
-def normalized(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> Normalized:
-    """A prompt in English, normalized."""
-    own = {name.lower(): name for name in (*scene.lights, *scene.materials, *scene.objects)}
-    names, targets = scene_names(scene) | {*own}, dict[str, str]()
-
-    def sentence(pair: re.Match[str]) -> str:
-        """ "fog: none, cup: copper" as "no fog, the cup is copper"."""
-        key, value = pair[1].strip().lower(), pair[2].strip()
-        if value.lower() in vocabulary.words["off"]:
-            return f"no {key}"
-        if key in own:
-            kind = "lights" if own[key] in scene.lights else "things"
-            before = [look.text for look in looks(pair.string[: pair.start()], scene, vocabulary).looks]
-            for look in looks(value, scene, vocabulary).looks:
-                before.append(look.text)
-                if sense_at(look.token, kind, vocabulary):
-                    targets[f"{look.text}{NUMBER}{before.count(look.text)}"] = own[key]
-        if key in names or singular(key) in thing_words():
-            return f"the {key} is {value}"
-        short = len(value.split()) <= _MOST_WORDS
-        return f"{value} {key}" if short and key in vocabulary.nouns else pair[0]
-
-    for alone in _SOLE:
-        text = alone.sub(_sole_light, text)
-    text = _KELVINS.sub(_kelvins, _CLOCK.sub(_hour, _PAIR.sub(sentence, text.replace("’", "'"))))
-    text, links, notes = without_links(text, scene, vocabulary)
-    found, rest = list[Protection](), text
-    for number, pattern in enumerate(vocabulary.made(_protecting)):
-        for match in pattern.finditer(text):
-            kept = tuple(dict.fromkeys(_kept(match["what"], scene, vocabulary)))
-            if kept or number == 0:  # "keep it warm", "the light stays soft" protect nothing
-                found.append((match[0].strip(), kept))
-                rest = rest.replace(match[0].strip(), ",")
-    return Normalized(rest if rest.strip(" ,.;") else text, found, links, notes, targets)
-
-
-def _sole_light(match: re.Match[str]) -> str:
-    """ "only the floor lamp on" as "by lamplight", "just the key on" as "key on, everything else dark"."""
-    light, rigs = match["light"], rig_table().rigs
-    noun = singular(light.split()[-1].lower())
-    if noun in rigs[_LAMPLIGHT].lights[0].names:
-        return f"by {next((name for name in rigs if name.startswith(noun)), _LAMPLIGHT)}"
-    return f"{light} on, everything else dark"
-
-
-def _hour(match: re.Match[str]) -> str:
-    """ "3 am" as "night", "at 17:30" as "at golden hour"."""
-    at, hour, minutes, half = match[1] or "", int(match[2]), match[3], (match[4] or "").lower()
-    if hour > 24 or not (half or (at and minutes)):
-        return match[0]
-    if half[:1] in ("a", "p"):
-        hour = hour % 12 + 12 * (half[0] == "p")
-    return at + hour_entry(hour % 24)
-
-
-def _kelvins(match: re.Match[str]) -> str:
-    """ "3,200K" as "3200 kelvin", the name of an entry."""
-    kelvins = int(re.sub(r"\D", "", match[1]))
-    return kelvin_entry(kelvins) if _COLDEST <= kelvins <= _HOTTEST else match[0]
-
-
-def _protecting(v: Vocabulary) -> list[re.Pattern[str]]:
-    """The ways to say that something stays; the first one says so whatever it names."""
-    words = {kind: any_of(v.words[kind]) for kind in ("leave", "alone", "forbid", "keep", "stays", "stay")}
-    end = r"(?=\s*(?:[,.;:!]|and\b|but\b|while\b|$))"
-    one = rf"{any_of(v.lists['definite'])} [\w-]+(?: [\w-]+)?"
-    thing = rf"(?:{one}|[\w-]+(?: [\w-]+)?)"
-    alone = rf"(?: {words['alone']}| put)?{end}"
-    texts = (
-        rf"\b{words['leave']}\b(?P<what>[^,.;:]*?)\b{words['alone']}\b",
-        rf"\b{words['forbid']} (?P<what>[^,.;:]+?){end}",
-        rf"\b{words['keep']} (?P<what>{one}){end}",
-        rf"\b(?P<what>{thing}(?:(?:,| and) {thing})+) {words['stay']}{alone}",
-        rf"\b(?P<what>{one}) {words['stays']}{alone}",
-    )
-    return [re.compile(text, re.IGNORECASE) for text in texts]
-
-
-def _kept(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> Iterator[str]:
-    """The owners of parameters that nouns name: "material/Plaster", "light/Key", "world"."""
-    index, groups = scene.made(SceneIndex, vocabulary), {"things": "material", "lights": "light"}
-    fillers = vocabulary.lists["stop"] | vocabulary.lists["definite"]
-    for phrase in _AND.split(normalize(text)):
-        noun = " ".join(w for w in phrase.split() if w not in fillers)
-        named = index.named(parts(noun)) if parts(noun) else []
-        surest = min(map(fit_rank, named), default=None)
-        names = [(n.kind, name) for n in named if fit_rank(n) == surest for name in sorted(n.names)]
-        if names:
-            yield from (n if k == "lights" and n.startswith(GLOW) else f"{groups[k]}/{n}" for k, n in names)
-            continue
-        # A general noun: the background is what lies around, and the world; the fill is a light's role
-        kind = vocabulary.nouns.get(noun, "")
-        role = vocabulary.role(noun)
-        yield from (f"material/{name}" for name in sorted(materials_of(REGIONS.get(kind, ""), scene)))
-        yield from (f"light/{name}" for name, light in scene.lights.items() if role and light.role == role)
-        yield from ["world"] if kind in ("surroundings", "sky") else []
 
 
 # Accounts for people
