@@ -25,7 +25,7 @@ from ..words.lexicon.quantities import quantities
 from ..words.lexicon.user_words import default_vocabulary
 from ..words.types import PromptWord
 
-_PACKAGES = ("torch", "open_clip_torch", "numpy", "opencolorio", "embreex")
+_PACKAGES = ("torch", "open_clip_torch", "numpy", "opencolorio", "trimesh")
 
 
 def search_facts(outcome: Outcome, words: Sequence[PromptWord]) -> dict[str, Any]:

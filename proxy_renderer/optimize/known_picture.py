@@ -12,10 +12,14 @@ import numpy as np
 
 from ..render.cycles import CyclesPicture, is_of_light
 from ..rigs.lighting import OFF
+from ..rigs.places import BRIGHTNESS
 from ..scene import Light, SceneData
 from ..schema import Values, split_key
 
-_ROUNDING = 1e-4  # share of a number that is lost on the way into Blender and back
+_ROUNDING, _ZERO = (
+    1e-4,
+    1e-5,
+)  # share of a number that is lost on the way into Blender and back, and what is left of 0
 _BAKED = 0.02  # by how much a picture that Blender bakes may differ from bake to bake
 _COMPARED = ("resolution", "pixel_aspect", "camera", "materials", "objects", "volume", "bounces", "unseen")
 
@@ -37,9 +41,9 @@ class KnownPicture:
         unlit = {name for name in theirs.keys() - mine.keys() if _is_off(name, scene)}
         if scene.mesh is not self.scene.mesh or mine.keys() != theirs.keys() - unlit:
             return None
-        if not all(_alike(getattr(self.scene, name), getattr(scene, name)) for name in _COMPARED):
+        if not all(alike(getattr(self.scene, name), getattr(scene, name)) for name in _COMPARED):
             return None
-        if not (_alike(self.scene.world, scene.world) and self.scene.film.gain == scene.film.gain):
+        if not (alike(self.scene.world, scene.world) and self.scene.film.gain == scene.film.gain):
             return None
         if not all(_is_same_light(mine[name], theirs[name]) for name in mine):
             return None
@@ -50,39 +54,39 @@ class KnownPicture:
                 continue
             if key not in self.values:
                 return None
-            if not _alike(self.values[key], instance.value):
+            if not alike(self.values[key], instance.value):
                 differing[key] = self.values[key]
         return differing if all(is_of_light(key, scene) for key in differing) else None
 
 
 def _is_off(light: str, scene: SceneData) -> bool:
-    power = scene.instances[f"light/{light}/power"]
-    return power.value[0] <= OFF * power.reference
+    powers = (i for i in scene.instances.values() if i.owner == light and i.parameter.family in BRIGHTNESS)
+    return all(power.value[0] <= OFF * power.reference for power in powers)
 
 
 def _is_same_light(one: Light, other: Light) -> bool:
     """True if lights are the same but for their parameters, and for what follows from these."""
     if one.fixed:
-        return _alike(one, other)
+        return alike(one, other)
     one, other = (
         replace(each, position=(0.0, 0.0, 0.0), added=False, role="", use_temperature=False)
         for each in (one, other)
     )
-    return _alike(one, other)
+    return alike(one, other)
 
 
-def _alike(one: Any, other: Any) -> bool:
+def alike(one: Any, other: Any) -> bool:
     """True if records, sequences, pictures or numbers are the same but for rounding."""
     if is_dataclass(one):
         return type(one) is type(other) and all(
-            _alike(getattr(one, field.name), getattr(other, field.name)) for field in fields(one)
+            alike(getattr(one, field.name), getattr(other, field.name)) for field in fields(one)
         )
     if isinstance(one, Mapping):
-        return one.keys() == other.keys() and all(_alike(one[key], other[key]) for key in one)
+        return one.keys() == other.keys() and all(alike(one[key], other[key]) for key in one)
     if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
         return one.shape == other.shape and bool(np.abs(one - other).mean() <= _BAKED * (one.mean() + 1e-6))
     if isinstance(one, float) and isinstance(other, float):
-        return math.isclose(one, other, rel_tol=_ROUNDING, abs_tol=_ROUNDING)
+        return math.isclose(one, other, rel_tol=_ROUNDING, abs_tol=_ZERO)
     if isinstance(one, Sequence) and isinstance(other, Sequence) and not isinstance(one, str):
-        return len(one) == len(other) and all(map(_alike, one, other))
+        return len(one) == len(other) and all(map(alike, one, other))
     return bool(one == other)

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -27,7 +26,7 @@ from ..scene import SceneData
 from ..schema import GROUPS, Instance, VibeError, labels, matches, material_copies, messages
 from ..schema.messages import Options
 from ..words.types import SceneDescription
-from .known_picture import KnownPicture
+from .known_picture import KnownPicture, alike
 from .scene_facts import described_now
 from .vector import ParameterVector
 
@@ -257,7 +256,7 @@ class ShotState:
             for own, key in self.names.items()
             if plan[key].prior < 1.0
             and not self.vector.instances[own].locked
-            and not _alike(self.scene.instances[own], self.vector.instances[own])
+            and not alike(self.scene.instances[own].value, self.vector.instances[own].value)
         }
         if named <= self.vector.taken:
             return self
@@ -321,7 +320,9 @@ def shared_parameters(
                 instance = replace(instance, owner=f"shot {number}")
             mine[key] = instance.key
             first = shared.setdefault(instance.key, instance)
-            moves = files.setdefault(instance.key, view.file) == view.file and not _alike(first, instance)
+            moves = files.setdefault(instance.key, view.file) == view.file and not alike(
+                first.value, instance.value
+            )
             reason = first.locked or instance.locked or (MOVES if moves else "")
             if reason != first.locked:
                 shared[instance.key] = replace(first, locked=reason)
@@ -333,10 +334,6 @@ def added_values(scene: SceneData) -> set[str]:
     """Keys of the lights that the artist's scene lacks: writing them adds the lights."""
     added = {light.name for light in scene.lights if light.added}
     return {key for key, i in scene.instances.items() if i.parameter.group == "light" and i.owner in added}
-
-
-def _alike(a: Instance, b: Instance) -> bool:
-    return all(math.isclose(x, y, rel_tol=1e-4, abs_tol=1e-5) for x, y in zip(a.value, b.value, strict=True))
 
 
 def lock(

@@ -73,8 +73,8 @@ def set_stage(
     prompt, factor = sentences.plain(prompt) if goes_on else (prompt, 0.0)
     anew = goes_on and new_lights and sentences.adds_light(prompt)
     understood = Understood(prompt, described(*scenes), target)
-    if anew:
-        understood = Understood(prompt, described(*scenes), [*target, *_about_added(understood)])
+    if anew and (added := _about_added(understood)):
+        understood = Understood(prompt, described(*scenes), [*target, *added])
     scenes = [scene.with_copies(understood.scene.copies) for scene in scenes]
     goals = written.within(understood.scene) if written else goals_or_why(understood)
     if isinstance(goals, VibeError):

@@ -19,11 +19,10 @@ from ..scene import SceneData
 from ..schema import Instance, Values, orbit, radiometry
 from ..schema.added_lights import CARD, CARD_AWAY, card
 from ..words.lexicon.rigs import Rig
-from ..words.names import plain_name
 from ..words.types import GLOW, Attribute, Parsed
 from .chosen import ChosenRig, sky_color_of
 from .levels import GRAY, Exposing, Levels, measured
-from .places import Placed, placed
+from .places import BRIGHTNESS, Placed, placed, shared_names
 from .shown import wishes_of_rig
 from .stage import LightStage
 
@@ -47,6 +46,7 @@ _SPREAD, _TOWARDS = 0.6, 0.35
 """Stops by which a sky is darker at the top, and lighter at the horizon, and how far it goes to other colors there."""
 _GEL = 0.7  # share of the white in a color's name that a light of it lacks
 _GRAY_SKY = "#808080"
+_NEUTRAL = 6500.0  # kelvins of white light
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ def _shape(each: Placed, stage: LightStage) -> dict[str, Values]:
     light = each.light
     found: dict[str, Values] = {}
     if light.color or light.kelvin or not each.own:
-        found = {"color": (1.0, 1.0, 1.0), "temperature": (light.kelvin or 6500.0,)}
+        found = {"color": (1.0, 1.0, 1.0), "temperature": (light.kelvin or _NEUTRAL,)}
     if light.color:
         linear = linear_from_srgb(srgb_from_hex(light.color))
         pale = _GEL * min(linear)
@@ -253,11 +253,9 @@ def _ends_of_sky(rig: Rig, shown: Values, hazy: bool) -> tuple[Values, Values]:
 
 def _key_color(rig: Rig) -> str:
     key = next(iter(rig.lights), None)
-    return (
-        ""
-        if key is None
-        else key.color or hex_from_srgb(srgb_from_linear(kelvin_color(key.kelvin or 6500.0)))
-    )
+    if key is None or key.color:
+        return key.color if key else ""
+    return hex_from_srgb(srgb_from_linear(kelvin_color(key.kelvin or _NEUTRAL)))
 
 
 def _sky_color(rig: Rig) -> str:
@@ -311,7 +309,7 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
     if not rig.own:
         return found
     for key, instance in scene.instances.items():
-        if instance.parameter.family in ("light/power", "light/strength") and instance.owner not in playing:
+        if instance.parameter.family in BRIGHTNESS and instance.owner not in playing:
             found[key] = (instance.value[0] * 2.0**rig.own,)
     subject = {material.name for material in scene.materials if material.role == "subject"}
     for material, glow in glows(scene).items():
@@ -338,8 +336,7 @@ def _burning(scene: SceneData, lights: Sequence[Placed]) -> dict[str, Placed]:
     playing = {each.name for each in lights}
     free = [x for x in scene.lights if x.type != "SUN" and x.name not in playing]
     for each in lights:
-        names = {word.removesuffix("s") for word in each.light.names}
-        mine = (x.name for x in free if names & {*plain_name(x.name).split()} - {x.type.lower()})
+        mine = (x.name for x in free if shared_names(each.light, x) - {x.type.lower()})
         found |= dict.fromkeys(mine, replace(each, own=True))
     return found
 

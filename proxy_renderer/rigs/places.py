@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
-from ..render.lights.light_types import light_sources
+from ..render.lights.light_types import LIGHT_TYPES
 from ..scene import Light, SceneData
 from ..scene.values import RenderValues
 from ..schema import orbit
@@ -22,7 +22,7 @@ from ..words.lexicon.rigs import RigLight
 from ..words.names import plain_name
 from .stage import LightStage, Points
 
-_BRIGHT = ("light/power", "light/strength")
+BRIGHTNESS = ("light/power", "light/strength")  # families of how much light a light sheds
 _TURNS = (0.0, -14.0, 14.0, -28.0, 28.0, -45.0, 45.0)
 _RISES = (0.0, 12.0, -10.0, 24.0)
 _NEARER = (1.0, 0.75, 0.55, 0.4)
@@ -94,8 +94,7 @@ def _own(light: RigLight, stage: LightStage, taken: set[str]) -> Placed | None:
     said = next((x for x in free if x.name == light.own and not light.pattern), None)
     if said is not None:
         return _as_it_stands(light, said, stage)
-    names = {word.removesuffix("s") for word in light.names}
-    named = [x for x in free if names & {word.removesuffix("s") for word in plain_name(x.name).split()}]
+    named = [x for x in free if shared_names(light, x)]
     for candidate in (*named, *(x for x in free if _stands_for(x, light, stage))):
         share = _share(stage, light, candidate)
         near = (torch.tensor(candidate.position) - stage.middle).norm() < _NEAR * stage.radius
@@ -104,9 +103,17 @@ def _own(light: RigLight, stage: LightStage, taken: set[str]) -> Placed | None:
     return None
 
 
+def shared_names(light: RigLight, own: Light) -> set[str]:
+    """What a light of the scene and a rig's light are both called: "lamp" of a "Floor Lamp", where the rig has a lamp."""
+    words = {word.removesuffix("s") for word in plain_name(own.name).split()}
+    return words & {word.removesuffix("s") for word in light.names}
+
+
 def _playable(stage: LightStage, taken: set[str]) -> list[Light]:
     """The lights of the scene that may be changed and play no part yet."""
-    free = {i.owner for i in stage.scene.instances.values() if i.parameter.family in _BRIGHT and not i.locked}
+    free = {
+        i.owner for i in stage.scene.instances.values() if i.parameter.family in BRIGHTNESS and not i.locked
+    }
     return [x for x in stage.scene.lights if not x.fixed and x.name in free - taken]
 
 
@@ -137,8 +144,7 @@ def _share(stage: LightStage, light: RigLight, candidate: Light) -> float:
     if candidate.type == "SUN":
         azimuth, elevation = _angles(candidate, stage.scene)
         return float(stage.sunlit(points, azimuth - stage.front, elevation).mean())
-    lamps = light_sources(stage.scene, RenderValues(stage.scene, {}, "cpu"))
-    lamp = next(each for each in lamps if each.light.name == candidate.name)
+    lamp = LIGHT_TYPES[candidate.type].of(candidate, stage.scene, RenderValues(stage.scene, {}, "cpu"))
     within = lamp.irradiance(points.position, points.normal).irradiance > 0.0  # a spot's cone
     reached = stage.reached(points, torch.tensor(candidate.position, dtype=torch.float32))
     return float((reached * within).mean())

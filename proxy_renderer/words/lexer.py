@@ -30,7 +30,6 @@ _COMPARED = ("finish", "grade", "mood", "atmosphere")  # slots of "glossier", "m
 _NAME_ALIKE, _ALIKE = 0.86, 0.84  # share of characters that a mistyped name, and any other word, has right
 _BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*=+]|#(?![0-9a-f]{6}\b)|\s[-–—/]\s|/")
 _WORD = re.compile(r"#[0-9a-f]{6}\b|[^\W_]+(?:'[a-z]+)?")  # a word, or a color by its number: "#c8102e"
-_BURNS, _BURNING = "on", ("switched", "on")  # at the end of a clause: "the headlights on"
 _SLASH = re.compile(r"(?<=[A-Za-z])/(?=[A-Za-z])")  # "blue/green"
 ShadeArguments = tuple[float, float, float, float]  # arguments of `color.shade`
 
@@ -99,8 +98,9 @@ class Lexer:
     def _spelled(self, words: list[str]) -> list[str]:
         """The words that are meant by those typed in a hurry, by "on" at the end, and by "bluegreen" and "lightblue"."""
         v, found = self.vocabulary, list[str]()
-        if len(words) > 1 and words[-1] == _BURNS:
-            words = [*words[:-1], *_BURNING]
+        if len(words) > 1 and words[-1] in v.words["burns"]:
+            (burning,) = v.words["burning"]
+            words = [*words[:-1], *burning.split()]
         for word in (w if w in self._in_names else v.typed.get(w, w) for w in words):
             known = any(word in table for table in (v.synonyms, v.nouns, self.names))
             found += [word] if known else parted(word, v.colors, v.shades)

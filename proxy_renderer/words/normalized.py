@@ -27,16 +27,6 @@ _PAIR = re.compile(
 )
 _MOST_WORDS = 4  # words of a value; more are a sentence of their own
 _AND = re.compile(r"\s*(?:,|\band\b|\bor\b)\s*")
-_LIGHT = r"(?:the |a |an |one |some )?(?P<light>(?:[\w'-]+ ){0,3}?[\w'-]+)"
-_SOLE = tuple(
-    re.compile(pattern, re.IGNORECASE)
-    for pattern in (
-        rf"\b(?:only|just|nothing but) {_LIGHT} (?:(?:is|are|left|still|turned|switched) )*(?:on|lit|burning)\b",
-        rf"\b(?:everything|all|all the|every other|the) ?(?:other )?(?:lights?|lamps?|light source)? (?:(?:is|are|turned|switched) )*(?:off|out),? (?:except|but|apart from|besides)(?: for)? {_LIGHT}(?=\s*(?:[,;.]|$))",
-        rf"\b(?:lit only|only lit) (?:by|with) {_LIGHT}(?=\s*(?:[,;.]|$))",
-    )
-)
-"""Ways to say that one light burns alone."""
 _LAMPLIGHT = "lamplight"  # the setup of a room by a lamp of it
 
 Protection = tuple[str, tuple[str, ...]]
@@ -76,7 +66,7 @@ def normalized(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> No
         short = len(value.split()) <= _MOST_WORDS
         return f"{value} {key}" if short and key in vocabulary.nouns else pair[0]
 
-    for alone in _SOLE:
+    for alone in vocabulary.made(_sole_lights):
         text = alone.sub(_sole_light, text)
     text = _KELVINS.sub(_kelvins, _CLOCK.sub(_hour, _PAIR.sub(sentence, text.replace("’", "'"))))
     text, links, notes = without_links(text, scene, vocabulary)
@@ -88,6 +78,20 @@ def normalized(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> No
                 found.append((match[0].strip(), kept))
                 rest = rest.replace(match[0].strip(), ",")
     return Normalized(rest if rest.strip(" ,.;") else text, found, links, notes, targets)
+
+
+def _sole_lights(v: Vocabulary) -> list[re.Pattern[str]]:
+    """The ways to say that one light burns alone."""
+    rows = ("sole", "alight", "lit_by", "every_light", "put_out", "excepted")
+    sole, alight, lit_by, every, out, excepted = (any_of(v.words[row]) for row in rows)
+    article, end = rf"(?:{any_of(v.lists['definite'])} |an? )?", r"(?=\s*(?:[,;.]|$))"
+    light, be = rf"{article}(?P<light>(?:[\w'-]+ ){{0,3}}?[\w'-]+)", r"(?:is |are )?"
+    texts = (
+        rf"\b{sole} {light} {be}{alight}\b",
+        rf"\b{every} {be}{out},? {excepted} {light}{end}",
+        rf"\b{lit_by} {light}{end}",
+    )
+    return [re.compile(text, re.IGNORECASE) for text in texts]
 
 
 def _sole_light(match: re.Match[str]) -> str:

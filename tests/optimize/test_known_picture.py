@@ -9,6 +9,9 @@ import torch
 from proxy_renderer.optimize.shots import ShotInput, gathered
 from proxy_renderer.render.cycles import CyclesPicture
 from proxy_renderer.render.proxy import Proxy
+from proxy_renderer.rigs.lighting import OFF
+from proxy_renderer.scene import Light
+from proxy_renderer.schema import FAMILIES, Instance
 from proxy_renderer.schema.messages import Options
 
 SIZE = (32, 24)
@@ -74,6 +77,26 @@ def test_other_powers_and_grades_need_none_and_are_seen(scene, ended):
 
 def test_what_rounding_changes_is_the_same(scene, ended):
     assert not asks(with_values(scene, roughness=1.0 + 1e-7), ended.known_picture())
+
+
+@pytest.mark.parametrize(("kind", "power"), [("SUN", "strength"), ("AREA", "power")])
+def test_a_light_that_the_sentence_adds_is_off_and_needs_none(scene, ended, kind, power):
+    identity = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    added = Light("Vibe Rim", kind, identity, (0.0, 4.0, 3.0), added=True)
+    values = {power: OFF, "color": (1.0, 1.0, 1.0), "azimuth": 180.0, "elevation": 40.0}
+
+    def lit(brighter):
+        own = {**values, power: OFF * brighter}
+        made = [
+            Instance(FAMILIES[f"light/{name}"], added.name, v if isinstance(v, tuple) else (v,))
+            for name, v in own.items()
+        ]
+        instances = {**scene.instances, **{instance.key: instance for instance in made}}
+        return replace(scene, lights=(*scene.lights, added), instances=instances)
+
+    known = ended.known_picture()
+    assert known.values_in(lit(1.0)) == {}
+    assert known.values_in(lit(1000.0)) is None
 
 
 def test_whatever_else_an_artist_has_changed_needs_a_new_picture(scene, ended):

@@ -96,9 +96,8 @@ class Search:
         self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, observer)
         self._encoder = encoder
         self.claims: tuple[Claim, ...] = ()  # of words and reference image; none before the first round
-        self._artist: list[
-            Render
-        ] = []  # each shot's image of the artist's values: guidance is relative to it
+        # Each shot's image of the artist's values, which guidance is relative to
+        self._artist: list[Render] = []
         self._asked: object = None  # what the guidance is for
         self._guidance: list[Guidance] = []  # of each shot
         alone = len(self.shots) == 1 and observer.wants_looks
