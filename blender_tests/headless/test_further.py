@@ -52,13 +52,21 @@ def test_steps_are_in_the_file_and_go_on_from_there(vibed):
     bpy.ops.wm.save_as_mainfile(filepath=str(vibed.parent / "by_hand.blend"))
     out = vibed.parent / "on"
     code, output = run_headless(
-        "run", vibed.parent / "by_hand.blend", "--then=a bit darker", f"--out={out}", *QUICK
+        "run",
+        vibed.parent / "by_hand.blend",
+        "--then=a bit darker",
+        "--then=a bit cooler",
+        f"--out={out}",
+        *QUICK,
     )
     assert code == 0, output
     assert exposure(out / "vibed.blend") < before
     assert bpy.context.scene.objects["Area"].data.energy == pytest.approx(energy, rel=0.2)
     assert report(out)["steps"][-1]["sentence"] == "half as strong"  # kept, though it is not shown
     assert "a bit darker" in [step["sentence"] for step in report(out)["steps"]]
+    # The last search began with the picture of the step before it, which is not rendered again.
+    darker = next(n for n, step in enumerate(report(out)["steps"], 1) if step["sentence"] == "a bit darker")
+    assert (out / "before.png").read_bytes() == (out / f"step-{darker}.png").read_bytes()
 
 
 def test_revert_takes_all_steps_back(vibed):

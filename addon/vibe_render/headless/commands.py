@@ -38,6 +38,7 @@ def run(args: argparse.Namespace, reporter: Reporter) -> None:
     """Runs a vibe, if one is asked for, and the sentences that follow it, with an engine of its own."""
     engine = Engine(args.engine, listener=reporter.engine)
     engine.start()  # first, so that engine and scene load at the same time
+    shown = None
     try:
         if args.moments or args.markers:
             moments.run(args, reporter, engine)
@@ -49,10 +50,10 @@ def run(args: argparse.Namespace, reporter: Reporter) -> None:
                 steady = copy(args)
                 steady.frames, steady.check_every = [analysis.scene.frame_current, *lost], 0
                 run_one(HeadlessVibe(steady, reporter, engine), [])
-            args = _written(args)
+            args, shown = _written(args), args.out / "after.png"
         for sentence in args.then:
-            go_on(args, sentence, reporter, engine)
-            args = _written(args)
+            go_on(args, sentence, reporter, engine, shown)
+            args, shown = _written(args), args.out / "after.png"
     except BaseException:
         engine.stop(patience=0.1)  # it may be busy
         raise
@@ -67,8 +68,14 @@ def _written(args: argparse.Namespace) -> argparse.Namespace:
     return args
 
 
-def go_on(args: argparse.Namespace, sentence: str, reporter: Reporter, engine: Engine) -> None:
-    """Runs a further sentence; a VibeError if the scene has no look, or the sentence says nothing."""
+def go_on(
+    args: argparse.Namespace, sentence: str, reporter: Reporter, engine: Engine, shown: Path | None = None
+) -> None:
+    """Runs a further sentence; a VibeError if the scene has no look, or the sentence says nothing.
+
+    Args:
+        shown: The picture of the scene as it is, where there is one: that of the step before.
+    """
     scene, _, _ = open_scene(args, reporter)
     steps = Steps.of(scene)
     if not snapshot.exists(scene):
@@ -80,7 +87,7 @@ def go_on(args: argparse.Namespace, sentence: str, reporter: Reporter, engine: E
         args = copy(args)
         args.prompt, args.like, args.goals, args.like_only, args.variants = change.sentence, "", "", [], 1
         args.target = args.target if change.first else []
-        run_one(HeadlessVibe(args, reporter, engine, change), args.then)
+        run_one(HeadlessVibe(args, reporter, engine, change, shown), args.then)
         return
     with Outputs(args.out) as out:
         skipped = bindings.write(scene, change.values, (), steps.pivot)

@@ -62,15 +62,25 @@ def on_interrupt(act: Callable[[], Any]) -> None:
 
 
 class HeadlessVibe(Driver):
-    """One vibe of all shots of a command line."""
+    """One vibe of all shots of a command line.
+
+    Args:
+        shown: The picture of the scene as it is, where there is one: nobody waits for *before.png* then.
+    """
 
     def __init__(
-        self, args: argparse.Namespace, reporter: Reporter, engine: Engine, change: Change | None = None
+        self,
+        args: argparse.Namespace,
+        reporter: Reporter,
+        engine: Engine,
+        change: Change | None = None,
+        shown: Path | None = None,
     ) -> None:
         self._temporary = tempfile.TemporaryDirectory(prefix="vibe-", ignore_cleanup_errors=True)
         super().__init__(engine, Path(self._temporary.name))
         self._args, self._reporter, self._stopwatch = args, reporter, Stopwatch()
         self._out = Outputs(args.out)
+        self._shown = shown
         self._change = change or Change(Steps(), title=args.prompt, first=True)
         self._steps = self._change.steps
         self._shots = ShotList(args, self._job, reporter, self._change)
@@ -117,7 +127,7 @@ class HeadlessVibe(Driver):
         self._ask(messages.Vibe(schema.schema_hash(), shots[0].job, words, asdict(options), shots=others))
         # The engine works while the pictures before are rendered; the last shot is still open.
         for number in reversed(range(len(self._shots))):
-            scene = self._render(number, "before.png", min(self._args.samples, _SAMPLES_BEFORE))
+            scene = self._before(number)
             if final_render.is_black(self._out.path(numbered("before.png", number))):
                 notes.check_shows(scene, self._shots.jobs[number].filling, lit=True)
                 self._unlit |= number == 0
@@ -215,6 +225,12 @@ class HeadlessVibe(Driver):
         self._change.title = self._change.title or result.report["prompt"]
         steps.add(self._change, before, written, reasons, result.report["goals"])
         steps.store(job.analysis.scene)
+
+    def _before(self, number: int) -> bpy.types.Scene:
+        if not self._shown:
+            return self._render(number, "before.png", min(self._args.samples, _SAMPLES_BEFORE))
+        self._out.copy("before.png", self._shown)
+        return self._shots.show(number).analysis.scene
 
     def _render(self, number: int, name: str, samples: int) -> bpy.types.Scene:
         scene, args = self._shots.show(number).analysis.scene, self._args
