@@ -26,6 +26,7 @@ from ..scene import SceneData
 from ..schema import GROUPS, Instance, VibeError, labels, matches, material_copies, messages
 from ..schema.messages import Options
 from ..words.types import SceneDescription
+from .air_exposure import exposed_through_air
 from .known_picture import KnownPicture, alike
 from .scene_facts import described_now
 from .vector import ParameterVector
@@ -170,7 +171,9 @@ class ShotState:
         """An advisor's advice on this shot at u (N,), by its scene and its image; raises VibeError where there is none."""
         image = self.draw(u)
         now = described_now(described, self.proxy, self.vector.values(u), image)
-        return advisor.advise(image.display, self.vector.instances, now)
+        advice = advisor.advise(image.display, self.vector.instances, now)
+        plan = exposed_through_air(advice.plan, self.vector, lambda point: self.draw(point).linear)
+        return replace(advice, plan=plan)
 
     def anchored(self, u: Tensor, number: int, slack: float = _HERE) -> ShotState:
         """The shot with its proxy corrected at u (N,) by a picture of Cycles, if there is one and none within the slack.

@@ -151,7 +151,8 @@ def plan(
         entries |= _faint(entries, planner.instances, scene.added_lights)
         support = {k: e for k, e in support.items() if k == "film/exposure" or e.prior == 0.0}
     if light.served:  # exposed as the rig wants it, and graded so that its light keeps contrast and colors
-        support.pop("film/exposure", None)
+        if "volume/density" not in entries or not entries["volume/density"].is_named:  # air takes light
+            support.pop("film/exposure", None)
         graded = {key: ends for key, ends in _GRADES.items() if key in entries and entries[key].is_named}
         entries |= {key: _mild(entries[key], *ends) for key, ends in graded.items()}
     entries |= support

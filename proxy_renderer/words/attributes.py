@@ -131,7 +131,7 @@ def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> d
         items = [passage.items[place] for place in places]
         goes_on = all(_goes_on(item, rigs, vocabulary) for item in items)
         expected = several or bool(spoken_of)
-        heads = [n for n, item in enumerate(items) if _is_light(item, rigs, vocabulary, expected)]
+        heads = [n for n, item in enumerate(items) if is_light(item, rigs, vocabulary, expected)]
         tells = any(_is_of_light(item, rigs, vocabulary) for item in items)
         modifiers = filter(None, (rigs.modifier(item.entry) for item in items))
         sided = tells and any("direction" in modifier.aspects for modifier in modifiers)
@@ -172,8 +172,8 @@ def _segments(passage: Passage, vocabulary: Vocabulary) -> list[list[int]]:
     return parts
 
 
-def _is_light(item: Token, rigs: RigTable, vocabulary: Vocabulary, expected: bool) -> bool:
-    """True if an item names a light; "one" does where lights were spoken of."""
+def is_light(item: Token, rigs: RigTable, vocabulary: Vocabulary, expected: bool = False) -> bool:
+    """True if an item names a light; "one" does where lights are `expected`."""
     if (expected and item.text in vocabulary.words["one_of_them"]) or item.noun in LIGHTS:
         return True
     if vocabulary.slot(item.entry) != "lighting":

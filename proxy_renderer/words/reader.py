@@ -10,7 +10,7 @@ from itertools import pairwise
 
 from ..schema import VibeError
 from ..schema.parameters import Region
-from .attributes import NamedThing, light_phrases, shade_effect, shaded
+from .attributes import NamedThing, is_light, light_phrases, shade_effect, shaded
 from .lexicon.entries import VocabularyEntry
 from .lexicon.rigs import TIMES, rig_table
 from .lexicon.vocabulary import Vocabulary
@@ -128,8 +128,9 @@ def _where_it_stands(
 ) -> TargetPair:
     """A word with the target that its place leaves no doubt of.
 
-    In the description of a light words are said of light, unless it names what they are said of: "a pink one at the left". A sun is
-    no lamp: "sun through the window". A color right before fog or smoke is that of the air: "greenish ground fog".
+    In the description of a light words are said of light, unless it names what they are said of, with no light between: "a pink
+    one at the left", "an orange sun behind the red cars". A sun is no lamp: "sun through the window". A color right before fog or
+    smoke is that of the air: "greenish ground fog".
     """
     target, look, items, kind = pair.target, pair.look, found.passage.items, ""
     lamps = [scene.lights[n].type for n in target.names if n in scene.lights]
@@ -137,9 +138,11 @@ def _where_it_stands(
         kind = "light"
     elif numbers := phrases.get(look.index):
         noun = found.mentions[target.mention] if target.mention >= 0 else None
-        here = noun and phrases.get(noun.start) == numbers and (noun.named or noun.role)
+        between = items[look.index + 1 : noun.start] if noun and target.kind in MATTER else []
+        past = any(is_light(item, rig_table(), vocabulary) for item in between)
+        here = noun and phrases.get(noun.start) == numbers and (noun.named or noun.role) and not past
         of_light = look.token.color or look.token.adjective
-        may_move = target.kind in LAMPS or (target.kind in MATTER and of_light)
+        may_move = target.kind in LAMPS or (target.kind in (*MATTER, "none") and of_light)
         kind = "light" if may_move and not here else ""
     elif look.token.color:
         after = next((item for item in items[look.index + 1 :] if item.strength is None), look.token)
@@ -179,7 +182,10 @@ def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
     # a pier where there is one
     is_a_name = any(m.named and m.covers(pair.look.index) for m in read.pairs.mentions)
     unsure = _is_unsure(read, number)
-    if kind == "light" and is_a_name and _is_described(read, pair):  # the fire of "blue fire"
+    rig = rig_table().rigs.get(token.entry)
+    is_an_hour = rig is not None and rig.kind in TIMES  # it is that of the image, whatever lamp is called sun
+    # the fire of "blue fire"
+    if kind == "light" and is_a_name and not is_an_hour and _is_described(read, pair):
         return None
     if (kind == "none" or unsure) and not is_a_name and _is_a_light(read, pair):
         return _attributes(read, pair, token.entry, _of("light", token.text, "whole"))

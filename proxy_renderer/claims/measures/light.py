@@ -140,10 +140,13 @@ def _blurred(field: Tensor) -> Tensor:
 
 
 def haze(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Share of the light of what is seen there that fog takes away: (1,) in [0, 1]. The world counts where there is little else."""
-    passing = picture.seen.transmittance
+    """Share of the light of what is seen there that fog takes away: (1,) in [0, 1].
+
+    Of the half that it takes most from, as fog fades the distance. The world counts where there is little else.
+    """
     surfaces = where & (picture.seen.material >= 0)
-    return 1.0 - passing[surfaces if surfaces.sum() > 0.1 * where.sum() else where].mean()[None]
+    passing = picture.seen.transmittance[surfaces if surfaces.sum() > 0.1 * where.sum() else where]
+    return 1.0 - passing.topk(-(-len(passing) // 2), largest=False).values.mean()[None]
 
 
 def mist_below(picture: MeasuredPicture, where: Tensor) -> Tensor:
