@@ -28,7 +28,7 @@ _OF_A_CAMERA = (
 )  # lists of words that no value gives, unless they name a thing in the scene
 _COMPARED = ("finish", "grade", "mood", "atmosphere")  # slots of "glossier", "moodier", "drier"
 _NAME_ALIKE, _ALIKE = 0.86, 0.84  # share of characters that a mistyped name, and any other word, has right
-_BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*=+]|#(?![0-9a-f]{6}\b)|\s[-–—/]\s|/")
+_BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*=+]|#(?![0-9a-f]{6}\b)|\s[-–—/]\s|/|(?<=\bon)\s(?=with\b)")
 _WORD = re.compile(r"#[0-9a-f]{6}\b|[^\W_]+(?:'[a-z]+)?")  # a word, or a color by its number: "#c8102e"
 _SLASH = re.compile(r"(?<=[A-Za-z])/(?=[A-Za-z])")  # "blue/green"
 ShadeArguments = tuple[float, float, float, float]  # arguments of `color.shade`

@@ -43,4 +43,5 @@ def test_any_other_light_alone_leaves_the_rest_in_the_dark(way):
 
 def test_only_that_is_said_of_other_things_stays_what_it_is():
     assert not {w.entry for w in Understood("rim light only on the chair", ROOM).words} & {"lamplight"}
-    assert {w.entry for w in Understood("fog, lamp on", ROOM).words} == {"fog", "stronger lamp"}
+    for prompt in ("fog, lamp on", "lamp on with fog"):
+        assert {w.entry for w in Understood(prompt, ROOM).words} == {"fog", "stronger lamp"}
