@@ -11,8 +11,12 @@ from ..color.floats import (
     lab_from_srgb,
     linear_from_srgb,
     luminance,
+    mixed,
+    srgb_from_hex,
+    srgb_from_linear,
 )
 from ..goals.resolve import Goals
+from ..planning.light_levels import kelvin_color
 from ..schema import Values
 from ..words.attributes import is_dark
 from ..words.lexicon.languages import singular
@@ -54,6 +58,7 @@ _DARK_WORDS = (_DARKER, "dark surface", "black surface", "dark surroundings", "d
 _HUED = 14.0  # C* from which a dark color is not black: "dark burgundy"
 _DARK, _BLACK_WORLD, _BLACK_SKY, _BLACK_OWN = 20.0, -6.5, -6.5, -10.0
 """L* of a color up to which it is black, and the stops of a world, a sky and lights that leave all but the subject black."""
+_OF_SUN = 0.5  # what a sun has left of its own color in a mood's
 _EXPOSURES = (-2.2, 1.0)
 _PRACTICAL = "practical lamp"  # the rig of a lamp in the picture
 
@@ -301,7 +306,7 @@ class _Build:
             self._colored += 1
         color = tint_of(gel, self.vocabulary)
         lights = [
-            replace(light, color=color, kelvin=0.0) if light.part in parts else light
+            _tinted(light, color, gel.kind == "ambience") if light.part in parts else light
             for light in self._with_parts(parts)
         ]
         self.rig = replace(self.rig, lights=tuple(lights))
@@ -329,6 +334,14 @@ def _lit_lamps(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
     names = table.rigs[_PRACTICAL].lights[0].names
     burn = (a for a in said if a.entry == GLOWING and a.owners and not a.negated)
     return list({a.owners: a for a in burn if names & {singular(word) for word in a.thing.split()}}.values())
+
+
+def _tinted(light: RigLight, color: str, by_mood: bool) -> RigLight:
+    """A light in a color "#rrggbb"; a sun or moon keeps half of its own where that is only a mood's: "a quiet blue night"."""
+    if by_mood and light.type == "SUN" and light.kelvin:
+        own = srgb_from_linear(kelvin_color(light.kelvin))
+        color = hex_from_srgb(mixed(srgb_from_hex(color), own, _OF_SUN))
+    return replace(light, color=color, kelvin=0.0)
 
 
 def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:

@@ -7,7 +7,7 @@ subject can be reached. A sun that comes in through a window is looked for over 
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import torch
@@ -71,7 +71,7 @@ def placed(
         wanted = replace(light, azimuth=turned * light.azimuth, mirrored=either)
         taken = present | {each.name for each in found}
         mine = _own(wanted, stage, taken)
-        mine = mine or (_added(wanted, stage, taken, alone=not found) if add else None)
+        mine = mine or (_added(wanted, stage, taken, found) if add else None)
         if mine is None:  # the key of the scene, or the light that is called "Rim", wherever it stands
             free = [x for x in _playable(stage, taken) if light.part in ("key", *plain_name(x.name).split())]
             mine = _as_it_stands(wanted, min(free, key=lambda x: x.role != "key"), stage) if free else None
@@ -150,9 +150,10 @@ def _share(stage: LightStage, light: RigLight, candidate: Light) -> float:
     return float((reached * within).mean())
 
 
-def _added(light: RigLight, stage: LightStage, taken: set[str], alone: bool) -> Placed | None:
-    """A light that the scene gets: at a lamp that it has, through its windows, or where it reaches its target best."""
-    at_lamp = next(_at_lamps(light, stage), None)
+def _added(light: RigLight, stage: LightStage, taken: set[str], others: Sequence[Placed]) -> Placed | None:
+    """A light that the scene gets: at a lamp where no other stands, through its windows, or where it reaches its target best."""
+    alone, used = not others, [(other.azimuth, other.elevation, other.distance) for other in others]
+    at_lamp = next((place for place in _at_lamps(light, stage) if stage.orbit_of(place) not in used), None)
     if at_lamp is not None:
         return _made(light, "POINT", at_lamp, stage, taken, fixed=True)
     if light.worn:

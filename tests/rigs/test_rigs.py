@@ -246,6 +246,25 @@ def test_the_lamps_of_a_street_burn_though_none_shines_on_the_subject(prompt, sc
     assert entries["light/Key/power"].start[0] < 1.0
 
 
+@pytest.mark.parametrize("signs", [1, 2])
+def test_no_two_lights_burn_in_one_sign(signs, scene):
+    """Pink and cyan in the same place would be one color."""
+    stage = LightStage(scene, geometry_of(scene, torch.device("cpu")))
+    places = [stage.middle + stage.radius * torch.tensor([side, -2.0, 0.5]) for side in (-2.0, 2.0)]
+    stage.things = [(f"Sign {n}", frozenset({"sign"}), place, 0.1) for n, place in enumerate(places[:signs])]
+    lights = [x for x in placed(rig_table().rigs["rainy night"].lights, stage) if "sign" in x.light.names]
+    assert len({(x.azimuth, x.elevation, x.distance) for x in lights}) == len(lights) == 2
+    assert sum(x.fixed for x in lights) == signs
+
+
+def test_a_moon_in_the_color_of_a_mood_keeps_half_of_its_own():
+    moon = srgb_from_hex(chosen("moonlight, quiet blue night").rig.lights[0].color)
+    assert min(moon) > 0.4
+    assert chroma(lab_from_srgb(moon)) > 20.0
+    pure = chosen("blue light from the left, red light from the right").rig.lights[0].color
+    assert min(srgb_from_hex(pure)) < 0.2
+
+
 def test_without_new_lights_the_scenes_own_plays_the_key(scene):
     addition = set_stage([scene], "candlelight", new_lights=False)
     assert not any(light.added for light in addition.scenes[0].lights)
