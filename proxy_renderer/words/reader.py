@@ -31,7 +31,7 @@ from .targets import (
     sense_at,
     with_choices,
 )
-from .types import STRONGEST, WEAKEST, Attribute, Parsed, SceneDescription
+from .types import GLOW, STRONGEST, WEAKEST, Attribute, Parsed, SceneDescription
 
 _PLAIN = "Use plain look words that the vocabulary knows."
 _UNSURE = 0.35
@@ -130,9 +130,11 @@ def _where_it_stands(
 
     In the description of a light words are said of light, unless it names what they are said of, with no light between: "a pink
     one at the left", "an orange sun behind the red cars". A sun is no lamp: "sun through the window". A color right before fog or
-    smoke is that of the air: "greenish ground fog".
+    smoke is that of the air: "greenish ground fog". What is said of lamps and of surfaces is said of the light of what glows.
     """
     target, look, items, kind = pair.target, pair.look, found.passage.items, ""
+    if glow := _glow_of(pair, pairs, found, vocabulary):
+        return glow
     lamps = [scene.lights[n].type for n in target.names if n in scene.lights]
     if lamps and _is_a_sun(pair) and not {"SUN", ""}.intersection(lamps):
         kind = "light"
@@ -149,6 +151,19 @@ def _where_it_stands(
         is_air = after.noun == "fog" or vocabulary.slot(after.entry) == "atmosphere"
         kind = "air" if is_air and after.clause == items[look.index].clause else ""
     return next((other for other in pairs if other.target.kind == kind), pair)
+
+
+def _glow_of(
+    pair: TargetPair, pairs: list[TargetPair], found: PromptPairs, vocabulary: Vocabulary
+) -> TargetPair | None:
+    """The glow of what a word is said of, where lamps can be called so too: "globes brighter"; None where nothing glows."""
+    target, look = pair.target, pair.look
+    if "lamp" not in vocabulary.adjectives.get(look.token.adjective, {}) or target.kind in (*LAMPS, "light"):
+        return None
+    after = {n for n, noun in enumerate(found.mentions) if noun.start == look.index + 1}
+    nouns = {target.mention} if target.mention >= 0 else after
+    glows = (p for p in pairs if p.target.kind == "lights" and p.target.mention in nouns)
+    return next((p for p in glows if all(name.startswith(GLOW) for name in p.target.names)), None)
 
 
 def _is_a_sun(pair: TargetPair) -> bool:

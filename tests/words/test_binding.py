@@ -190,3 +190,19 @@ def test_one_light_is_no_headlight() -> None:
         object_materials={**GARAGE.object_materials, "Headlights": ("LampGlass",)},
     )
     assert {a.kind for a in parse("soft warm light", headlights).attributes} == {"light"}
+
+
+def test_what_is_said_of_lamps_is_said_of_the_light_of_what_glows() -> None:
+    scene = SceneDescription(
+        objects={"Bench": "subject", "Globe": "surroundings"},
+        materials={"Wood": "subject", "Milk": "surroundings"},
+        object_materials={"Bench": ("Wood",), "Globe": ("Milk",)},
+        glows=("Milk",),
+    )
+    for prompt in ("globes much brighter", "the globe warmer", "warm globe"):
+        (said,) = parse(prompt, scene).attributes
+        assert said.of_glows, prompt
+    (said,) = parse("glossy globe", scene).attributes
+    assert said.owners == ("Milk",)
+    (said,) = parse("bench much brighter", scene).attributes
+    assert not said.of_glows
