@@ -128,7 +128,10 @@ class _NounFinder:
         """Names of a token by itself, by its last word if by nothing else, or with a mistake."""
         token = self.items[start]
         named = self.index.named(said) or self._lamps(said)
-        if token.text in self.vocabulary.roles:  # a "blue rim" is of light, though glasses have rims
+        of_a_role = token.noun in ("rim", "fill") and not token.text.endswith("s")
+        if (
+            of_a_role or token.text in self.vocabulary.roles
+        ):  # a "blue rim" is of light, though glasses have rims
             named = [n for n in named if n.kind == "lights"] or self._surely(named)
         last = said[-1:]
         if not named and len(said) > 1 and token.noun != "tone":  # "the whole picture" hangs on no wall

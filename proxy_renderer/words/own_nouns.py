@@ -113,7 +113,14 @@ class AbsentObjects:
         """The absent object that a look word describes; "" where it describes none."""
         token = pair.look.token
         slot = "color" if token.color else self._vocabulary.slot(token.entry) or pair.sense.slot
-        own = self._own.of(pair.look.index) if self._scene.materials and slot in SURFACE else None
+        # "darker" of a thing is a color, though where no thing is said it would be of the whole image
+        of_things = not {"thing", "subject", "surroundings"}.isdisjoint(
+            self._vocabulary.adjectives.get(token.adjective, ())
+        )
+        may_lack = self._scene.materials and (
+            slot in SURFACE or (of_things and pair.target.kind == "picture")
+        )
+        own = self._own.of(pair.look.index) if may_lack else None
         return own.text if own and own.text != self.subject and self._is_absent(own) else ""
 
     def _is_absent(self, noun: NounMention) -> bool:
